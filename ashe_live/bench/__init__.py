@@ -1,0 +1,1 @@
+"""Measures accuracy, speed, and the trade between them."""

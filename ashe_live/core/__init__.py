@@ -1,0 +1,1 @@
+"""Values and conventions that every other part shares: NumPy and pyrr only."""

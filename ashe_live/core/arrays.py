@@ -1,0 +1,37 @@
+"""Checks that the arrays in value types are what their field's line says, and makes them read-only."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Float = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Image = NDArray[np.uint8]
+
+
+def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float:
+    """A read-only float64 copy of `values`; -1 in `shape` allows any length.
+
+    Raises ValueError when the shape differs or a value is not finite.
+    """
+    array = np.array(values, dtype=np.float64)
+    if array.ndim != len(shape) or any(want not in (-1, got) for want, got in zip(shape, array.shape, strict=True)):
+        raise ValueError(f"{name} has shape {array.shape}, not {shape}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} holds a value that is not finite")
+    array.flags.writeable = False
+    return array
+
+
+def frozen_view(array: NDArray[Any]) -> NDArray[Any]:
+    """A read-only view of `array`, without a copy: what images of several megabytes deserve."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+def set_frozen(instance: object, **fields: object) -> None:
+    """Sets fields of a frozen dataclass; for use in its __post_init__ only."""
+    for name, value in fields.items():
+        object.__setattr__(instance, name, value)

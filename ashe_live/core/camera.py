@@ -1,0 +1,97 @@
+"""The pinhole camera: intrinsics and distortion in OpenCV's model, pixel centres at integer coordinates."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.errors import UserError
+
+Size = tuple[int, int]
+CameraSource = Literal["file", "flag", "assumed", "estimated"]
+
+ASSUMED_HFOV_DEG = 60.0
+DISTORTION_LENGTHS = (4, 5, 8, 12, 14)
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """Intrinsics for frames of one size."""
+
+    size: Size  # width, height in pixels
+    K: Float  # (3, 3) pixels, last row 0 0 1
+    dist: Float  # (4, 5, 8, 12 or 14,) OpenCV's distortion coefficients
+    source: CameraSource  # where the numbers come from
+
+    def __post_init__(self) -> None:
+        set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(self.dist, (-1,), "dist"))
+        if min(self.size) < 1:
+            raise ValueError(f"camera size {self.size} is empty")
+        if not (self.K[0, 0] > 0 and self.K[1, 1] > 0 and np.array_equal(self.K[2], (0, 0, 1))):
+            raise ValueError("K needs positive focal lengths and the last row 0 0 1")
+        if len(self.dist) not in DISTORTION_LENGTHS:
+            raise ValueError(f"dist has {len(self.dist)} coefficients, not one of {DISTORTION_LENGTHS}")
+
+    @classmethod
+    def from_focal(cls, size: Size, focal_px: float, source: CameraSource = "flag") -> "Camera":
+        """Square pixels, principal point at the image's centre, no distortion."""
+        width, height = size
+        K = [[focal_px, 0, (width - 1) / 2], [0, focal_px, (height - 1) / 2], [0, 0, 1]]
+        return cls(size, np.array(K, dtype=np.float64), np.zeros(5), source)
+
+    @classmethod
+    def from_hfov(cls, size: Size, hfov_deg: float, source: CameraSource = "flag") -> "Camera":
+        """Square pixels whose `size[0]` columns together span `hfov_deg`."""
+        if not 0 < hfov_deg < 180:
+            raise ValueError(f"a field of view of {hfov_deg} degrees is not between 0 and 180")
+        return cls.from_focal(size, size[0] / 2 / math.tan(math.radians(hfov_deg) / 2), source)
+
+    @property
+    def hfov_deg(self) -> float:
+        """The horizontal angle that the columns span, were the principal point central."""
+        return math.degrees(2 * math.atan(self.size[0] / 2 / self.K[0, 0]))
+
+    @property
+    def is_distorted(self) -> bool:
+        return bool(self.dist.any())
+
+    def resized(self, size: Size) -> "Camera":
+        """The same camera for frames scaled to `size`; distortion does not depend on the scale.
+
+        Raises ValueError when the aspect ratio differs by more than rounding to whole pixels explains.
+        """
+        if size == self.size:
+            return self
+        scale = size[0] / self.size[0]
+        if abs(self.size[1] * scale - size[1]) > max(1.0, scale):
+            raise ValueError(f"{size[0]}x{size[1]} has another aspect ratio than {self.size[0]}x{self.size[1]}")
+        scales = np.array([scale, size[1] / self.size[1]])
+        K = self.K.copy()
+        K[:2, :2] *= scales[:, None]
+        K[:2, 2] = (self.K[:2, 2] + 0.5) * scales - 0.5
+        return Camera(size, K, self.dist, self.source)
+
+
+def read_camera_file(path: Path) -> Camera:
+    """Reads `{"size": [w, h], "K": 3x3, "dist": [...]}`; raises UserError when that is not what it holds."""
+    remedy = 'it needs {"size": [width, height], "K": 3x3 numbers, "dist": [k1, k2, p1, p2, k3]}'
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        width, height = (_whole_number(value) for value in content["size"])
+        dist: Sequence[float] = content.get("dist") or [0.0] * 5
+        return Camera((width, height), content["K"], np.array(dist, dtype=np.float64), "file")
+    except OSError as error:
+        raise UserError(f"cannot read the camera file {path}", error.strerror or str(error)) from error
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
+        raise UserError(f"the camera file {path} is not a calibration ({error})", remedy) from error
+
+
+def _whole_number(value: object) -> int:
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise ValueError(f"{value!r} is not a whole number of pixels")
+    return value

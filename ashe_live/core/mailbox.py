@@ -1,0 +1,57 @@
+"""The one-slot hand-over between threads: no queue, so nothing is ever older than it must be."""
+
+import threading
+from typing import Generic, TypeVar
+
+T = TypeVar("T")
+
+
+class Closed(Exception):  # noqa: N818 - an end, not an error
+    """The other side has ended in order; nothing more will come."""
+
+
+class LatestMailbox(Generic[T]):
+    """Holds the latest value only: put overwrites, take empties, close carries an end or an error across."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._value: T | None = None
+        self._end: BaseException | None = None
+
+    def put(self, value: T) -> None:
+        """Replaces what has not been taken. Raises Closed when the mailbox is closed."""
+        with self._changed:
+            if self._end is not None:
+                raise Closed
+            self._value = value
+            self._changed.notify_all()
+
+    def take(self, timeout_s: float) -> T | None:
+        """The value, or None after `timeout_s` without one.
+
+        A value put before the end is still handed over; then raises Closed, or the error that `close` was given.
+        """
+        with self._changed:
+            self._changed.wait_for(lambda: self._value is not None or self._end is not None, timeout_s)
+            value, self._value = self._value, None
+            if value is None and self._end is not None:
+                raise self._end
+            self._changed.notify_all()
+            return value
+
+    def wait_until_taken(self, timeout_s: float) -> bool:
+        """True when the slot is empty or the mailbox closed, False after `timeout_s`: how a clip skips no frame."""
+        with self._changed:
+            return self._changed.wait_for(lambda: self._value is None or self._end is not None, timeout_s)
+
+    def close(self, error: BaseException | None = None) -> None:
+        """Ends the hand-over; the first call counts."""
+        with self._changed:
+            if self._end is None:
+                self._end = error if error is not None else Closed()
+            self._changed.notify_all()
+
+    @property
+    def is_closed(self) -> bool:
+        with self._changed:
+            return self._end is not None

@@ -1,0 +1,37 @@
+"""The presets: frozen records of counts and sizes that the code reads, so that no algorithm asks for their names."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class TrackingPreset:
+    """How much work the tracker spends on a frame."""
+
+    detection_width_px: int  # wider frames are searched at this width, then refined at full resolution
+    subpixel_iterations: int
+    refines_pose: bool  # non-linear refinement after IPPE
+
+
+@dataclass(frozen=True, slots=True)
+class RenderPreset:
+    """How much work the renderer spends on a frame."""
+
+    shadow_map_size: int  # texels a side
+    pcf_radius: int  # (2 r + 1)^2 filter taps
+    msaa_samples: int  # 0: none
+
+
+@dataclass(frozen=True, slots=True)
+class Quality:
+    """One notch on the trade of speed for accuracy."""
+
+    name: str
+    tracking: TrackingPreset
+    render: RenderPreset
+
+
+FAST = Quality("fast", TrackingPreset(640, 15, False), RenderPreset(512, 1, 0))
+BALANCED = Quality("balanced", TrackingPreset(960, 30, True), RenderPreset(1024, 1, 4))
+ACCURATE = Quality("accurate", TrackingPreset(1920, 50, True), RenderPreset(2048, 2, 8))
+
+QUALITIES: dict[str, Quality] = {quality.name: quality for quality in (FAST, BALANCED, ACCURATE)}

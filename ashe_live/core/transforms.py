@@ -1,0 +1,133 @@
+"""Rigid transforms, directions on the sphere, and the one place where OpenCV's frames become OpenGL's.
+
+Column vectors throughout; pyrr, which keeps the translation in the last row, is used and guarded here only.
+"""
+
+import math
+
+import numpy as np
+import pyrr
+from numpy.typing import ArrayLike
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+
+# OpenCV's camera looks along +z with y down, OpenGL's along -z with y up.
+T_gl_cam: Float = np.diag([1.0, -1.0, -1.0, 1.0])
+T_gl_cam.flags.writeable = False
+
+
+def rigid(R: ArrayLike, t: ArrayLike) -> Float:
+    """(4, 4) from a rotation (3, 3) and a translation (3,)."""
+    T = np.eye(4)
+    T[:3, :3] = R
+    T[:3, 3] = np.asarray(t, dtype=np.float64).reshape(3)
+    return T
+
+
+def inverse_rigid(T_a_b: Float) -> Float:
+    """`T_b_a`, without the rounding of a general inverse."""
+    R = T_a_b[:3, :3].T
+    return rigid(R, -R @ T_a_b[:3, 3])
+
+
+def transform_points(T_a_b: Float, points_b: ArrayLike) -> Float:
+    """(n, 3) points of frame b in frame a."""
+    return np.asarray(points_b, dtype=np.float64) @ T_a_b[:3, :3].T + T_a_b[:3, 3]
+
+
+def normalised(vector: ArrayLike) -> Float:
+    """`vector` at length 1. Raises ValueError when it has none."""
+    array = np.asarray(vector, dtype=np.float64)
+    length = float(np.linalg.norm(array))
+    if not (math.isfinite(length) and length > 0):
+        raise ValueError(f"{array} has no direction")
+    # Twice, as the square of a tiny or huge length loses precision.
+    array = array / length
+    return np.asarray(array / np.linalg.norm(array))
+
+
+def direction_from_angles(azimuth_rad: float, elevation_rad: float) -> Float:
+    """(3,) unit vector; azimuth from x towards y, elevation from the xy plane towards z."""
+    flat = math.cos(elevation_rad)
+    return np.array([flat * math.cos(azimuth_rad), flat * math.sin(azimuth_rad), math.sin(elevation_rad)])
+
+
+def angles_from_direction(direction: ArrayLike) -> tuple[float, float]:
+    """Azimuth in [0, 2 pi) and elevation in [-pi/2, pi/2], in radians; azimuth 0 straight overhead."""
+    x, y, z = normalised(direction)
+    azimuth = math.atan2(y, x) % (2 * math.pi)
+    # A tiny negative angle wraps to 2 pi itself in floating point.
+    return (azimuth if azimuth < 2 * math.pi else 0.0), math.atan2(z, math.hypot(x, y))
+
+
+def tangent_basis(direction: ArrayLike) -> Float:
+    """(2, 3) orthonormal: towards larger azimuth, towards larger elevation, at `direction`."""
+    azimuth, elevation = angles_from_direction(direction)
+    east = (-math.sin(azimuth), math.cos(azimuth), 0.0)
+    flat = math.sin(elevation)
+    up = (-flat * math.cos(azimuth), -flat * math.sin(azimuth), math.cos(elevation))
+    return np.array([east, up])
+
+
+def angle_between(a: ArrayLike, b: ArrayLike) -> float:
+    """Radians between two directions, exact also where arccos is not (nearly parallel, nearly opposite)."""
+    unit_a, unit_b = normalised(a), normalised(b)
+    return 2 * math.atan2(float(np.linalg.norm(unit_a - unit_b)), float(np.linalg.norm(unit_a + unit_b)))
+
+
+def project(camera: Camera, T_cam_marker: Float, points_marker: ArrayLike) -> Float:
+    """(n, 2) pixels of (n, 3) points in the marker frame, without distortion; NaN behind the camera."""
+    points_cam = transform_points(T_cam_marker, points_marker)
+    depth = np.where(points_cam[:, 2] > 0, points_cam[:, 2], np.nan)
+    return np.asarray((points_cam / depth[:, None]) @ camera.K[:2].T)
+
+
+def raycast_to_plane(camera: Camera, T_cam_marker: Float, pixels: ArrayLike) -> Float:
+    """(n, 3) points where the rays through undistorted `pixels` (n, 2) meet the marker plane, in the marker frame.
+
+    NaN where a ray runs parallel to the plane or meets it behind the camera.
+    """
+    homogeneous = np.column_stack([np.asarray(pixels, dtype=np.float64), np.ones(len(np.asarray(pixels)))])
+    rays_cam = homogeneous @ np.linalg.inv(camera.K).T
+    T_marker_cam = inverse_rigid(T_cam_marker)
+    rays = rays_cam @ T_marker_cam[:3, :3].T
+    centre = T_marker_cam[:3, 3]
+    sinking = rays[:, 2] * np.sign(centre[2]) < -1e-12
+    distance = np.where(sinking, -centre[2] / np.where(sinking, rays[:, 2], 1.0), np.nan)
+    points = centre + distance[:, None] * rays
+    points[sinking, 2] = 0.0
+    return np.asarray(points)
+
+
+def gl_projection(camera: Camera, near: float, far: float) -> Float:
+    """(4, 4) clip from gl camera, such that OpenGL draws a point where OpenCV projects it.
+
+    OpenCV's pixel centres are integers and OpenGL's are at halves, hence the + 0.5.
+    """
+    width, height = camera.size
+    (fx, skew, cx), (_, fy, cy), _ = camera.K
+    return np.array(
+        [
+            [2 * fx / width, -2 * skew / width, 1 - 2 * (cx + 0.5) / width, 0],
+            [0, 2 * fy / height, 2 * (cy + 0.5) / height - 1, 0],
+            [0, 0, -(far + near) / (far - near), -2 * far * near / (far - near)],
+            [0, 0, -1, 0],
+        ]
+    )
+
+
+def light_view(to_light: Float) -> Float:
+    """(4, 4) rotation into a light's frame: z towards the light, stable in azimuth also straight overhead."""
+    eye = normalised(to_light)
+    # pyrr's look_at divides by zero when the view direction is parallel to `up`.
+    up = (0.0, 1.0, 0.0) if abs(eye[1]) < 0.9 else (1.0, 0.0, 0.0)
+    look_at = np.asarray(pyrr.matrix44.create_look_at(eye, np.zeros(3), np.array(up)), dtype=np.float64).T
+    return rigid(look_at[:3, :3], np.zeros(3))
+
+
+def orthographic(lower: Float, upper: Float) -> Float:
+    """(4, 4) clip from a light's frame, for the box between two corners (3,) of that frame (z towards the light)."""
+    (left, bottom, back), (right, top, front) = lower, upper
+    matrix = pyrr.matrix44.create_orthogonal_projection(left, right, bottom, top, -front, -back)
+    return np.asarray(matrix, dtype=np.float64).T

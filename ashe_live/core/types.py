@@ -1,0 +1,112 @@
+"""The values that travel between the parts: immutable, checked, each field with its shape, unit and frame."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angles_from_direction, normalised
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One picture of a source."""
+
+    image_bgr: Image  # (h, w, 3) uint8 sRGB, OpenCV's channel order, read-only
+    index: int  # 0 for the source's first frame
+    time_s: float  # since the source's first frame, at capture
+
+    def __post_init__(self) -> None:
+        if self.image_bgr.ndim != 3 or self.image_bgr.shape[2] != 3 or self.image_bgr.dtype != np.uint8:
+            raise ValueError(f"a frame is (h, w, 3) uint8, not {self.image_bgr.shape} {self.image_bgr.dtype}")
+        set_frozen(self, image_bgr=frozen_view(self.image_bgr))
+
+    @property
+    def size(self) -> tuple[int, int]:
+        return self.image_bgr.shape[1], self.image_bgr.shape[0]
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerPose:
+    """Where the marker stands in front of the camera, and how well that explains its corners."""
+
+    T_cam_marker: Float  # (4, 4) rigid
+    corners_px: Float  # (4, 2) source pixels: top-left, top-right, bottom-right, bottom-left of the upright print
+    side_m: float  # black square's side
+    reprojection_rms_px: float  # of the chosen one of IPPE's two solutions
+    other_rms_px: float | None  # of the one not chosen; None when there is only one
+
+    def __post_init__(self) -> None:
+        set_frozen(
+            self,
+            T_cam_marker=frozen_floats(self.T_cam_marker, (4, 4), "T_cam_marker"),
+            corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
+        )
+        if not (math.isfinite(self.side_m) and self.side_m > 0):
+            raise ValueError(f"a marker's side of {self.side_m} m is not positive")
+
+
+@dataclass(frozen=True, slots=True)
+class TrackedFrame:
+    """A frame and the pose measured in it: one object, so that video and model are never out of step."""
+
+    frame: Frame
+    camera: Camera  # of this frame's size
+    marker: MarkerPose | None  # None: no marker in this frame
+    detect_ms: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.camera.size != self.frame.size:
+            raise ValueError(f"a camera for {self.camera.size} cannot explain a frame of {self.frame.size}")
+
+
+@dataclass(frozen=True, slots=True)
+class DirectionalLight:
+    """A light far away, and how sure its direction is. What was not measured is None."""
+
+    to_light_marker: Float  # (3,) unit, from the surface towards the light
+    covariance_rad2: Float | None = None  # (2, 2) on the tangent basis: larger azimuth, larger elevation
+    sigma_rad: float | None = None  # radius that contains the truth with probability 0.68
+    confidence: float | None = None  # P(angular error < 10 degrees)
+    angular_size_rad: float | None = None  # the source's angular diameter
+    shadow_rgb_ratio: Float | None = None  # (3,) linear RGB, shadowed over lit ground
+
+    def __post_init__(self) -> None:
+        set_frozen(self, to_light_marker=frozen_floats(normalised(self.to_light_marker), (3,), "to_light_marker"))
+        if self.covariance_rad2 is not None:
+            set_frozen(self, covariance_rad2=frozen_floats(self.covariance_rad2, (2, 2), "covariance_rad2"))
+        if self.shadow_rgb_ratio is not None:
+            set_frozen(self, shadow_rgb_ratio=frozen_floats(self.shadow_rgb_ratio, (3,), "shadow_rgb_ratio"))
+
+    @property
+    def azimuth_deg(self) -> float:
+        return math.degrees(angles_from_direction(self.to_light_marker)[0])
+
+    @property
+    def elevation_deg(self) -> float:
+        return math.degrees(angles_from_direction(self.to_light_marker)[1])
+
+
+@dataclass(frozen=True, slots=True)
+class LightEstimate:
+    """What one frozen frame tells about the light; without lights, `reason` says why there is no answer."""
+
+    estimator: str
+    frame_index: int
+    lights: tuple[DirectionalLight, ...]  # strongest first
+    reason: str | None = None  # for a person, e.g. "no shadow found beside the object"
+    object_mask: Mask | None = None  # (h, w) at the estimator's working size
+    shadow_mask: Mask | None = None  # (h, w) at the estimator's working size
+    timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total"
+
+    def __post_init__(self) -> None:
+        if not self.lights and not self.reason:
+            raise ValueError("an estimate without a light needs a reason")
+
+    @property
+    def light(self) -> DirectionalLight | None:
+        """The strongest light, or None for "no directional light"."""
+        return self.lights[0] if self.lights else None

@@ -1,0 +1,27 @@
+"""The errors that a user can mend, and the exit statuses that commands end with."""
+
+from enum import IntEnum
+
+
+class ExitStatus(IntEnum):
+    """What a command ends with; of several files the worst counts, in the order 2, 3, 4, 0 (docs/contract.md)."""
+
+    ANSWERED = 0
+    WRONG_USE = 2
+    NO_MARKER = 3
+    NO_DIRECTIONAL_LIGHT = 4
+
+
+class UserError(Exception):
+    """Something that the user can mend; ends as one line on stderr and exit status 2.
+
+    `message` says what is wrong, `remedy` what to do about it.
+    """
+
+    def __init__(self, message: str, remedy: str) -> None:
+        super().__init__(f"{message}: {remedy}")
+        self.message = message
+        self.remedy = remedy
+
+    def __reduce__(self) -> tuple[type["UserError"], tuple[str, str]]:
+        return type(self), (self.message, self.remedy)

@@ -1,0 +1,1 @@
+"""Estimates from one frozen frame where the light is."""

@@ -1,0 +1,1 @@
+"""Virtual models: meshes, and the files they come from."""

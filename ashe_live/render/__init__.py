@@ -1,0 +1,1 @@
+"""Draws the scene with OpenGL; the only place that knows moderngl."""

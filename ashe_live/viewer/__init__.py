@@ -1,0 +1,1 @@
+"""The viewer: threads, scene, keys, window; the only place that knows GLFW."""
