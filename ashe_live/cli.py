@@ -1,0 +1,182 @@
+"""The command line: what can be asked for. What is asked is loaded only then, so that --help is instant."""
+
+import argparse
+import math
+import os
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import NoReturn
+
+from ashe_live import __version__
+from ashe_live.errors import ExitStatus, UserError
+
+EPILOG = "Start with `ashe-live demo`; print a marker with `ashe-live marker --out marker.pdf`."
+
+
+DEFAULT_MARKER = "aruco:4x4_50:0"
+DEFAULT_ESTIMATOR = "paper"
+MARKER_HELP = (
+    f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit) or image:FILE.png (default {DEFAULT_MARKER})"
+)
+ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
+
+
+def build_parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="ashe-live", description="AR whose virtual objects are lit as the real ones are.", epilog=EPILOG
+    )
+    parser.add_argument("--version", action="version", version=f"ashe-live {__version__}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+
+    demo = commands.add_parser("demo", help="play the shipped clip (without a display: into a video file)")
+    _add_view_options(demo)
+    demo.set_defaults(marker=None, marker_size=None, camera_file=None, focal_px=None, hfov=None)
+
+    webcam = commands.add_parser("webcam", help="the real thing: a camera, a printed marker, a sunny table")
+    webcam.add_argument("--camera", default="0", metavar="N|PATH", help="number or path of the camera (default 0)")
+    _add_scene_options(webcam)
+    _add_view_options(webcam)
+
+    play = commands.add_parser("play", help="a recorded clip, or a photo")
+    play.add_argument("file", type=Path, metavar="FILE")
+    _add_scene_options(play)
+    _add_view_options(play)
+
+    estimate = commands.add_parser("estimate", help="where the light is, in photos or clips")
+    estimate.add_argument("files", type=Path, nargs="+", metavar="FILE")
+    estimate.add_argument(
+        "--json", action="store_true", help="one JSON object a line, one line a file (docs/contract.md)"
+    )
+    estimate.add_argument(
+        "--repeat", type=_count, metavar="N", help="warm up once, then give the median times of N runs"
+    )
+    estimate.add_argument("--estimate-at", type=_index, metavar="FRAME", help=ESTIMATE_AT_HELP)
+    _add_scene_options(estimate)
+    _add_quality_options(estimate)
+
+    marker = commands.add_parser("marker", help="a marker to print at true size")
+    marker.add_argument("--out", type=Path, required=True, metavar="FILE.pdf|png")
+    marker.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
+    marker.add_argument(
+        "--size-mm", type=_positive, default=80.0, metavar="MM", help="black square's side (default 80)"
+    )
+    marker.add_argument("--overwrite", action="store_true", help="replace an existing file")
+
+    bench = commands.add_parser("bench", help="measure speed and accuracy on this machine")
+    benches = bench.add_subparsers(dest="bench", metavar="WHAT", required=True)
+    viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")
+    viewer.add_argument("--frames", type=_count, default=600, metavar="N", help="frames in each run (default 600)")
+    viewer.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures there")
+    viewer.add_argument("--overwrite", action="store_true", help="replace an existing file")
+    _add_quality_options(viewer, default="fast")
+    light = benches.add_parser("light", help="the estimators' errors on scenes whose light is known")
+    light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    light.add_argument("--out", type=Path, metavar="DIR", help="where results.json goes")
+    light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
+    light.add_argument("--limit", type=_count, metavar="N", help="the first N scenes of each folder only")
+    return parser
+
+
+def _add_scene_options(parser: argparse.ArgumentParser) -> None:
+    scene = parser.add_argument_group("what the camera sees")
+    scene.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
+    scene.add_argument(
+        "--marker-size", type=_positive, default=0.08, metavar="METRES", help="black square's side (default 0.08)"
+    )
+    camera = scene.add_mutually_exclusive_group()
+    camera.add_argument("--camera-file", type=Path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}')
+    camera.add_argument("--focal-px", type=_positive, metavar="F", help="focal length in pixels of the source")
+    camera.add_argument("--hfov", type=_angle, metavar="DEG", help="horizontal field of view (default: 60 is assumed)")
+
+
+def _add_view_options(parser: argparse.ArgumentParser) -> None:
+    view = parser.add_argument_group("what is shown")
+    view.add_argument(
+        "--model", default="cube", metavar="NAME|FILE", help="shipped model, or glTF/GLB/OBJ/PLY/STL file"
+    )
+    view.add_argument("--size", type=_size, metavar="WxH", help="size of the window (default: the source's)")
+    view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
+    view.add_argument("--estimate-at", type=_index, metavar="FRAME", help=ESTIMATE_AT_HELP)
+    output = parser.add_argument_group("without a window")
+    output.add_argument("--headless", action="store_true", help="render offscreen, every frame")
+    output.add_argument("--frames", type=_count, metavar="N", help="stop after N frames")
+    output.add_argument("--out", type=Path, metavar="VIDEO.mp4", help="record what is shown")
+    output.add_argument(
+        "--report", type=Path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"
+    )
+    output.add_argument("--overwrite", action="store_true", help="replace existing files")
+    _add_quality_options(parser)
+
+
+def _add_quality_options(parser: argparse.ArgumentParser, default: str = "balanced") -> None:
+    trade = parser.add_argument_group("speed against accuracy")
+    trade.add_argument("--quality", choices=("fast", "balanced", "accurate", "auto"), default=default)
+    trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=f"(default {DEFAULT_ESTIMATOR})")
+
+
+def _number(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(text)
+    return value
+
+
+def _positive(text: str) -> float:
+    value = _number(text)
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"{text} is not above 0")
+    return value
+
+
+def _angle(text: str) -> float:
+    value = _number(text)
+    if not 1 <= value < 180:
+        raise argparse.ArgumentTypeError(f"{text} is not a field of view from 1 to 179 degrees")
+    return value
+
+
+def _count(text: str) -> int:
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text} is not 1 or more")
+    return value
+
+
+def _index(text: str) -> int:
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{text} is not 0 or more")
+    return value
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal() and 0 < int(width) <= 16384 and 0 < int(height) <= 16384):
+        raise argparse.ArgumentTypeError(f"{text} is not a size like 1280x720")
+    return int(width), int(height)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, without the usage that hides it."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(ExitStatus.WRONG_USE, f"ashe-live: {message} (see {self.prog} --help)\n")
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Parses, runs the command, and returns its exit status; a UserError becomes one line on stderr."""
+    options = build_parser().parse_args(arguments)
+    try:
+        command: Callable[[argparse.Namespace], int] = import_module(f"ashe_live.commands.{options.command}").run
+        return int(command(options))
+    except UserError as error:
+        print(f"ashe-live: {' '.join(str(error).split())}", file=sys.stderr)
+        return ExitStatus.WRONG_USE
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        # The reader (`| head`) has what it wanted; without this Python complains once more at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return ExitStatus.ANSWERED

@@ -1,0 +1,103 @@
+"""The JSON that leaves the program, version 1 (docs/contract.md): plain dicts from the value types.
+
+What does not apply or was not measured is null. Additions keep the schema's number.
+"""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
+
+SCHEMA = 1
+STAGES = ("detect", "segment", "associate", "fit", "judge", "total")
+
+Json = dict[str, Any]
+
+
+def camera_json(camera: Camera) -> Json:
+    return {
+        "size": list(camera.size),
+        "K": camera.K.tolist(),
+        "dist": camera.dist.tolist(),
+        "source": camera.source,
+    }
+
+
+def marker_json(marker: MarkerPose | None) -> Json:
+    return {
+        "found": marker is not None,
+        "T_cam_marker": marker.T_cam_marker.tolist() if marker else None,
+        "corners_px": marker.corners_px.tolist() if marker else None,
+        "reprojection_rms_px": marker.reprojection_rms_px if marker else None,
+    }
+
+
+def light_json(light: DirectionalLight | None, reason: str | None = None) -> Json:
+    """`light` None is "no directional light", for `reason`."""
+
+    def listed(array: Float | None) -> list[Any] | None:
+        return None if array is None else array.tolist()
+
+    def degrees(radians: float | None) -> float | None:
+        return None if radians is None else math.degrees(radians)
+
+    return {
+        "kind": "directional" if light else "none",
+        "to_light_marker": listed(light.to_light_marker) if light else None,
+        "azimuth_deg": light.azimuth_deg if light else None,
+        "elevation_deg": light.elevation_deg if light else None,
+        "sigma_deg": degrees(light.sigma_rad) if light else None,
+        "covariance_rad2": listed(light.covariance_rad2) if light else None,
+        "confidence": light.confidence if light else None,
+        "angular_size_deg": degrees(light.angular_size_rad) if light else None,
+        "shadow_rgb_ratio": listed(light.shadow_rgb_ratio) if light else None,
+        "reason": reason,
+    }
+
+
+def estimate_json(estimate: LightEstimate) -> Json:
+    """The fields `light` and `lights` of a record."""
+    return {
+        "light": light_json(estimate.light, estimate.reason),
+        "lights": [light_json(light) for light in estimate.lights],
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class FileRecord:
+    """One line of `ashe-live estimate --json`."""
+
+    file: str
+    quality: str
+    estimator: str
+    error: str | None = None  # one line, for a person; the rest is then null
+    frame: int | None = None
+    camera: Camera | None = None
+    marker: MarkerPose | None = None
+    estimate: LightEstimate | None = None
+    timing_ms: Mapping[str, float] | None = None
+
+    def to_json(self) -> Json:
+        none = light_json(None, self.error or "no marker found")
+        lights = estimate_json(self.estimate) if self.estimate else {"light": none, "lights": []}
+        timing = {stage: (self.timing_ms or {}).get(stage) for stage in STAGES}
+        return {
+            "schema": SCHEMA,
+            "file": self.file,
+            "frame": self.frame,
+            "error": self.error,
+            "camera": camera_json(self.camera) if self.camera else None,
+            "marker": marker_json(self.marker) if self.error is None else None,
+            **lights,
+            "quality": self.quality,
+            "estimator": self.estimator,
+            "timing_ms": timing if self.timing_ms else None,
+        }
+
+    def to_line(self) -> str:
+        return json.dumps(self.to_json(), allow_nan=False)

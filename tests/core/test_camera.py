@@ -1,0 +1,70 @@
+"""The camera's conventions: pixel centres at integers, scaling about the image's edge, files and their errors."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera, read_camera_file
+from ashe_live.errors import UserError
+
+
+def test_hfov_spans_the_columns_edge_to_edge() -> None:
+    camera = Camera.from_hfov((640, 480), 90)
+    assert camera.K[0, 0] == pytest.approx(320)
+    assert camera.hfov_deg == pytest.approx(90)
+    left_edge = (-0.5 - camera.K[0, 2]) / camera.K[0, 0]
+    assert math.degrees(math.atan(left_edge)) == pytest.approx(-45)
+
+
+def test_resizing_keeps_the_direction_of_every_edge() -> None:
+    K = [[800, 0, 610.0], [0, 820, 371.0], [0, 0, 1]]
+    camera = Camera((1280, 720), np.array(K), np.zeros(5), "file")
+    small = camera.resized((640, 360))
+    for edge, small_edge in ((-0.5, -0.5), (1279.5, 639.5)):
+        assert (small_edge - small.K[0, 2]) / small.K[0, 0] == pytest.approx((edge - camera.K[0, 2]) / camera.K[0, 0])
+    np.testing.assert_allclose(small.resized((1280, 720)).K, camera.K)
+
+
+def test_resizing_allows_for_rounding_to_whole_pixels_and_refuses_another_shape() -> None:
+    camera = Camera.from_hfov((1920, 1080), 60)
+    assert camera.resized((853, 480)).size == (853, 480)
+    with pytest.raises(ValueError, match="aspect ratio"):
+        camera.resized((640, 480))
+
+
+def test_reads_a_calibration(tmp_path: Path) -> None:
+    path = tmp_path / "camera.json"
+    path.write_text(json.dumps({"size": [640, 480], "K": np.diag([500, 500, 1]).tolist(), "dist": [0.1, 0, 0, 0]}))
+    camera = read_camera_file(path)
+    assert (camera.size, camera.source, camera.is_distorted) == ((640, 480), "file", True)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "",
+        "[]",
+        "null",
+        '{"size": [640, 480]}',
+        '{"size": [640], "K": [[1,0,0],[0,1,0],[0,0,1]]}',
+        '{"size": [640, 480.5], "K": [[1,0,0],[0,1,0],[0,0,1]]}',
+        '{"size": [640, 480], "K": [[0,0,0],[0,1,0],[0,0,1]]}',
+        '{"size": [640, 480], "K": [[NaN,0,0],[0,1,0],[0,0,1]]}',
+        '{"size": [640, 480], "K": [[1,0,0],[0,1,0],[0,0,1]], "dist": [1, 2, 3]}',
+        '{"size": [640, 480], "K": [[1,0,0],[0,1,0],[0,0,1]], "dist": "none"}',
+        "[" * 100_000,
+    ],
+)
+def test_a_file_that_is_no_calibration_is_named(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "camera.json"
+    path.write_text(content)
+    with pytest.raises(UserError, match=r"camera\.json is not a calibration"):
+        read_camera_file(path)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="cannot read the camera file"):
+        read_camera_file(tmp_path / "camera.json")

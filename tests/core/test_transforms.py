@@ -1,0 +1,128 @@
+"""Laws of the transforms, and the one bridge from OpenCV to OpenGL."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ashe_live.core import transforms as tf
+from ashe_live.core.camera import Camera
+
+angles = st.floats(-math.pi, math.pi)
+elevations = st.floats(-math.pi / 2, math.pi / 2)
+
+
+def rotation(rotation_vector: tuple[float, float, float]) -> np.ndarray:
+    return cv2.Rodrigues(np.array(rotation_vector))[0]
+
+
+def looking_down(distance: float = 0.6) -> np.ndarray:
+    return tf.rigid(rotation((2.3, 0.2, -0.1)), (0.01, -0.02, distance))
+
+
+SKEWED = Camera((640, 480), np.array([[500, 1.5, 300.25], [0, 510, 255.5], [0, 0, 1]]), np.zeros(5), "file")
+
+
+def test_opengl_draws_a_point_where_opencv_projects_it() -> None:
+    points = np.random.default_rng(1).uniform(-0.1, 0.1, (50, 3))
+    T_cam_marker = looking_down()
+    expected = tf.project(SKEWED, T_cam_marker, points)
+    clip = tf.gl_projection(SKEWED, 0.01, 10) @ tf.T_gl_cam @ T_cam_marker @ np.column_stack([points, np.ones(50)]).T
+    ndc = (clip[:3] / clip[3]).T
+    # The window's y counts upwards, its pixel centres are at halves.
+    pixels = np.column_stack([(ndc[:, 0] + 1) / 2 * 640 - 0.5, (1 - ndc[:, 1]) / 2 * 480 - 0.5])
+    np.testing.assert_allclose(pixels, expected, atol=1e-6)
+    assert (np.abs(ndc) < 1).all()
+
+
+def test_project_agrees_with_opencv() -> None:
+    camera = Camera.from_hfov((640, 480), 60)
+    points = np.random.default_rng(2).uniform(-0.1, 0.1, (50, 3))
+    T = looking_down()
+    expected = cv2.projectPoints(points, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0][:, 0]
+    np.testing.assert_allclose(tf.project(camera, T, points), expected, atol=1e-9)
+
+
+def test_points_behind_the_camera_have_no_pixel() -> None:
+    assert np.isnan(tf.project(SKEWED, np.eye(4), [[0, 0, -1]])).all()
+
+
+def test_raycast_is_the_inverse_of_projection_on_the_plane() -> None:
+    on_plane = np.column_stack([np.random.default_rng(3).uniform(-0.2, 0.2, (40, 2)), np.zeros(40)])
+    T = looking_down()
+    np.testing.assert_allclose(tf.raycast_to_plane(SKEWED, T, tf.project(SKEWED, T, on_plane)), on_plane, atol=1e-12)
+
+
+def test_raycast_above_the_horizon_finds_nothing() -> None:
+    level = tf.rigid([[1, 0, 0], [0, 0, -1], [0, 1, 0]], (0, 0.1, 0.5))
+    above, below = tf.raycast_to_plane(SKEWED, level, [[300, 10], [300, 470]])
+    assert np.isnan(above).all()
+    assert np.isfinite(below).all()
+
+
+@given(angles, elevations)
+def test_angles_and_direction_are_inverse(azimuth: float, elevation: float) -> None:
+    direction = tf.direction_from_angles(azimuth, elevation)
+    back = tf.direction_from_angles(*tf.angles_from_direction(direction))
+    np.testing.assert_allclose(back, direction, atol=1e-12)
+    assert 0 <= tf.angles_from_direction(direction)[0] < 2 * math.pi
+
+
+@given(angles, elevations)
+def test_tangent_basis_is_orthonormal_and_points_where_the_angles_grow(azimuth: float, elevation: float) -> None:
+    direction = tf.direction_from_angles(azimuth, elevation)
+    frame = np.vstack([tf.tangent_basis(direction), direction])
+    np.testing.assert_allclose(frame @ frame.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(frame) == pytest.approx(1)
+
+
+def test_tangent_basis_is_the_derivative_of_the_direction() -> None:
+    azimuth, elevation, step = 2.0, 0.6, 1e-6
+    here = tf.direction_from_angles(azimuth, elevation)
+    east, up = tf.tangent_basis(here)
+    by_azimuth = (tf.direction_from_angles(azimuth + step, elevation) - here) / step / math.cos(elevation)
+    by_elevation = (tf.direction_from_angles(azimuth, elevation + step) - here) / step
+    np.testing.assert_allclose(by_azimuth, east, atol=1e-5)
+    np.testing.assert_allclose(by_elevation, up, atol=1e-5)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-4, 1.0, math.pi - 1e-6, math.pi])
+def test_angle_between_is_exact_also_where_arccos_is_not(angle: float) -> None:
+    other = (math.cos(angle), math.sin(angle), 0.0)
+    assert tf.angle_between((1, 0, 0), other) == pytest.approx(angle, rel=1e-9, abs=1e-15)
+
+
+@pytest.mark.parametrize("vector", [(0, 0, 0), (math.nan, 0, 1), (math.inf, 0, 0)])
+def test_a_vector_without_a_direction_is_refused(vector: tuple[float, float, float]) -> None:
+    with pytest.raises(ValueError, match="no direction"):
+        tf.normalised(vector)
+
+
+@given(angles, st.floats(0.001, math.pi / 2))
+def test_light_view_is_a_rotation_whose_z_points_to_the_light(azimuth: float, elevation: float) -> None:
+    to_light = tf.direction_from_angles(azimuth, elevation)
+    view = tf.light_view(to_light)
+    np.testing.assert_allclose(view[:3, :3] @ view[:3, :3].T, np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(view[:3, :3] @ to_light, (0, 0, 1), atol=1e-9)
+    np.testing.assert_array_equal(view[:3, 3], 0)
+
+
+@pytest.mark.parametrize("to_light", [(0, 0, 1), (0, 1, 0), (0, -1, 0), (1, 0, 0)])
+def test_light_view_stands_firm_along_every_axis(to_light: tuple[float, float, float]) -> None:
+    assert np.isfinite(tf.light_view(np.array(to_light, dtype=float))).all()
+
+
+def test_orthographic_maps_its_box_onto_the_clip_cube() -> None:
+    lower, upper = np.array([-1.0, -2.0, -3.0]), np.array([4.0, 5.0, 6.0])
+    matrix = tf.orthographic(lower, upper)
+    corners = matrix @ np.array([[*lower, 1], [*upper, 1]]).T
+    # Nearest to the light (largest z) comes first in depth.
+    np.testing.assert_allclose(corners[:3].T, [[-1, -1, 1], [1, 1, -1]], atol=1e-12)
+
+
+def test_inverse_rigid() -> None:
+    T = looking_down()
+    np.testing.assert_allclose(tf.inverse_rigid(T) @ T, np.eye(4), atol=1e-14)

@@ -1,0 +1,70 @@
+"""Value types refuse what they cannot mean, and cannot be changed."""
+
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
+
+CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
+
+
+def frame(size: tuple[int, int] = (4, 3)) -> Frame:
+    return Frame(np.zeros((size[1], size[0], 3), np.uint8), 0, 0.0)
+
+
+def test_arrays_in_values_are_read_only() -> None:
+    pose = MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, None)
+    with pytest.raises(ValueError, match="read-only"):
+        pose.T_cam_marker[0, 0] = 2
+    with pytest.raises(ValueError, match="read-only"):
+        frame().image_bgr[0, 0] = 2
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        pose.side_m = 1.0  # type: ignore[misc]
+
+
+def test_a_value_keeps_its_own_copy_of_small_arrays() -> None:
+    T = np.eye(4)
+    pose = MarkerPose(T, CORNERS, 0.08, 0.1, None)
+    T[0, 0] = 5
+    assert pose.T_cam_marker[0, 0] == 1
+
+
+@pytest.mark.parametrize("image", [np.zeros((3, 4), np.uint8), np.zeros((3, 4, 4), np.uint8), np.zeros((3, 4, 3))])
+def test_a_frame_is_8_bit_colour(image: np.ndarray) -> None:
+    with pytest.raises(ValueError, match="a frame is"):
+        Frame(image, 0, 0.0)
+
+
+def test_a_pose_is_finite_and_its_marker_has_a_size() -> None:
+    with pytest.raises(ValueError, match="finite"):
+        MarkerPose(np.full((4, 4), np.nan), CORNERS, 0.08, 0.1, None)
+    with pytest.raises(ValueError, match="side"):
+        MarkerPose(np.eye(4), CORNERS, 0.0, 0.1, None)
+
+
+def test_camera_and_frame_have_one_size() -> None:
+    with pytest.raises(ValueError, match="camera"):
+        TrackedFrame(frame(), Camera.from_hfov((8, 6), 60), None)
+
+
+def test_no_light_needs_a_reason() -> None:
+    with pytest.raises(ValueError, match="reason"):
+        LightEstimate("paper", 0, ())
+
+
+def test_a_light_is_a_unit_vector_with_its_angles() -> None:
+    light = DirectionalLight(np.array([0.0, 2.0, 2.0]))
+    assert np.linalg.norm(light.to_light_marker) == pytest.approx(1)
+    assert (light.azimuth_deg, light.elevation_deg) == pytest.approx((90, 45))
+
+
+def test_values_cross_between_processes() -> None:
+    pose = MarkerPose(np.eye(4), CORNERS, 0.08, 0.1, 0.2)
+    tracked = TrackedFrame(frame(), Camera.from_hfov((4, 3), 60), pose, 1.5)
+    back = pickle.loads(pickle.dumps(tracked))
+    np.testing.assert_array_equal(back.marker.T_cam_marker, pose.T_cam_marker)
+    assert back.camera.size == (4, 3)
