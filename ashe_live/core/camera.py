@@ -67,10 +67,11 @@ class Camera:
         """
         if size == self.size:
             return self
-        scale = size[0] / self.size[0]
-        if abs(self.size[1] * scale - size[1]) > max(1.0, scale):
+        scales = np.divide(size, self.size)
+        # Either side may be the rounded one, and the shorter one's rounding weighs more.
+        differences = np.abs(scales[::-1] * self.size - size)
+        if (differences > np.maximum(1.0, scales[::-1])).all():
             raise ValueError(f"{size[0]}x{size[1]} has another aspect ratio than {self.size[0]}x{self.size[1]}")
-        scales = np.array([scale, size[1] / self.size[1]])
         K = self.K.copy()
         K[:2, :2] *= scales[:, None]
         K[:2, 2] = (self.K[:2, 2] + 0.5) * scales - 0.5
