@@ -1,0 +1,38 @@
+"""What an estimator of the light is, and the names by which one is chosen."""
+
+from collections.abc import Callable, Mapping
+from typing import Protocol
+
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.errors import UserError
+
+
+class Estimator(Protocol):
+    """Tells from one frozen frame where the light is; the same frame always gives the same bits."""
+
+    @property
+    def name(self) -> str: ...
+
+    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
+        """The light in the marker frame; without an answer, an estimate with no lights and a reason.
+
+        Raises ValueError when the frame has no marker: without one there is no frame to answer in.
+        """
+        ...
+
+
+def _paper() -> Estimator:
+    from ashe_live.light.paper import PaperEstimator
+
+    return PaperEstimator()
+
+
+# Factories, as naming the estimators (in --help) must not load OpenCV.
+ESTIMATORS: Mapping[str, Callable[[], Estimator]] = {"paper": _paper}
+
+
+def make_estimator(name: str) -> Estimator:
+    """A new estimator by its name in ESTIMATORS; raises UserError for one that is not there."""
+    if name not in ESTIMATORS:
+        raise UserError(f"there is no light estimator {name!r}", f"choose one of {', '.join(ESTIMATORS)}")
+    return ESTIMATORS[name]()
