@@ -1,0 +1,113 @@
+"""Pictures with a known light: rendered scenes and photos, read from a folder's ground_truth.json."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import rigid
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.errors import UserError
+
+GROUND_TRUTH = "ground_truth.json"
+PHOTO_CATEGORY = "photo"
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One picture, where its marker truly is, and where its light truly is."""
+
+    id: str
+    category: str
+    image_path: Path
+    camera: Camera
+    marker: MarkerPose
+    to_lights_marker: Float | None  # (n, 3) unit, strongest first; n = 0: no directional light, None: not known
+    mask_paths: Mapping[str, Path]  # by name: object, shadow, ...; 1-bit pictures
+
+    def __post_init__(self) -> None:
+        if self.to_lights_marker is not None:
+            set_frozen(self, to_lights_marker=frozen_floats(self.to_lights_marker, (-1, 3), "to_lights_marker"))
+
+    def tracked(self, index: int = 0) -> TrackedFrame:
+        """The picture as a frame, with the true pose; raises UserError when it cannot be read."""
+        image = cv2.imread(str(self.image_path), cv2.IMREAD_COLOR)
+        if image is None:
+            raise UserError(f"cannot read the picture {self.image_path}", "is it there, and a PNG or JPEG?")
+        return TrackedFrame(Frame(np.asarray(image, dtype=np.uint8), index, 0.0), self.camera, self.marker)
+
+
+def read_cases(folder: Path) -> list[Case]:
+    """The cases of a folder with a ground_truth.json that lists `scenes` or `photos`; raises UserError without one."""
+    path = folder / GROUND_TRUTH
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        return [*_scenes(folder, content.get("scenes", [])), *_photos(folder, content)]
+    except OSError as error:
+        raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise UserError(f"{path} is no list of scenes ({error})", "it needs `scenes` or `photos`") from error
+
+
+def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
+    """Scenes state the camera, the pose, the corners, the lights and the masks."""
+    for scene in scenes:
+        width, height = scene["size"]
+        camera = Camera((width, height), np.array(scene["K"]), np.array(scene["dist"], dtype=np.float64), "file")
+        marker = scene["marker"]
+        T_cam_marker = rigid(scene["R"], scene["t"])
+        corners_px = np.array(marker["corners_px"], dtype=np.float64)
+        rms_px = _reprojection_rms_px(camera, T_cam_marker, corners_px, marker["side_m"])
+        lights = [light["dir_to_light"] for light in scene["lights"]]
+        yield Case(
+            scene["id"],
+            scene.get("category", "scene"),
+            folder / scene["image"],
+            camera,
+            MarkerPose(T_cam_marker, corners_px, marker["side_m"], rms_px, None),
+            np.array(lights, dtype=np.float64).reshape(-1, 3),
+            {name: folder / file for name, file in scene.get("masks", {}).items()},
+        )
+
+
+def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
+    """Photos state the focal length and the corners, some the direction of the sun; the pose is solved."""
+    for file, photo in content.get("photos", {}).items():
+        width, height = photo["size"]
+        camera = Camera.from_focal((width, height), photo["f_px"], "file")
+        marker = pose_from_corners(camera, np.array(photo["corners_px"]), content["marker"]["side_units"])
+        light = photo.get("to_light_marker")
+        lights = None if light is None else np.array([light], dtype=np.float64)
+        yield Case(Path(file).stem, PHOTO_CATEGORY, folder / file, camera, marker, lights, {})
+
+
+def pose_from_corners(camera: Camera, corners_px: Float, side_m: float) -> MarkerPose:
+    """The better of IPPE's two solutions for the corners (4, 2) of a marker, in MarkerPose's order."""
+    found, rotations, translations, errors = cv2.solvePnPGeneric(
+        _square(side_m), corners_px, camera.K, camera.dist, flags=cv2.SOLVEPNP_IPPE_SQUARE
+    )
+    if not found:
+        raise ValueError("the marker's corners are not those of a square in front of the camera")
+    rms_px = np.ravel(errors)
+    best = int(np.argmin(rms_px))
+    T_cam_marker = rigid(cv2.Rodrigues(rotations[best])[0], translations[best])
+    other_px = float(np.delete(rms_px, best)[0]) if len(rms_px) > 1 else None
+    return MarkerPose(T_cam_marker, corners_px, side_m, float(rms_px[best]), other_px)
+
+
+def _reprojection_rms_px(camera: Camera, T_cam_marker: Float, corners_px: Float, side_m: float) -> float:
+    rotation, _ = cv2.Rodrigues(T_cam_marker[:3, :3])
+    pixels, _ = cv2.projectPoints(_square(side_m), rotation, T_cam_marker[:3, 3], camera.K, camera.dist)
+    return float(np.sqrt(np.mean(np.sum((pixels.reshape(-1, 2) - corners_px) ** 2, axis=1))))
+
+
+def _square(side_m: float) -> Float:
+    """(4, 3) the black square's corners in the marker frame."""
+    half = side_m / 2
+    return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
