@@ -1,0 +1,115 @@
+"""`ashe-live estimate`: where the light is, one-shot, in photos and clips."""
+
+import argparse
+import dataclasses
+import statistics
+from collections.abc import Mapping
+from pathlib import Path
+
+from ashe_live.capture.sources import Source, open_source
+from ashe_live.commands.setup import camera_chooser, make_tracker
+from ashe_live.core.contract import FileRecord
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.errors import ExitStatus, UserError
+from ashe_live.light.estimator import Estimator, make_estimator
+from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.tracking.tracker import Tracker
+
+WORST_FIRST = (
+    ExitStatus.WRONG_USE,
+    ExitStatus.NO_MARKER,
+    ExitStatus.NO_DIRECTIONAL_LIGHT,
+    ExitStatus.ANSWERED,
+)
+
+
+def run(options: argparse.Namespace) -> int:
+    estimator = make_estimator(options.estimator)
+    camera_for = camera_chooser(options)
+    statuses = set()
+    for path in options.files:
+        record = _record(path, make_tracker(options, camera_for), estimator, options)
+        print(record.to_line() if options.json else _sentence(record), flush=True)
+        statuses.add(_status(record))
+    return next(status for status in WORST_FIRST if status in statuses)
+
+
+def _record(path: Path, tracker: Tracker, estimator: Estimator, options: argparse.Namespace) -> FileRecord:
+    record = FileRecord(str(path), options.quality, options.estimator)
+    try:
+        with open_source(path) as source:
+            tracked = usable_frame(source, tracker, options.estimate_at)
+    except UserError as error:
+        return dataclasses.replace(record, error=" ".join(str(error).split()))
+    record = dataclasses.replace(record, frame=tracked.frame.index, camera=tracked.camera, marker=tracked.marker)
+    if tracked.marker is None:
+        return dataclasses.replace(record, timing_ms={"detect": tracked.detect_ms, "total": tracked.detect_ms})
+    estimate, timing_ms = _timed(tracker, tracked, estimator, options.repeat)
+    return dataclasses.replace(record, estimate=estimate, timing_ms=timing_ms)
+
+
+def usable_frame(source: Source, tracker: Tracker, estimate_at: int | None) -> TrackedFrame:
+    """Frame `estimate_at`, or the first one with a steady marker, or else with a marker at all, or else the last.
+
+    Raises UserError when the source ends before `estimate_at`.
+    """
+    steadiness = Steadiness(1) if source.is_photo else Steadiness()
+    found: TrackedFrame | None = None
+    last: TrackedFrame | None = None
+    while (frame := source.read()) is not None:
+        last = tracker.track(frame)
+        if frame.index == estimate_at:
+            return last
+        if estimate_at is None and steadiness.add(last.marker):
+            return last
+        if last.marker is not None:
+            found = found or last
+    if estimate_at is not None and last is not None:
+        raise UserError(
+            f"{source.name} has no frame {estimate_at}", f"choose one from 0 to {last.frame.index} for --estimate-at"
+        )
+    answer = found or last
+    if answer is None:
+        raise UserError(f"{source.name} has no readable picture", "copy or record it again")
+    return answer
+
+
+def _timed(
+    tracker: Tracker, tracked: TrackedFrame, estimator: Estimator, repeat: int | None
+) -> tuple[LightEstimate, Mapping[str, float]]:
+    """Once; or, after a warm-up, `repeat` times with the median time of every stage."""
+    runs = []
+    for _ in range(1 if repeat is None else repeat + 1):
+        if repeat is not None:
+            tracker.reset()
+            tracked = tracker.track(tracked.frame)
+        estimate = estimator.estimate(tracked)
+        runs.append({**estimate.timing_ms, "detect": tracked.detect_ms})
+        runs[-1]["total"] = estimate.timing_ms["total"] + tracked.detect_ms
+    counted = runs[1:] or runs
+    return estimate, {stage: statistics.median(run[stage] for run in counted) for stage in counted[0]}
+
+
+def _sentence(record: FileRecord) -> str:
+    if record.error is not None:
+        return f"{record.file}: {record.error}"
+    if record.marker is None:
+        return f"{record.file}: no marker found"
+    assert record.estimate is not None
+    light = record.estimate.light
+    if light is None:
+        return f"{record.file}: no directional light ({record.estimate.reason})"
+    sigma = "" if light.sigma_rad is None else f" ± {light.sigma_rad * 57.29578:.1f}°"
+    milliseconds = (record.timing_ms or {}).get("total", 0.0)
+    return (
+        f"{record.file}: azimuth {light.azimuth_deg:.1f}°, elevation {light.elevation_deg:.1f}°{sigma} "
+        f"(frame {record.frame}, {milliseconds:.0f} ms)"
+    )
+
+
+def _status(record: FileRecord) -> ExitStatus:
+    if record.error is not None:
+        return ExitStatus.WRONG_USE
+    if record.estimate is None:
+        return ExitStatus.NO_MARKER
+    return ExitStatus.ANSWERED if record.estimate.lights else ExitStatus.NO_DIRECTIONAL_LIGHT

@@ -1,0 +1,48 @@
+"""`--quality auto`: the best preset that holds the display's rate on this machine."""
+
+from collections import deque
+from statistics import median
+
+from ashe_live.core.quality import QUALITIES, Quality
+
+LADDER = tuple(QUALITIES.values())
+WINDOW_FRAMES = 60
+TOO_SLOW = 0.9  # of the frame's interval: step down before frames are lost
+AMPLE = 0.35  # of the frame's interval: the next preset, at about twice the cost, would still fit
+CALM_WINDOWS = 3  # that many ample windows in a row before a step up
+
+
+class AutoQuality:
+    """Steps between the presets by the median of the last frames' times; up slowly, down at once.
+
+    A step up that had to be taken back is not tried again, so that it does not swing for ever.
+    """
+
+    def __init__(self, interval_ms: float, start: Quality) -> None:
+        self.quality = start
+        self._interval_ms = interval_ms
+        self._times_ms: deque[float] = deque(maxlen=WINDOW_FRAMES)
+        self._ample_windows = 0
+        self._highest = len(LADDER) - 1
+
+    def add(self, work_ms: float) -> bool:
+        """Takes in how long a frame's own work took; True when `quality` has changed."""
+        self._times_ms.append(work_ms)
+        if len(self._times_ms) < WINDOW_FRAMES:
+            return False
+        typical_ms = median(self._times_ms)
+        self._times_ms.clear()
+        place = LADDER.index(self.quality)
+        if typical_ms > TOO_SLOW * self._interval_ms:
+            self._ample_windows = 0
+            if place > 0:
+                self._highest = place - 1
+                self.quality = LADDER[place - 1]
+                return True
+            return False
+        self._ample_windows = self._ample_windows + 1 if typical_ms < AMPLE * self._interval_ms else 0
+        if self._ample_windows >= CALM_WINDOWS and place < self._highest:
+            self._ample_windows = 0
+            self.quality = LADDER[place + 1]
+            return True
+        return False

@@ -1,0 +1,70 @@
+"""The one table of keys: what the window obeys and what the help shows."""
+
+from dataclasses import dataclass
+from enum import Enum, auto
+
+
+class Command(Enum):
+    """What a person can ask the viewer for."""
+
+    CHOOSE_MODEL = auto()
+    PREVIOUS_MODEL = auto()
+    NEXT_MODEL = auto()
+    ESTIMATE = auto()
+    TOGGLE_LIGHT = auto()
+    TOGGLE_MASKS = auto()
+    PAUSE = auto()
+    RESTART = auto()
+    SNAPSHOT = auto()
+    RECORD = auto()
+    QUALITY = auto()
+    FULLSCREEN = auto()
+    HELP = auto()
+    QUIT = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """A command and, where it has one, its argument."""
+
+    command: Command
+    argument: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """Keys, by GLFW's names without KEY_, that ask for one command."""
+
+    keys: tuple[str, ...]
+    command: Command
+    shown: str  # how the help writes the keys
+    help: str
+
+
+BINDINGS = (
+    Binding(tuple("123456789"), Command.CHOOSE_MODEL, "1 to 9", "choose the model"),
+    Binding(("LEFT",), Command.PREVIOUS_MODEL, "Left", "previous model"),
+    Binding(("RIGHT",), Command.NEXT_MODEL, "Right", "next model"),
+    Binding(("SPACE",), Command.ESTIMATE, "Space", "estimate the light from this frame"),
+    Binding(("L",), Command.TOGGLE_LIGHT, "L", "show where the light is"),
+    Binding(("D",), Command.TOGGLE_MASKS, "D", "show what the estimator saw"),
+    Binding(("P",), Command.PAUSE, "P", "pause"),
+    Binding(("R",), Command.RESTART, "R", "start the clip again"),
+    Binding(("S",), Command.SNAPSHOT, "S", "save a snapshot (PNG)"),
+    Binding(("V",), Command.RECORD, "V", "start or stop recording (MP4)"),
+    Binding(("Q",), Command.QUALITY, "Q", "quality: fast, balanced, accurate, auto"),
+    Binding(("F",), Command.FULLSCREEN, "F", "fullscreen"),
+    Binding(("H", "F1"), Command.HELP, "H or F1", "this help"),
+    Binding(("ESCAPE",), Command.QUIT, "Esc", "quit"),
+)
+
+REQUEST_BY_KEY: dict[str, Request] = {
+    key: Request(binding.command, place if binding.command is Command.CHOOSE_MODEL else 0)
+    for binding in BINDINGS
+    for place, key in enumerate(binding.keys)
+}
+
+
+def help_lines() -> list[str]:
+    width = max(len(binding.shown) for binding in BINDINGS)
+    return [f"{binding.shown:<{width}}  {binding.help}" for binding in BINDINGS]

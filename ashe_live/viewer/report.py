@@ -1,0 +1,75 @@
+"""REPORT.json of a headless run (docs/contract.md): every pose, every estimate, and how long things took."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ashe_live.core.contract import SCHEMA, Json, estimate_json, marker_json
+from ashe_live.core.types import LightEstimate, TrackedFrame
+
+
+def frame_time_percentiles(frame_ms: list[float]) -> Json | None:
+    """p50, p95 and p99 in milliseconds; None without a frame."""
+    if not frame_ms:
+        return None
+    p50, p95, p99 = np.percentile(frame_ms, (50, 95, 99))
+    return {"p50": float(p50), "p95": float(p95), "p99": float(p99)}
+
+
+@dataclass(slots=True)
+class Report:
+    """Grows by one entry a frame."""
+
+    renderer: str
+    gl_version: str
+    quality: str
+    frames: list[Json] = field(default_factory=list)
+    estimates: list[Json] = field(default_factory=list)
+    idle_ms: list[float] = field(default_factory=list)
+    estimating_ms: list[float] = field(default_factory=list)
+
+    def add_frame(self, tracked: TrackedFrame, frame_ms: float, estimating: bool = False) -> None:
+        """`frame_ms`: decoding, tracking and rendering of this frame, without recording it."""
+        marker = marker_json(tracked.marker)
+        self.frames.append(
+            {
+                "index": tracked.frame.index,
+                "time_s": tracked.frame.time_s,
+                "found": marker["found"],
+                "T_cam_marker": marker["T_cam_marker"],
+                "reprojection_rms_px": marker["reprojection_rms_px"],
+                "frame_ms": frame_ms,
+            }
+        )
+        (self.estimating_ms if estimating else self.idle_ms).append(frame_ms)
+
+    def add_estimate(self, estimate: LightEstimate) -> None:
+        record = {"frame": estimate.frame_index, **estimate_json(estimate), "ms": estimate.timing_ms.get("total")}
+        self.estimates.append(record)
+
+    def to_json(self) -> Json:
+        total_s = (sum(self.idle_ms) + sum(self.estimating_ms)) / 1000
+        return {
+            "schema": SCHEMA,
+            "frames": self.frames,
+            "estimates": self.estimates,
+            "summary": {
+                "frames": len(self.frames),
+                "found": sum(frame["found"] for frame in self.frames),
+                "fps": len(self.frames) / total_s if total_s else None,
+                "frame_ms": {
+                    "idle": frame_time_percentiles(self.idle_ms),
+                    "estimating": frame_time_percentiles(self.estimating_ms),
+                },
+                "renderer": self.renderer,
+                "gl_version": self.gl_version,
+                "quality": self.quality,
+            },
+        }
+
+    def write(self, path: Path) -> None:
+        partial = path.with_name(f".{path.name}.partial")
+        partial.write_text(json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        partial.replace(path)

@@ -1,0 +1,131 @@
+"""What the viewer knows and shows, without a window: the same for the screen, a video file and the tests."""
+
+from dataclasses import dataclass
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.worker import LightWorker, WorkerFailure
+from ashe_live.models.placement import PlacedModel
+from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.viewer.controls import Command, Request
+from ashe_live.viewer.shelf import Shelf
+
+NOTICE_S = 4.0
+
+
+@dataclass(frozen=True, slots=True)
+class EstimatePolicy:
+    """When the light is estimated without being asked."""
+
+    on_first_steady: bool = False
+    at_frame: int | None = None
+
+    def wants(self, tracked: TrackedFrame, is_steady: bool) -> bool:
+        if self.at_frame is not None:
+            return tracked.frame.index == self.at_frame
+        return self.on_first_steady and is_steady
+
+
+class Session:
+    """Takes tracked frames and requests in; keeps the light, the model and the overlays that follow from them."""
+
+    def __init__(
+        self,
+        shelf: Shelf,
+        worker: LightWorker,
+        policy: EstimatePolicy,
+        steadiness: Steadiness,
+        true_to_light_marker: Float | None = None,
+    ) -> None:
+        """`true_to_light_marker` (3,): known for a rendered clip, so that the estimate's error can be shown."""
+        self.true_to_light_marker = true_to_light_marker
+        self.tracked: TrackedFrame | None = None
+        self.estimate: LightEstimate | None = None
+        self.show_light = False
+        self.show_masks = False
+        self.show_help = False
+        self._shelf = shelf
+        self._worker = worker
+        self._policy = policy
+        self._policy_is_done = False
+        self._steadiness = steadiness
+        self._notice: tuple[str, float] | None = None
+
+    @property
+    def model(self) -> PlacedModel:
+        return self._shelf.model()
+
+    @property
+    def model_name(self) -> str:
+        return self._shelf.chosen_name
+
+    @property
+    def is_estimating(self) -> bool:
+        return self._worker.busy
+
+    def notice(self, now_s: float) -> str | None:
+        """What was last said, for a few seconds."""
+        if self._notice is None or now_s > self._notice[1]:
+            return None
+        return self._notice[0]
+
+    def say(self, text: str, now_s: float) -> None:
+        self._notice = text, now_s + NOTICE_S
+
+    def take(self, tracked: TrackedFrame, now_s: float) -> None:
+        """Shows `tracked` from now on; estimates from it when the policy wants that."""
+        self.tracked = tracked
+        is_steady = self._steadiness.add(tracked.marker)
+        if not self._policy_is_done and self._policy.wants(tracked, is_steady):
+            self._policy_is_done = True
+            self.request_estimate(now_s)
+
+    def request_estimate(self, now_s: float) -> bool:
+        """Hands the current frame to the worker; says so when there is nothing to hand over."""
+        if self.tracked is None or self.tracked.marker is None:
+            self.say("no marker in view: the light is estimated in its frame", now_s)
+        elif not self._worker.request(self.tracked):
+            self.say("still estimating", now_s)
+        else:
+            return True
+        return False
+
+    def poll(self, now_s: float) -> LightEstimate | None:
+        """Takes what the worker and the model loader have finished; returns a new estimate, once."""
+        if (error := self._shelf.take_error()) is not None:
+            self.say(str(error), now_s)
+        return self._accept(self._worker.poll(), now_s)
+
+    def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
+        """Like `poll`, but waits for a requested estimate to end."""
+        return self._accept(self._worker.wait(timeout_s), now_s) if self._worker.busy else None
+
+    def handle(self, request: Request, now_s: float) -> bool:
+        """Obeys a request that needs neither window nor source; False for any other."""
+        match request.command:
+            case Command.CHOOSE_MODEL:
+                if not self._shelf.choose(request.argument):
+                    self.say(f"there are {len(self._shelf.names)} models", now_s)
+            case Command.PREVIOUS_MODEL:
+                self._shelf.step(-1)
+            case Command.NEXT_MODEL:
+                self._shelf.step(+1)
+            case Command.ESTIMATE:
+                self.request_estimate(now_s)
+            case Command.TOGGLE_LIGHT:
+                self.show_light = not self.show_light
+            case Command.TOGGLE_MASKS:
+                self.show_masks = not self.show_masks
+            case Command.HELP:
+                self.show_help = not self.show_help
+            case _:
+                return False
+        return True
+
+    def _accept(self, outcome: LightEstimate | WorkerFailure | None, now_s: float) -> LightEstimate | None:
+        if isinstance(outcome, WorkerFailure):
+            self.say(f"the estimate failed: {outcome.message}", now_s)
+            return None
+        if outcome is not None:
+            self.estimate = outcome
+        return outcome

@@ -1,0 +1,44 @@
+"""What the heads-up display says, line by line."""
+
+import math
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import TrackedFrame
+from ashe_live.viewer.session import Session
+
+FIRST_STEP = "put something that casts a shadow beside the marker, then press Space"
+
+
+def light_line(session: Session) -> str:
+    """The light's state; an estimate under way does not hide the last answer."""
+    estimate = session.estimate
+    if estimate is None:
+        return "light: estimating…" if session.is_estimating else f"light: {FIRST_STEP}"
+    if estimate.light is None:
+        text = f"no clear light: {estimate.reason}"
+    else:
+        light = estimate.light
+        sigma = "" if light.sigma_rad is None else f" ± {math.degrees(light.sigma_rad):.1f}°"
+        text = f"light: azimuth {light.azimuth_deg:.0f}°, elevation {light.elevation_deg:.0f}°{sigma}"
+        if session.true_to_light_marker is not None:
+            error = angle_between(light.to_light_marker, session.true_to_light_marker)
+            text += f" ({math.degrees(error):.1f}° from the truth)"
+    return f"{text}, estimating…" if session.is_estimating else text
+
+
+def marker_line(tracked: TrackedFrame | None) -> str:
+    if tracked is None:
+        return "waiting for the first picture"
+    if tracked.marker is None:
+        return "marker: not in view"
+    return f"marker: {tracked.marker.reprojection_rms_px:.2f} px"
+
+
+def status_lines(session: Session, fps: float, quality: str, source_status: str | None, now_s: float) -> list[str]:
+    """Top to bottom."""
+    lines = [
+        f"{fps:.0f} fps   {session.model_name}   {quality}",
+        marker_line(session.tracked),
+        light_line(session),
+    ]
+    return lines + [text for text in (source_status, session.notice(now_s)) if text]

@@ -1,0 +1,132 @@
+"""A GLFW window with an OpenGL 3.3 core context, which gives requests instead of key events."""
+
+import os
+import sys
+from types import TracebackType
+from typing import Self
+
+import glfw
+import moderngl
+
+from ashe_live.core.camera import Size
+from ashe_live.errors import UserError
+from ashe_live.viewer.controls import REQUEST_BY_KEY, Request
+
+REQUEST_BY_GLFW_KEY = {getattr(glfw, f"KEY_{name}"): request for name, request in REQUEST_BY_KEY.items()}
+
+
+def has_display() -> bool:
+    """Whether a window can be hoped for; only X11 and Wayland name their display in the environment."""
+    return not sys.platform.startswith("linux") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+class Window:
+    """Used by the main thread only (macOS insists on it)."""
+
+    def __init__(self, title: str, size: Size) -> None:
+        """Raises UserError when there is no display or no OpenGL 3.3."""
+        # Errors come back as return values here; as warnings they would say the same once more.
+        glfw.ERROR_REPORTING = False
+        if not glfw.init():
+            raise UserError(f"cannot open a window ({_last_error()})", "use --headless --out VIDEO.mp4")
+        for hint, value in (
+            (glfw.CONTEXT_VERSION_MAJOR, 3),
+            (glfw.CONTEXT_VERSION_MINOR, 3),
+            (glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE),
+            (glfw.OPENGL_FORWARD_COMPAT, True),
+            (glfw.SCALE_TO_MONITOR, True),
+        ):
+            glfw.window_hint(hint, value)
+        self._window = glfw.create_window(*_fitting(size), title, None, None)
+        if not self._window:
+            message = _last_error()
+            glfw.terminate()
+            raise UserError(f"cannot open a window with OpenGL 3.3 ({message})", "update the graphics driver")
+        self._windowed = (*glfw.get_window_pos(self._window), *glfw.get_window_size(self._window))
+        self._requests: list[Request] = []
+        glfw.set_key_callback(self._window, self._on_key)
+        glfw.make_context_current(self._window)
+        glfw.swap_interval(1)
+        try:
+            self.context = moderngl.create_context(require=330)
+        except Exception as error:  # moderngl raises bare Exception
+            self.close()
+            raise UserError(f"OpenGL 3.3 does not work here ({error})", "update the graphics driver") from error
+
+    @property
+    def framebuffer_size(self) -> Size:
+        """Pixels, which on a dense screen are more than the window's own units; 0x0 while minimised."""
+        width, height = glfw.get_framebuffer_size(self._window)
+        return int(width), int(height)
+
+    @property
+    def content_scale(self) -> float:
+        return float(glfw.get_window_content_scale(self._window)[0])
+
+    @property
+    def refresh_rate_hz(self) -> float:
+        mode = glfw.get_video_mode(self._monitor()) if glfw.get_primary_monitor() else None
+        return float(mode.refresh_rate) if mode and mode.refresh_rate > 0 else 60.0
+
+    def take_requests(self, wait_s: float) -> list[Request]:
+        """What the keys asked for until `wait_s` from now or the first event."""
+        if wait_s > 0:
+            glfw.wait_events_timeout(wait_s)
+        else:
+            glfw.poll_events()
+        requests, self._requests = self._requests, []
+        return requests
+
+    @property
+    def is_closing(self) -> bool:
+        return bool(glfw.window_should_close(self._window))
+
+    def swap(self) -> None:
+        glfw.swap_buffers(self._window)
+
+    def set_title(self, title: str) -> None:
+        glfw.set_window_title(self._window, title)
+
+    def toggle_fullscreen(self) -> None:
+        if glfw.get_window_monitor(self._window):
+            glfw.set_window_monitor(self._window, None, *self._windowed, 0)
+            return
+        self._windowed = (*glfw.get_window_pos(self._window), *glfw.get_window_size(self._window))
+        monitor = self._monitor()
+        mode = glfw.get_video_mode(monitor)
+        glfw.set_window_monitor(self._window, monitor, 0, 0, mode.size.width, mode.size.height, mode.refresh_rate)
+
+    def close(self) -> None:
+        if self._window:
+            glfw.destroy_window(self._window)
+            self._window = None
+            glfw.terminate()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    def _monitor(self) -> object:
+        return glfw.get_window_monitor(self._window) or glfw.get_primary_monitor()
+
+    def _on_key(self, _window: object, key: int, _scancode: int, action: int, _modifiers: int) -> None:
+        request = REQUEST_BY_GLFW_KEY.get(key)
+        if request is not None and action == glfw.PRESS:
+            self._requests.append(request)
+
+
+def _fitting(size: Size) -> Size:
+    """`size` scaled down to what the screen has room for, in the same shape."""
+    monitor = glfw.get_primary_monitor()
+    if not monitor:
+        return size
+    _, _, width, height = glfw.get_monitor_workarea(monitor)
+    scale = min(1.0, width / size[0], height / size[1]) if width > 0 and height > 0 else 1.0
+    return max(1, int(size[0] * scale)), max(1, int(size[1] * scale))
+
+
+def _last_error() -> str:
+    _, message = glfw.get_error()
+    return message.decode(errors="replace") if message else "no reason given"

@@ -1,0 +1,53 @@
+"""Every kind of record that leaves the program validates against the published schema."""
+
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.contract import FileRecord
+from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
+
+SCHEMA = json.loads((Path(__file__).parents[2] / "docs" / "contract.schema.json").read_text(encoding="utf-8"))
+POSE = MarkerPose(np.eye(4), np.zeros((4, 2)), 0.08, 0.2, None)
+CAMERA = Camera.from_hfov((640, 480), 60, "assumed")
+BARE = DirectionalLight(np.array([0.3, -0.2, 1]))
+FULL = DirectionalLight(np.array([0.3, -0.2, 1]), np.eye(2) * 1e-4, 0.015, 0.9, 0.009, np.array([0.2, 0.3, 0.4]))
+TIMING = {"detect": 1.0, "segment": 2.0, "associate": 3.0, "fit": 4.0, "judge": 5.0, "total": 15.0}
+
+
+def estimate(*lights: DirectionalLight) -> LightEstimate:
+    return LightEstimate("paper", 3, lights, None if lights else "no shadow found")
+
+
+RECORDS = {
+    "answered": FileRecord("a.jpg", "fast", "paper", None, 0, CAMERA, POSE, estimate(BARE), TIMING),
+    "two lights": FileRecord("a.jpg", "fast", "paper", None, 0, CAMERA, POSE, estimate(FULL, BARE), TIMING),
+    "no light": FileRecord("a.mp4", "auto", "paper", None, 7, CAMERA, POSE, estimate(), TIMING),
+    "no marker": FileRecord("a.mp4", "auto", "paper", None, 7, CAMERA, None, None, {"detect": 1.0, "total": 1.0}),
+    "bad file": FileRecord("a.mp4", "balanced", "paper", "there is no file a.mp4: check the name"),
+}
+
+
+@pytest.mark.parametrize("kind", RECORDS)
+def test_a_record_is_one_line_that_validates(kind: str) -> None:
+    line = RECORDS[kind].to_line()
+    assert "\n" not in line
+    jsonschema.validate(json.loads(line), SCHEMA)
+
+
+def test_the_strongest_light_comes_first_and_stands_alone() -> None:
+    record = RECORDS["two lights"].to_json()
+    assert len(record["lights"]) == 2
+    assert record["light"] == record["lights"][0]
+    assert record["light"]["sigma_deg"] == pytest.approx(np.degrees(0.015))
+
+
+def test_the_schema_refuses_an_answer_without_a_direction() -> None:
+    record = RECORDS["answered"].to_json()
+    record["light"]["to_light_marker"] = None
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(record, SCHEMA)
