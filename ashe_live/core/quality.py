@@ -8,7 +8,7 @@ class TrackingPreset:
     """How much work the tracker spends on a frame."""
 
     detection_width_px: int  # wider frames are searched at this width, then refined at full resolution
-    subpixel_iterations: int
+    edge_samples: int  # along each edge of the marker, for the sub-pixel line fit
     refines_pose: bool  # non-linear refinement after IPPE
 
 
@@ -30,8 +30,8 @@ class Quality:
     render: RenderPreset
 
 
-FAST = Quality("fast", TrackingPreset(640, 15, False), RenderPreset(512, 1, 0))
-BALANCED = Quality("balanced", TrackingPreset(960, 30, True), RenderPreset(1024, 1, 4))
-ACCURATE = Quality("accurate", TrackingPreset(1920, 50, True), RenderPreset(2048, 2, 8))
+FAST = Quality("fast", TrackingPreset(640, 16, False), RenderPreset(512, 1, 0))
+BALANCED = Quality("balanced", TrackingPreset(960, 32, True), RenderPreset(1024, 1, 4))
+ACCURATE = Quality("accurate", TrackingPreset(1920, 64, True), RenderPreset(2048, 2, 8))
 
 QUALITIES: dict[str, Quality] = {quality.name: quality for quality in (FAST, BALANCED, ACCURATE)}

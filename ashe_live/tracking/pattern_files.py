@@ -1,0 +1,98 @@
+"""Reads the pictures of pattern markers: ARToolKit pattern files, and pictures of the print itself."""
+
+import warnings
+from pathlib import Path
+
+import cv2
+import numpy as np
+import PIL.Image
+
+from ashe_live.core.arrays import Image
+from ashe_live.errors import UserError
+
+# An ARToolKit pattern file: for each of 4 rotations the blue, green and red channel, 16 rows of 16 numbers each.
+ROTATIONS, CHANNELS, ROWS = 4, 3, 16
+MAX_PATTERN_BYTES = 64 * 1024
+# The side of the whole print at which a pattern file's 16 cells are drawn into its middle half.
+PATTERN_PRINT_PX = 512
+
+MAX_PICTURE_BYTES = 32 * 1024 * 1024
+MAX_PICTURE_SIDE_PX = 4096
+PICTURE_FORMATS = ("PNG", "JPEG", "BMP", "WEBP")
+
+
+def read_pattern_file(path: Path) -> Image:
+    """The whole print (n, n) grey of an ARToolKit pattern file, black border of a quarter on each side included.
+
+    Raises UserError when it is not such a file.
+    """
+    wanted = ROTATIONS * CHANNELS * ROWS * ROWS
+    remedy = f"an ARToolKit pattern file holds {wanted} numbers from 0 to 255"
+    _check_file(path, MAX_PATTERN_BYTES, "pattern file")
+    try:
+        numbers = np.array([int(word) for word in path.read_text(encoding="ascii").split()])
+    except OSError as error:
+        raise UserError(f"cannot read the pattern file {path}", error.strerror or str(error)) from error
+    except (ValueError, OverflowError) as error:
+        raise UserError(f"the pattern file {path} holds something else than whole numbers", remedy) from error
+    if len(numbers) != wanted:
+        raise UserError(f"the pattern file {path} holds {len(numbers)} numbers", remedy)
+    if numbers.min() < 0 or numbers.max() > 255:
+        raise UserError(f"the pattern file {path} holds numbers beyond a byte", remedy)
+    upright_bgr = numbers.reshape(ROTATIONS, CHANNELS, ROWS, ROWS)[0].astype(np.uint8)
+    return _with_border(cv2.cvtColor(np.moveaxis(upright_bgr, 0, 2), cv2.COLOR_BGR2GRAY))
+
+
+def read_marker_picture(path: Path) -> Image:
+    """The whole print (n, n) grey of a picture that ends where the black square ends.
+
+    Raises UserError when it cannot be read or is not a square.
+    """
+    _check_file(path, MAX_PICTURE_BYTES, "picture")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", PIL.Image.DecompressionBombWarning)
+            # Opening reads the header only, so the size is known before memory is spent on it.
+            with PIL.Image.open(path, formats=PICTURE_FORMATS) as picture:
+                _check_picture_size(path, picture.size)
+                rgba = picture.convert("RGBA")
+    except (PIL.Image.DecompressionBombError, PIL.Image.DecompressionBombWarning) as error:
+        raise UserError(f"the picture {path} is too large", f"scale it to {MAX_PICTURE_SIDE_PX} pixels") from error
+    except (OSError, ValueError, SyntaxError) as error:
+        raise UserError(f"cannot read the picture {path}", f"it must be a {', '.join(PICTURE_FORMATS)} file") from error
+    paper = PIL.Image.new("RGBA", rgba.size, "white")
+    grey = np.asarray(PIL.Image.alpha_composite(paper, rgba).convert("L"))
+    side = min(grey.shape)
+    return np.asarray(cv2.resize(grey, (side, side), interpolation=cv2.INTER_AREA), dtype=np.uint8)
+
+
+def _with_border(content: Image) -> Image:
+    """Draws `content` (n, n), stretched from black to white, into the middle half of a black square."""
+    dark, light = int(content.min()), int(content.max())
+    stretched = (content.astype(np.float64) - dark) * (255 / max(light - dark, 1))
+    half = PATTERN_PRINT_PX // 2
+    whole = np.zeros((PATTERN_PRINT_PX, PATTERN_PRINT_PX), dtype=np.uint8)
+    middle = slice(half // 2, half // 2 + half)
+    whole[middle, middle] = cv2.resize(np.round(stretched).astype(np.uint8), (half, half))
+    return whole
+
+
+def _check_file(path: Path, max_bytes: int, what: str) -> None:
+    try:
+        size = path.stat().st_size
+    except (OSError, ValueError) as error:
+        raise UserError(f"cannot read the {what} {path}", getattr(error, "strerror", None) or str(error)) from error
+    if not path.is_file():
+        raise UserError(f"the {what} {path} is not a file", "name a file")
+    if size > max_bytes:
+        raise UserError(f"the {what} {path} has {size} bytes", f"it may have at most {max_bytes}")
+
+
+def _check_picture_size(path: Path, size: tuple[int, int]) -> None:
+    width, height = size
+    if max(size) > MAX_PICTURE_SIDE_PX:
+        raise UserError(f"the picture {path} is too large", f"scale it to {MAX_PICTURE_SIDE_PX} pixels")
+    if abs(width - height) > 0.02 * max(size):
+        raise UserError(f"the picture {path} is not square ({width}x{height})", "crop it to the black square")
+    if min(size) < 32:
+        raise UserError(f"the picture {path} is too small", "give it at least 32 pixels a side")

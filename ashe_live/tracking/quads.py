@@ -1,0 +1,50 @@
+"""Dark quadrilaterals on a lighter surrounding: where a black square may be."""
+
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Image
+
+# Found on photos and renders: one threshold of this window and contrast finds all of their squares.
+WINDOW_PX = 51
+DARKER_BY = 10
+MIN_SIDE_PX = 12
+# Of the perimeter: what a side may bulge before it counts as two.
+MAX_BULGE = 0.04
+
+
+def dark_quads(grey: Image, min_side_px: float = MIN_SIDE_PX) -> list[Float]:
+    """Corners (4, 2), clockwise in the picture, of every convex dark quadrilateral in `grey` (h, w).
+
+    Its longer extent in x or y is at least `min_side_px`, its shortest side half of that.
+
+    Only outer outlines count: the local threshold turns a large black square into a ring, and the ring's hole is
+    nothing that was printed.
+    """
+    if min(grey.shape) < min_side_px / 2:
+        return []
+    dark = cv2.adaptiveThreshold(
+        cv2.blur(grey, (3, 3)), 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, WINDOW_PX, DARKER_BY
+    )
+    outlines, hierarchy = cv2.findContours(dark, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
+    if hierarchy is None:
+        return []
+    parents = hierarchy.reshape(-1, 4)[:, 3]
+    quads = (_quad(outline, min_side_px) for outline, parent in zip(outlines, parents, strict=True) if parent < 0)
+    return [quad for quad in quads if quad is not None]
+
+
+def _quad(outline: NDArray[Any], min_side_px: float) -> Float | None:
+    if len(outline) < 4 or max(cv2.boundingRect(outline)[2:]) < min_side_px:
+        return None
+    polygon = cv2.approxPolyDP(outline, MAX_BULGE * cv2.arcLength(outline, True), True)
+    if len(polygon) != 4 or not cv2.isContourConvex(polygon):
+        return None
+    corners = polygon.reshape(4, 2).astype(np.float64)
+    if np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).min() < min_side_px / 2:
+        return None
+    # The picture's y points down, so a positive area is clockwise to the eye.
+    return corners if cv2.contourArea(corners.astype(np.float32), oriented=True) > 0 else corners[::-1].copy()
