@@ -1,0 +1,43 @@
+"""Lays pictures out as labelled thumbnails: a clip at one glance, for those without a display."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import PIL.Image
+from PIL import ImageDraw, ImageFont
+
+from ashe_live.core.arrays import Image
+
+GAP_PX = 8
+LABEL_HEIGHT_PX = 24
+FONT_SIZE_PX = 16
+PAPER = (24, 24, 24)
+INK = (235, 235, 235)
+
+
+def contact_sheet(
+    images_bgr: Sequence[Image], labels: Sequence[str], columns: int = 4, thumbnail_width_px: int = 320
+) -> Image:
+    """(h, w, 3) uint8 BGR: each (h, w, 3) uint8 image over its label, row by row. Raises ValueError without images."""
+    if not images_bgr or len(images_bgr) != len(labels) or columns < 1:
+        raise ValueError(f"{len(images_bgr)} images with {len(labels)} labels make no sheet of {columns} columns")
+    thumbnails = [_thumbnail(image, thumbnail_width_px) for image in images_bgr]
+    columns = min(columns, len(thumbnails))
+    rows = -(-len(thumbnails) // columns)
+    cell_width = thumbnail_width_px + GAP_PX
+    cell_height = max(thumbnail.height for thumbnail in thumbnails) + LABEL_HEIGHT_PX + GAP_PX
+    sheet = PIL.Image.new("RGB", (columns * cell_width + GAP_PX, rows * cell_height + GAP_PX), PAPER)
+    draw = ImageDraw.Draw(sheet)
+    font = ImageFont.load_default(FONT_SIZE_PX)
+    for number, (thumbnail, label) in enumerate(zip(thumbnails, labels, strict=True)):
+        row, column = divmod(number, columns)
+        left, top = GAP_PX + column * cell_width, GAP_PX + row * cell_height
+        sheet.paste(thumbnail, (left, top))
+        draw.text((left + 2, top + thumbnail.height + LABEL_HEIGHT_PX / 2), label, INK, font, anchor="lm")
+    return np.ascontiguousarray(np.asarray(sheet)[:, :, ::-1])
+
+
+def _thumbnail(image_bgr: Image, width_px: int) -> PIL.Image.Image:
+    height, width = image_bgr.shape[:2]
+    picture = PIL.Image.fromarray(np.ascontiguousarray(image_bgr[:, :, ::-1]))
+    return picture.resize((width_px, max(1, round(height * width_px / width))), PIL.Image.Resampling.LANCZOS)

@@ -1,0 +1,38 @@
+"""Promises kept for every file that is written: nothing is overwritten unasked, nothing is left half-written."""
+
+from datetime import datetime
+from itertools import count
+from pathlib import Path
+
+from ashe_live.errors import UserError
+
+
+def check_output(path: Path, overwrite: bool) -> None:
+    """Raises UserError when `path` cannot or must not be written; writes nothing."""
+    if path.is_dir():
+        raise UserError(f"{path} is a folder", "name a file in it")
+    if not path.parent.is_dir():
+        raise UserError(f"there is no folder {path.parent}", "create it or choose another")
+    if path.exists() and not overwrite:
+        raise UserError(f"{path} exists already", "choose another name or give --overwrite")
+
+
+def cannot_write(path: Path, error: Exception) -> UserError:
+    """What to raise when writing `path` failed."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return UserError(f"cannot write {path} ({reason})", "choose a folder that you may write to and that has space left")
+
+
+def partial_name(path: Path) -> Path:
+    """Hidden and in the same folder, so that the finished file can be renamed in one step."""
+    return path.with_name(f".{path.stem}.partial{path.suffix}")
+
+
+def unused_name(folder: Path, stem: str, suffix: str, at: datetime) -> Path:
+    """`stem-20261121-140312.png` (suffix ".png"), with -2, -3... where that exists already."""
+    name = f"{stem}-{at:%Y%m%d-%H%M%S}"
+    path = folder / f"{name}{suffix}"
+    numbers = count(2)
+    while path.exists():
+        path = folder / f"{name}-{next(numbers)}{suffix}"
+    return path

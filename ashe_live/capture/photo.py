@@ -1,0 +1,97 @@
+"""A photo as a source of one frame."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+from PIL import ImageOps
+
+from ashe_live.capture.sources import Source, check_readable
+from ashe_live.core.arrays import Image
+from ashe_live.core.types import Frame
+from ashe_live.errors import UserError
+
+MAX_PIXELS = 200_000_000
+FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
+# Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
+SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
+
+
+class PhotoSource(Source):
+    """The picture in a file, upright as its EXIF data says: frame 0, then the end."""
+
+    fps = None
+    is_live = False
+    is_photo = True
+    note = None
+
+    def __init__(self, path: str | Path) -> None:
+        """Decodes the file. Raises UserError when it is missing, damaged, too large or of an unknown format."""
+        path = Path(path)
+        check_readable(path)
+        self.name = path.name
+        self._frame = Frame(_read_bgr(path), index=0, time_s=0.0)
+        self.size = self._frame.size
+        self._has_ended = False
+
+    def read(self) -> Frame | None:
+        frame = None if self._has_ended else self._frame
+        self._has_ended = True
+        return frame
+
+    def rewind(self) -> None:
+        self._has_ended = False
+
+    def close(self) -> None:
+        self._has_ended = True
+
+
+def looks_like_photo(path: Path) -> bool:
+    """Whether the file begins as a photo does, or at least is named as one."""
+    try:
+        _open(path).close()
+    except PIL.UnidentifiedImageError:
+        return path.suffix.lower() in SUFFIXES
+    except Exception:
+        return True  # A photo, but damaged or too large, as PhotoSource will say.
+    return True
+
+
+def _open(path: Path) -> PIL.Image.Image:
+    """Reads the header only."""
+    with warnings.catch_warnings():
+        # Pillow warns of large pictures at a limit of its own; ours is MAX_PIXELS.
+        warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
+        return PIL.Image.open(path, formats=FORMATS)
+
+
+def _read_bgr(path: Path) -> Image:
+    """(h, w, 3) uint8. Pillow and not OpenCV decodes, as it refuses a truncated picture and OpenCV greys the rest."""
+    try:
+        with _open(path) as picture:
+            width, height = picture.size
+            if width * height > MAX_PIXELS:
+                raise PIL.Image.DecompressionBombError
+            upright = ImageOps.exif_transpose(picture)
+            return np.ascontiguousarray(_rgb_8bit(upright)[:, :, ::-1])
+    except PIL.Image.DecompressionBombError:
+        raise UserError(f"{path} has more than {MAX_PIXELS // 10**6} million pixels", "scale it down") from None
+    except PIL.UnidentifiedImageError:
+        raise UserError(f"{path} is not a photo of a known format", "convert it to JPEG or PNG") from None
+    # A damaged file can fail anywhere in Pillow's decoders: SyntaxError, ValueError, struct.error, OSError...
+    except Exception as error:
+        raise UserError(f"{path} is damaged ({error})", "copy it again, or convert it to JPEG or PNG") from None
+
+
+def _rgb_8bit(picture: PIL.Image.Image) -> Image:
+    """(h, w, 3) uint8: 16 bits reduced to 8, grey repeated, what is transparent laid on white."""
+    if picture.mode.startswith("I"):
+        grey = np.asarray(picture.convert("I")).clip(0, 65535) >> 8
+        return np.repeat(grey.astype(np.uint8)[:, :, None], 3, axis=2)
+    if picture.mode == "F":
+        raise ValueError("its pixels are floating-point numbers")
+    if picture.has_transparency_data:
+        layer = picture.convert("RGBA")
+        picture = PIL.Image.alpha_composite(PIL.Image.new("RGBA", layer.size, "white"), layer)
+    return np.asarray(picture.convert("RGB"))

@@ -1,0 +1,74 @@
+"""Where frames come from: a photo, a clip or a camera, all read in the same way."""
+
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol, Self
+
+from ashe_live.core.types import Frame
+from ashe_live.errors import UserError
+
+
+class SourceLost(UserError):  # noqa: N818 - what happened, as Closed
+    """A live source has stopped, as when a camera is unplugged; `Source.reopen` tries to get it back."""
+
+
+class Source(Protocol):
+    """Frames of one size, in the order of their times. Used as a context manager; not safe for two threads at once."""
+
+    name: str  # for a person: the file's name, or which camera
+    size: tuple[int, int]  # width, height of every frame in pixels
+    fps: float | None  # nominal frames a second; None for a photo
+    is_live: bool  # frames come at their own pace and cannot be read again
+    is_photo: bool  # there is one frame only, to be shown on and on
+    note: str | None  # what a person should know about the frames read so far, e.g. that the clip is truncated
+
+    def read(self) -> Frame | None:
+        """The next frame, or None at the end (a live source has none). Raises SourceLost."""
+        ...
+
+    def rewind(self) -> None:
+        """Starts again at frame 0; does nothing to a live source."""
+        ...
+
+    def reopen(self) -> bool:
+        """Tries once to get a lost live source back; True when frames can be read again."""
+        return False
+
+    def close(self) -> None:
+        """Frees the file or the camera; may be called twice."""
+        ...
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+
+def open_source(path: str | Path) -> Source:
+    """The photo or clip in the file `path`, told apart by content. Raises UserError when there is neither."""
+    # Each kind loads a library of its own, which the other does not need.
+    from ashe_live.capture.photo import PhotoSource, looks_like_photo
+
+    path = Path(path)
+    check_readable(path)
+    if looks_like_photo(path):
+        return PhotoSource(path)
+    from ashe_live.capture.clip import ClipSource
+
+    return ClipSource(path)
+
+
+def check_readable(path: Path) -> None:
+    """Raises UserError unless `path` is a file with something in it that this user may read."""
+    try:
+        with path.open("rb") as file:
+            is_empty = not file.read(1)
+    except FileNotFoundError:
+        raise UserError(f"there is no file {path}", "check the name and the folder") from None
+    except IsADirectoryError:
+        raise UserError(f"{path} is a folder", "name one photo or clip in it") from None
+    except OSError as error:
+        raise UserError(f"cannot read {path} ({error.strerror})", "check its permissions") from None
+    if is_empty:
+        raise UserError(f"{path} is empty", "copy or record it again")

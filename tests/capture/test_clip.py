@@ -1,0 +1,149 @@
+"""Every readable frame of a clip, upright and at its own time; no clip at all is one clear line."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import av
+import cv2
+import numpy as np
+import pytest
+from av.video.frame import VideoFrame
+
+from ashe_live.capture.clip import ClipSource
+from ashe_live.core.arrays import Image
+from ashe_live.core.types import Frame
+from ashe_live.errors import UserError
+
+REAL = Path(__file__).resolve().parents[2].parent / "shared" / "real"
+
+
+def frames_of(source: ClipSource) -> list[Frame]:
+    return list(iter(source.read, None))
+
+
+def test_whole_clip_has_no_note_and_stays_at_its_end(clip: Path) -> None:
+    with ClipSource(clip) as source:
+        assert (source.name, source.size, source.fps, source.is_live) == ("clip.mp4", (96, 64), 25.0, False)
+        assert len(frames_of(source)) == 60
+        assert source.read() is None
+        assert source.note is None
+
+
+def test_rewinding_gives_the_same_frames_again(clip: Path) -> None:
+    with ClipSource(clip) as source:
+        first = [source.read() for _ in range(20)]
+        source.rewind()
+        second = [source.read() for _ in range(20)]
+        source.rewind()
+        assert len(frames_of(source)) == 60
+    for before, after in zip(first, second, strict=True):
+        assert before is not None
+        assert after is not None
+        assert (before.index, before.time_s) == (after.index, after.time_s)
+        np.testing.assert_array_equal(before.image_bgr, after.image_bgr)
+
+
+def test_frames_stay_valid_after_later_reads_and_closing(clip: Path, picture: Callable[[int], Image]) -> None:
+    with ClipSource(clip) as source:
+        frames = frames_of(source)
+    assert np.abs(frames[5].image_bgr.astype(int) - picture(5)).mean() < 6
+
+
+def test_closed_source_is_at_its_end(clip: Path) -> None:
+    source = ClipSource(clip)
+    source.close()
+    source.close()
+    assert source.read() is None
+
+
+@pytest.mark.parametrize("share", [0.9, 0.6])
+def test_truncated_clip_gives_the_readable_frames_and_says_so(clip: Path, share: float, tmp_path: Path) -> None:
+    with ClipSource(clip) as source:
+        whole = frames_of(source)
+    content = clip.read_bytes()
+    cut = tmp_path / "cut.mp4"
+    cut.write_bytes(content[: int(len(content) * share)])
+    with ClipSource(cut) as source:
+        frames = frames_of(source)
+        assert 10 < len(frames) < 60
+        assert source.note is not None
+        assert f"only {len(frames)} frames" in source.note
+    for frame, original in zip(frames, whole, strict=False):
+        np.testing.assert_array_equal(frame.image_bgr, original.image_bgr)
+
+
+def test_damage_in_the_middle_does_not_end_the_clip(clip: Path, tmp_path: Path) -> None:
+    content = bytearray(clip.read_bytes())
+    middle = len(content) * 3 // 5
+    content[middle : middle + 200] = bytes(200)
+    damaged = tmp_path / "damaged.mp4"
+    damaged.write_bytes(content)
+    with ClipSource(damaged) as source:
+        frames = frames_of(source)
+        assert source.note is not None
+    assert 10 < len(frames) <= 60
+    assert (np.diff([frame.time_s for frame in frames]) > 0).all()
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (b"", "is empty"),
+        (b"Not a clip at all.\n" * 99, "not a clip"),
+        (b"\x00\x00\x00\x18ftypmp42" + bytes(99), "clip"),
+    ],
+)
+def test_what_is_no_clip_is_refused_in_one_line(
+    tmp_path: Path, content: bytes, says: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.mp4"
+    path.write_bytes(content)
+    with pytest.raises(UserError, match=says) as caught:
+        ClipSource(path)
+    assert "bad.mp4" in caught.value.message
+    assert capfd.readouterr().err == ""
+
+
+def test_clip_cut_before_its_first_picture_is_refused(clip: Path) -> None:
+    content = clip.read_bytes()
+    clip.write_bytes(content[: content.index(b"mdat") + 8])
+    with pytest.raises(UserError, match="no readable picture"):
+        ClipSource(clip)
+
+
+@pytest.mark.parametrize("quarter_turns", [0, 1, 2, 3])
+def test_rotation_metadata_of_phones_is_applied(tmp_path: Path, quarter_turns: int) -> None:
+    path = tmp_path / "phone.mp4"
+    image = np.full((64, 96, 3), 40, np.uint8)
+    image[:20, :30] = (30, 60, 220)
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=30, options={"crf": "10"})
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+        # Anticlockwise.
+        stream.set_display_rotation(90.0 * quarter_turns)
+        for _ in range(3):
+            container.mux(stream.encode(VideoFrame.from_ndarray(image, "bgr24")))
+        container.mux(stream.encode(None))
+    with ClipSource(path) as source:
+        frame = source.read()
+        assert frame is not None
+        upright = np.rot90(image, quarter_turns)
+        assert source.size == frame.size == (upright.shape[1], upright.shape[0])
+        assert np.abs(frame.image_bgr.astype(int) - upright).mean() < 6
+    turned_by_opencv, opencvs_image = cv2.VideoCapture(str(path)).read()
+    assert turned_by_opencv
+    assert np.abs(frame.image_bgr.astype(int) - opencvs_image).mean() < 6
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason="no shared/real beside the checkout")
+@pytest.mark.parametrize(
+    ("name", "size", "count", "last_s"), [("vid_12", (1440, 1080), 79, 2.6), ("vid_5", (848, 480), 485, 16.13)]
+)
+def test_real_clips_are_read_to_their_last_frame(name: str, size: tuple[int, int], count: int, last_s: float) -> None:
+    with ClipSource(REAL / f"{name}.mp4") as source:
+        shapes, times = zip(*((frame.size, frame.time_s) for frame in iter(source.read, None)), strict=True)
+        assert source.note is None
+    assert set(shapes) == {size}
+    assert len(times) == count
+    assert times[-1] == pytest.approx(last_s, abs=1e-6)
+    np.testing.assert_allclose(np.diff(times), 1 / 30, atol=0.01)

@@ -1,0 +1,133 @@
+"""Photos as phones, scanners and painting programs write them, as 8-bit BGR, upright."""
+
+import zlib
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.photo import PhotoSource
+from ashe_live.capture.sources import open_source
+from ashe_live.core.arrays import Image
+from ashe_live.errors import UserError
+
+
+def read(path: Path) -> Image:
+    with PhotoSource(path) as source:
+        frame = source.read()
+        assert frame is not None
+        return frame.image_bgr
+
+
+@pytest.fixture
+def rgb() -> Image:
+    image = np.full((40, 60, 3), (200, 120, 30), np.uint8)
+    image[:10, :20] = (10, 20, 250)
+    return image
+
+
+def test_gives_one_frame_then_the_end_and_again_after_rewinding(tmp_path: Path, rgb: Image) -> None:
+    path = tmp_path / "a.png"
+    PIL.Image.fromarray(rgb).save(path)
+    with PhotoSource(path) as source:
+        assert (source.size, source.fps, source.is_photo) == ((60, 40), None, True)
+        for _ in range(2):
+            frame = source.read()
+            assert frame is not None
+            assert (frame.index, frame.time_s) == (0, 0.0)
+            np.testing.assert_array_equal(frame.image_bgr, rgb[:, :, ::-1])
+            assert source.read() is None
+            source.rewind()
+
+
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_exif_orientation_is_respected(tmp_path: Path, rgb: Image, orientation: int) -> None:
+    """How the stored picture is to be changed for each of EXIF's orientations (tag 0x112)."""
+    upright = {
+        1: rgb,
+        2: rgb[:, ::-1],
+        3: rgb[::-1, ::-1],
+        4: rgb[::-1],
+        5: rgb.transpose(1, 0, 2),
+        6: np.rot90(rgb, -1),
+        7: rgb.transpose(1, 0, 2)[::-1, ::-1],
+        8: np.rot90(rgb, 1),
+    }[orientation]
+    exif = PIL.Image.Exif()
+    exif[0x112] = orientation
+    path = tmp_path / "a.jpg"
+    PIL.Image.fromarray(rgb).save(path, exif=exif, quality=95, subsampling=0)
+    image = read(path)
+    assert image.shape == upright.shape
+    assert np.abs(image.astype(int) - upright[:, :, ::-1]).mean() < 3
+
+
+def test_grey_of_16_bits_is_reduced(tmp_path: Path) -> None:
+    ramp = np.tile(np.linspace(0, 65535, 60).astype(np.uint16), (40, 1))
+    PIL.Image.fromarray(ramp).save(tmp_path / "a.png")
+    image = read(tmp_path / "a.png")
+    np.testing.assert_array_equal(image, np.repeat((ramp >> 8)[:, :, None], 3, axis=2))
+
+
+def test_grey_of_8_bits_is_repeated(tmp_path: Path, rgb: Image) -> None:
+    PIL.Image.fromarray(rgb[:, :, 0]).save(tmp_path / "a.png")
+    np.testing.assert_array_equal(read(tmp_path / "a.png"), np.repeat(rgb[:, :, :1], 3, axis=2))
+
+
+def test_what_is_transparent_lies_on_white(tmp_path: Path, rgb: Image) -> None:
+    alpha = np.full((40, 60, 1), 255, np.uint8)
+    alpha[20:] = 0
+    PIL.Image.fromarray(np.concatenate([rgb, alpha], axis=2)).save(tmp_path / "a.png")
+    image = read(tmp_path / "a.png")
+    np.testing.assert_array_equal(image[:20], rgb[:20, :, ::-1])
+    assert (image[20:] == 255).all()
+
+
+def test_truncated_photo_is_refused_and_not_half_grey(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    noise = np.random.default_rng(0).integers(0, 256, (80, 80, 3), np.uint8)
+    path = tmp_path / "a.jpg"
+    PIL.Image.fromarray(noise).save(path)
+    path.write_bytes(path.read_bytes()[:3000])
+    with pytest.raises(UserError, match=r"a\.jpg is damaged"):
+        open_source(path)
+    assert capfd.readouterr().err == ""
+
+
+def test_huge_photo_is_refused_by_its_header(tmp_path: Path) -> None:
+    """Only the header says that it is large: without the limit, it would be refused as damaged."""
+    path = tmp_path / "a.png"
+    PIL.Image.new("L", (8, 8)).save(path)
+    content = bytearray(path.read_bytes())
+    content[16:24] = (20_000).to_bytes(4, "big") * 2
+    content[29:33] = zlib.crc32(content[12:29]).to_bytes(4, "big")
+    path.write_bytes(content)
+    with pytest.raises(UserError, match="million pixels"):
+        open_source(path)
+
+
+def test_kind_is_told_by_content_and_only_then_by_name(tmp_path: Path, rgb: Image, clip: Path) -> None:
+    PIL.Image.fromarray(rgb).save(tmp_path / "photo.mp4", "PNG")
+    clip.rename(tmp_path / "clip.dat")
+    assert isinstance(open_source(tmp_path / "photo.mp4"), PhotoSource)
+    with open_source(tmp_path / "clip.dat") as source:
+        assert isinstance(source, ClipSource)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "says"),
+    [
+        ("none.mp4", None, "there is no file"),
+        (".", None, "is a folder"),
+        ("empty.jpg", b"", "is empty"),
+        ("text.jpg", b"text" * 99, "not a photo of a known format"),
+        ("phone.heic", b"\x00\x00\x00\x18ftypheic" + bytes(99), "convert it to JPEG"),
+        ("text.txt", b"text" * 99, "not a clip that can be read"),
+    ],
+)
+def test_unreadable_files_are_one_clear_line(tmp_path: Path, name: str, content: bytes | None, says: str) -> None:
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    with pytest.raises(UserError, match=says):
+        open_source(tmp_path / name)

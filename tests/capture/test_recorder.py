@@ -1,0 +1,217 @@
+"""What goes into a Recorder comes out of a ClipSource; what goes wrong leaves no broken file under the final name."""
+
+import itertools
+import resource
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+
+from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.recorder import Recorder
+from ashe_live.core.arrays import Image
+from ashe_live.core.types import Frame
+from ashe_live.errors import UserError
+
+Draw = Callable[[int], Image]
+
+
+def frames_of(path: Path) -> list[Frame]:
+    with ClipSource(path) as source:
+        return list(iter(source.read, None))
+
+
+def test_round_trip_keeps_count_size_order_and_times(clip: Path, picture: Draw) -> None:
+    frames = frames_of(clip)
+    assert [frame.index for frame in frames] == list(range(60))
+    assert {frame.size for frame in frames} == {(96, 64)}
+    np.testing.assert_allclose([frame.time_s for frame in frames], np.arange(60) / 25, atol=1e-9)
+    for frame in frames:
+        assert np.abs(frame.image_bgr.astype(int) - picture(frame.index)).mean() < 6
+
+
+def test_times_of_the_caller_are_kept_from_the_first_frame_on(tmp_path: Path, picture: Draw) -> None:
+    times = 1000.0 + np.array([0.0, 0.016, 0.05, 0.05, 0.3, 0.301])
+    with Recorder(tmp_path / "a.mp4", (96, 64), 60) as recorder:
+        for i, time_s in enumerate(times):
+            recorder.write(picture(i), float(time_s))
+    read = [frame.time_s for frame in frames_of(tmp_path / "a.mp4")]
+    np.testing.assert_allclose(read, times - 1000.0, atol=2e-5)
+    assert (np.diff(read) > 0).all()
+
+
+def test_a_time_before_the_last_is_refused(tmp_path: Path, picture: Draw) -> None:
+    with Recorder(tmp_path / "a.mp4", (96, 64), 60) as recorder:
+        recorder.write(picture(0), 5.0)
+        recorder.write(picture(1), 5.1)
+        with pytest.raises(ValueError, match="before the last"):
+            recorder.write(picture(2), 5.05)
+
+
+def test_colours_survive(tmp_path: Path) -> None:
+    """Patches over the whole cube of colours; 4:2:0 and compression cost some levels, a wrong matrix twenty or more."""
+    levels = np.array([0, 64, 128, 192, 255], np.uint8)
+    colours = np.stack(np.meshgrid(levels, levels, levels), axis=-1).reshape(5, 25, 3)
+    image = np.repeat(np.repeat(colours, 32, axis=0), 32, axis=1)
+    with Recorder(tmp_path / "a.mp4", (800, 160), 30) as recorder:
+        for _ in range(3):
+            recorder.write(image)
+    for frame in frames_of(tmp_path / "a.mp4"):
+        error = frame.image_bgr[16::32, 16::32].astype(int) - colours
+        assert np.abs(error).max() <= 8
+        assert np.abs(error.mean(axis=(0, 1))).max() < 2
+
+
+def test_stream_is_what_phones_and_browsers_play(clip: Path) -> None:
+    content = clip.read_bytes()
+    assert 0 < content.index(b"moov") < content.index(b"mdat")
+    assert b"moof" not in content
+    with av.open(str(clip)) as container:
+        stream = container.streams.video[0]
+        codec = stream.codec_context
+        assert (codec.name, codec.pix_fmt, stream.frames) == ("h264", "yuv420p", 60)
+        # 1: BT.709 in each of FFmpeg's lists; range 1: limited.
+        assert (codec.colorspace, codec.color_primaries, codec.color_trc, codec.color_range) == (1, 1, 1, 1)
+        assert stream.average_rate == 25
+        assert stream.duration is not None
+        assert stream.time_base is not None
+        assert float(stream.duration * stream.time_base) == pytest.approx(60 / 25)
+
+
+def test_odd_sizes_lose_the_last_column_and_row(tmp_path: Path) -> None:
+    image = np.zeros((65, 97, 3), np.uint8)
+    image[:, :40] = 200
+    with Recorder(tmp_path / "a.mp4", (97, 65), 30) as recorder:
+        recorder.write(image)
+    (frame,) = frames_of(tmp_path / "a.mp4")
+    assert frame.size == (96, 64)
+    assert np.abs(frame.image_bgr.astype(int) - image[:64, :96]).mean() < 4
+
+
+def test_flipped_views_are_written_as_they_look(tmp_path: Path, picture: Draw) -> None:
+    """OpenGL's rows run upwards, so the viewer hands over views with negative strides."""
+    with Recorder(tmp_path / "a.mp4", (96, 64), 30) as recorder:
+        recorder.write(picture(3)[::-1, ::-1])
+    (frame,) = frames_of(tmp_path / "a.mp4")
+    assert np.abs(frame.image_bgr.astype(int) - picture(3)[::-1, ::-1]).mean() < 6
+
+
+def test_existing_file_is_refused_before_anything_is_written(clip: Path) -> None:
+    before = clip.read_bytes()
+    with pytest.raises(UserError, match="exists already"):
+        Recorder(clip, (96, 64), 30)
+    assert clip.read_bytes() == before
+    assert list(clip.parent.iterdir()) == [clip]
+
+
+def test_overwriting_replaces_only_at_the_end(clip: Path, picture: Draw) -> None:
+    with Recorder(clip, (96, 64), 30, overwrite=True) as recorder:
+        recorder.write(picture(0))
+        assert len(frames_of(clip)) == 60
+    assert len(frames_of(clip)) == 1
+
+
+@pytest.mark.parametrize("name", ["missing/a.mp4", "a.avi", "."])
+def test_unusable_names_are_refused(tmp_path: Path, name: str) -> None:
+    with pytest.raises(UserError):
+        Recorder(tmp_path / name, (96, 64), 30)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unwritable_folder_is_refused() -> None:
+    # Linux lets nobody, not even root, create a file here.
+    folder = Path("/proc")
+    if not folder.is_dir():
+        pytest.skip("no /proc on this system")
+    with pytest.raises(UserError, match="cannot write"):
+        Recorder(folder / "a.mp4", (96, 64), 30)
+
+
+def test_without_frames_no_file_is_left(tmp_path: Path) -> None:
+    with Recorder(tmp_path / "a.mp4", (96, 64), 30):
+        pass
+    assert list(tmp_path.iterdir()) == []
+
+
+def write_seven_and_fail(recorder: Recorder, picture: Draw) -> None:
+    for i in range(7):
+        recorder.write(picture(i))
+    raise KeyError("in mid-run")
+
+
+def test_clip_is_finished_after_an_exception_and_close_may_be_repeated(tmp_path: Path, picture: Draw) -> None:
+    recorder = Recorder(tmp_path / "a.mp4", (96, 64), 30)
+    with pytest.raises(KeyError), recorder:
+        write_seven_and_fail(recorder, picture)
+    recorder.close()
+    assert len(frames_of(tmp_path / "a.mp4")) == 7
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
+    with pytest.raises(ValueError, match="closed"):
+        recorder.write(picture(0))
+
+
+def test_another_size_in_mid_stream_is_the_callers_fault(tmp_path: Path, picture: Draw) -> None:
+    with Recorder(tmp_path / "a.mp4", (96, 64), 30) as recorder:
+        recorder.write(picture(0))
+        with pytest.raises(ValueError, match="in a recording of"):
+            recorder.write(np.zeros((64, 98, 3), np.uint8))
+    assert len(frames_of(tmp_path / "a.mp4")) == 1
+
+
+RECORD_UNTIL_KILLED = """
+import sys, numpy as np
+from ashe_live.capture.recorder import Recorder
+recorder = Recorder(sys.argv[1], (96, 64), 10)
+for i in range(90):
+    recorder.write(np.full((64, 96, 3), i, np.uint8))
+print("recording", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_killed_in_mid_run_leaves_nothing_under_the_final_name(tmp_path: Path, picture: Draw) -> None:
+    target = tmp_path / "a.mp4"
+    with subprocess.Popen(
+        [sys.executable, "-c", RECORD_UNTIL_KILLED, str(target)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        cwd=Path(__file__).parents[2],
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"recording\n"
+        process.kill()
+    assert not target.exists()
+    (partial,) = tmp_path.iterdir()
+    assert len(frames_of(partial)) >= 40, "what was recorded can be rescued"
+    with Recorder(target, (96, 64), 30) as recorder:
+        recorder.write(picture(0))
+    assert list(tmp_path.iterdir()) == [target], "the next recording of that name clears up"
+
+
+@pytest.fixture
+def files_of_60_kb_at_most() -> Iterator[None]:
+    """Writing beyond fails as it does on a full disk (Python ignores the signal that would come with it)."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, hard))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def write_forever(recorder: Recorder, image: Image) -> None:
+    for i in itertools.count():
+        recorder.write(np.roll(image, i * 7, axis=1))
+
+
+@pytest.mark.usefixtures("files_of_60_kb_at_most")
+def test_full_disk_saves_what_was_recorded(tmp_path: Path) -> None:
+    noise = np.random.default_rng(0).integers(0, 256, (64, 96, 3), np.uint8)
+    recorder = Recorder(tmp_path / "a.mp4", (96, 64), 2)
+    with pytest.raises(UserError, match="the first part of the recording is saved"):
+        write_forever(recorder, noise)
+    recorder.close()
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
+    assert len(frames_of(tmp_path / "a.mp4")) >= 4

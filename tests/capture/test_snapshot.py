@@ -1,0 +1,64 @@
+"""Pictures written whole, under names that never overwrite, and laid out as a sheet."""
+
+from datetime import datetime
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.capture.contact_sheet import contact_sheet
+from ashe_live.capture.output_files import unused_name
+from ashe_live.capture.snapshot import write_png
+from ashe_live.errors import UserError
+
+NOON = datetime(2026, 11, 21, 14, 3, 12)
+
+
+def test_png_holds_the_very_pixels(tmp_path: Path) -> None:
+    image = np.random.default_rng(0).integers(0, 256, (30, 41, 3), np.uint8)
+    write_png(tmp_path / "a.png", image)
+    np.testing.assert_array_equal(cv2.imread(str(tmp_path / "a.png")), image)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_existing_picture_is_replaced_only_on_request(tmp_path: Path) -> None:
+    path = tmp_path / "a.png"
+    black, white = np.zeros((4, 4, 3), np.uint8), np.full((4, 4, 3), 255, np.uint8)
+    write_png(path, black)
+    with pytest.raises(UserError, match="exists already"):
+        write_png(path, white)
+    assert cv2.imread(str(path)).max() == 0
+    write_png(path, white, overwrite=True)
+    assert cv2.imread(str(path)).min() == 255
+
+
+def test_missing_folder_is_a_user_error(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="there is no folder"):
+        write_png(tmp_path / "missing" / "a.png", np.zeros((4, 4, 3), np.uint8))
+
+
+def test_unused_names_count_up(tmp_path: Path) -> None:
+    names = []
+    for _ in range(3):
+        path = unused_name(tmp_path, "ashe-live", ".png", NOON)
+        path.touch()
+        names.append(path.name)
+    assert names == [f"ashe-live-20261121-140312{more}.png" for more in ("", "-2", "-3")]
+
+
+def test_contact_sheet_shows_every_picture_in_its_cell_over_its_label() -> None:
+    colours = [(250, 10, 10), (10, 250, 10), (10, 10, 250), (250, 250, 10), (10, 250, 250)]
+    images = [np.full((48, 64, 3), colour, np.uint8) for colour in colours]
+    sheet = contact_sheet(images, [f"frame {i}" for i in range(5)], columns=3, thumbnail_width_px=64)
+    cell_height, cell_width = (sheet.shape[0] - 8) // 2, (sheet.shape[1] - 8) // 3
+    for i, colour in enumerate(colours):
+        top, left = 8 + i // 3 * cell_height, 8 + i % 3 * cell_width
+        np.testing.assert_array_equal(sheet[top + 24, left + 32], colour)
+        assert sheet[top + 48 : top + 72, left : left + 64].max() > 200, "ink"
+    assert sheet[8 + cell_height :, 8 + 2 * cell_width :].max() < 50, "the sixth cell is empty"
+
+
+def test_contact_sheet_of_nothing_is_wrong_use() -> None:
+    with pytest.raises(ValueError, match="no sheet"):
+        contact_sheet([], [])
