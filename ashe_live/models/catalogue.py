@@ -1,0 +1,28 @@
+"""The models that ship with the program, and how a name or a path becomes one."""
+
+from pathlib import Path
+
+from ashe_live.core.resources import resource
+from ashe_live.errors import UserError
+from ashe_live.models.loading import SUFFIXES, load_model_file
+from ashe_live.models.mesh import Model
+
+FIRST = "cube"
+
+
+def model_names() -> tuple[str, ...]:
+    """Names of the shipped models in the order of the number keys: the cube, then by alphabet."""
+    names = {path.stem for path in resource("assets", "models").glob("*.glb")}
+    return tuple(sorted(names, key=lambda name: (name != FIRST, name)))
+
+
+def load_model(name_or_path: str) -> Model:
+    """A shipped model by its name, or any model file by its path. Raises UserError when it is neither."""
+    if name_or_path in model_names():
+        return load_model_file(resource("assets", "models", f"{name_or_path}.glb"))
+    path = Path(name_or_path)
+    if path.suffix.lower() in SUFFIXES or path.exists():
+        return load_model_file(path)
+    raise UserError(
+        f"there is no model '{name_or_path}'", f"choose one of {', '.join(model_names())}, or give a file's path"
+    )

@@ -1,0 +1,83 @@
+"""Triangle meshes as the renderer takes them: immutable arrays, z up, colours in linear light."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Image, frozen_view, set_frozen
+
+Float32 = NDArray[np.float32]
+Indices = NDArray[np.uint32]
+LinearRGBA = tuple[float, float, float, float]
+WHITE: LinearRGBA = (1.0, 1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """Triangles of one material, counter-clockwise seen from the side that their normals point to."""
+
+    vertices: Float32  # (n, 3) metres, z up
+    normals: Float32  # (n, 3) unit
+    triangles: Indices  # (m, 3) indices of vertices
+    uvs: Float32 | None = None  # (n, 2) texture coordinates, origin at the picture's bottom left
+    colours: Float32 | None = None  # (n, 4) linear RGBA, a factor
+    base_colour: LinearRGBA = WHITE  # linear RGBA, a factor
+    base_texture: Image | None = None  # (h, w, 4) uint8 sRGB with alpha, top row first, a factor; needs uvs
+
+    def __post_init__(self) -> None:
+        count = len(self.vertices)
+        set_frozen(
+            self,
+            vertices=_checked(self.vertices, np.float32, (count, 3), "vertices"),
+            normals=_checked(self.normals, np.float32, (count, 3), "normals"),
+            triangles=_checked(self.triangles, np.uint32, (len(self.triangles), 3), "triangles"),
+        )
+        if self.uvs is not None:
+            set_frozen(self, uvs=_checked(self.uvs, np.float32, (count, 2), "uvs"))
+        if self.colours is not None:
+            set_frozen(self, colours=_checked(self.colours, np.float32, (count, 4), "colours"))
+        if self.base_texture is not None:
+            shape = (*self.base_texture.shape[:2], 4)
+            set_frozen(self, base_texture=_checked(self.base_texture, np.uint8, shape, "base_texture"))
+        if len(self.triangles) == 0:
+            raise ValueError("a mesh without triangles")
+        if int(self.triangles.max()) >= count:
+            raise ValueError(f"a triangle names vertex {self.triangles.max()} of {count}")
+
+    def moved(self, scale: float, offset: Float) -> "Mesh":
+        """The same mesh with vertices `scale * v + offset`."""
+        return replace(self, vertices=(self.vertices * scale + offset).astype(np.float32))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Model:
+    """What a person chooses by name: one or more meshes in one frame, z up."""
+
+    name: str
+    parts: tuple[Mesh, ...]  # at least one
+
+    def __post_init__(self) -> None:
+        if not self.parts:
+            raise ValueError("a model without parts")
+
+    @property
+    def triangle_count(self) -> int:
+        return sum(len(part.triangles) for part in self.parts)
+
+    @property
+    def bounds(self) -> Float:
+        """(2, 3) smallest and largest coordinates, in metres."""
+        lower = np.min([part.vertices.min(axis=0) for part in self.parts], axis=0)
+        upper = np.max([part.vertices.max(axis=0) for part in self.parts], axis=0)
+        return np.array([lower, upper], dtype=np.float64)
+
+
+def _checked(array: NDArray[Any], dtype: type, shape: tuple[int, ...], name: str) -> NDArray[Any]:
+    values: NDArray[Any] = np.ascontiguousarray(array, dtype=dtype)
+    if values.shape != shape:
+        raise ValueError(f"{name} has shape {values.shape}, not {shape}")
+    if not np.isfinite(values).all():
+        raise ValueError(f"{name} holds a value that is not finite")
+    return frozen_view(values)

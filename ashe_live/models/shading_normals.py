@@ -1,0 +1,47 @@
+"""Normals for meshes that bring none: smooth where the surface is, sharp where it has an edge."""
+
+import math
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.models.mesh import Float32, Indices
+
+CREASE_RAD = math.radians(40)
+
+
+def face_normals(vertices: Float32, triangles: Indices) -> Float:
+    """(m, 3) normals of twice the triangles' area in length, right-handed."""
+    a, b, c = np.moveaxis(vertices[triangles].astype(np.float64), 1, 0)
+    return np.asarray(np.cross(b - a, c - a))
+
+
+def unit_rows(vectors: Float) -> Float:
+    """(n, 3) at length 1; z where there is no direction, so that a degenerate triangle stays finite."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.where(lengths > 0, vectors / np.where(lengths > 0, lengths, 1.0), (0.0, 0.0, 1.0))
+
+
+def corner_normals(vertices: Float32, triangles: Indices) -> Float32:
+    """(3 m, 3) unit normals, one for each triangle's corner in the order of `triangles.ravel()`.
+
+    A corner averages, by area, the triangles at the same place whose planes differ by less than CREASE_RAD.
+    """
+    faces = face_normals(vertices, triangles)
+    units = unit_rows(faces)
+    _, place = np.unique(vertices[triangles.ravel()], axis=0, return_inverse=True)
+    order = np.argsort(place.ravel(), kind="stable")
+    place, face = place.ravel()[order], order // 3
+    total = faces[face].copy()
+    smooth = math.cos(CREASE_RAD)
+    for step in range(1, int(np.bincount(place).max())):
+        first, second = np.arange(len(place) - step), np.arange(step, len(place))
+        meet = place[first] == place[second]
+        first, second = first[meet], second[meet]
+        alike = np.einsum("ij,ij->i", units[face[first]], units[face[second]]) > smooth
+        first, second = first[alike], second[alike]
+        total[first] += faces[face[second]]
+        total[second] += faces[face[first]]
+    normals = np.empty_like(total)
+    normals[order] = total
+    return unit_rows(normals).astype(np.float32)

@@ -1,0 +1,79 @@
+"""How much of the sky the model hides from the ground around it: what there is to see without any sun.
+
+Ambient occlusion by its definition: the mean of the shadows that many lights spread over the sky would cast, each
+with the weight of its cosine (Langer and Buelthoff, "Depth discrimination from shading under diffuse lighting", 2000).
+Drawn once a model.
+"""
+
+import math
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.render.geometry import GpuModel
+from ashe_live.render.programs import build_program, set_uniforms
+from ashe_live.render.shadow_map import ShadowMap
+
+DIRECTIONS = 48
+DEPTH_MAP_SIZE = 128
+PATCH_SIZE = 96  # texels a side
+REACH_HEIGHTS = 0.6  # how far the patch goes beyond the model's bounds, in heights of the model
+MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
+FADE = 0.3  # share of the patch's side along which the darkening ends
+
+
+class ContactPatch:
+    """A texture of the hidden share of the sky on the ground around one model."""
+
+    def __init__(self, ctx: moderngl.Context, depth_program: moderngl.Program) -> None:
+        self.bounds: Float = np.zeros((2, 2))  # smallest and largest x, y; metres, marker frame
+        self._ctx = ctx
+        self._program = build_program(ctx, "contact", pcf_radius=1)
+        self._rectangle = ctx.vertex_array(self._program, [])
+        self._depth_map = ShadowMap(ctx, depth_program, DEPTH_MAP_SIZE, pcf_radius=1)
+        self._texture = ctx.texture((PATCH_SIZE, PATCH_SIZE), 1, dtype="f2")
+        self._texture.repeat_x = self._texture.repeat_y = False
+        self._framebuffer = ctx.framebuffer([self._texture])
+        self._model: GpuModel | None = None
+
+    def render(self, model: GpuModel) -> None:
+        """Draws the patch, unless it holds this model already."""
+        if model is self._model:
+            return
+        lower, upper = model.placed.bounds
+        reach = REACH_HEIGHTS * max(upper[2], MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
+        self.bounds = np.array([lower[:2] - reach, upper[:2] + reach])
+        self._framebuffer.clear()
+        set_uniforms(self._program, weight=1.0 / DIRECTIONS, patch_bounds=tuple(self.bounds.ravel()))
+        for direction in sky_directions(DIRECTIONS):
+            self._depth_map.render(model, direction)
+            self._depth_map.bind(self._program, 0)
+            self._framebuffer.use()
+            self._ctx.enable_only(moderngl.BLEND)
+            self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+            self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        self._depth_map.forget()
+        self._model = model
+
+    def bind(self, program: moderngl.Program, unit: int) -> None:
+        self._texture.use(unit)
+        set_uniforms(program, contact=unit, patch_bounds=tuple(self.bounds.ravel()))
+
+    def forget(self) -> None:
+        """Drops the reference to the model that was drawn last."""
+        self._model = None
+
+    def release(self) -> None:
+        self.forget()
+        self._depth_map.release()
+        for held in (self._framebuffer, self._texture, self._rectangle, self._program):
+            held.release()
+
+
+def sky_directions(count: int) -> Float:
+    """(count, 3) unit vectors above the plane whose density follows the cosine to z; a golden-angle spiral."""
+    share = (np.arange(count) + 0.5) / count
+    azimuth = np.arange(count) * (math.pi * (3 - math.sqrt(5)))
+    flat = np.sqrt(share)
+    return np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sqrt(1 - share)])

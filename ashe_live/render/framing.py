@@ -1,0 +1,65 @@
+"""Which part of the framebuffer shows what: the video's viewport, and the camera's clip space for what stands in it."""
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.transforms import T_gl_cam, gl_projection, inverse_rigid, transform_points
+
+Rectangle = tuple[int, int, int, int]  # left, bottom, width, height in pixels of the framebuffer
+
+# A depth buffer of 24 bits resolves a thousandth of the nearest distance well beyond this ratio.
+MAX_FAR_OVER_NEAR = 1000.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Framing:
+    """How the marker frame maps to the framebuffer, for one pose."""
+
+    viewport: Rectangle  # where the video is
+    region: Rectangle  # the part of it that the framed points span
+    clip_from_marker: Float  # (4, 4)
+    eye_marker: Float  # (3,) metres, the camera's centre in the marker frame
+
+
+def letterbox(video: Size, framebuffer: Size) -> Rectangle:
+    """The largest centred rectangle of the video's aspect ratio."""
+    scale = min(framebuffer[0] / video[0], framebuffer[1] / video[1])
+    width, height = (min(limit, max(1, round(side * scale))) for side, limit in zip(video, framebuffer, strict=True))
+    return (framebuffer[0] - width) // 2, (framebuffer[1] - height) // 2, width, height
+
+
+def framing(camera: Camera, T_cam_marker: Float, points_marker: Float, viewport: Rectangle) -> Framing | None:
+    """Near and far so that they enclose `points_marker` (n, 3); None when the camera sees none of them."""
+    depths = transform_points(T_cam_marker, points_marker)[:, 2]
+    far = 1.1 * float(depths.max())
+    if far <= 0:
+        return None
+    near = max(0.9 * float(depths.min()), far / MAX_FAR_OVER_NEAR)
+    clip_from_marker = gl_projection(camera, near, far) @ T_gl_cam @ T_cam_marker
+    region = viewport
+    if depths.min() >= near:
+        region = _spanned(clip_from_marker, points_marker, viewport)
+    if min(region[2:]) <= 0:
+        return None
+    return Framing(viewport, region, clip_from_marker, inverse_rigid(T_cam_marker)[:3, 3])
+
+
+def box_corners(bounds: Float) -> Float:
+    """(8, 3) corners of a box given by its smallest and largest coordinates (2, 3)."""
+    return np.array(list(itertools.product(*bounds.T)))
+
+
+def _spanned(clip_from_marker: Float, points: Float, viewport: Rectangle) -> Rectangle:
+    """The pixels of `viewport` that the points' convex hull can touch; empty outside it."""
+    clip = np.column_stack([points, np.ones(len(points))]) @ clip_from_marker.T
+    left, bottom, width, height = viewport
+    pixels = (clip[:, :2] / clip[:, 3:] + 1) / 2 * (width, height)
+    lower = np.clip(np.floor(pixels.min(axis=0)) - 1, 0, (width, height))
+    upper = np.clip(np.ceil(pixels.max(axis=0)) + 1, 0, (width, height))
+    (x0, y0), (x1, y1) = lower, upper
+    return left + math.floor(x0), bottom + math.floor(y0), math.floor(x1 - x0), math.floor(y1 - y0)

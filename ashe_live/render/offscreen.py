@@ -1,0 +1,22 @@
+"""An OpenGL context without a window, by EGL: what playing without a display and the tests draw with."""
+
+from typing import Any
+
+import moderngl
+
+from ashe_live.errors import UserError
+
+GL_VERSION = 330
+STANDALONE: dict[str, Any] = {"standalone": True, "backend": "egl"}
+
+
+def offscreen_context() -> moderngl.Context:
+    """A standalone context of OpenGL 3.3 core or later. Raises UserError when the machine has none."""
+    try:
+        return moderngl.create_context(GL_VERSION, **STANDALONE)
+    except Exception as error:  # glcontext raises whatever the loader of shared libraries tells it
+        detail = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise UserError(
+            f"no OpenGL 3.3 without a display ({detail})",
+            "install Mesa: apt-get install libegl1 libgl1 libgl1-mesa-dri",
+        ) from error

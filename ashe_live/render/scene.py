@@ -1,0 +1,40 @@
+"""What one picture shows: the only thing that the viewer hands to the renderer."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Image, frozen_view, set_frozen
+from ashe_live.core.types import DirectionalLight, TrackedFrame
+from ashe_live.models.placement import PlacedModel
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Overlay:
+    """A picture on top of everything; compared by identity, so keep it as long as its content stays."""
+
+    image_rgba: Image  # (h, w, 4) uint8 sRGB, straight alpha, top row first
+    left_px: int  # from the window's left edge, in pixels of the framebuffer
+    top_px: int  # from its top edge
+    size: tuple[int, int] | None = None  # shown width, height in pixels; None: as many as the picture has
+
+    def __post_init__(self) -> None:
+        shape = self.image_rgba.shape
+        if len(shape) != 3 or shape[2] != 4 or self.image_rgba.dtype != np.uint8:
+            raise ValueError(f"an overlay is (h, w, 4) uint8, not {shape} {self.image_rgba.dtype}")
+        set_frozen(self, image_rgba=frozen_view(self.image_rgba))
+
+    @property
+    def shown_size(self) -> tuple[int, int]:
+        return self.size or (self.image_rgba.shape[1], self.image_rgba.shape[0])
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Everything in one picture. The same objects again cost nothing to upload."""
+
+    tracked: TrackedFrame | None = None  # video, camera and pose; None: black
+    model: PlacedModel | None = None  # drawn where there is a marker
+    light: DirectionalLight | None = None  # None: the sky alone, no shadow is cast
+    shows_light: bool = False  # an arrow that comes from the light
+    overlays: tuple[Overlay, ...] = ()  # bottom first

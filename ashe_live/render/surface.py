@@ -1,0 +1,58 @@
+"""The renderer's own framebuffer, with several samples a pixel only where something stands."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import moderngl
+
+from ashe_live.core.camera import Size
+from ashe_live.render.framing import Rectangle
+
+
+class Surface:
+    """Colour and depth of `size`; `samples` are as many as the context has, if fewer."""
+
+    def __init__(self, ctx: moderngl.Context, size: Size, samples: int) -> None:
+        self.size = size
+        self.samples = supported_samples(samples, ctx.max_samples)
+        self._ctx = ctx
+        self._colour = ctx.renderbuffer(size)
+        # Framebuffers without depth, for copies: OpenGL refuses to copy between depth buffers of different kinds.
+        self.colour = ctx.framebuffer([self._colour])
+        self._many = ctx.renderbuffer(size, samples=self.samples) if self.samples else self._colour
+        self._depth = ctx.depth_renderbuffer(size, samples=self.samples)
+        self._many_colour = ctx.framebuffer([self._many])
+        self._drawn = ctx.framebuffer([self._many], self._depth)
+
+    @contextmanager
+    def drawing(self, region: Rectangle) -> Iterator[bool]:
+        """Binds a framebuffer whose `region` has fresh depth, and brings that region to `colour` at the end.
+
+        Yields whether it has several samples a pixel; their colour is then undefined at first.
+        """
+        self._drawn.use()
+        self._ctx.scissor = region
+        self._drawn.clear(viewport=region) if self.samples else self._clear_depth(region)
+        try:
+            yield self.samples > 0
+        finally:
+            if self.samples:
+                self._ctx.copy_framebuffer(self.colour, self._many_colour)
+            self._ctx.scissor = None
+
+    def release(self) -> None:
+        for framebuffer in (self.colour, self._many_colour, self._drawn):
+            framebuffer.release()
+        for buffer in {self._colour, self._many, self._depth}:
+            buffer.release()
+
+    def _clear_depth(self, region: Rectangle) -> None:
+        self._drawn.color_mask = False, False, False, False
+        self._drawn.clear(viewport=region)
+        self._drawn.color_mask = True, True, True, True
+
+
+def supported_samples(wanted: int, available: int) -> int:
+    """The largest power of two that is neither more than wanted nor more than there are; 0 below two."""
+    samples = min(wanted, available)
+    return 1 << (samples.bit_length() - 1) if samples >= 2 else 0

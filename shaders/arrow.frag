@@ -1,0 +1,14 @@
+// Brighter towards the eye, so that the arrow reads as round on any video.
+#version 330 core
+
+uniform vec3 eye;  // metres, marker frame
+uniform vec3 encoded_colour;
+
+in vec3 position;
+in vec3 normal;
+out vec4 encoded;
+
+void main() {
+    float facing = max(0.0, dot(normalize(normal), normalize(eye - position)));
+    encoded = vec4(encoded_colour * (0.35 + 0.65 * facing), 1.0);
+}

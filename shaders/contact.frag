@@ -1,0 +1,12 @@
+// One direction's part of the sky that the model hides from the ground.
+#version 330 core
+#include "shadow.glsl"
+
+uniform float weight;
+
+in vec3 position;
+out float occlusion;
+
+void main() {
+    occlusion = weight * (1.0 - lit_fraction(position));
+}

@@ -1,0 +1,4 @@
+// Depth only.
+#version 330 core
+
+void main() {}
