@@ -1,0 +1,154 @@
+"""The light worker: estimates away from the viewer's loop, in a process of its own at the lowest priority.
+
+A thread would share the interpreter's lock and the full priority with the loop; docs/accuracy.md has the figures.
+"""
+
+import multiprocessing
+import threading
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from types import TracebackType
+from typing import Self
+
+from ashe_live.core.mailbox import LatestMailbox
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light import worker_process
+from ashe_live.light.estimator import ESTIMATORS, Estimator, make_estimator
+from ashe_live.light.worker_process import WorkerFailure
+
+CLOSE_TIMEOUT_S = 0.4
+
+Outcome = LightEstimate | WorkerFailure
+
+
+class LightWorker:
+    """One process that answers one request at a time; for use from one thread, which it never blocks.
+
+    `estimator` is a name in ESTIMATORS (UserError for another one), or what makes an estimator and can be pickled. The
+    process starts here, so that its imports are done when the first request comes.
+    """
+
+    def __init__(self, estimator: str | Callable[[], Estimator]) -> None:
+        if isinstance(estimator, str) and estimator not in ESTIMATORS:
+            make_estimator(estimator)
+        self._make = partial(make_estimator, estimator) if isinstance(estimator, str) else estimator
+        self._asked_index: int | None = None
+        self._closed = False
+        self._process: _Process | None = _Process(self._make)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a request has been made whose outcome has not been collected yet."""
+        return self._asked_index is not None
+
+    def request(self, tracked: TrackedFrame) -> bool:
+        """Asks for the light in `tracked`; False, and nothing asked, while busy. Raises ValueError when closed."""
+        if self._closed:
+            raise ValueError("the light worker is closed")
+        if self.busy:
+            return False
+        if self._process is None or self._process.has_ended:
+            self._discard()
+            self._process = _Process(self._make)
+        self._asked_index = tracked.frame.index
+        self._process.send(tracked)
+        return True
+
+    def poll(self) -> Outcome | None:
+        """What has come of the request, once; None while there is nothing."""
+        return self.wait(0.0)
+
+    def wait(self, timeout_s: float) -> Outcome | None:
+        """As `poll`, after waiting for it for up to `timeout_s`."""
+        if self._process is None or self._asked_index is None:
+            return None
+        try:
+            outcome = self._process.outcomes.take(timeout_s)
+        except EOFError:
+            outcome = WorkerFailure(self._asked_index, "the light estimator's process has died")
+            self._discard()
+        if outcome is not None:
+            self._asked_index = None
+        return outcome
+
+    def close(self) -> None:
+        """Ends the process, also in the middle of an estimate; closing twice is allowed."""
+        self._closed = True
+        self._asked_index = None
+        self._discard()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _discard(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process = None
+
+
+class _Process:
+    """One life of the process: the mailbox of its answers is closed with EOFError when it ends."""
+
+    def __init__(self, make: Callable[[], Estimator]) -> None:
+        # Spawned, as a forked child would inherit the window, its GL context and half-held locks.
+        context = multiprocessing.get_context("spawn")
+        self.outcomes: LatestMailbox[Outcome] = LatestMailbox()
+        self._connection, far_end = context.Pipe()
+        self._process: SpawnProcess = context.Process(
+            target=worker_process.run, args=(far_end, make), name="ashe-live light worker", daemon=True
+        )
+        self._process.start()
+        # Else our own copy would keep the pipe open after the process has died.
+        far_end.close()
+        self._threads = [self._thread(_receive, self._connection, self.outcomes)]
+
+    @property
+    def has_ended(self) -> bool:
+        return self.outcomes.is_closed or not self._process.is_alive()
+
+    def send(self, tracked: TrackedFrame) -> None:
+        """Hands the frame over in a thread, as the pipe takes it only as fast as the process reads."""
+        self._threads[1:] = [self._thread(_send, self._connection, tracked)]
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.join(CLOSE_TIMEOUT_S)
+        # With the process gone both threads meet the pipe's end at once.
+        for thread in self._threads:
+            thread.join(CLOSE_TIMEOUT_S)
+        self._connection.close()
+
+    @staticmethod
+    def _thread(target: Callable[..., None], *arguments: object) -> threading.Thread:
+        thread = threading.Thread(target=target, args=arguments, daemon=True, name="ashe-live light pipe")
+        thread.start()
+        return thread
+
+
+def _send(connection: Connection, tracked: TrackedFrame) -> None:
+    # A broken pipe is met by the receiving thread as well, which tells.
+    with suppress(OSError):
+        worker_process.send_frame(connection, tracked)
+
+
+def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
+    try:
+        while True:
+            outcome: Outcome = connection.recv()
+            outcomes.put(_refrozen(outcome) if isinstance(outcome, LightEstimate) else outcome)
+    except (EOFError, OSError):
+        outcomes.close(EOFError())
+
+
+def _refrozen(estimate: LightEstimate) -> LightEstimate:
+    """Arrays come out of a pickle writable: made again, they are checked and read-only as before."""
+    return replace(estimate, lights=tuple(replace(light) for light in estimate.lights))

@@ -1,0 +1,67 @@
+"""The far side of the light worker: one process that estimates, one request after the other."""
+
+import os
+import pickle
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ashe_live.core.types import LightEstimate, TrackedFrame
+    from ashe_live.light.estimator import Estimator
+
+NICENESS = 19
+
+
+@dataclass(frozen=True, slots=True)
+class WorkerFailure:
+    """Why a request got no estimate."""
+
+    frame_index: int
+    message: str  # one line, for a person
+
+
+def send_frame(connection: Connection, tracked: "TrackedFrame") -> None:
+    """Writes the pixels into the pipe from where they lie: copying megabytes would hold the interpreter's lock."""
+    buffers: list[pickle.PickleBuffer] = []
+    head = pickle.dumps(tracked, protocol=5, buffer_callback=buffers.append)
+    connection.send((len(buffers), head))
+    for buffer in buffers:
+        connection.send_bytes(buffer.raw())
+
+
+def receive_frame(connection: Connection) -> "TrackedFrame":
+    """What `send_frame` sent; raises EOFError when the other side has gone."""
+    count, head = connection.recv()
+    tracked: TrackedFrame = pickle.loads(head, buffers=[connection.recv_bytes() for _ in range(count)])
+    return tracked
+
+
+def run(connection: Connection, make: "Callable[[], Estimator]") -> None:
+    """Answers every tracked frame with a LightEstimate or a WorkerFailure, until the other side has gone."""
+    # Ctrl-C in the terminal reaches every process; the viewer's main one decides what comes of it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
+    import cv2
+
+    # The other cores belong to the viewer's loop.
+    cv2.setNumThreads(1)
+    estimator = make()
+    # EOFError and BrokenPipeError: the viewer is gone, and nobody wants the answer.
+    with suppress(EOFError, OSError):
+        while True:
+            tracked = receive_frame(connection)
+            connection.send(_answer(estimator, tracked))
+
+
+def _answer(estimator: "Estimator", tracked: "TrackedFrame") -> "LightEstimate | WorkerFailure":
+    """An exception is the request's failure, not the process's end."""
+    try:
+        return estimator.estimate(tracked)
+    except Exception as error:
+        first_line = (str(error).strip() or "no message").splitlines()[0]
+        return WorkerFailure(tracked.frame.index, f"{type(error).__name__}: {first_line}")
