@@ -32,7 +32,7 @@ def build_parser() -> argparse.ArgumentParser:
 
     demo = commands.add_parser("demo", help="play the shipped clip (without a display: into a video file)")
     _add_view_options(demo)
-    demo.set_defaults(marker=None, marker_size=None, camera_file=None, focal_px=None, hfov=None)
+    demo.set_defaults(camera_file=None, focal_px=None, hfov=None)
 
     webcam = commands.add_parser("webcam", help="the real thing: a camera, a printed marker, a sunny table")
     webcam.add_argument("--camera", default="0", metavar="N|PATH", help="number or path of the camera (default 0)")

@@ -20,3 +20,11 @@ def offscreen_context() -> moderngl.Context:
             f"no OpenGL 3.3 without a display ({detail})",
             "install Mesa: apt-get install libegl1 libgl1 libgl1-mesa-dri",
         ) from error
+
+
+def window_context() -> moderngl.Context:
+    """The context that a window has made current in this thread. Raises UserError when it is not OpenGL 3.3."""
+    try:
+        return moderngl.create_context(require=GL_VERSION)
+    except Exception as error:  # moderngl raises ValueError, RuntimeError and bare Exception
+        raise UserError(f"OpenGL 3.3 does not work here ({error})", "update the graphics driver") from error

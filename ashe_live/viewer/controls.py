@@ -65,6 +65,6 @@ REQUEST_BY_KEY: dict[str, Request] = {
 }
 
 
-def help_lines() -> list[str]:
-    width = max(len(binding.shown) for binding in BINDINGS)
-    return [f"{binding.shown:<{width}}  {binding.help}" for binding in BINDINGS]
+def help_rows() -> tuple[tuple[str, str], ...]:
+    """Keys and what they do, row by row."""
+    return tuple((binding.shown, binding.help) for binding in BINDINGS)

@@ -34,6 +34,11 @@ class Pipeline:
         self._last_time_s = 0.0
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
 
+    @property
+    def fps(self) -> float:
+        """Nominal frames a second; 30 for a photo."""
+        return self._source.fps or 30.0
+
     def start(self) -> None:
         self._thread.start()
 

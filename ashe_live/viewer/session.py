@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.light.worker import LightWorker, WorkerFailure
+from ashe_live.light.worker import LightWorker
+from ashe_live.light.worker_process import WorkerFailure
 from ashe_live.models.placement import PlacedModel
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
@@ -41,11 +42,13 @@ class Session:
         self.true_to_light_marker = true_to_light_marker
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
+        self.estimated_from: TrackedFrame | None = None
         self.show_light = False
         self.show_masks = False
         self.show_help = False
         self._shelf = shelf
         self._worker = worker
+        self._frozen: TrackedFrame | None = None
         self._policy = policy
         self._policy_is_done = False
         self._steadiness = steadiness
@@ -87,6 +90,7 @@ class Session:
         elif not self._worker.request(self.tracked):
             self.say("still estimating", now_s)
         else:
+            self._frozen = self.tracked
             return True
         return False
 
@@ -127,5 +131,5 @@ class Session:
             self.say(f"the estimate failed: {outcome.message}", now_s)
             return None
         if outcome is not None:
-            self.estimate = outcome
+            self.estimate, self.estimated_from = outcome, self._frozen
         return outcome

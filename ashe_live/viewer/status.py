@@ -34,11 +34,12 @@ def marker_line(tracked: TrackedFrame | None) -> str:
     return f"marker: {tracked.marker.reprojection_rms_px:.2f} px"
 
 
-def status_lines(session: Session, fps: float, quality: str, source_status: str | None, now_s: float) -> list[str]:
-    """Top to bottom."""
-    lines = [
-        f"{fps:.0f} fps   {session.model_name}   {quality}",
-        marker_line(session.tracked),
-        light_line(session),
-    ]
-    return lines + [text for text in (source_status, session.notice(now_s)) if text]
+def status_lines(session: Session, fps: float | None, quality: str) -> list[str]:
+    """Top to bottom; without `fps` where there is no display to have a rate."""
+    rate = [] if fps is None else [f"{fps:.0f} fps"]
+    return ["   ".join([*rate, session.model_name, quality]), marker_line(session.tracked), light_line(session)]
+
+
+def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:
+    """What the source and the last command have to say."""
+    return [text for text in (source_status, session.notice(now_s)) if text]

@@ -3,13 +3,13 @@
 import os
 import sys
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 import glfw
-import moderngl
 
 from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
+from ashe_live.render.offscreen import window_context
 from ashe_live.viewer.controls import REQUEST_BY_KEY, Request
 
 REQUEST_BY_GLFW_KEY = {getattr(glfw, f"KEY_{name}"): request for name, request in REQUEST_BY_KEY.items()}
@@ -26,7 +26,7 @@ class Window:
     def __init__(self, title: str, size: Size) -> None:
         """Raises UserError when there is no display or no OpenGL 3.3."""
         # Errors come back as return values here; as warnings they would say the same once more.
-        glfw.ERROR_REPORTING = False
+        glfw.ERROR_REPORTING = "ignore"
         if not glfw.init():
             raise UserError(f"cannot open a window ({_last_error()})", "use --headless --out VIDEO.mp4")
         for hint, value in (
@@ -37,7 +37,7 @@ class Window:
             (glfw.SCALE_TO_MONITOR, True),
         ):
             glfw.window_hint(hint, value)
-        self._window = glfw.create_window(*_fitting(size), title, None, None)
+        self._window: Any = glfw.create_window(*_fitting(size), title, None, None)
         if not self._window:
             message = _last_error()
             glfw.terminate()
@@ -48,10 +48,10 @@ class Window:
         glfw.make_context_current(self._window)
         glfw.swap_interval(1)
         try:
-            self.context = moderngl.create_context(require=330)
-        except Exception as error:  # moderngl raises bare Exception
+            self.context = window_context()
+        except UserError:
             self.close()
-            raise UserError(f"OpenGL 3.3 does not work here ({error})", "update the graphics driver") from error
+            raise
 
     @property
     def framebuffer_size(self) -> Size:
@@ -88,8 +88,9 @@ class Window:
         glfw.set_window_title(self._window, title)
 
     def toggle_fullscreen(self) -> None:
+        windowed: Any = None
         if glfw.get_window_monitor(self._window):
-            glfw.set_window_monitor(self._window, None, *self._windowed, 0)
+            glfw.set_window_monitor(self._window, windowed, *self._windowed, 0)
             return
         self._windowed = (*glfw.get_window_pos(self._window), *glfw.get_window_size(self._window))
         monitor = self._monitor()
@@ -108,7 +109,7 @@ class Window:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
 
-    def _monitor(self) -> object:
+    def _monitor(self) -> Any:
         return glfw.get_window_monitor(self._window) or glfw.get_primary_monitor()
 
     def _on_key(self, _window: object, key: int, _scancode: int, action: int, _modifiers: int) -> None:
@@ -128,5 +129,5 @@ def _fitting(size: Size) -> Size:
 
 
 def _last_error() -> str:
-    _, message = glfw.get_error()
+    message: Any = glfw.get_error()[1]  # bytes, whatever the stub says
     return message.decode(errors="replace") if message else "no reason given"

@@ -1,0 +1,149 @@
+"""What demo, play and webcam have in common: a source and a session, shown in a window or rendered without one."""
+
+import argparse
+import contextlib
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from types import FrameType
+
+from ashe_live.capture.output_files import check_output
+from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.sources import Source
+from ashe_live.commands.setup import quality_of
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Size
+from ashe_live.errors import ExitStatus, UserError
+from ashe_live.light.worker import LightWorker
+from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.renderer import Renderer
+from ashe_live.render.scene import Scene
+from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.headless import Playback, play_headless
+from ashe_live.viewer.report import Report
+from ashe_live.viewer.session import EstimatePolicy, Session
+from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.status import light_line
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """A source, and how it is to be looked at."""
+
+    source: Source
+    tracker: Tracker
+    options: argparse.Namespace
+    true_to_light_marker: Float | None = None  # (3,) unit, where it is known
+    shows_light: bool = False
+
+    @property
+    def size(self) -> Size:
+        size: Size = self.options.size or self.source.size
+        return size
+
+
+def check_outputs(options: argparse.Namespace) -> None:
+    """Raises UserError before anything is opened when a file must not or cannot be written."""
+    for path in (options.out, options.report):
+        if path is not None:
+            check_output(path, options.overwrite)
+    if options.headless and options.loop and options.frames is None:
+        raise UserError("--loop without a window never ends", "give --frames N too")
+    if options.report is not None and not options.headless:
+        raise UserError("--report is written without a window only", "give --headless too")
+
+
+@contextlib.contextmanager
+def opened_session(view: View) -> Iterator[Session]:
+    """The session of `view`, with its light process and its models; both end with it."""
+    options = view.options
+    policy = EstimatePolicy(on_first_steady=not view.source.is_live, at_frame=options.estimate_at)
+    steadiness = Steadiness(1) if view.source.is_photo else Steadiness()
+    with LightWorker(options.estimator) as worker, Shelf(options.model, view.tracker.side_m) as shelf:
+        session = Session(shelf, worker, policy, steadiness, view.true_to_light_marker)
+        session.show_light = view.shows_light
+        yield session
+
+
+def show(view: View) -> int:
+    """Runs the viewer as the options want it; returns the exit status."""
+    return show_without_window(view, bare_scene) if view.options.headless else show_in_window(view)
+
+
+def show_in_window(view: View) -> int:
+    """Until it is closed."""
+    # Only here, so that playing without a display does without GLFW.
+    from ashe_live.viewer.live import LiveViewer
+    from ashe_live.viewer.pipeline import Pipeline
+    from ashe_live.viewer.window import Window, has_display
+
+    options = view.options
+    if not has_display():
+        raise UserError("there is no display for a window", "give --headless --out VIDEO.mp4")
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(_ended_by_signals())
+        window = stack.enter_context(Window(f"ashe-live: {view.source.name}", view.size))
+        pipeline = Pipeline(view.source, view.tracker, options.loop)
+        stack.callback(pipeline.close)
+        pipeline.start()
+        session = stack.enter_context(opened_session(view))
+        renderer = Renderer(window.context, quality_of(options).render, window.framebuffer_size)
+        recorder = None
+        if options.out is not None:
+            recorder = Recorder(options.out, view.source.size, pipeline.fps, options.overwrite)
+        viewer = LiveViewer(window, renderer, pipeline, view.tracker, session, options.quality, recorder)
+        viewer.run(options.frames)
+    return ExitStatus.ANSWERED
+
+
+def show_without_window(view: View, scene: Callable[[Session], Scene], *takers: Callable[[Image, float], None]) -> int:
+    """Every frame; `takers` get each picture (h, w, 3) uint8 BGR and its time in seconds."""
+    options = view.options
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(_ended_by_signals())
+        stack.enter_context(view.source)
+        renderer = Renderer(offscreen_context(), quality_of(options).render, view.size)
+        stack.callback(renderer.release)
+        session = stack.enter_context(opened_session(view))
+        if options.out is not None:
+            recorder = Recorder(options.out, view.size, view.source.fps or 1.0, options.overwrite)
+            takers = (*takers, stack.enter_context(recorder).write)
+        report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
+        play_headless(
+            view.source, view.tracker, session, renderer, Playback(scene, options.frames, options.loop, takers), report
+        )
+        return _summed_up(view, session, report)
+
+
+def _summed_up(view: View, session: Session, report: Report) -> int:
+    options = view.options
+    if options.report is not None:
+        report.write(options.report)
+    found = sum(frame["found"] for frame in report.frames)
+    print(f"{view.source.name}: marker in {found} of {len(report.frames)} frames; {light_line(session)}")
+    if view.source.note is not None:
+        print(f"ashe-live: {view.source.note}", file=sys.stderr)
+    if not found:
+        remedy = "is it the one in the picture? --marker names another"
+        print(f"ashe-live: no marker {options.marker} in {view.source.name}: {remedy}", file=sys.stderr)
+        return ExitStatus.NO_MARKER
+    return ExitStatus.ANSWERED
+
+
+@contextlib.contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Within, a request to terminate unwinds the stack like any error, so that a recording is finished."""
+
+    def end(number: int, _stack: FrameType | None) -> None:
+        raise SystemExit(128 + number)
+
+    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: signal.signal(number, end) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

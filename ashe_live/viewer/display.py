@@ -1,0 +1,89 @@
+"""Turns the session's state into scenes: the bare picture, and the one with the heads-up display over it."""
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Image, Mask
+from ashe_live.core.camera import Size
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.render.hud import Hud, HudText
+from ashe_live.render.scene import Overlay, Scene
+from ashe_live.viewer.controls import help_rows
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.status import source_lines, status_lines
+
+FPS_SHOWN_FOR_S = 0.5
+INSET_WIDTH = 0.36  # of the window's
+INSET_MARGIN_PX = 8
+# Told apart also by the colour-blind (Okabe and Ito's sky blue and orange).
+OBJECT_BGR = (233, 180, 86)
+SHADOW_BGR = (0, 159, 230)
+TINT = 0.6
+
+
+def bare_scene(session: Session) -> Scene:
+    """Video, model and light, as recordings and snapshots want them."""
+    light = session.estimate.light if session.estimate is not None else None
+    return Scene(session.tracked, session.model, light, session.show_light)
+
+
+class Display:
+    """Keeps what has not changed, so that it is neither drawn nor uploaded again."""
+
+    def __init__(self) -> None:
+        self._hud = Hud()
+        self._inset: tuple[LightEstimate, Size, Overlay] | None = None
+        self._fps_shown = 0.0
+        self._fps_until_s = 0.0
+
+    def scene(
+        self,
+        session: Session,
+        size: Size,
+        quality: str,
+        now_s: float,
+        fps: float | None = None,
+        source_status: str | None = None,
+        content_scale: float = 1.0,
+    ) -> Scene:
+        """The bare scene under status, masks and help, for a framebuffer of `size` pixels."""
+        if fps is not None and now_s >= self._fps_until_s:
+            self._fps_shown, self._fps_until_s = fps, now_s + FPS_SHOWN_FOR_S
+        text = HudText(
+            status=tuple(status_lines(session, None if fps is None else self._fps_shown, quality)),
+            hint=tuple(source_lines(session, source_status, now_s)),
+            help=tuple(help_rows()) if session.show_help else (),
+        )
+        bare = bare_scene(session)
+        overlays = (*self._masks(session, size), *self._hud.overlays(text, size, content_scale))
+        return Scene(bare.tracked, bare.model, bare.light, bare.shows_light, overlays)
+
+    def _masks(self, session: Session, size: Size) -> tuple[Overlay, ...]:
+        estimate, frozen = session.estimate, session.estimated_from
+        if not session.show_masks or estimate is None or frozen is None:
+            return ()
+        if self._inset is None or self._inset[0] is not estimate or self._inset[1] != size:
+            self._inset = estimate, size, _inset(estimate, frozen, size)
+        return (self._inset[2],)
+
+
+def _inset(estimate: LightEstimate, frozen: TrackedFrame, size: Size) -> Overlay:
+    """Top right: the frozen frame with what the estimator took for object and shadow."""
+    width, height = frozen.frame.size
+    shown_width = max(1, round(INSET_WIDTH * size[0]))
+    shown_size = (shown_width, max(1, round(shown_width * height / width)))
+    picture = np.asarray(cv2.resize(frozen.frame.image_bgr, shown_size, interpolation=cv2.INTER_AREA), np.uint8)
+    for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
+        if mask is not None:
+            picture = _tinted(picture, mask, colour)
+    rgba = np.dstack([picture[:, :, ::-1], np.full(picture.shape[:2], 255, np.uint8)])
+    return Overlay(rgba, size[0] - shown_width - INSET_MARGIN_PX, INSET_MARGIN_PX)
+
+
+def _tinted(picture_bgr: Image, mask: Mask, colour_bgr: tuple[int, int, int]) -> Image:
+    """`mask` of any size, stretched over the picture."""
+    height, width = picture_bgr.shape[:2]
+    inside = cv2.resize(mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST).astype(bool)
+    tint = np.full_like(picture_bgr, colour_bgr)
+    blended = cv2.addWeighted(picture_bgr, 1 - TINT, tint, TINT, 0)
+    return np.where(inside[:, :, None], blended, picture_bgr).astype(np.uint8)

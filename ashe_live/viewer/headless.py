@@ -1,0 +1,64 @@
+"""Playback without a window: every frame, and every requested estimate waited for, so that it is reproducible."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ashe_live.capture.sources import Source
+from ashe_live.core.arrays import Image
+from ashe_live.render.renderer import Renderer
+from ashe_live.render.scene import Scene
+from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.report import Report
+from ashe_live.viewer.session import Session
+
+# The paper's estimator takes seconds; one that takes minutes has failed.
+LONGEST_ESTIMATE_S = 300.0
+
+
+@dataclass(frozen=True, slots=True)
+class Playback:
+    """How far, and what becomes of the pictures."""
+
+    scene: Callable[[Session], Scene]  # what of the session is shown
+    frame_limit: int | None = None
+    loop: bool = False
+    takers: tuple[Callable[[Image, float], None], ...] = ()  # get each (h, w, 3) uint8 BGR and its time in seconds
+
+
+def play_headless(
+    source: Source, tracker: Tracker, session: Session, renderer: Renderer, playback: Playback, report: Report
+) -> None:
+    """Plays `source` to its end or the limit and fills `report`. Raises UserError as the source does."""
+    period_s = 1 / (source.fps or 1.0)
+    begin_s = shown_s = 0.0
+    while playback.frame_limit is None or len(report.frames) < playback.frame_limit:
+        started = time.perf_counter()
+        frame = source.read()
+        if frame is None:
+            if not playback.loop:
+                break
+            source.rewind()
+            tracker.reset()
+            begin_s = shown_s + period_s
+            continue
+        tracked = tracker.track(frame)
+        measured_ms = (time.perf_counter() - started) * 1e3
+        shown_s = begin_s + frame.time_s
+
+        session.take(tracked, shown_s)
+        if session.is_estimating:
+            estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
+            if estimate is not None:
+                report.add_estimate(estimate)
+
+        started = time.perf_counter()
+        renderer.render(playback.scene(session))
+        renderer.finish()
+        measured_ms += (time.perf_counter() - started) * 1e3
+        report.add_frame(tracked, measured_ms)
+
+        if playback.takers:
+            picture = renderer.read_bgr()
+            for take in playback.takers:
+                take(picture, shown_s)

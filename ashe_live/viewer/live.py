@@ -1,0 +1,214 @@
+"""The loop on the main thread: keys in, the latest tracked frame in, a picture out at the display's own rate."""
+
+import time
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+
+from ashe_live.capture.output_files import unused_name
+from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.snapshot import write_png
+from ashe_live.core.arrays import Image
+from ashe_live.core.mailbox import Closed
+from ashe_live.core.quality import QUALITIES, Quality
+from ashe_live.errors import UserError
+from ashe_live.render.renderer import Renderer
+from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.auto_quality import AutoQuality
+from ashe_live.viewer.controls import Command, Request
+from ashe_live.viewer.display import Display, bare_scene
+from ashe_live.viewer.pipeline import Pipeline
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.status import light_line
+from ashe_live.viewer.window import Window
+
+AUTO = "auto"
+QUALITY_NAMES = (*QUALITIES, AUTO)
+FPS_SMOOTHING = 0.05
+
+
+class LiveViewer:
+    """Everything that needs the window: drawing, recording, and the requests that the session cannot obey alone."""
+
+    def __init__(
+        self,
+        window: Window,
+        renderer: Renderer,
+        pipeline: Pipeline,
+        tracker: Tracker,
+        session: Session,
+        quality_name: str,
+        recorder: Recorder | None = None,
+    ) -> None:
+        self._window = window
+        self._renderer = renderer
+        self._pipeline = pipeline
+        self._tracker = tracker
+        self._session = session
+        self._display = Display()
+        self._quality_name = quality_name
+        self._interval_s = 1 / window.refresh_rate_hz
+        self._auto: AutoQuality | None = None
+        self._recorder = recorder
+        self._still: Renderer | None = None
+        self._source_error: str | None = None
+        self._paused = False
+        self._quit = False
+        self._fps = 0.0
+        self._commands: dict[Command, Callable[[float], None]] = {
+            Command.PAUSE: self._pause,
+            Command.RESTART: self._restart,
+            Command.SNAPSHOT: self._snapshot,
+            Command.RECORD: self._record,
+            Command.QUALITY: self._next_quality,
+            Command.FULLSCREEN: lambda _now: self._window.toggle_fullscreen(),
+            Command.QUIT: lambda _now: self._stop(),
+        }
+
+    def run(self, frame_limit: int | None = None) -> None:
+        """Until the window is closed, Esc, or `frame_limit` frames of the source; finishes a recording always."""
+        self._set_quality(self._quality_name)
+        frames_left = frame_limit
+        last_shown_s = due_s = time.monotonic()
+        try:
+            while not (self._quit or self._window.is_closing):
+                now_s = time.monotonic()
+                due_s = max(due_s + self._interval_s, now_s)
+                for request in self._window.take_requests(0.0):
+                    self._obey(request, now_s)
+                is_new = self._take_frame(now_s)
+                self._draw(is_new, now_s)
+                work_s = time.monotonic() - now_s
+                self._window.swap()
+                self._adapt_quality(work_s * 1e3)
+                self._fps += FPS_SMOOTHING * (1 / max(time.monotonic() - last_shown_s, 1e-6) - self._fps)
+                last_shown_s = time.monotonic()
+                if is_new and frames_left is not None:
+                    frames_left -= 1
+                    self._quit = self._quit or frames_left <= 0
+                self._idle_until(due_s)
+        finally:
+            self._finish_recording(time.monotonic())
+
+    def _idle_until(self, due_s: float) -> None:
+        """A display without vertical sync (and a virtual one) would otherwise be drawn as fast as it goes."""
+        while (left_s := due_s - time.monotonic()) > 0 and not self._window.is_closing:
+            for request in self._window.take_requests(left_s):
+                self._obey(request, time.monotonic())
+
+    def _take_frame(self, now_s: float) -> bool:
+        """True when there is a new frame; a source that failed keeps its last picture."""
+        try:
+            tracked = self._pipeline.frames.take(0.0)
+        except Closed:
+            return False
+        except UserError as error:
+            self._source_error = str(error)
+            return False
+        if tracked is None:
+            return False
+        self._session.take(tracked, now_s)
+        return True
+
+    def _draw(self, is_new: bool, now_s: float) -> None:
+        if self._session.poll(now_s) is not None:
+            print(light_line(self._session), flush=True)
+        size = self._window.framebuffer_size
+        if min(size) < 1:  # minimised
+            return
+        if size != self._renderer.size:
+            self._renderer.resize(size)
+        status = self._source_error or self._pipeline.status
+        scale = self._window.content_scale
+        scene = self._display.scene(self._session, size, self._quality_shown, now_s, self._fps, status, scale)
+        self._renderer.render(scene)
+        self._renderer.present(self._window.context.screen)
+        if is_new and self._recorder is not None:
+            self._record_picture(now_s)
+
+    def _adapt_quality(self, work_ms: float) -> None:
+        if self._auto is not None and self._auto.add(work_ms):
+            self._apply(self._auto.quality)
+
+    def _obey(self, request: Request, now_s: float) -> None:
+        if not self._session.handle(request, now_s):
+            self._commands[request.command](now_s)
+
+    def _stop(self) -> None:
+        self._quit = True
+
+    def _pause(self, now_s: float) -> None:
+        self._paused = not self._paused
+        self._pipeline.pause(self._paused)
+        self._session.say("paused: P goes on" if self._paused else "playing", now_s)
+
+    def _restart(self, _now_s: float) -> None:
+        self._pipeline.restart()
+
+    def _next_quality(self, _now_s: float) -> None:
+        self._set_quality(QUALITY_NAMES[(QUALITY_NAMES.index(self._quality_name) + 1) % len(QUALITY_NAMES)])
+
+    def _set_quality(self, name: str) -> None:
+        self._quality_name = name
+        start = QUALITIES.get(name, QUALITIES["balanced"])
+        self._auto = AutoQuality(self._interval_s * 1e3, start) if name == AUTO else None
+        self._apply(start)
+
+    def _apply(self, quality: Quality) -> None:
+        self._renderer.preset = quality.render
+        self._tracker.preset = quality.tracking
+        self._quality_shown = quality.name if self._auto is None else f"{AUTO} ({quality.name})"
+
+    def _picture(self) -> Image:
+        """(h, w, 3) uint8 BGR: the scene without text, at the video's own size whatever the window's."""
+        tracked = self._session.tracked
+        size = tracked.frame.size if tracked is not None else self._renderer.size
+        if self._still is None:
+            self._still = Renderer(self._window.context, self._renderer.preset, size)
+        if self._still.size != size:
+            self._still.resize(size)
+        self._still.preset = self._renderer.preset
+        self._still.render(bare_scene(self._session))
+        return self._still.read_bgr()
+
+    def _snapshot(self, now_s: float) -> None:
+        path = unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
+        try:
+            write_png(path, self._picture())
+            self._session.say(f"saved {path.name}", now_s)
+        except UserError as error:
+            self._session.say(str(error), now_s)
+
+    def _record(self, now_s: float) -> None:
+        if self._recorder is not None:
+            self._finish_recording(now_s)
+            return
+        if self._session.tracked is None:
+            return
+        path = unused_name(Path.cwd(), "ashe-live", ".mp4", datetime.now())
+        try:
+            self._recorder = Recorder(path, self._session.tracked.frame.size, self._pipeline.fps)
+            self._session.say(f"recording {path.name}: V stops", now_s)
+        except UserError as error:
+            self._session.say(str(error), now_s)
+
+    def _record_picture(self, now_s: float) -> None:
+        assert self._recorder is not None
+        try:
+            self._recorder.write(self._picture(), now_s)
+        except UserError as error:
+            self._recorder = None
+            self._session.say(str(error), now_s)
+
+    def _finish_recording(self, now_s: float) -> None:
+        if self._recorder is None:
+            return
+        recorder, self._recorder = self._recorder, None
+        try:
+            recorder.close()
+            frames = recorder.frame_count
+            text = f"saved {recorder.path} ({frames} frames)" if frames else "nothing recorded"
+        except UserError as error:
+            text = str(error)
+        self._session.say(text, now_s)
+        print(text, flush=True)
