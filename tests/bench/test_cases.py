@@ -1,0 +1,110 @@
+"""Reading pictures with a known light."""
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.bench.cases import pose_from_corners, read_cases
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angle_between, project, rigid
+from ashe_live.errors import UserError
+
+SHARED = Path(__file__).resolve().parents[2].parent / "shared"
+
+
+def scene(**changes):
+    return {
+        "id": "one",
+        "image": "one.png",
+        "size": [64, 48],
+        "K": [[60, 0, 31.5], [0, 60, 23.5], [0, 0, 1]],
+        "dist": [0, 0, 0, 0, 0],
+        "R": [[1, 0, 0], [0, -1, 0], [0, 0, -1]],
+        "t": [0, 0, 1],
+        "marker": {"side_m": 0.2, "corners_px": [[25.5, 17.5], [37.5, 17.5], [37.5, 29.5], [25.5, 29.5]]},
+        "lights": [{"dir_to_light": [0, 0.6, 0.8]}],
+    } | changes
+
+
+def written(folder, content):
+    (folder / "ground_truth.json").write_text(json.dumps(content))
+    return folder
+
+
+def test_a_scene_with_only_what_every_folder_has(tmp_path):
+    cv2.imwrite(str(tmp_path / "one.png"), np.zeros((48, 64, 3), np.uint8))
+    (case,) = read_cases(written(tmp_path, {"scenes": [scene()]}))
+    assert case.marker.reprojection_rms_px == pytest.approx(0, abs=1e-9)
+    np.testing.assert_array_equal(case.to_lights_marker, [[0, 0.6, 0.8]])
+    assert case.mask_paths == {}
+    tracked = case.tracked(4)
+    assert tracked.frame.index == 4
+    assert tracked.marker is case.marker
+
+
+def test_no_lights_means_none_and_not_unknown(tmp_path):
+    (case,) = read_cases(written(tmp_path, {"scenes": [scene(lights=[], masks={"object": "o.png"})]}))
+    assert case.to_lights_marker.shape == (0, 3)
+    assert case.mask_paths == {"object": tmp_path / "o.png"}
+
+
+def test_a_photo_without_a_known_sun_is_unknown(tmp_path):
+    photo = {"size": [640, 480], "f_px": 500, "corners_px": [[300, 200], [340, 200], [340, 240], [300, 240]]}
+    known = photo | {"to_light_marker": [0, 0, 1]}
+    content = {"marker": {"side_units": 1.0}, "photos": {"a.jpg": photo, "b.jpg": known}}
+    unknown, case = read_cases(written(tmp_path, content))
+    assert unknown.to_lights_marker is None
+    np.testing.assert_array_equal(case.to_lights_marker, [[0, 0, 1]])
+    assert case.marker.T_cam_marker[2, 3] == pytest.approx(12.5, rel=1e-3)
+
+
+def test_the_pose_of_true_corners_is_the_true_pose():
+    camera = Camera.from_focal((640, 480), 500)
+    R, _ = cv2.Rodrigues(np.array([2.4, 0.3, 0.4]))
+    T = rigid(R, (0.05, -0.02, 0.6))
+    half = 0.04
+    square = [[-half, half, 0], [half, half, 0], [half, -half, 0], [-half, -half, 0]]
+    pose = pose_from_corners(camera, project(camera, T, square), 0.08)
+    np.testing.assert_allclose(pose.T_cam_marker, T, atol=1e-5)
+    assert pose.reprojection_rms_px < 1e-3 < pose.other_rms_px
+
+
+@pytest.mark.parametrize("content", [{"scenes": [{"id": 1}]}, [], {"scenes": [scene(K=[[1]])]}, {"photos": {"a": 1}}])
+def test_what_is_no_ground_truth_is_said_to_be_none(tmp_path, content):
+    with pytest.raises(UserError, match=r"ground_truth\.json"):
+        read_cases(written(tmp_path, content))
+
+
+def test_an_empty_folder_is_said_to_be_one(tmp_path):
+    with pytest.raises(UserError, match="cannot read"):
+        read_cases(tmp_path)
+
+
+def test_a_missing_picture_is_named(tmp_path):
+    (case,) = read_cases(written(tmp_path, {"scenes": [scene()]}))
+    with pytest.raises(UserError, match=r"one\.png"):
+        case.tracked()
+
+
+@pytest.mark.parametrize(("folder", "count"), [("paper_scenes", 8), ("scenes", 36), ("real", 6)])
+def test_the_shared_sets_explain_their_corners(folder, count):
+    if not (SHARED / folder).exists():
+        pytest.skip(f"no shared/{folder} beside the checkout")
+    cases = read_cases(SHARED / folder)
+    assert len(cases) == count
+    for case in cases:
+        assert case.image_path.exists()
+        assert all(path.exists() for path in case.mask_paths.values())
+        # Stated poses explain stated corners to their rounding; corners of photos were clicked on curled paper.
+        assert case.marker.reprojection_rms_px < (3.0 if folder == "real" else 0.01)
+
+
+def test_both_photos_with_a_known_sun_see_it_from_the_same_side():
+    if not (SHARED / "real").exists():
+        pytest.skip("no shared/real beside the checkout")
+    suns = [case.to_lights_marker[0] for case in read_cases(SHARED / "real") if case.to_lights_marker is not None]
+    assert len(suns) == 2
+    assert np.degrees(angle_between(*suns)) < 3
