@@ -81,7 +81,9 @@ def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
     for file, photo in content.get("photos", {}).items():
         width, height = photo["size"]
         camera = Camera.from_focal((width, height), photo["f_px"], "file")
-        marker = pose_from_corners(camera, np.array(photo["corners_px"]), content["marker"]["side_units"])
+        marker = pose_from_corners(
+            camera, np.array(photo["corners_px"], dtype=np.float64), content["marker"]["side_units"]
+        )
         light = photo.get("to_light_marker")
         lights = None if light is None else np.array([light], dtype=np.float64)
         yield Case(Path(file).stem, PHOTO_CATEGORY, folder / file, camera, marker, lights, {})

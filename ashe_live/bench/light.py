@@ -18,7 +18,7 @@ from ashe_live.core.types import LightEstimate
 from ashe_live.errors import UserError
 from ashe_live.light.estimator import Estimator, make_estimator
 
-ALL_LIT = "all with a light"
+ALL_LIT = "all lit"
 SMALL_SET = 12  # up to this many cases every one gets its line
 
 
@@ -100,7 +100,7 @@ def _table(estimator: str, results: Sequence[CaseResult]) -> Table:
     for heading in (
         "category",
         "cases",
-        "no answer",
+        "none",
         "mean",
         "median",
         "p90",
