@@ -14,6 +14,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.tracking.pose import estimate_pose, square_corners
 
 GROUND_TRUTH = "ground_truth.json"
 PHOTO_CATEGORY = "photo"
@@ -81,35 +82,16 @@ def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
     for file, photo in content.get("photos", {}).items():
         width, height = photo["size"]
         camera = Camera.from_focal((width, height), photo["f_px"], "file")
-        marker = pose_from_corners(
-            camera, np.array(photo["corners_px"], dtype=np.float64), content["marker"]["side_units"]
-        )
+        corners_px = np.array(photo["corners_px"], dtype=np.float64)
+        marker = estimate_pose(corners_px, camera, content["marker"]["side_units"])
+        if marker is None:
+            raise ValueError(f"the corners of {file} are not those of a square")
         light = photo.get("to_light_marker")
         lights = None if light is None else np.array([light], dtype=np.float64)
         yield Case(Path(file).stem, PHOTO_CATEGORY, folder / file, camera, marker, lights, {})
 
 
-def pose_from_corners(camera: Camera, corners_px: Float, side_m: float) -> MarkerPose:
-    """The better of IPPE's two solutions for the corners (4, 2) of a marker, in MarkerPose's order."""
-    found, rotations, translations, errors = cv2.solvePnPGeneric(
-        _square(side_m), corners_px, camera.K, camera.dist, flags=cv2.SOLVEPNP_IPPE_SQUARE
-    )
-    if not found:
-        raise ValueError("the marker's corners are not those of a square in front of the camera")
-    rms_px = np.ravel(errors)
-    best = int(np.argmin(rms_px))
-    T_cam_marker = rigid(cv2.Rodrigues(rotations[best])[0], translations[best])
-    other_px = float(np.delete(rms_px, best)[0]) if len(rms_px) > 1 else None
-    return MarkerPose(T_cam_marker, corners_px, side_m, float(rms_px[best]), other_px)
-
-
 def _reprojection_rms_px(camera: Camera, T_cam_marker: Float, corners_px: Float, side_m: float) -> float:
     rotation, _ = cv2.Rodrigues(T_cam_marker[:3, :3])
-    pixels, _ = cv2.projectPoints(_square(side_m), rotation, T_cam_marker[:3, 3], camera.K, camera.dist)
+    pixels, _ = cv2.projectPoints(square_corners(side_m), rotation, T_cam_marker[:3, 3], camera.K, camera.dist)
     return float(np.sqrt(np.mean(np.sum((pixels.reshape(-1, 2) - corners_px) ** 2, axis=1))))
-
-
-def _square(side_m: float) -> Float:
-    """(4, 3) the black square's corners in the marker frame."""
-    half = side_m / 2
-    return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
