@@ -1,6 +1,6 @@
 """The light worker: estimates away from the viewer's loop, in a process of its own at the lowest priority.
 
-A thread would share the interpreter's lock and the full priority with the loop; docs/accuracy.md has the figures.
+A thread would share the interpreter's lock and its full priority with the loop; docs/accuracy.md has the figures.
 """
 
 import multiprocessing
@@ -20,7 +20,8 @@ from ashe_live.light import worker_process
 from ashe_live.light.estimator import ESTIMATORS, Estimator, make_estimator
 from ashe_live.light.worker_process import WorkerFailure
 
-CLOSE_TIMEOUT_S = 0.4
+PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
+THREAD_TIMEOUT_S = 0.05
 
 Outcome = LightEstimate | WorkerFailure
 
@@ -34,7 +35,7 @@ class LightWorker:
 
     def __init__(self, estimator: str | Callable[[], Estimator]) -> None:
         if isinstance(estimator, str) and estimator not in ESTIMATORS:
-            make_estimator(estimator)
+            make_estimator(estimator)  # raises here, not later in the process
         self._make = partial(make_estimator, estimator) if isinstance(estimator, str) else estimator
         self._asked_index: int | None = None
         self._closed = False
@@ -121,11 +122,12 @@ class _Process:
 
     def kill(self) -> None:
         self._process.kill()
-        self._process.join(CLOSE_TIMEOUT_S)
-        # With the process gone both threads meet the pipe's end at once.
+        self._process.join(PROCESS_TIMEOUT_S)
+        # With the process gone both threads meet the pipe's end at once; a pipe still in use must not be closed.
         for thread in self._threads:
-            thread.join(CLOSE_TIMEOUT_S)
-        self._connection.close()
+            thread.join(THREAD_TIMEOUT_S)
+        if not any(thread.is_alive() for thread in self._threads):
+            self._connection.close()
 
     @staticmethod
     def _thread(target: Callable[..., None], *arguments: object) -> threading.Thread:
