@@ -130,6 +130,7 @@ def _part(mesh: Any, T: Float, colours_are_linear: bool) -> Mesh:
         colours=attributes.get("colours"),
         base_colour=base_colour,
         base_texture=base_texture,
+        double_sided=_is_double_sided(mesh),
     )
 
 
@@ -168,6 +169,12 @@ def _material(mesh: Any) -> tuple[LinearRGBA, Image | None]:
         return WHITE, None
     red, green, blue, alpha = (float(value) for value in rgba)
     return (red, green, blue, alpha), None if picture is None else _texture(picture)
+
+
+def _is_double_sided(mesh: Any) -> bool:
+    """What glTF says, whose default is no; the other formats cannot say, and many of their files have holes."""
+    material = getattr(mesh.visual, "material", None)
+    return bool(material.doubleSided) if isinstance(material, trimesh.visual.material.PBRMaterial) else True
 
 
 def _texture(picture: PillowImage.Image) -> Image:

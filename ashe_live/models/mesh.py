@@ -25,6 +25,7 @@ class Mesh:
     colours: Float32 | None = None  # (n, 4) linear RGBA, a factor
     base_colour: LinearRGBA = WHITE  # linear RGBA, a factor
     base_texture: Image | None = None  # (h, w, 4) uint8 sRGB with alpha, top row first, a factor; needs uvs
+    double_sided: bool = True  # False: the side that normals point away from is never seen
 
     def __post_init__(self) -> None:
         count = len(self.vertices)

@@ -45,4 +45,5 @@ def _faceted(vertices: ArrayLike, triangles: list[tuple[int, int, int]], colour:
         normals=corner_normals(points, indices),
         triangles=np.arange(indices.size, dtype=np.uint32).reshape(-1, 3),
         base_colour=colour,
+        double_sided=False,
     )

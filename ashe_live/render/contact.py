@@ -7,6 +7,7 @@ Drawn once a model.
 
 import math
 
+import cv2
 import moderngl
 import numpy as np
 
@@ -15,10 +16,11 @@ from ashe_live.render.geometry import GpuModel
 from ashe_live.render.programs import build_program, set_uniforms
 from ashe_live.render.shadow_map import ShadowMap
 
-DIRECTIONS = 48
+DIRECTIONS = 32
 DEPTH_MAP_SIZE = 128
 PATCH_SIZE = 96  # texels a side
-REACH_HEIGHTS = 0.6  # how far the patch goes beyond the model's bounds, in heights of the model
+BLUR_TEXELS = 2.0  # what separates the directions' single shadows is smoothed away
+REACH_HEIGHTS = 0.5  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
 FADE = 0.3  # share of the patch's side along which the darkening ends
 
@@ -54,6 +56,9 @@ class ContactPatch:
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE
             self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
         self._depth_map.forget()
+        occlusion = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE)
+        smooth = cv2.GaussianBlur(occlusion.astype(np.float32), (0, 0), BLUR_TEXELS)
+        self._texture.write(np.ascontiguousarray(smooth, dtype=np.float16))
         self._model = model
 
     def bind(self, program: moderngl.Program, unit: int) -> None:

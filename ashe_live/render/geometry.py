@@ -21,6 +21,7 @@ class GpuPart:
     indices: moderngl.Buffer
     texture: moderngl.Texture
     base_colour: LinearRGBA
+    double_sided: bool
     shaded: moderngl.VertexArray
     depth_only: moderngl.VertexArray
 
@@ -57,6 +58,7 @@ def _upload(ctx: moderngl.Context, mesh: Mesh, shading: moderngl.Program, depth:
         indices,
         _texture(ctx, mesh),
         mesh.base_colour,
+        mesh.double_sided,
         ctx.vertex_array(shading, [shaded_layout], indices),
         ctx.vertex_array(depth, [(vertices, "3f 36x", "in_position")], indices),
     )

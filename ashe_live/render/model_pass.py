@@ -18,7 +18,6 @@ class ModelPass:
         self.program = build_program(ctx, "model", pcf_radius=pcf_radius)
 
     def draw(self, model: GpuModel, framing: Framing, lighting: Lighting, shadow: ShadowMap) -> None:
-        self._ctx.enable_only(moderngl.DEPTH_TEST)
         shadow.bind(self.program, 1)
         set_uniforms(
             self.program,
@@ -32,6 +31,8 @@ class ModelPass:
             shadow_texel_m=shadow.texel_m,
         )
         for part in model.parts:
+            faces = 0 if part.double_sided else moderngl.CULL_FACE
+            self._ctx.enable_only(moderngl.DEPTH_TEST | faces)
             part.texture.use(0)
             set_uniforms(self.program, base_colour=part.base_colour)
             part.shaded.render()

@@ -56,7 +56,10 @@ class ShadowMap:
         """Gives `program` what shadow.glsl reads."""
         self._texture.use(unit)
         set_uniforms(
-            program, shadow_map=unit, shadow_from_marker=self._shadow_from_marker, shadow_texel=1.0 / self._size
+            program,
+            shadow_map=unit,
+            shadow_from_marker=self._shadow_from_marker,
+            shadow_map_size=float(self._size),
         )
 
     def forget(self) -> None:

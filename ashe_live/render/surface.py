@@ -22,6 +22,7 @@ class Surface:
         self._many = ctx.renderbuffer(size, samples=self.samples) if self.samples else self._colour
         self._depth = ctx.depth_renderbuffer(size, samples=self.samples)
         self._many_colour = ctx.framebuffer([self._many])
+        self._depth_only = ctx.framebuffer(depth_attachment=self._depth)
         self._drawn = ctx.framebuffer([self._many], self._depth)
 
     @contextmanager
@@ -32,7 +33,7 @@ class Surface:
         """
         self._drawn.use()
         self._ctx.scissor = region
-        self._drawn.clear(viewport=region) if self.samples else self._clear_depth(region)
+        self._depth_only.clear(viewport=region)
         try:
             yield self.samples > 0
         finally:
@@ -41,15 +42,10 @@ class Surface:
             self._ctx.scissor = None
 
     def release(self) -> None:
-        for framebuffer in (self.colour, self._many_colour, self._drawn):
+        for framebuffer in (self.colour, self._many_colour, self._depth_only, self._drawn):
             framebuffer.release()
         for buffer in {self._colour, self._many, self._depth}:
             buffer.release()
-
-    def _clear_depth(self, region: Rectangle) -> None:
-        self._drawn.color_mask = False, False, False, False
-        self._drawn.clear(viewport=region)
-        self._drawn.color_mask = True, True, True, True
 
 
 def supported_samples(wanted: int, available: int) -> int:
