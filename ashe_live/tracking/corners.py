@@ -17,11 +17,14 @@ ALONG_FROM, ALONG_TO = 0.06, 0.94
 ACROSS = 25
 # How far across, over the square's extent in that direction: within a border or margin of an eighth.
 REACH_RATIO = 0.08
-MIN_REACH_PX, LAST_REACH_PX = 2.0, 3.0
+MIN_REACH_PX, LAST_REACH_PX = 2.0, 4.0
+# Each search reaches this much less far than the one before: a few of the steps between its samples.
+NARROWING = 5.0
 # Grey levels that an edge must rise from black to white.
 MIN_RISE = 12.0
 # What counts as one edge: so far to each side of the steepest place.
-MIN_SPREAD_PX = 1.5
+MIN_SPREAD_PX = 2.0
+SHIFTS = 4
 # Points farther than this from the line do not count (Tukey's biweight).
 OUTLIER_PX = 1.5
 
@@ -52,8 +55,11 @@ def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: flo
     lengths = side_lengths_px(corners_px)
     extents = abs(cv2.contourArea(corners_px.astype(np.float32))) / lengths
     reaches = np.maximum(REACH_RATIO * extents, max(MIN_REACH_PX, 1.5 * off_by_px))
-    near = _fitted(grey, corners_px, samples, reaches)
-    refined = _fitted(grey, near, samples, np.minimum(reaches, LAST_REACH_PX))
+    refined = _fitted(grey, corners_px, samples, reaches)
+    narrowed = reaches
+    while narrowed.max() > LAST_REACH_PX and np.isfinite(refined).all():
+        narrowed = np.maximum(narrowed / NARROWING, np.minimum(reaches, LAST_REACH_PX))
+        refined = _fitted(grey, refined, samples, narrowed)
     astray = np.linalg.norm(refined - corners_px, axis=1).max() > 4 * reaches.max()
     return corners_px if astray or not is_front_of_square(refined) else refined
 
@@ -74,7 +80,7 @@ def _fitted(grey: Image, corners_px: Float, samples: int, reaches_px: Float) -> 
 def _edge_offsets(
     grey: Image, corners_px: Float, sides: Float, outwards: Float, places: Float, reaches_px: Float
 ) -> tuple[Float, Float]:
-    """How far outwards of each place the edge lies, in pixels, and whether there is one (4, samples), as 0 or 1.
+    """How far outwards of each place the edge lies, in pixels, and whether there is one, as 0 or 1; both (4, samples).
 
     The edge is the centre of gravity of the rise from black to white; a fall, as from paper to ground, is none.
     """
@@ -85,11 +91,14 @@ def _edge_offsets(
     values = cv2.remap(grey, x.copy(), y.copy(), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     rises = np.diff(values.reshape(4, len(places), ACROSS).astype(np.float64), axis=2).clip(0)
     centres = (across[:, 1:] + across[:, :-1]) / 2
-    peaks = np.take_along_axis(centres, rises.argmax(axis=2), axis=1)
-    spreads = np.maximum(MIN_SPREAD_PX, reaches_px / 4)
-    rises[np.abs(centres[:, None] - peaks[:, :, None]) > spreads[:, None, None]] = 0
-    total = rises.sum(axis=2)
-    offsets = (rises * centres[:, None]).sum(axis=2) / np.maximum(total, 1e-9)
+    spreads = np.maximum(MIN_SPREAD_PX, reaches_px / 4)[:, None, None]
+    offsets = np.take_along_axis(centres, rises.argmax(axis=2), axis=1)
+    # A mean shift from the steepest place: a window fixed there would pull the centre of gravity towards noise.
+    for _ in range(SHIFTS):
+        away = (centres[:, None] - offsets[:, :, None]) / spreads
+        weights = rises * (1 - away**2).clip(0)
+        total = weights.sum(axis=2)
+        offsets = (weights * centres[:, None]).sum(axis=2) / np.maximum(total, 1e-9)
     return offsets, (total >= MIN_RISE).astype(np.float64)
 
 

@@ -26,6 +26,11 @@ def read_pattern_file(path: Path) -> Image:
 
     Raises UserError when it is not such a file.
     """
+    return _with_border(read_pattern_content(path))
+
+
+def read_pattern_content(path: Path) -> Image:
+    """The (16, 16) grey values of the upright rotation; raises UserError when it is not such a file."""
     wanted = ROTATIONS * CHANNELS * ROWS * ROWS
     remedy = f"an ARToolKit pattern file holds {wanted} numbers from 0 to 255"
     _check_file(path, MAX_PATTERN_BYTES, "pattern file")
@@ -40,7 +45,7 @@ def read_pattern_file(path: Path) -> Image:
     if numbers.min() < 0 or numbers.max() > 255:
         raise UserError(f"the pattern file {path} holds numbers beyond a byte", remedy)
     upright_bgr = numbers.reshape(ROTATIONS, CHANNELS, ROWS, ROWS)[0].astype(np.uint8)
-    return _with_border(cv2.cvtColor(np.moveaxis(upright_bgr, 0, 2), cv2.COLOR_BGR2GRAY))
+    return np.asarray(cv2.cvtColor(np.moveaxis(upright_bgr, 0, 2), cv2.COLOR_BGR2GRAY), dtype=np.uint8)
 
 
 def read_marker_picture(path: Path) -> Image:

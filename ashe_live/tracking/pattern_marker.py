@@ -16,6 +16,8 @@ SAMPLES = 32
 # Photos and clips of the right pattern give 0.69 to 0.98, another pattern 0.35, the likest ArUco marker 0.65.
 MIN_CORRELATION = 0.66
 MAX_SELF_CORRELATION = 0.9
+# How light a border may be, from the content's dark to its light; coarse corners let some of the paper in.
+BORDER_LEVEL, COARSE_BORDER_LEVEL = 0.35, 0.5
 # Grey levels between the dark and the light of the content.
 MIN_CONTRAST = 10
 EDGE_SAMPLES = 16
@@ -58,10 +60,12 @@ class PatternMarker:
 
     def _compare(self, grey: Image, quad: Float) -> tuple[float, Float]:
         """The best correlation in [-1, 1] over the four rotations, and the corners in the print's order."""
-        if not self._has_dark_border(_rectified(grey, quad)):
+        if not self._has_dark_border(_rectified(grey, quad), COARSE_BORDER_LEVEL):
             return -1.0, quad
         corners = refined_corners(grey, quad, EDGE_SAMPLES)
         samples = _rectified(grey, corners)
+        if not self._has_dark_border(samples, BORDER_LEVEL):
+            return -1.0, quad
         # A pattern file is a picture that someone took: its content may lie a sample off.
         grown = slice(self._inside.start - 1, self._inside.stop + 1)
         seen = samples[grown, grown].astype(np.float32)
@@ -70,11 +74,13 @@ class PatternMarker:
         # Turned counter-clockwise, the print's top-left corner lies `turns` places before the quad's first one.
         return correlations[turns], np.roll(corners, turns, axis=0)
 
-    def _has_dark_border(self, samples: Float) -> bool:
+    def _has_dark_border(self, samples: Float, level: float) -> bool:
         border = np.ones(samples.shape, dtype=bool)
         border[self._inside, self._inside] = False
         dark, light = np.percentile(samples[~border], (5, 90))
-        return bool(light - dark >= MIN_CONTRAST and np.percentile(samples[border], 90) <= (dark + light) / 2)
+        return bool(
+            light - dark >= MIN_CONTRAST and np.percentile(samples[border], 90) <= dark + level * (light - dark)
+        )
 
 
 def _rectified(grey: Image, quad: Float) -> Float:

@@ -23,13 +23,9 @@ DECISIVE_PX = 0.7
 
 @dataclass(frozen=True, slots=True)
 class _Solution:
-    rvec: Float  # (3,) axis times angle, camera from marker
-    tvec: Float  # (3,) metres
+    R: Float  # (3, 3) camera from marker
+    t: Float  # (3,) metres
     rms_px: float
-
-    @property
-    def R(self) -> Float:
-        return np.asarray(cv2.Rodrigues(self.rvec)[0], dtype=np.float64)
 
 
 def square_corners(side_m: float) -> Float:
@@ -56,7 +52,7 @@ def estimate_pose(
     if refines:
         chosen = _refined(chosen, corners_px, camera, side_m)
     return MarkerPose(
-        T_cam_marker=rigid(chosen.R, chosen.tvec),
+        T_cam_marker=rigid(chosen.R, chosen.t),
         corners_px=corners_px,
         side_m=side_m,
         reprojection_rms_px=chosen.rms_px,
@@ -66,29 +62,42 @@ def estimate_pose(
 
 def _solutions(corners_px: Float, camera: Camera, side_m: float) -> list[_Solution]:
     """At most two, the smaller error first."""
+    # OpenCV's IPPE returns nonsense for a half turn, as of a print seen upside down or exactly from above. So it is
+    # asked for a frame that lies near the camera's: from the corner that is upper left in the picture, y down, z away.
+    quarters = int(np.argmin(corners_px.sum(axis=1)))
+    lower_left_first = np.roll(corners_px, -quarters, axis=0)[::-1].copy()
+    R_asked_marker = np.diag((1.0, -1.0, -1.0)) @ _turned_about_z(quarters)
     _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
-        square_corners(side_m), corners_px, camera.K, camera.dist, flags=cv2.SOLVEPNP_IPPE_SQUARE
+        square_corners(side_m), lower_left_first, camera.K, camera.dist, flags=cv2.SOLVEPNP_IPPE_SQUARE
     )
-    candidates = [_measured(rvec, tvec, corners_px, camera, side_m) for rvec, tvec in zip(rvecs, tvecs, strict=True)]
+    candidates = [
+        _measured(cv2.Rodrigues(rvec)[0] @ R_asked_marker, tvec, corners_px, camera, side_m)
+        for rvec, tvec in zip(rvecs, tvecs, strict=True)
+    ]
     return sorted((one for one in candidates if one is not None), key=lambda solution: solution.rms_px)
 
 
-def _measured(rvec: ArrayLike, tvec: ArrayLike, corners_px: Float, camera: Camera, side_m: float) -> _Solution | None:
+def _turned_about_z(quarters: int) -> Float:
+    """(3, 3) exact quarter turns, from x towards y."""
+    return np.asarray(np.linalg.matrix_power(np.array([(0, -1, 0), (1, 0, 0), (0, 0, 1)]), quarters), dtype=np.float64)
+
+
+def _measured(R: ArrayLike, t: ArrayLike, corners_px: Float, camera: Camera, side_m: float) -> _Solution | None:
     """The solution with its error (root mean square distance of the corners); None behind the camera."""
-    rvec, tvec = (np.asarray(vector, dtype=np.float64).reshape(3) for vector in (rvec, tvec))
-    if not (np.isfinite(rvec).all() and np.isfinite(tvec).all() and tvec[2] > 0):
+    R, t = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64).reshape(3)
+    if not (np.isfinite(R).all() and np.isfinite(t).all() and t[2] > 0):
         return None
-    projected, _ = cv2.projectPoints(square_corners(side_m), rvec, tvec, camera.K, camera.dist)
+    projected, _ = cv2.projectPoints(square_corners(side_m), cv2.Rodrigues(R)[0], t, camera.K, camera.dist)
     squared = ((projected.reshape(4, 2) - corners_px) ** 2).sum(axis=1)
-    return _Solution(rvec, tvec, math.sqrt(float(squared.mean())))
+    return _Solution(R, t, math.sqrt(float(squared.mean())))
 
 
 def _refined(solution: _Solution, corners_px: Float, camera: Camera, side_m: float) -> _Solution:
     """Levenberg and Marquardt from `solution`; kept only if the error shrinks."""
     rvec, tvec = cv2.solvePnPRefineLM(
-        square_corners(side_m), corners_px, camera.K, camera.dist, solution.rvec.copy(), solution.tvec.copy()
+        square_corners(side_m), corners_px, camera.K, camera.dist, cv2.Rodrigues(solution.R)[0], solution.t.copy()
     )
-    refined = _measured(rvec, tvec, corners_px, camera, side_m)
+    refined = _measured(cv2.Rodrigues(rvec)[0], tvec, corners_px, camera, side_m)
     return refined if refined is not None and refined.rms_px < solution.rms_px else solution
 
 

@@ -10,7 +10,7 @@ from ashe_live.tracking.corners import side_lengths_px
 class Steadiness:
     """Counts the frames in a row in which the marker was found and its corners hardly moved."""
 
-    def __init__(self, frames: int = 5, max_motion: float = 0.04) -> None:
+    def __init__(self, frames: int = 5, max_motion: float = 0.06) -> None:
         """`frames`: how many in a row, 1 for a photo; `max_motion` from one to the next, over the shortest side."""
         if frames < 1:
             raise ValueError(f"{frames} frames are none")

@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.quality import TrackingPreset
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.errors import UserError
 from ashe_live.tracking.corners import refined_corners, side_lengths_px
 from ashe_live.tracking.markers import Marker
 from ashe_live.tracking.pose import estimate_pose
@@ -66,7 +67,7 @@ class Tracker:
     def _camera_for(self, size: Size) -> Camera:
         if self._camera_now is None or self._camera_now.size != size:
             self.reset()
-            self._camera_now = self._camera.resized(size) if isinstance(self._camera, Camera) else self._camera(size)
+            self._camera_now = _resized(self._camera, size) if isinstance(self._camera, Camera) else self._camera(size)
         return self._camera_now
 
     def _recent(self, time_s: float) -> MarkerPose | None:
@@ -109,6 +110,15 @@ class Tracker:
         if corners is None:
             return None
         return refined_corners(grey, corners, self.preset.edge_samples, off_by_px=COARSE_PX / scale)
+
+
+def _resized(camera: Camera, size: Size) -> Camera:
+    try:
+        return camera.resized(size)
+    except ValueError as error:
+        raise UserError(
+            f"the camera does not fit the picture: {error}", "calibrate at the same aspect ratio"
+        ) from error
 
 
 def _grey(image_bgr: Image) -> Image:

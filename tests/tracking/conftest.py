@@ -1,0 +1,86 @@
+"""Synthetic pictures of a marker at a known pose, and pattern files of our own."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import rigid
+from ashe_live.core.types import Frame
+from ashe_live.tracking.markers import Marker, parse_marker
+
+SIDE_M = 0.08
+GROUND = 120
+SUPERSAMPLING = 4
+# One for each kind; "{pattern}" and "{picture}" stand for files that the fixture writes.
+SPECS = ("aruco:4x4_50:3", "aruco:original:700", "apriltag:36h11:16", "pattern:{pattern}", "image:{picture}")
+
+
+def pose(distance_m: float, tilt_deg: float, turn_deg: float = 0.0, aside_m: float = 0.0) -> Float:
+    """T_cam_marker: the print turned in its plane (counter-clockwise to the eye), then tilted away from the camera."""
+    turn = cv2.Rodrigues(np.array((0, 0, np.radians(turn_deg))))[0]
+    tilt = cv2.Rodrigues(np.array((np.radians(180 - tilt_deg), 0, 0)))[0]
+    return rigid(tilt @ turn, (aside_m, 0.01, distance_m))
+
+
+def picture(marker: Marker, camera: Camera, T_cam_marker: Float, side_m: float = SIDE_M, noise: float = 2.0) -> Image:
+    """(h, w, 3) frame without distortion: the marker on white paper on a grey ground, blurred and noisy."""
+    cells_px = 320
+    margin_px = cells_px // 4
+    paper = cv2.copyMakeBorder(marker.bitmap(cells_px), *[margin_px] * 4, cv2.BORDER_CONSTANT, value=255)
+    metres = side_m / cells_px
+    centre = (paper.shape[0] - 1) / 2
+    marker_from_paper = np.array([(metres, 0, -centre * metres), (0, -metres, centre * metres), (0, 0, 1)])
+    width, height = camera.size
+    fine = camera.resized((width * SUPERSAMPLING, height * SUPERSAMPLING))
+    homography = fine.K @ T_cam_marker[:3, (0, 1, 3)] @ marker_from_paper
+    grey = cv2.warpPerspective(paper, homography, fine.size, flags=cv2.INTER_AREA, borderValue=GROUND)
+    grey = cv2.resize(grey, camera.size, interpolation=cv2.INTER_AREA)
+    noisy = cv2.GaussianBlur(grey.astype(np.float64), (0, 0), 0.7)
+    noisy += np.random.default_rng(7).normal(0, noise, noisy.shape)
+    return np.repeat(noisy.clip(0, 255).astype(np.uint8)[:, :, None], 3, axis=2)
+
+
+def frame(image_bgr: Image, index: int = 0) -> Frame:
+    return Frame(image_bgr, index, index / 30)
+
+
+def glyph() -> Image:
+    """(16, 16) grey: a black letter F, which looks different in every rotation."""
+    content = np.full((16, 16), 240, dtype=np.uint8)
+    content[2:14, 3:6] = 10
+    content[2:5, 3:13] = 10
+    content[7:10, 3:10] = 10
+    return content
+
+
+def pattern_text(content: Image) -> str:
+    """An ARToolKit pattern file: blue, green and red of each rotation."""
+    turned = [np.rot90(content, turns) for turns in range(4)]
+    return "\n\n".join("\n".join(" ".join(map(str, row)) for row in np.vstack([one] * 3)) for one in turned)
+
+
+@pytest.fixture
+def pattern_file(tmp_path: Path) -> Path:
+    path = tmp_path / "f.patt"
+    path.write_text(pattern_text(glyph()), encoding="ascii")
+    return path
+
+
+@pytest.fixture
+def picture_file(tmp_path: Path) -> Path:
+    whole = np.zeros((128, 128), dtype=np.uint8)
+    whole[24:104, 24:104] = cv2.resize(glyph(), (80, 80), interpolation=cv2.INTER_NEAREST)
+    path = tmp_path / "f.png"
+    cv2.imwrite(str(path), whole)
+    return path
+
+
+@pytest.fixture
+def marker_of(pattern_file: Path, picture_file: Path) -> Callable[[str], Marker]:
+    """The marker of one of SPECS."""
+    return lambda spec: parse_marker(spec.format(pattern=pattern_file, picture=picture_file))
