@@ -10,6 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from rich.console import Console
+from rich.progress import track
 from rich.table import Table
 
 from ashe_live.bench.cases import Case, read_cases
@@ -49,7 +50,7 @@ def run_light_bench(
     console = Console()
     results: list[CaseResult] = []
     for estimator in made:
-        for index, case in enumerate(cases):
+        for index, case in enumerate(track(cases, estimator.name, console=console, transient=True)):
             result = _attempt(estimator, case, index)
             results.append(result)
             if len(cases) <= SMALL_SET:
