@@ -79,6 +79,7 @@ def _read_scene(path: Path) -> Any:
     if path.suffix.lower() not in SUFFIXES:
         raise UserError(f"{path} is not a kind of model file known here", f"give one of {', '.join(SUFFIXES)}")
     resolver = _FolderResolver(path.parent)
+    scene, problem = None, None
     try:
         if path.stat().st_size > MAX_FILE_BYTES:
             raise UserError(f"the model file {path} is too large", f"reduce it to {MAX_FILE_BYTES // 1_000_000} MB")
@@ -88,15 +89,18 @@ def _read_scene(path: Path) -> Any:
             scene = trimesh.load_scene(file, file_type=file_type, resolver=resolver, process=False)
     except UserError:
         raise
-    except OSError as error:
-        raise UserError(f"cannot read the model file {path}", error.strerror or str(error)) from error
     except Exception as error:  # a third-party parser of untrusted files raises whatever it stumbles over
-        detail = f"{type(error).__name__}: {error}".splitlines()[0][:120]
-        raise UserError(f"the model file {path} is malformed ({detail})", "export it again") from error
+        problem = error
+    # trimesh leaves out a texture that it cannot get, but fails without a buffer.
     if resolver.refused:
         raise UserError(
-            f"the model file {path} names {resolver.refused[0]}, outside its own folder", "put its textures beside it"
+            f"the model file {path} names {resolver.refused[0]}, outside its own folder", "put what it needs beside it"
         )
+    if isinstance(problem, OSError):
+        raise UserError(f"cannot read the model file {path}", problem.strerror or str(problem)) from problem
+    if problem is not None:
+        detail = f"{type(problem).__name__}: {problem}".splitlines()[0][:120]
+        raise UserError(f"the model file {path} is malformed ({detail})", "export it again") from problem
     return scene
 
 

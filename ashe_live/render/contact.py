@@ -16,10 +16,10 @@ from ashe_live.render.geometry import GpuModel
 from ashe_live.render.programs import build_program, set_uniforms
 from ashe_live.render.shadow_map import ShadowMap
 
-DIRECTIONS = 32
+DIRECTIONS = 24
 DEPTH_MAP_SIZE = 128
-PATCH_SIZE = 96  # texels a side
-BLUR_TEXELS = 2.0  # what separates the directions' single shadows is smoothed away
+PATCH_SIZE = 64  # texels a side
+BLUR_TEXELS = 1.5  # what separates the directions' single shadows is smoothed away
 REACH_HEIGHTS = 0.5  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
 FADE = 0.3  # share of the patch's side along which the darkening ends
