@@ -54,12 +54,11 @@ class Tracker:
         start = time.perf_counter()
         camera = self._camera_for(frame.size)
         previous = self._recent(frame.time_s)
-        corners = None if previous is None else self._find_near(frame.image_bgr, previous.corners_px)
-        if corners is None:
-            corners = self._find_anywhere(frame.image_bgr)
         pose = None
-        if corners is not None:
-            pose = estimate_pose(corners, camera, self.side_m, previous, self.preset.refines_pose)
+        if previous is not None:
+            pose = self._pose(self._find_near(frame.image_bgr, previous.corners_px), camera, previous)
+        if pose is None:
+            pose = self._pose(self._find_anywhere(frame.image_bgr), camera, previous)
         if pose is not None:
             self._last = frame.time_s, pose
         return TrackedFrame(frame, camera, pose, (time.perf_counter() - start) * 1e3)
@@ -75,6 +74,11 @@ class Tracker:
         if self._last is None or not 0 <= time_s - self._last[0] <= MEMORY_S:
             return None
         return self._last[1]
+
+    def _pose(self, corners_px: Float | None, camera: Camera, previous: MarkerPose | None) -> MarkerPose | None:
+        if corners_px is None:
+            return None
+        return estimate_pose(corners_px, camera, self.side_m, previous, self.preset.refines_pose)
 
     def _find_near(self, image_bgr: Image, corners_px: Float) -> Float | None:
         """Source pixels of the corners (4, 2), looked for around `corners_px`."""
