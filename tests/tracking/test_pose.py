@@ -68,12 +68,20 @@ def test_refinement_never_makes_the_error_larger() -> None:
         assert refined.reprojection_rms_px <= plain.reprojection_rms_px
 
 
-def test_the_previous_pose_settles_what_the_corners_leave_open() -> None:
-    """A small marker seen almost from above: with noise the smaller error is wrong about every other time."""
+def test_without_a_previous_pose_the_surface_is_seen_from_above() -> None:
+    """A small marker on a table: with noise the smaller error is wrong about every third time."""
     rng = np.random.default_rng(3)
     truth = pose(2.0, 20, 30)
-    previous = estimate_pose(projected(truth), CAMERA, SIDE_M)
-    assert previous is not None
+    for _ in range(60):
+        corners = projected(truth) + rng.normal(0, 0.15, (4, 2))
+        assert _tilt_error_deg(estimate_pose(corners, CAMERA, SIDE_M), truth) < 20
+
+
+def test_the_previous_pose_settles_what_the_corners_leave_open() -> None:
+    """The same on a surface that leans over the camera, where from above is wrong."""
+    rng = np.random.default_rng(3)
+    truth = pose(2.0, -20, 30)
+    previous = MarkerPose(truth, projected(truth), SIDE_M, 0.0, None)
     alone, together = 0, 0
     for _ in range(60):
         corners = projected(truth) + rng.normal(0, 0.15, (4, 2))
@@ -83,9 +91,14 @@ def test_the_previous_pose_settles_what_the_corners_leave_open() -> None:
     assert together == 0
 
 
+def test_a_surface_that_leans_over_the_camera_is_seen_when_the_error_is_decisive() -> None:
+    truth = pose(0.3, -55)
+    assert _tilt_error_deg(estimate_pose(projected(truth), CAMERA, SIDE_M), truth) < 0.1
+
+
 def test_a_wrong_previous_pose_gives_way_to_a_decisive_error() -> None:
-    truth = pose(0.4, 55)
-    mirrored = MarkerPose(pose(0.4, -55), projected(truth), SIDE_M, 0.0, None)
+    truth = pose(0.3, 55)
+    mirrored = MarkerPose(pose(0.3, -55), projected(truth), SIDE_M, 0.0, None)
     found = estimate_pose(projected(truth), CAMERA, SIDE_M, mirrored)
     assert _tilt_error_deg(found, truth) < 0.1
 
