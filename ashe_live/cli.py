@@ -7,14 +7,14 @@ import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, TypeVar
 
 from ashe_live import __version__
 from ashe_live.errors import ExitStatus, UserError
 
+Number = TypeVar("Number", int, float)
+
 EPILOG = "Start with `ashe-live demo`; print a marker with `ashe-live marker --out marker.pdf`."
-
-
 DEFAULT_MARKER = "aruco:4x4_50:0"
 DEFAULT_ESTIMATOR = "paper"
 MARKER_HELP = (
@@ -116,39 +116,40 @@ def _add_quality_options(parser: argparse.ArgumentParser, default: str = "balanc
     trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=f"(default {DEFAULT_ESTIMATOR})")
 
 
-def _number(text: str) -> float:
-    value = float(text)
-    if not math.isfinite(value):
-        raise ValueError(text)
-    return value
-
-
 def _positive(text: str) -> float:
-    value = _number(text)
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"{text} is not above 0")
+    value = _number(float, text)
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
     return value
 
 
 def _angle(text: str) -> float:
-    value = _number(text)
+    value = _number(float, text)
     if not 1 <= value < 180:
         raise argparse.ArgumentTypeError(f"{text} is not a field of view from 1 to 179 degrees")
     return value
 
 
 def _count(text: str) -> int:
-    value = int(text)
+    value = _number(int, text)
     if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not 1 or more")
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 1 on")
     return value
 
 
 def _index(text: str) -> int:
-    value = int(text)
+    value = _number(int, text)
     if value < 0:
-        raise argparse.ArgumentTypeError(f"{text} is not 0 or more")
+        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 0 on")
     return value
+
+
+def _number(kind: Callable[[str], Number], text: str) -> Number:
+    try:
+        return kind(text)
+    except ValueError:
+        # Argparse's own words would name the function here.
+        raise argparse.ArgumentTypeError(f"{text!r} is not a {'whole ' if kind is int else ''}number") from None
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -56,13 +57,19 @@ def check_outputs(options: argparse.Namespace) -> None:
         raise UserError("--report is written without a window only", "give --headless too")
 
 
+def has_display() -> bool:
+    """Whether a window can be hoped for; only X11 and Wayland name their display in the environment."""
+    return not sys.platform.startswith("linux") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
 @contextlib.contextmanager
 def opened_session(view: View) -> Iterator[Session]:
-    """The session of `view`, with its light process and its models; both end with it."""
+    """The session of `view` with its light process, which ends with it."""
     options = view.options
     policy = EstimatePolicy(on_first_steady=not view.source.is_live, at_frame=options.estimate_at)
     steadiness = Steadiness(1) if view.source.is_photo else Steadiness()
-    with LightWorker(options.estimator) as worker, Shelf(options.model, view.tracker.side_m) as shelf:
+    shelf = Shelf(options.model, view.tracker.side_m)
+    with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, view.true_to_light_marker)
         session.show_light = view.shows_light
         yield session
@@ -78,18 +85,19 @@ def show_in_window(view: View) -> int:
     # Only here, so that playing without a display does without GLFW.
     from ashe_live.viewer.live import LiveViewer
     from ashe_live.viewer.pipeline import Pipeline
-    from ashe_live.viewer.window import Window, has_display
+    from ashe_live.viewer.window import Window
 
     options = view.options
     if not has_display():
         raise UserError("there is no display for a window", "give --headless --out VIDEO.mp4")
     with contextlib.ExitStack() as stack:
         stack.enter_context(_ended_by_signals())
+        # First, as its process starts while the window opens, and a model that cannot be read opens none.
+        session = stack.enter_context(opened_session(view))
         window = stack.enter_context(Window(f"ashe-live: {view.source.name}", view.size))
         pipeline = Pipeline(view.source, view.tracker, options.loop)
         stack.callback(pipeline.close)
         pipeline.start()
-        session = stack.enter_context(opened_session(view))
         renderer = Renderer(window.context, quality_of(options).render, window.framebuffer_size)
         recorder = None
         if options.out is not None:
@@ -123,14 +131,13 @@ def _summed_up(view: View, session: Session, report: Report) -> int:
     if options.report is not None:
         report.write(options.report)
     found = sum(frame["found"] for frame in report.frames)
-    print(f"{view.source.name}: marker in {found} of {len(report.frames)} frames; {light_line(session)}")
-    if view.source.note is not None:
-        print(f"ashe-live: {view.source.note}", file=sys.stderr)
-    if not found:
-        remedy = "is it the one in the picture? --marker names another"
-        print(f"ashe-live: no marker {options.marker} in {view.source.name}: {remedy}", file=sys.stderr)
-        return ExitStatus.NO_MARKER
-    return ExitStatus.ANSWERED
+    light = "light: not estimated" if session.estimate is None else light_line(session)
+    print(f"{view.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
+    no_marker = f"no marker {options.marker} in {view.source.name}: if another one is, name it with --marker"
+    for notice in (view.source.note, session.last_notice if found else no_marker):
+        if notice is not None:
+            print(f"ashe-live: {notice}", file=sys.stderr)
+    return ExitStatus.ANSWERED if found else ExitStatus.NO_MARKER
 
 
 @contextlib.contextmanager
@@ -138,6 +145,9 @@ def _ended_by_signals() -> Iterator[None]:
     """Within, a request to terminate unwinds the stack like any error, so that a recording is finished."""
 
     def end(number: int, _stack: FrameType | None) -> None:
+        # Impatience must not cut short what unwinding finishes.
+        for each in numbers:
+            signal.signal(each, signal.SIG_IGN)
         raise SystemExit(128 + number)
 
     numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]

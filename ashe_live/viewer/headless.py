@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
+from ashe_live.errors import UserError
 from ashe_live.render.renderer import Renderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.tracker import Tracker
@@ -49,6 +50,8 @@ def play_headless(
         session.take(tracked, shown_s)
         if session.is_estimating:
             estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
+            if session.is_estimating:
+                raise UserError(f"no estimate of the light in {LONGEST_ESTIMATE_S:.0f} s", "choose another --estimator")
             if estimate is not None:
                 report.add_estimate(estimate)
 

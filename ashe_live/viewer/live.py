@@ -1,6 +1,9 @@
 """The loop on the main thread: keys in, the latest tracked frame in, a picture out at the display's own rate."""
 
+import math
+import sys
 import time
+from collections import deque
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
@@ -24,7 +27,9 @@ from ashe_live.viewer.window import Window
 
 AUTO = "auto"
 QUALITY_NAMES = (*QUALITIES, AUTO)
-FPS_SMOOTHING = 0.05
+FPS_OVER_FRAMES = 30
+# Of the clip's period: after so long without a new frame (paused, a photo), a recording takes the last one again.
+RECORD_AGAIN_AFTER = 1.5
 
 
 class LiveViewer:
@@ -54,7 +59,8 @@ class LiveViewer:
         self._source_error: str | None = None
         self._paused = False
         self._quit = False
-        self._fps = 0.0
+        self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
+        self._recorded_s = -math.inf
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.PAUSE: self._pause,
             Command.RESTART: self._restart,
@@ -69,7 +75,7 @@ class LiveViewer:
         """Until the window is closed, Esc, or `frame_limit` frames of the source; finishes a recording always."""
         self._set_quality(self._quality_name)
         frames_left = frame_limit
-        last_shown_s = due_s = time.monotonic()
+        due_s = time.monotonic()
         try:
             while not (self._quit or self._window.is_closing):
                 now_s = time.monotonic()
@@ -77,12 +83,11 @@ class LiveViewer:
                 for request in self._window.take_requests(0.0):
                     self._obey(request, now_s)
                 is_new = self._take_frame(now_s)
-                self._draw(is_new, now_s)
-                work_s = time.monotonic() - now_s
+                self._draw(now_s)
+                self._adapt_quality(now_s)
                 self._window.swap()
-                self._adapt_quality(work_s * 1e3)
-                self._fps += FPS_SMOOTHING * (1 / max(time.monotonic() - last_shown_s, 1e-6) - self._fps)
-                last_shown_s = time.monotonic()
+                self._shown_s.append(time.monotonic())
+                self._record_picture(is_new, now_s)
                 if is_new and frames_left is not None:
                     frames_left -= 1
                     self._quit = self._quit or frames_left <= 0
@@ -97,20 +102,25 @@ class LiveViewer:
                 self._obey(request, time.monotonic())
 
     def _take_frame(self, now_s: float) -> bool:
-        """True when there is a new frame; a source that failed keeps its last picture."""
+        """True when there is a new frame; a source that fails in mid-run keeps its last picture."""
+        if self._source_error is not None:
+            return False
         try:
             tracked = self._pipeline.frames.take(0.0)
         except Closed:
             return False
         except UserError as error:
+            if self._session.tracked is None:
+                raise
             self._source_error = str(error)
+            print(f"ashe-live: {error}", file=sys.stderr, flush=True)
             return False
         if tracked is None:
             return False
         self._session.take(tracked, now_s)
         return True
 
-    def _draw(self, is_new: bool, now_s: float) -> None:
+    def _draw(self, now_s: float) -> None:
         if self._session.poll(now_s) is not None:
             print(light_line(self._session), flush=True)
         size = self._window.framebuffer_size
@@ -120,14 +130,25 @@ class LiveViewer:
             self._renderer.resize(size)
         status = self._source_error or self._pipeline.status
         scale = self._window.content_scale
-        scene = self._display.scene(self._session, size, self._quality_shown, now_s, self._fps, status, scale)
+        scene = self._display.scene(self._session, size, self._quality_shown, now_s, self._fps(), status, scale)
         self._renderer.render(scene)
         self._renderer.present(self._window.context.screen)
-        if is_new and self._recorder is not None:
-            self._record_picture(now_s)
 
-    def _adapt_quality(self, work_ms: float) -> None:
-        if self._auto is not None and self._auto.add(work_ms):
+    def _fps(self) -> float | None:
+        """Of the display; None until there are two pictures to tell it from."""
+        if len(self._shown_s) < 2:
+            return None
+        return (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
+
+    def _adapt_quality(self, begun_s: float) -> None:
+        """Tracking and drawing run side by side, so the slower one counts."""
+        if self._auto is None:
+            return
+        # What is only queued has not cost anything yet.
+        self._renderer.finish()
+        draw_ms = (time.monotonic() - begun_s) * 1e3
+        detect_ms = self._session.tracked.detect_ms if self._session.tracked is not None else 0.0
+        if self._auto.add(max(draw_ms, detect_ms)):
             self._apply(self._auto.quality)
 
     def _obey(self, request: Request, now_s: float) -> None:
@@ -188,14 +209,19 @@ class LiveViewer:
         path = unused_name(Path.cwd(), "ashe-live", ".mp4", datetime.now())
         try:
             self._recorder = Recorder(path, self._session.tracked.frame.size, self._pipeline.fps)
+            self._recorded_s = -math.inf
             self._session.say(f"recording {path.name}: V stops", now_s)
         except UserError as error:
             self._session.say(str(error), now_s)
 
-    def _record_picture(self, now_s: float) -> None:
-        assert self._recorder is not None
+    def _record_picture(self, is_new: bool, now_s: float) -> None:
+        if self._recorder is None or self._session.tracked is None:
+            return
+        if not is_new and now_s - self._recorded_s < RECORD_AGAIN_AFTER / self._pipeline.fps:
+            return
         try:
             self._recorder.write(self._picture(), now_s)
+            self._recorded_s = now_s
         except UserError as error:
             self._recorder = None
             self._session.say(str(error), now_s)

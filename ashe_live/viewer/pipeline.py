@@ -26,6 +26,7 @@ class Pipeline:
         self._source = source
         self._tracker = tracker
         self._loop = loop
+        self._flaw: str | None = None  # of a clip that goes round: what its end has told
         self._changed = threading.Condition()
         self._paused = False
         self._restart = False
@@ -84,12 +85,13 @@ class Pipeline:
             if not self._source.is_live:
                 self._end_of_clip()
             return
-        self.status = None
+        self.status = self._flaw
         if self._source.is_live or self._is_on_time(frame):
             self.frames.put(self._tracker.track(frame))
 
     def _end_of_clip(self) -> None:
-        if self._loop:
+        if self._loop and not self._source.is_photo:
+            self._flaw = self._source.note
             self._rewind()
             return
         if not self._source.is_photo:

@@ -72,6 +72,16 @@ class Session:
             return None
         return self._notice[0]
 
+    @property
+    def last_notice(self) -> str | None:
+        """What was last said, however long ago."""
+        return None if self._notice is None else self._notice[0]
+
+    @property
+    def awaits_steady(self) -> bool:
+        """Whether an estimate will be made unasked once the marker is steady."""
+        return self._policy.on_first_steady and self._policy.at_frame is None and not self._policy_is_done
+
     def say(self, text: str, now_s: float) -> None:
         self._notice = text, now_s + NOTICE_S
 
@@ -86,7 +96,7 @@ class Session:
     def request_estimate(self, now_s: float) -> bool:
         """Hands the current frame to the worker; says so when there is nothing to hand over."""
         if self.tracked is None or self.tracked.marker is None:
-            self.say("no marker in view: the light is estimated in its frame", now_s)
+            self.say("no marker in view: point the camera at it, then press Space", now_s)
         elif not self._worker.request(self.tracked):
             self.say("still estimating", now_s)
         else:
@@ -118,8 +128,12 @@ class Session:
                 self.request_estimate(now_s)
             case Command.TOGGLE_LIGHT:
                 self.show_light = not self.show_light
+                if self.show_light and (self.estimate is None or self.estimate.light is None):
+                    self.say("the arrow appears when the light is known: Space estimates it", now_s)
             case Command.TOGGLE_MASKS:
                 self.show_masks = not self.show_masks
+                if self.show_masks and self.estimate is None:
+                    self.say("nothing has been estimated yet: Space does it", now_s)
             case Command.HELP:
                 self.show_help = not self.show_help
             case _:

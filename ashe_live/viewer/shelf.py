@@ -1,8 +1,7 @@
 """The models to choose from, loaded off the main thread so that no switch stalls the picture."""
 
-from concurrent.futures import Future, ThreadPoolExecutor
-from types import TracebackType
-from typing import Self
+from concurrent.futures import Future
+from threading import Thread
 
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import load_model, model_names
@@ -20,16 +19,10 @@ class Shelf:
         self._marker_side_m = marker_side_m
         shipped = list(model_names())
         self.names = shipped if first_choice in shipped else [first_choice, *shipped]
-        self._loader = ThreadPoolExecutor(1, thread_name_prefix="models")
-        self._chosen = self.names.index(first_choice)
         self._loading: dict[str, Future[PlacedModel]] = {}
+        self._chosen = self._shown_at = self.names.index(first_choice)
         self._shown = self._load(first_choice).result()
         self._error: UserError | None = None
-
-    def preload(self) -> None:
-        """Starts to load all the others in the background."""
-        for name in self.names:
-            self._load(name)
 
     def choose(self, index: int) -> bool:
         """False when there is no such model."""
@@ -50,33 +43,24 @@ class Shelf:
         loading = self._load(self.chosen_name)
         if loading.done():
             try:
-                self._shown = loading.result()
+                self._shown, self._shown_at = loading.result(), self._chosen
             except UserError as error:
-                self._error = error
-                self._chosen = next(i for i, name in enumerate(self.names) if self._is_loaded(name))
+                self._error, self._chosen = error, self._shown_at
         return self._shown
 
     def take_error(self) -> UserError | None:
         error, self._error = self._error, None
         return error
 
-    def close(self) -> None:
-        self._loader.shutdown(wait=False, cancel_futures=True)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
-
     def _load(self, name: str) -> Future[PlacedModel]:
         if name not in self._loading:
-            self._loading[name] = self._loader.submit(self._read, name)
+            self._loading[name] = Future()
+            # A daemon, so that quitting does not wait for a huge file.
+            Thread(target=self._read, args=(name, self._loading[name]), name="model", daemon=True).start()
         return self._loading[name]
 
-    def _read(self, name: str) -> PlacedModel:
-        return placed_on_marker(load_model(name), self._marker_side_m)
-
-    def _is_loaded(self, name: str) -> bool:
-        loading = self._loading.get(name)
-        return loading is not None and loading.done() and loading.exception() is None
+    def _read(self, name: str, loading: "Future[PlacedModel]") -> None:
+        try:
+            loading.set_result(placed_on_marker(load_model(name), self._marker_side_m))
+        except BaseException as error:  # whatever it is, whoever shows the model must hear of it
+            loading.set_exception(error)

@@ -7,13 +7,16 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.viewer.session import Session
 
 FIRST_STEP = "put something that casts a shadow beside the marker, then press Space"
+AWAITED = "estimated as soon as the marker is steady"
 
 
 def light_line(session: Session) -> str:
     """The light's state; an estimate under way does not hide the last answer."""
     estimate = session.estimate
+    if estimate is None and session.is_estimating:
+        return "light: estimating…"
     if estimate is None:
-        return "light: estimating…" if session.is_estimating else f"light: {FIRST_STEP}"
+        return f"light: {AWAITED if session.awaits_steady else FIRST_STEP}"
     if estimate.light is None:
         text = f"no clear light: {estimate.reason}"
     else:

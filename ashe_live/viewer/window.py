@@ -1,7 +1,5 @@
 """A GLFW window with an OpenGL 3.3 core context, which gives requests instead of key events."""
 
-import os
-import sys
 from types import TracebackType
 from typing import Any, Self
 
@@ -13,11 +11,6 @@ from ashe_live.render.offscreen import window_context
 from ashe_live.viewer.controls import REQUEST_BY_KEY, Request
 
 REQUEST_BY_GLFW_KEY = {getattr(glfw, f"KEY_{name}"): request for name, request in REQUEST_BY_KEY.items()}
-
-
-def has_display() -> bool:
-    """Whether a window can be hoped for; only X11 and Wayland name their display in the environment."""
-    return not sys.platform.startswith("linux") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 class Window:

@@ -1,0 +1,115 @@
+"""Small films of our own: a marker and a box that casts a shadow, painted where projection puts them."""
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.capture.recorder import Recorder
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import direction_from_angles, project, rigid
+from ashe_live.tracking.markers import parse_marker
+
+SIDE_M = 0.08
+FPS = 30.0
+HFOV_DEG = 55.0
+GROUND_BGR, SHADOW_BGR = (150, 155, 160), (50, 50, 55)
+BOX_FACES_BGR = ((60, 170, 250), (40, 140, 235), (25, 95, 165))  # top, lit side, dark side
+SUPERSAMPLING = 2
+MARKER_PX = 400
+
+
+@dataclass(frozen=True)
+class Film:
+    """A clip, the same camera for all its frames, and where its light is."""
+
+    path: Path
+    camera_file: Path
+    size: tuple[int, int]
+    frame_count: int
+    to_light_marker: Float
+
+
+def pose_of(eye: tuple[float, float, float]) -> Float:
+    """`T_cam_marker` of a camera at `eye` in the marker frame that looks at a point beside the marker."""
+    aim = np.array((0.04, 0.0, 0.0))
+    forward = (aim - eye) / np.linalg.norm(aim - eye)
+    right = np.cross(forward, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    R = np.array([right, np.cross(forward, right), forward])
+    return rigid(R, -R @ np.asarray(eye))
+
+
+def painted_frame(camera: Camera, T_cam_marker: Float, to_light: Float) -> Image:
+    """(h, w, 3) uint8: marker `aruco:4x4_50:0` on white paper, and an orange box beside it with its shadow."""
+    width, height = camera.size
+    fine = camera.resized((width * SUPERSAMPLING, height * SUPERSAMPLING))
+    image = np.full((*fine.size[::-1], 3), GROUND_BGR, np.uint8)
+
+    def fill(points_marker: Float, colour: tuple[int, int, int]) -> None:
+        hull = cv2.convexHull(project(fine, T_cam_marker, points_marker).astype(np.float32))
+        cv2.fillConvexPoly(image, np.round(hull * 16).astype(np.int32), colour, cv2.LINE_AA, shift=4)
+
+    paper = cv2.copyMakeBorder(
+        parse_marker("aruco:4x4_50:0").bitmap(MARKER_PX), *[MARKER_PX // 5] * 4, cv2.BORDER_CONSTANT, value=240
+    )
+    metres = SIDE_M / MARKER_PX
+    centre = (paper.shape[0] - 1) / 2
+    marker_from_paper = np.array([(metres, 0, -centre * metres), (0, -metres, centre * metres), (0, 0, 1)])
+    homography = fine.K @ T_cam_marker[:3, (0, 1, 3)] @ marker_from_paper
+    cv2.warpPerspective(
+        cv2.cvtColor(paper, cv2.COLOR_GRAY2BGR),
+        homography,
+        fine.size,
+        dst=image,
+        flags=cv2.INTER_AREA,
+        borderMode=cv2.BORDER_TRANSPARENT,
+    )
+    base, top = box_corners()
+    fill(np.concatenate([base, top - top[:, 2:] * (to_light / to_light[2])]), SHADOW_BGR)
+    for at in range(4):
+        side = np.array([base[at - 1], base[at], top[at], top[at - 1]])
+        outward = side[:2].mean(axis=0) - base.mean(axis=0)
+        eye = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
+        if outward @ (eye - side[0]) > 0:
+            fill(side, BOX_FACES_BGR[1 if outward @ to_light > 0 else 2])
+    fill(top, BOX_FACES_BGR[0])
+    return cv2.resize(image, camera.size, interpolation=cv2.INTER_AREA)
+
+
+def box_corners() -> tuple[Float, Float]:
+    """(4, 3) base and (4, 3) top, metres, marker frame."""
+    base = np.array([(0.105, -0.03, 0), (0.155, -0.03, 0), (0.155, 0.02, 0), (0.105, 0.02, 0)])
+    return base, base + np.array((0, 0, 0.08))
+
+
+def shoot(folder: Path, size: tuple[int, int], frame_count: int) -> Film:
+    """A slow pan around the scene at 30 frames a second, with a little noise, as MP4 with its camera file beside it."""
+    camera = Camera.from_hfov(size, HFOV_DEG)
+    to_light = direction_from_angles(np.radians(200), np.radians(42))
+    film = Film(folder / "box.mp4", folder / "camera.json", size, frame_count, to_light)
+    film.camera_file.write_text(json.dumps({"size": size, "K": camera.K.tolist(), "dist": [0.0] * 5}))
+    random = np.random.default_rng(11)
+    with Recorder(film.path, size, FPS) as recorder:
+        for index in range(frame_count):
+            angle = np.radians(-100 + 20 * index / max(1, frame_count - 1))
+            T_cam_marker = pose_of((0.5 * np.cos(angle), 0.5 * np.sin(angle), 0.4))
+            image = painted_frame(camera, T_cam_marker, to_light)
+            recorder.write((image + random.integers(0, 4, image.shape)).clip(0, 255).astype(np.uint8), index / FPS)
+    return film
+
+
+@pytest.fixture(scope="session")
+def shoot_film() -> Callable[[Path, tuple[int, int], int], Film]:
+    return shoot
+
+
+@pytest.fixture(scope="session")
+def film(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Film]:
+    """Twelve small frames: enough for the marker to be steady."""
+    return shoot(tmp_path_factory.mktemp("film"), (320, 240), 12)
