@@ -13,7 +13,7 @@ from ashe_live.render.scene import Overlay
 Rows = tuple[tuple[str, ...], ...]  # of one or more columns
 
 FONT_PT = 15
-MIN_FONT_PX = 9
+MIN_FONT_PX = 8.0
 PLATE_SRGBA = (12, 14, 18, 175)
 TEXT_SRGBA = (246, 246, 242, 255)
 
@@ -49,9 +49,9 @@ def _overlay(place: str, rows: Rows, size: Size, content_scale: float) -> Overla
     font_px = FONT_PT * content_scale
     plate = _plate(rows, font_px)
     # A long help in a small window: smaller letters rather than cut ones.
-    fit = min(1.0, 0.98 * size[0] / plate.shape[1], 0.98 * size[1] / plate.shape[0])
-    if fit < 1.0 and font_px * fit >= MIN_FONT_PX:
-        plate = _plate(rows, font_px * fit)
+    fit = min(1.0, 0.96 * size[0] / plate.shape[1], 0.96 * size[1] / plate.shape[0])
+    if fit < 1.0:
+        plate = _plate(rows, max(MIN_FONT_PX, font_px * fit))
     height, width = plate.shape[:2]
     gap = round(8 * content_scale)
     left, top = {

@@ -46,6 +46,11 @@ class Renderer:
         return self._surface.size
 
     @property
+    def shadow_map_renders(self) -> int:
+        """How often the shadow map was drawn since the preset was set."""
+        return self._shadow.renders
+
+    @property
     def gl_renderer(self) -> str:
         return str(self._ctx.info["GL_RENDERER"])
 
@@ -69,8 +74,11 @@ class Renderer:
 
     def resize(self, size: Size) -> None:
         """Follows the window's framebuffer; sides of 0 (a minimised window) count as 1."""
-        self._surface.release()
+        former = self._surface
         self._surface = Surface(self._ctx, (max(1, size[0]), max(1, size[1])), self._preset.msaa_samples)
+        # moderngl binds again what was bound before, which must not have been released by then.
+        self._surface.colour.use()
+        former.release()
 
     def render(self, scene: Scene) -> None:
         """Draws the scene into the renderer's own framebuffer."""
@@ -102,8 +110,8 @@ class Renderer:
 
     def release(self) -> None:
         """Gives every object back to OpenGL; the renderer is of no use afterwards."""
-        self._follow_model(None)
         self._release_passes()
+        self._ctx.detect_framebuffer(0).use()
         for held in (self.video, self.overlays, self._arrow, self._contact, self._surface, self._depth_program):
             held.release()
 

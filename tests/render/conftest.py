@@ -1,0 +1,92 @@
+"""A stage for render tests: one context, cameras that look at the marker, grey ground."""
+
+import math
+from collections.abc import Callable, Iterator
+
+import moderngl
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.quality import FAST, RenderPreset
+from ashe_live.core.transforms import direction_from_angles, rigid
+from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.models.mesh import Mesh, Model
+from ashe_live.models.placement import PlacedModel
+from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.renderer import Renderer
+
+SIZE = (480, 360)
+FOCAL_PX = 520.0
+
+
+@pytest.fixture(scope="session")
+def ctx() -> moderngl.Context:
+    try:
+        return offscreen_context()
+    except UserError as error:
+        pytest.fail(str(error))
+
+
+@pytest.fixture
+def make_renderer(ctx: moderngl.Context) -> Iterator[Callable[..., Renderer]]:
+    made: list[Renderer] = []
+
+    def make(preset: RenderPreset = FAST.render, size: tuple[int, int] = SIZE) -> Renderer:
+        made.append(Renderer(ctx, preset, size))
+        return made[-1]
+
+    yield make
+    for renderer in made:
+        renderer.release()
+    assert ctx.error == "GL_NO_ERROR"
+
+
+class Stage:
+    """Builds what a scene needs."""
+
+    @staticmethod
+    def pose(
+        azimuth_deg: float, elevation_deg: float, distance_m: float = 0.35, target: tuple[float, ...] = (0, 0, 0.02)
+    ) -> np.ndarray:
+        """T_cam_marker of a camera that looks at `target` from a direction of the marker frame, upright."""
+        outwards = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
+        forward = -outwards
+        right = np.cross(forward, (0, 0, 1))
+        right /= np.linalg.norm(right)
+        R = np.array([right, np.cross(forward, right), forward])
+        return rigid(R, -R @ (np.array(target) + outwards * distance_m))
+
+    @staticmethod
+    def camera(size: tuple[int, int] = SIZE) -> Camera:
+        return Camera.from_focal(size, FOCAL_PX)
+
+    @staticmethod
+    def tracked(image: np.ndarray | int, T_cam_marker: np.ndarray | None, camera: Camera | None = None) -> TrackedFrame:
+        """A frame of one grey value, or a picture, with the marker at the given pose."""
+        if isinstance(image, int):
+            image = np.full((SIZE[1], SIZE[0], 3), image, dtype=np.uint8)
+        camera = camera or Stage.camera((image.shape[1], image.shape[0]))
+        marker = None if T_cam_marker is None else MarkerPose(T_cam_marker, np.zeros((4, 2)), 0.08, 0.0, None)
+        return TrackedFrame(Frame(image, 0, 0.0), camera, marker)
+
+    @staticmethod
+    def placed(*parts: Mesh) -> PlacedModel:
+        """Meshes that are in the marker frame already."""
+        model = Model("test", parts)
+        return PlacedModel(model, model.bounds)
+
+    @staticmethod
+    def light(azimuth_deg: float, elevation_deg: float, ratio: tuple[float, ...] | None = None) -> DirectionalLight:
+        direction = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
+        return DirectionalLight(direction, shadow_rgb_ratio=None if ratio is None else np.array(ratio))
+
+    @staticmethod
+    def noise(seed: int = 1, size: tuple[int, int] = SIZE) -> np.ndarray:
+        return np.random.default_rng(seed).integers(0, 256, (size[1], size[0], 3), dtype=np.uint8)
+
+
+@pytest.fixture
+def stage() -> type[Stage]:
+    return Stage

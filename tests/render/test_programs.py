@@ -1,0 +1,37 @@
+import moderngl
+import pytest
+
+from ashe_live.core.resources import resource
+from ashe_live.errors import UserError
+from ashe_live.render import offscreen
+from ashe_live.render.programs import build_program, shader_source
+
+PASSES = sorted(path.stem for path in resource("shaders").glob("*.vert"))
+
+
+def test_every_pass_has_a_pair_of_shaders() -> None:
+    assert sorted(path.stem for path in resource("shaders").glob("*.frag")) == PASSES
+
+
+@pytest.mark.parametrize("name", PASSES)
+def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> None:
+    for suffix in (".vert", ".frag"):
+        assert shader_source(name + suffix).startswith("#version 330 core\n")
+    build_program(ctx, name, pcf_radius=1, contact_fade=0.3).release()
+
+
+def test_include_and_constants_stand_after_the_version() -> None:
+    lines = shader_source("model.frag", "#define PCF_RADIUS 2\n").splitlines()
+    assert lines[:2] == ["#version 330 core", "#define PCF_RADIUS 2"]
+    assert not any(line.startswith("#include") for line in lines)
+    assert any("float lit_fraction(vec3" in line for line in lines)
+
+
+def test_missing_opengl_ends_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_args: object, **_settings: object) -> None:
+        raise Exception("libEGL.so.1 not found\nand more")
+
+    monkeypatch.setattr(offscreen.moderngl, "create_context", refuse)
+    with pytest.raises(UserError, match=r"no OpenGL 3.3.*libEGL.so.1 not found.*apt-get install") as caught:
+        offscreen.offscreen_context()
+    assert "\n" not in str(caught.value)

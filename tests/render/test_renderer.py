@@ -1,0 +1,202 @@
+"""The renderer as a whole: what is uploaded when, sizes, presets, lenses, and that nothing is kept."""
+
+import gc
+
+import cv2
+import moderngl
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.quality import ACCURATE, BALANCED, FAST
+from ashe_live.core.transforms import project
+from ashe_live.models.catalogue import load_model, model_names
+from ashe_live.models.placement import placed_on_marker
+from ashe_live.models.primitives import box
+from ashe_live.render.scene import Overlay, Scene
+from ashe_live.render.surface import supported_samples
+
+
+def test_frame_is_uploaded_once_however_often_it_is_shown(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    first, second = stage.tracked(stage.noise(1), None), stage.tracked(stage.noise(2), None)
+    for tracked in (first, first, first, second, second):
+        renderer.render(Scene(tracked))
+        np.testing.assert_array_equal(renderer.read_bgr(), tracked.frame.image_bgr)
+    assert renderer.video.uploads == 2
+
+
+def test_shadow_map_is_drawn_only_for_a_new_light_or_model(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    model = stage.placed(box((0.03, 0.03, 0.03)))
+    for azimuth_deg in (0, 20, 40):  # the camera moves
+        renderer.render(Scene(stage.tracked(90, stage.pose(azimuth_deg, 40)), model, stage.light(10, 30)))
+    assert renderer.shadow_map_renders == 1
+    renderer.render(Scene(stage.tracked(90, stage.pose(0, 40)), model, stage.light(11, 30)))
+    assert renderer.shadow_map_renders == 2
+    renderer.render(Scene(stage.tracked(90, stage.pose(0, 40)), stage.placed(box((1, 1, 1))), stage.light(11, 30)))
+    assert renderer.shadow_map_renders == 3
+
+
+def test_picture_does_not_depend_on_what_was_drawn_before(make_renderer, stage) -> None:
+    model, other = stage.placed(box((0.03, 0.03, 0.03))), stage.placed(box((0.06, 0.02, 0.05)))
+    scene = Scene(stage.tracked(stage.noise(), stage.pose(30, 40)), model, stage.light(10, 30), shows_light=True)
+    fresh = make_renderer()
+    fresh.render(scene)
+    used = make_renderer(ACCURATE.render, (64, 48))
+    used.render(Scene(stage.tracked(3, stage.pose(90, 70)), other, stage.light(70, 80)))
+    used.render(Scene())
+    used.preset = FAST.render
+    used.resize((480, 360))
+    used.render(scene)
+    np.testing.assert_array_equal(used.read_bgr(), fresh.read_bgr())
+
+
+def test_without_a_marker_there_is_only_video(make_renderer, stage) -> None:
+    renderer = make_renderer(BALANCED.render)
+    image = stage.noise()
+    renderer.render(Scene(stage.tracked(image, None), stage.placed(box((1, 1, 1))), stage.light(0, 40)))
+    np.testing.assert_array_equal(renderer.read_bgr(), image)
+
+
+def test_without_video_the_picture_is_black(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    renderer.render(Scene(stage.tracked(200, None)))
+    renderer.render(Scene())
+    assert not renderer.read_bgr().any()
+
+
+@pytest.mark.parametrize("size", [(960, 360), (480, 720), (1, 1), (7, 300)])
+def test_video_is_letterboxed_on_black(make_renderer, stage, size: tuple[int, int]) -> None:
+    renderer = make_renderer(size=size)
+    renderer.render(Scene(stage.tracked(150, stage.pose(0, 40)), stage.placed(box((0.03, 0.03, 0.03)))))
+    picture = renderer.read_bgr()
+    assert picture.shape == (size[1], size[0], 3)
+    if size == (960, 360):
+        assert not picture[:, :240].any()
+        assert not picture[:, 720:].any()
+        assert (picture[:, 240] == 150).all()
+        assert (picture[:, 719] == 150).all()
+
+
+def test_model_stays_on_its_marker_at_every_window_size(make_renderer, stage) -> None:
+    tracked = stage.tracked(20, stage.pose(-90, 40))
+    model = stage.placed(box((0.03, 0.03, 0.03), (1, 1, 1, 1)))
+    first = None
+    for size in ((480, 360), (1200, 360), (240, 180), (960, 720)):
+        renderer = make_renderer(size=size)
+        renderer.render(Scene(tracked, model))
+        rows, columns = np.nonzero(renderer.read_bgr()[..., 1] > 60)
+        scale = min(size[0] / 480, size[1] / 360)
+        left = (size[0] - 480 * scale) / 2
+        place = np.array([columns.mean() + 0.5 - left, rows.mean() + 0.5]) / scale
+        first = place if first is None else first
+        np.testing.assert_allclose(place * scale, first * scale, atol=0.6)
+
+
+def test_minimised_window_is_survived(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    renderer.resize((0, 0))
+    renderer.render(Scene(stage.tracked(150, None)))
+    assert renderer.size == (1, 1)
+
+
+def test_video_is_freed_of_the_lens_so_that_the_model_fits(make_renderer, stage) -> None:
+    """A dot that the lens put somewhere else is shown where a pinhole camera, and so the model, has it."""
+    camera = Camera((480, 360), stage.camera().K, np.array([-0.25, 0.08, 0.002, -0.001, 0.0]), "file")
+    T_cam_marker = stage.pose(-90, 40)
+    point = np.array([(0.12, -0.05, 0.0)])
+    rvec = cv2.Rodrigues(T_cam_marker[:3, :3])[0]
+    bent = cv2.projectPoints(point, rvec, T_cam_marker[:3, 3], camera.K, camera.dist)[0].ravel()
+    straight = project(camera, T_cam_marker, point)[0]
+    assert np.linalg.norm(bent - straight) > 3
+    rows, columns = np.mgrid[0:360, 0:480]
+    dot = 255 * np.exp(-((columns - bent[0]) ** 2 + (rows - bent[1]) ** 2) / 18)
+    image = np.repeat(dot.astype(np.uint8)[..., None], 3, axis=2)
+    renderer = make_renderer()
+    renderer.render(Scene(stage.tracked(image, T_cam_marker, camera)))
+    shown = renderer.read_bgr()[..., 0].astype(float)
+    centre = np.array([(shown * columns).sum(), (shown * rows).sum()]) / shown.sum()
+    np.testing.assert_allclose(centre, straight, atol=0.2)
+
+
+def _live_gl_objects() -> int:
+    kinds = (moderngl.Buffer, moderngl.Texture, moderngl.Renderbuffer, moderngl.Framebuffer)
+    kinds += (moderngl.VertexArray, moderngl.Program)
+    gc.collect()
+    return sum(isinstance(thing, kinds) for thing in gc.get_objects())
+
+
+def test_switching_models_and_presets_keeps_no_gl_objects(ctx, make_renderer, stage) -> None:
+    renderer = make_renderer()
+    models = [placed_on_marker(load_model(name), 0.08) for name in model_names()[:3]]
+
+    def switch(rounds: int) -> None:
+        for turn in range(rounds):
+            tracked = stage.tracked(stage.noise(turn), stage.pose(10 * turn, 40))
+            overlay = Overlay(np.zeros((4, 4, 4), np.uint8), 0, 0)
+            for model in models:
+                renderer.render(Scene(tracked, model, stage.light(20 * turn, 40), True, (overlay,)))
+            renderer.preset = FAST.render if turn % 2 else BALANCED.render
+            renderer.resize((480, 360 + turn % 2))
+
+    switch(2)
+    ctx.gc_mode = "context_gc"  # collects what Python drops without its being released
+    try:
+        before = _live_gl_objects()
+        ctx.objects.clear()
+        switch(4)
+        assert _live_gl_objects() == before
+        assert all(type(dropped).__name__ == "InvalidObject" for dropped in ctx.objects)  # released before
+    finally:
+        ctx.gc_mode = None
+
+
+def test_multisampling_smooths_edges_only(ctx, make_renderer, stage) -> None:
+    if supported_samples(4, ctx.max_samples) == 0:
+        pytest.skip("this OpenGL has one sample a pixel")
+    scene = Scene(stage.tracked(0, stage.pose(-70, 40)), stage.placed(box((0.05, 0.05, 0.05))))
+    rough, smooth = make_renderer(FAST.render), make_renderer(BALANCED.render)
+    rough.render(scene)
+    smooth.render(scene)
+    a, b = rough.read_bgr()[..., 0].astype(int), smooth.read_bgr()[..., 0].astype(int)
+    differs = a != b
+    edges = cv2.dilate(cv2.morphologyEx(a.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3))), np.ones((3, 3))) > 0
+    assert differs.sum() > 50
+    assert not differs[~edges].any()
+
+
+@pytest.mark.parametrize(
+    ("wanted", "available", "given"), [(8, 4, 4), (8, 32, 8), (4, 3, 2), (0, 8, 0), (4, 0, 0), (4, 1, 0), (16, 6, 4)]
+)
+def test_samples_fall_back_to_what_there_is(wanted: int, available: int, given: int) -> None:
+    assert supported_samples(wanted, available) == given
+
+
+def test_presenting_copies_the_picture(ctx, make_renderer, stage) -> None:
+    renderer = make_renderer()
+    image = stage.noise()
+    renderer.render(Scene(stage.tracked(image, None)))
+    window = ctx.simple_framebuffer((480, 360))
+    renderer.present(window)
+    shown = np.frombuffer(window.read(components=3, alignment=1), np.uint8).reshape(360, 480, 3)[::-1, :, ::-1]
+    window.release()
+    np.testing.assert_array_equal(shown, image)
+
+
+def test_arrow_comes_from_the_light(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    model = stage.placed(box((0.03, 0.03, 0.03)))
+    tracked = stage.tracked(90, stage.pose(-90, 89, 0.5, target=(0, 0, 0)))
+    foot = project(tracked.camera, tracked.marker.T_cam_marker, [(0, 0, 0.015)])[0]
+    for azimuth_deg in (0, 90, 200):
+        light = stage.light(azimuth_deg, 20)
+        pictures = []
+        for shows_light in (False, True):
+            renderer.render(Scene(tracked, model, light, shows_light))
+            pictures.append(renderer.read_bgr())
+        rows, columns = np.nonzero((pictures[0] != pictures[1]).any(axis=2))
+        assert len(rows) > 50
+        towards = np.array([columns.mean() - foot[0], foot[1] - rows.mean()])
+        bearing_deg = np.degrees(np.arctan2(towards[1], towards[0]))
+        assert abs((bearing_deg - azimuth_deg + 180) % 360 - 180) < 8
