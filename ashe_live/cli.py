@@ -68,6 +68,7 @@ def build_parser() -> argparse.ArgumentParser:
     benches = bench.add_subparsers(dest="bench", metavar="WHAT", required=True)
     viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")
     viewer.add_argument("--frames", type=_count, default=600, metavar="N", help="frames in each run (default 600)")
+    viewer.add_argument("--size", type=_size, metavar="WxH", help="size of the picture (default: the clip's)")
     viewer.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures there")
     viewer.add_argument("--overwrite", action="store_true", help="replace an existing file")
     _add_quality_options(viewer, default="fast")

@@ -1,0 +1,117 @@
+"""The viewer's loop, offscreen and with a stopwatch: as fast as it goes, and at a display's rate."""
+
+import time
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from ashe_live.capture.sources import Source
+from ashe_live.core.camera import Camera
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.render.renderer import Renderer
+from ashe_live.render.scene import Scene
+from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.pipeline import Pipeline
+
+# Shaders are compiled, textures made and the marker found; none of that is a frame's typical work.
+WARM_UP_FRAMES = 30
+LONGEST_WAIT_FOR_FRAME_S = 10.0
+
+
+class StageTimes:
+    """Wall and CPU time of the stages of a loop, in milliseconds, one entry a frame."""
+
+    def __init__(self) -> None:
+        self.wall_ms: dict[str, list[float]] = defaultdict(list)
+        self.cpu_ms: dict[str, list[float]] = defaultdict(list)  # of all threads of this process
+        self.start()
+
+    def start(self) -> None:
+        self._wall_s, self._cpu_s = time.perf_counter(), time.process_time()
+
+    def stage(self, name: str) -> None:
+        """Counts the time since the last call as `name`'s."""
+        wall_s, cpu_s = time.perf_counter(), time.process_time()
+        self.wall_ms[name].append((wall_s - self._wall_s) * 1e3)
+        self.cpu_ms[name].append((cpu_s - self._cpu_s) * 1e3)
+        self._wall_s, self._cpu_s = wall_s, cpu_s
+
+    def sum_up(self, name: str, stages: tuple[str, ...]) -> None:
+        """Adds `name`: frame by frame the sum of `stages`."""
+        for times in (self.wall_ms, self.cpu_ms):
+            times[name] = [sum(frame) for frame in zip(*(times[stage] for stage in stages), strict=True)]
+
+
+def time_unpaced(
+    source: Source, tracker: Tracker, renderer: Renderer, scene: Callable[[TrackedFrame], Scene], frames: int
+) -> StageTimes:
+    """Stages `decode`, `track` and `render`, one after another, and their sum `whole`."""
+    times = StageTimes()
+    for count in range(WARM_UP_FRAMES + frames):
+        if count == WARM_UP_FRAMES:
+            times = StageTimes()
+        frame = _next_frame(source, tracker, times)
+        times.stage("decode")
+        tracked = tracker.track(frame)
+        times.stage("track")
+        renderer.render(scene(tracked))
+        renderer.finish()
+        times.stage("render")
+    times.sum_up("whole", ("decode", "track", "render"))
+    return times
+
+
+def time_blit(source: Source, tracker: Tracker, renderer: Renderer, camera: Camera, frames: int) -> StageTimes:
+    """Stage `blit`: the bare video, by which the rest can be compared between machines."""
+    times = StageTimes()
+    for _ in range(frames):
+        bare = Scene(TrackedFrame(_next_frame(source, tracker, times), camera, None))
+        times.start()
+        renderer.render(bare)
+        renderer.finish()
+        times.stage("blit")
+    return times
+
+
+def _next_frame(source: Source, tracker: Tracker, times: StageTimes) -> Frame:
+    """The clip starts again as often as needed; that is not counted."""
+    times.start()
+    frame = source.read()
+    if frame is None:
+        source.rewind()
+        tracker.reset()
+        times.start()
+        frame = source.read()
+        assert frame is not None
+    return frame
+
+
+@dataclass(slots=True)
+class PacedTimes:
+    """A display's frames, in milliseconds."""
+
+    work_ms: list[float] = field(default_factory=list)  # from waking up for a frame until it is drawn
+    interval_ms: list[float] = field(default_factory=list)  # from one frame drawn to the next
+
+
+def time_paced(
+    pipeline: Pipeline, renderer: Renderer, scene: Callable[[TrackedFrame], Scene], frames: int, rate_hz: float
+) -> PacedTimes:
+    """`frames` at `rate_hz` beside the capture thread of a started `pipeline`: the viewer's loop without its window."""
+    times = PacedTimes()
+    tracked = pipeline.frames.take(LONGEST_WAIT_FOR_FRAME_S)
+    assert tracked is not None
+    drawn_s: float | None = None
+    due_s = time.perf_counter()
+    for _ in range(frames):
+        due_s = max(due_s + 1 / rate_hz, time.perf_counter())
+        time.sleep(max(0.0, due_s - time.perf_counter()))
+        started_s = time.perf_counter()
+        tracked = pipeline.frames.take(0.0) or tracked
+        renderer.render(scene(tracked))
+        renderer.finish()
+        last_s, drawn_s = drawn_s, time.perf_counter()
+        times.work_ms.append((drawn_s - started_s) * 1e3)
+        if last_s is not None:
+            times.interval_ms.append((drawn_s - last_s) * 1e3)
+    return times

@@ -1,0 +1,40 @@
+"""The record of `ashe-live bench viewer` for a person."""
+
+from rich.console import Console
+from rich.table import Table
+
+from ashe_live.core.contract import Json
+
+
+def print_viewer_record(record: Json) -> None:
+    console = Console(highlight=False)
+    machine, unpaced, paced = record["machine"], record["unpaced"], record["paced"]
+    width, height = record["size"]
+    load = machine["load_average_1min"]
+    console.print(f"{record['clip']} at {width}x{height}, quality {record['quality']}, {record['frames']} frames a run")
+    console.print(
+        f"{machine['cpus']} CPU cores, load {'?' if load is None else f'{load:.1f}'}, {machine['gl_renderer']}"
+    )
+
+    stages = _table("unpaced, ms a frame", "median", "p95", "p99", "CPU")
+    for name, ms in unpaced["stages_ms"].items():
+        label = "(the bare video)" if name == "blit" else name
+        stages.add_row(label, *(f"{ms[key]:.2f}" for key in ("p50", "p95", "p99", "mean_cpu")))
+    console.print(stages)
+    console.print(f"{unpaced['fps']:.0f} fps\n")
+
+    frames = _table(f"paced at {paced['rate_hz']:.0f} Hz, ms a frame", "median", "p95", "p99")
+    for state in ("idle", "estimating"):
+        for kind in ("work", "interval"):
+            ms = paced[state][f"{kind}_ms"]
+            frames.add_row(f"{state}, {kind}", *(f"{ms[key]:.2f}" for key in ("p50", "p95", "p99")))
+    console.print(frames)
+    ended = len(paced["estimating"]["estimates_ms"])
+    console.print(f"p99 of the work while estimating is {paced['p99_ratio']:.2f} times idle; {ended} estimates ended")
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title, title_justify="left")
+    for column in columns:
+        table.add_column(column, justify="right")
+    return table

@@ -1,0 +1,45 @@
+"""A rendered clip whose camera, marker and light are known: the one that ships with the program, or another like it."""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.camera import Camera
+from ashe_live.core.resources import resource
+
+
+@dataclass(frozen=True, slots=True)
+class KnownClip:
+    """A clip and the truth about it (assets/sources/README.md)."""
+
+    path: Path
+    camera: Camera
+    marker_spec: str  # as --marker takes it
+    marker_side_m: float
+    to_light_marker: Float  # (3,) unit, towards the strongest light
+
+    def __post_init__(self) -> None:
+        set_frozen(self, to_light_marker=frozen_floats(self.to_light_marker, (3,), "to_light_marker"))
+
+
+def read_known_clip(truth_path: Path) -> KnownClip:
+    """The clip beside the JSON file `truth_path`, of the same name."""
+    truth = json.loads(truth_path.read_text(encoding="utf-8"))
+    width, height = truth["size"]
+    marker = truth["marker"]
+    family = marker["dictionary"].removeprefix("DICT_").lower()
+    return KnownClip(
+        truth_path.with_suffix(".mp4"),
+        Camera((width, height), np.array(truth["K"]), np.array(truth["dist"], dtype=np.float64), "file"),
+        f"aruco:{family}:{marker['id']}",
+        marker["side_m"],
+        np.array(truth["lights"][0]["dir_to_light"]),
+    )
+
+
+def shipped_clip() -> KnownClip:
+    """What the demo plays."""
+    return read_known_clip(resource("assets", "clips", "table.json"))

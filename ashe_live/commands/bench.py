@@ -1,0 +1,30 @@
+"""`ashe-live bench`: speed and accuracy, measured on this machine."""
+
+import argparse
+
+from ashe_live.core.quality import QUALITIES
+from ashe_live.errors import ExitStatus, UserError
+
+
+def run(options: argparse.Namespace) -> int:
+    {"viewer": _viewer, "light": _light}[options.bench](options)
+    return ExitStatus.ANSWERED
+
+
+def _viewer(options: argparse.Namespace) -> None:
+    from ashe_live.bench.viewer import ViewerBench
+    from ashe_live.capture.known_clip import shipped_clip
+
+    if options.quality not in QUALITIES:
+        raise UserError(f"quality {options.quality} changes as it runs", f"measure one of {', '.join(QUALITIES)}")
+    quality = QUALITIES[options.quality]
+    ViewerBench(shipped_clip(), quality, options.estimator, options.frames, options.size).run(
+        options.out, options.overwrite
+    )
+
+
+def _light(options: argparse.Namespace) -> None:
+    from ashe_live.bench.light import run_light_bench
+
+    out = None if options.out is None else options.out / "results.json"
+    run_light_bench(options.scenes, out, (options.estimator,), options.limit)
