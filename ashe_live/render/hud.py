@@ -48,12 +48,12 @@ class Hud:
 def _overlay(place: str, rows: Rows, size: Size, content_scale: float) -> Overlay:
     font_px = FONT_PT * content_scale
     plate = _plate(rows, font_px)
-    # A long help in a small window: smaller letters rather than cut ones.
-    fit = min(1.0, 0.96 * size[0] / plate.shape[1], 0.96 * size[1] / plate.shape[0])
-    if fit < 1.0:
-        plate = _plate(rows, max(MIN_FONT_PX, font_px * fit))
-    height, width = plate.shape[:2]
     gap = round(8 * content_scale)
+    # A long line in a small window: smaller letters rather than cut ones. Hinting makes their widths uneven steps.
+    while font_px > MIN_FONT_PX and (plate.shape[1] > size[0] - 2 * gap or plate.shape[0] > size[1] - 2 * gap):
+        font_px = max(MIN_FONT_PX, 0.9 * font_px)
+        plate = _plate(rows, font_px)
+    height, width = plate.shape[:2]
     left, top = {
         "top left": (gap, gap),
         "bottom left": (gap, size[1] - height - gap),

@@ -1,0 +1,175 @@
+"""Stand-ins for what the viewer is made of, so that its own logic is tested without camera, estimator or OpenGL."""
+
+import threading
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import project, rigid
+from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.light.worker_process import WorkerFailure
+
+SIZE = (64, 48)
+SIDE_M = 0.08
+CAMERA = Camera.from_hfov(SIZE, 60)
+
+
+def pose() -> MarkerPose:
+    T_cam_marker = rigid(np.diag((1.0, -1.0, -1.0)), (0, 0, 0.4))
+    half = SIDE_M / 2
+    square = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
+    return MarkerPose(T_cam_marker, project(CAMERA, T_cam_marker, square), SIDE_M, 0.25, None)
+
+
+def tracked(index: int = 0, has_marker: bool = True, fps: float = 30.0) -> TrackedFrame:
+    frame = Frame(np.full((SIZE[1], SIZE[0], 3), 90, np.uint8), index, index / fps)
+    return TrackedFrame(frame, CAMERA, pose() if has_marker else None, 1.0)
+
+
+class FakeSource:
+    """`count` grey frames. `hook(index)` runs before each read and may wait or raise; `returns` answers reopen."""
+
+    def __init__(self, count: int = 5, fps: float | None = 200.0, is_live: bool = False, is_photo: bool = False):
+        self.name, self.size, self.fps = "fake", SIZE, fps
+        self.is_live, self.is_photo = is_live, is_photo
+        self.note: str | None = None
+        self.hook: Callable[[int], None] = lambda _index: None
+        self.returns: list[bool] = []
+        self.rewinds = self.reads = 0
+        self.closed = threading.Event()
+        self._count = count
+        self._index = 0
+
+    def read(self) -> Frame | None:
+        self.reads += 1
+        self.hook(self._index)
+        if self._index >= self._count:
+            return None
+        self._index += 1
+        return Frame(np.zeros((SIZE[1], SIZE[0], 3), np.uint8), self._index - 1, (self._index - 1) / (self.fps or 1))
+
+    def rewind(self) -> None:
+        self.rewinds += 1
+        self._index = 0
+
+    def reopen(self) -> bool:
+        return self.returns.pop(0) if self.returns else False
+
+    def close(self) -> None:
+        self.closed.set()
+
+
+class FakeTracker:
+    """Finds the marker in every frame. `hook(frame)` runs first."""
+
+    def __init__(self) -> None:
+        self.resets = 0
+        self.hook: Callable[[Frame], None] = lambda _frame: None
+
+    def track(self, frame: Frame) -> TrackedFrame:
+        self.hook(frame)
+        return TrackedFrame(frame, CAMERA, pose(), 1.0)
+
+    def reset(self) -> None:
+        self.resets += 1
+
+
+class FakeWorker:
+    """Takes one request, and answers it when `answer` is set."""
+
+    def __init__(self) -> None:
+        self.requested: list[TrackedFrame] = []
+        self.answer: LightEstimate | WorkerFailure | None = None
+        self.busy = False
+
+    def request(self, frozen: TrackedFrame) -> bool:
+        if self.busy:
+            return False
+        self.busy = True
+        self.requested.append(frozen)
+        return True
+
+    def poll(self) -> LightEstimate | WorkerFailure | None:
+        if not self.busy or self.answer is None:
+            return None
+        self.busy = False
+        answer, self.answer = self.answer, None
+        return answer
+
+    def wait(self, _timeout_s: float) -> LightEstimate | WorkerFailure | None:
+        return self.poll()
+
+
+class FakeShelf:
+    """Four names, and nothing behind them."""
+
+    def __init__(self) -> None:
+        self.names = ["cube", "lantern", "mug", "tree"]
+        self.at = 0
+        self.error = None
+
+    @property
+    def chosen_name(self) -> str:
+        return self.names[self.at]
+
+    def choose(self, index: int) -> bool:
+        if index >= len(self.names):
+            return False
+        self.at = index
+        return True
+
+    def step(self, by: int) -> None:
+        self.at = (self.at + by) % len(self.names)
+
+    def model(self) -> None:
+        return None
+
+    def take_error(self):
+        error, self.error = self.error, None
+        return error
+
+
+class FakeRenderer:
+    """Keeps the scenes; its pictures' grey is the number of scenes so far."""
+
+    gl_renderer, gl_version, preset = "fake", "3.3", None
+
+    def __init__(self, _context: object = None, _preset: object = None, size: tuple[int, int] = SIZE) -> None:
+        self.size = size
+        self.scenes = []
+
+    def render(self, scene) -> None:
+        self.scenes.append(scene)
+
+    def finish(self) -> None: ...
+
+    def present(self, _target: object) -> None: ...
+
+    def resize(self, size: tuple[int, int]) -> None:
+        self.size = size
+
+    def read_bgr(self) -> np.ndarray:
+        return np.full((self.size[1], self.size[0], 3), len(self.scenes), np.uint8)
+
+
+class Fakes:
+    """All of the above by name, as a conftest cannot be imported."""
+
+    Source, Tracker, Worker, Shelf, Renderer = FakeSource, FakeTracker, FakeWorker, FakeShelf, FakeRenderer
+    tracked = staticmethod(tracked)
+
+    @staticmethod
+    def estimate(frame_index: int = 0, with_light: bool = True) -> LightEstimate:
+        light = DirectionalLight((1.0, 0.0, 1.0), sigma_rad=0.05)
+        mask = np.zeros((24, 32), bool)
+        mask[4:12, 8:16] = True
+        if not with_light:
+            return LightEstimate("fake", frame_index, (), "no shadow found beside the object")
+        return LightEstimate("fake", frame_index, (light,), None, mask, ~mask, {"total": 12.0})
+
+
+@pytest.fixture(scope="session")
+def fakes() -> type[Fakes]:
+    return Fakes

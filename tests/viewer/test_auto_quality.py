@@ -1,0 +1,49 @@
+"""`--quality auto` on machines of several speeds."""
+
+import pytest
+
+from ashe_live.core.quality import ACCURATE, BALANCED, FAST, Quality
+from ashe_live.viewer.auto_quality import CALM_WINDOWS, WINDOW_FRAMES, AutoQuality
+
+INTERVAL_MS = 1000 / 60
+
+
+def run(auto: AutoQuality, cost_ms: dict[Quality, float], windows: int) -> list[Quality]:
+    """The qualities it changed to, on a machine on which a frame costs `cost_ms`."""
+    changes = []
+    for _ in range(windows * WINDOW_FRAMES):
+        if auto.add(cost_ms[auto.quality]):
+            changes.append(auto.quality)
+    return changes
+
+
+def test_it_steps_down_within_one_window():
+    auto = AutoQuality(INTERVAL_MS, ACCURATE)
+    assert run(auto, {ACCURATE: 20, BALANCED: 8, FAST: 4}, 1) == [BALANCED]
+
+
+def test_it_stops_at_the_lowest():
+    assert run(AutoQuality(INTERVAL_MS, BALANCED), {BALANCED: 40, FAST: 30}, 50) == [FAST]
+
+
+def test_it_goes_up_where_there_is_room_but_slowly():
+    auto = AutoQuality(INTERVAL_MS, FAST)
+    cost_ms = {FAST: 1, BALANCED: 2, ACCURATE: 4}
+    assert run(auto, cost_ms, CALM_WINDOWS - 1) == []
+    assert run(auto, cost_ms, 1) == [BALANCED]
+    assert run(auto, cost_ms, CALM_WINDOWS) == [ACCURATE]
+    assert run(auto, cost_ms, 20) == []
+
+
+@pytest.mark.parametrize("start", [FAST, BALANCED, ACCURATE])
+def test_it_does_not_swing(start):
+    changes = run(AutoQuality(INTERVAL_MS, start), {FAST: 2, BALANCED: 5, ACCURATE: 30}, 200)
+    assert changes.count(ACCURATE) <= 1
+    assert [start, *changes][-1] is BALANCED
+
+
+def test_single_slow_frames_are_forgiven():
+    auto = AutoQuality(INTERVAL_MS, ACCURATE)
+    for frame in range(20 * WINDOW_FRAMES):
+        auto.add(500.0 if frame % 5 == 0 else 8.0)
+    assert auto.quality is ACCURATE

@@ -1,0 +1,79 @@
+"""Scenes with the heads-up display over them."""
+
+import numpy as np
+import pytest
+
+from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.viewer.display import OBJECT_BGR, SHADOW_BGR, Display, bare_scene
+from ashe_live.viewer.session import EstimatePolicy, Session
+
+SIZE = (640, 480)
+
+
+@pytest.fixture
+def session(fakes) -> Session:
+    session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
+    session.take(fakes.tracked(), 0.0)
+    session.request_estimate(0.0)
+    session._worker.answer = fakes.estimate()
+    session.poll(0.0)
+    return session
+
+
+def inside(overlay, size) -> bool:
+    width, height = overlay.shown_size
+    return 0 <= overlay.left_px <= size[0] - width and 0 <= overlay.top_px <= size[1] - height
+
+
+def test_recordings_carry_no_text(session):
+    session.show_help = session.show_masks = True
+    assert bare_scene(session).overlays == ()
+
+
+def test_the_light_is_that_of_the_estimate(session):
+    assert bare_scene(session).light is session.estimate.light
+
+
+@pytest.mark.parametrize(
+    ("size", "scale"), [((320, 240), 1.0), ((480, 640), 1.0), ((640, 480), 2.0), ((1280, 960), 1.0)]
+)
+def test_everything_stays_inside_the_window(session, size, scale):
+    session.show_masks = session.show_help = True
+    session.say("a notice of the usual length, as a saved snapshot has", 0.0)
+    overlays = Display().scene(session, size, "auto (balanced)", 0.0, 60.0, "end of the clip", scale).overlays
+    assert len(overlays) == 4
+    assert all(inside(overlay, size) for overlay in overlays)
+
+
+def test_what_has_not_changed_is_the_same_object(session):
+    session.show_masks = True
+    display = Display()
+    first = display.scene(session, SIZE, "fast", 0.0, 60.0).overlays
+    again = display.scene(session, SIZE, "fast", 0.1, 75.0).overlays
+    assert all(a is b for a, b in zip(first, again, strict=True))
+    later = display.scene(session, SIZE, "fast", 5.0, 75.0).overlays
+    assert later[0] is first[0]
+    assert later[1] is not first[1]
+
+
+def test_the_masks_are_shown_over_the_frozen_frame(session):
+    session.show_masks = True
+    (inset, *_) = Display().scene(session, SIZE, "fast", 0.0).overlays
+    width, height = inset.shown_size
+    assert inset.left_px > SIZE[0] / 2
+    assert width / height == pytest.approx(64 / 48, rel=0.02)
+
+    def colour_at(x: float, y: float) -> np.ndarray:
+        return inset.image_rgba[round(y * height), round(x * width), :3][::-1].astype(float)
+
+    frozen = np.full(3, 90.0)
+    towards_object, towards_shadow = colour_at(12 / 32, 8 / 24) - frozen, colour_at(0.8, 0.8) - frozen
+    for towards, target in ((towards_object, OBJECT_BGR), (towards_shadow, SHADOW_BGR)):
+        wanted = np.asarray(target) - frozen
+        assert towards @ wanted / np.linalg.norm(towards) / np.linalg.norm(wanted) > 0.99
+
+
+def test_without_an_estimate_there_are_no_masks(fakes):
+    session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
+    session.show_masks = True
+    assert len(Display().scene(session, SIZE, "fast", 0.0).overlays) == 1

@@ -1,0 +1,86 @@
+"""Playback without a window: which frames, which estimates, who gets the pictures."""
+
+import pytest
+
+from ashe_live.errors import UserError
+from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.headless import Playback, play_headless
+from ashe_live.viewer.report import Report
+from ashe_live.viewer.session import EstimatePolicy, Session
+
+
+class Play:
+    """One playback with fakes behind it."""
+
+    def __init__(self, fakes, source, answer=None, **playback) -> None:
+        self.source, self.tracker, self.worker, self.renderer = (
+            source,
+            fakes.Tracker(),
+            fakes.Worker(),
+            fakes.Renderer(),
+        )
+        self.worker.answer = answer
+        self.session = Session(fakes.Shelf(), self.worker, EstimatePolicy(on_first_steady=True), Steadiness(3))
+        self.report = Report("fake", "3.3", "fast")
+        self.taken = []
+        takers = (lambda picture, time_s: self.taken.append((picture, time_s)),)
+        play_headless(
+            self.source,
+            self.tracker,
+            self.session,
+            self.renderer,
+            Playback(bare_scene, takers=takers, **playback),
+            self.report,
+        )
+
+    @property
+    def indices(self) -> list[int]:
+        return [frame["index"] for frame in self.report.frames]
+
+
+def test_every_frame_is_shown_once(fakes):
+    play = Play(fakes, fakes.Source(7), fakes.estimate(2))
+    assert play.indices == list(range(7))
+    assert [scene.tracked.frame.index for scene in play.renderer.scenes] == list(range(7))
+
+
+def test_the_estimate_lights_the_frame_it_was_asked_for(fakes):
+    play = Play(fakes, fakes.Source(6), fakes.estimate(2))
+    assert [scene.light is not None for scene in play.renderer.scenes] == [False, False, True, True, True, True]
+    assert [estimate["frame"] for estimate in play.report.estimates] == [2]
+
+
+def test_an_estimate_that_never_comes_is_an_error_and_not_a_wait_for_every_frame(fakes):
+    with pytest.raises(UserError, match="no estimate"):
+        Play(fakes, fakes.Source(6))
+
+
+def test_the_limit_counts_frames(fakes):
+    assert Play(fakes, fakes.Source(7), fakes.estimate(2), frame_limit=4).indices == [0, 1, 2, 3]
+    assert Play(fakes, fakes.Source(3), fakes.estimate(2), frame_limit=9).indices == [0, 1, 2]
+
+
+def test_a_loop_goes_on_to_the_limit_in_even_time(fakes):
+    source = fakes.Source(4, fps=25.0)
+    play = Play(fakes, source, fakes.estimate(2), frame_limit=10, loop=True)
+    assert play.indices == [0, 1, 2, 3, 0, 1, 2, 3, 0, 1]
+    assert play.tracker.resets == source.rewinds == 2
+    assert [time_s for _, time_s in play.taken] == pytest.approx([frame / 25 for frame in range(10)])
+
+
+def test_takers_get_each_picture_as_drawn(fakes):
+    play = Play(fakes, fakes.Source(5), fakes.estimate(2))
+    assert [int(picture[0, 0, 0]) for picture, _ in play.taken] == [1, 2, 3, 4, 5]
+
+
+def test_a_source_that_fails_in_the_middle_raises(fakes):
+    source = fakes.Source(5)
+
+    def fail(index: int) -> None:
+        if index == 3:
+            raise UserError("gone", "look for it")
+
+    source.hook = fail
+    with pytest.raises(UserError, match="gone"):
+        Play(fakes, source, fakes.estimate(2))

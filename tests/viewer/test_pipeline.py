@@ -1,0 +1,292 @@
+"""The capture thread: pace, end, pause, restart, loss and shutdown. Everything is awaited, nothing slept for."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+import pytest
+
+from ashe_live.capture.sources import SourceLost
+from ashe_live.core.mailbox import Closed
+from ashe_live.errors import UserError
+from ashe_live.viewer import pipeline as pipeline_module
+from ashe_live.viewer.pipeline import Pipeline
+
+PATIENCE_S = 20.0
+A_WHILE_S = 0.15  # many frames long at 200 a second
+
+
+def await_that(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        threading.Event().wait(0.002)
+
+
+def indices(pipeline: Pipeline, until: int) -> list[int]:
+    """Of the frames taken, up to and with the first of index `until`."""
+    taken: list[int] = []
+    while not taken or taken[-1] != until:
+        tracked = pipeline.frames.take(PATIENCE_S)
+        assert tracked is not None
+        taken.append(tracked.frame.index)
+    return taken
+
+
+@pytest.fixture
+def run(fakes) -> Iterator[Callable[..., Pipeline]]:
+    """Starts a pipeline, and closes it in the end."""
+    with ExitStack() as stack:
+
+        def run(source, loop: bool = False, tracker=None) -> Pipeline:
+            pipeline = Pipeline(source, tracker or fakes.Tracker(), loop)
+            stack.callback(pipeline.close)
+            pipeline.start()
+            return pipeline
+
+        yield run
+
+
+def test_frames_come_in_order_and_the_end_holds(run, fakes):
+    pipeline = run(fakes.Source(6))
+    taken = indices(pipeline, until=5)
+    assert taken == sorted(taken)
+    await_that(lambda: pipeline.status is not None)
+    assert "R starts it again" in pipeline.status
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert not pipeline.frames.is_closed
+
+
+def test_restart_begins_anew_also_at_the_end(run, fakes):
+    source, tracker = fakes.Source(4), fakes.Tracker()
+    pipeline = run(source, tracker=tracker)
+    indices(pipeline, until=3)
+    await_that(lambda: pipeline.status is not None)
+    pipeline.restart()
+    assert indices(pipeline, until=3)[0] < 3
+    assert source.rewinds == tracker.resets == 1
+
+
+def test_a_loop_goes_round(run, fakes):
+    source, tracker = fakes.Source(3), fakes.Tracker()
+    pipeline = run(source, loop=True, tracker=tracker)
+    for _ in range(3):
+        indices(pipeline, until=2)
+    assert source.rewinds >= 2
+    assert tracker.resets >= 2
+    assert pipeline.status is None
+
+
+def test_a_looped_clip_still_tells_that_it_is_damaged(run, fakes):
+    source = fakes.Source(3)
+    source.note = "the clip is truncated"
+    pipeline = run(source, loop=True)
+    await_that(lambda: source.rewinds >= 2)
+    indices(pipeline, until=2)
+    assert pipeline.status == "the clip is truncated"
+
+
+def test_a_looped_photo_is_read_once(run, fakes):
+    source = fakes.Source(1, fps=None, is_photo=True)
+    pipeline = run(source, loop=True)
+    indices(pipeline, until=0)
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert source.reads <= 2
+    assert pipeline.status is None
+
+
+def test_pause_holds_and_goes_on_where_it_was(run, fakes):
+    source = fakes.Source(10_000)
+    pipeline = run(source)
+    indices(pipeline, until=0)
+    pipeline.pause(True)
+    while pipeline.frames.take(A_WHILE_S) is not None:  # what was under way when the pause came
+        pass
+    next_index = source.reads
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert source.reads == next_index
+    pipeline.pause(False)
+    resumed = pipeline.frames.take(PATIENCE_S)
+    assert next_index <= resumed.frame.index <= next_index + 2
+
+
+def test_restart_while_paused_shows_the_first_frame_and_stays_paused(run, fakes):
+    pipeline = run(fakes.Source(10_000))
+    indices(pipeline, until=5)
+    pipeline.pause(True)
+    while pipeline.frames.take(A_WHILE_S) is not None:
+        pass
+    pipeline.restart()
+    assert pipeline.frames.take(PATIENCE_S).frame.index == 0
+    assert pipeline.frames.take(A_WHILE_S) is None
+
+
+def test_a_clip_is_played_at_its_own_pace(fakes, monkeypatch):
+    """The waits asked for add up to the clip's duration; a clock that only waiting moves makes that exact."""
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    source = fakes.Source(9, fps=30.0)
+    pipeline = Pipeline(source, fakes.Tracker(), False)
+
+    def wait(_until: object, timeout_s: float | None = None) -> None:
+        clock.now += timeout_s or 0.0
+
+    monkeypatch.setattr(pipeline_module, "time", clock)
+    monkeypatch.setattr(pipeline, "_wait", wait)
+    for _ in range(9):
+        pipeline._step()
+    assert clock.now == pytest.approx(8 / 30)
+
+
+def test_a_slow_tracker_drops_frames_instead_of_lagging(fakes, monkeypatch):
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    monkeypatch.setattr(pipeline_module, "time", clock)
+    source, tracker = fakes.Source(300, fps=30.0), fakes.Tracker()
+    lags_s, seen = [], []
+
+    def take_long(frame) -> None:
+        lags_s.append(clock.now - frame.time_s)
+        seen.append(frame.index)
+        clock.now += 0.09
+
+    tracker.hook = take_long
+    pipeline = Pipeline(source, tracker, False)
+    for _ in range(300):
+        pipeline._step()
+    assert seen == sorted(set(seen))
+    assert 80 < len(seen) < 120
+    assert max(lags_s) <= 1 / 30 + 1e-9
+
+
+def test_a_machine_that_cannot_keep_up_at_all_still_shows_something(fakes, monkeypatch):
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    monkeypatch.setattr(pipeline_module, "time", clock)
+    source, tracker = fakes.Source(100, fps=30.0), fakes.Tracker()
+    seen = []
+    tracker.hook = lambda frame: seen.append(frame.index)
+
+    def decode_slowly(_index: int) -> None:
+        clock.now += 0.2
+
+    source.hook = decode_slowly
+    pipeline = Pipeline(source, tracker, False)
+    for _ in range(100):
+        pipeline._step()
+    assert len(seen) > 30
+
+
+def test_a_lost_camera_is_told_and_comes_back(run, fakes, monkeypatch):
+    monkeypatch.setattr(pipeline_module, "RECONNECT_EVERY_S", 0.01)
+    source, tracker = fakes.Source(10_000, is_live=True), fakes.Tracker()
+    plugged_in = threading.Event()
+    losses = iter([True])
+
+    def lose(index: int) -> None:
+        if index == 3 and next(losses, False):
+            raise SourceLost("the camera gives no more pictures", "plug it in")
+
+    source.hook = lose
+    source.reopen = plugged_in.is_set
+    pipeline = run(source, tracker=tracker)
+    await_that(lambda: pipeline.status is not None)
+    assert "waiting for it to come back" in pipeline.status
+    assert not pipeline.frames.is_closed
+    plugged_in.set()
+    await_that(lambda: pipeline.status is None)
+    assert pipeline.frames.take(PATIENCE_S) is not None
+    assert tracker.resets == 1
+
+
+@pytest.mark.parametrize("error", [UserError("the disk is gone", "look for it"), RuntimeError("a bug"), MemoryError()])
+def test_an_error_reaches_the_other_side(run, fakes, error):
+    source = fakes.Source(5)
+
+    def fail(index: int) -> None:
+        if index == 2:
+            raise error
+
+    source.hook = fail
+    pipeline = run(source)
+    await_that(lambda: pipeline.frames.is_closed)
+    pipeline.frames.take(0.0)  # the last frame before it
+    with pytest.raises(type(error)) as met:
+        pipeline.frames.take(0.0)
+    assert met.value is error
+    assert source.closed.wait(PATIENCE_S)
+
+
+def test_an_error_of_the_tracker_reaches_the_other_side(run, fakes):
+    tracker = fakes.Tracker()
+
+    def refuse(_frame) -> None:
+        raise UserError("the calibration does not fit", "calibrate again")
+
+    tracker.hook = refuse
+    with pytest.raises(UserError, match="calibration"):
+        run(fakes.Source(5), tracker=tracker).frames.take(PATIENCE_S)
+
+
+def playing(_pipeline, _source) -> None: ...
+
+
+def paused(pipeline, _source) -> None:
+    pipeline.pause(True)
+
+
+def at_the_end(pipeline, source) -> None:
+    source._count = 0
+    await_that(lambda: pipeline.status is not None)
+
+
+def without_camera(pipeline, source) -> None:
+    source.is_live = True
+
+    def lose(_index: int) -> None:
+        raise SourceLost("unplugged", "plug it in")
+
+    source.hook = lose
+    await_that(lambda: pipeline.status is not None)
+
+
+def failed(pipeline, source) -> None:
+    def fail(_index: int) -> None:
+        raise UserError("broken", "mend it")
+
+    source.hook = fail
+    await_that(lambda: pipeline.frames.is_closed)
+
+
+@pytest.mark.parametrize("state", [playing, paused, at_the_end, without_camera, failed])
+def test_closing_takes_no_second(run, fakes, state):
+    source = fakes.Source(10_000)
+    pipeline = run(source)
+    indices(pipeline, until=0)
+    state(pipeline, source)
+    begin = time.monotonic()
+    pipeline.close()
+    pipeline.close()
+    assert time.monotonic() - begin < 1.0
+    assert source.closed.wait(PATIENCE_S)
+
+
+def test_closing_leaves_a_driver_that_hangs_behind(run, fakes):
+    source, let_go, hangs = fakes.Source(5), threading.Event(), threading.Event()
+
+    def hang(_index: int) -> None:
+        hangs.set()
+        let_go.wait(PATIENCE_S)
+
+    source.hook = hang
+    pipeline = run(source)
+    assert hangs.wait(PATIENCE_S)
+    begin = time.monotonic()
+    pipeline.close()
+    assert time.monotonic() - begin < 1.0
+    with pytest.raises(Closed):
+        pipeline.frames.take(0.0)
+    let_go.set()
+    assert source.closed.wait(PATIENCE_S)
+
+
+def test_closing_before_the_start_is_allowed(fakes):
+    Pipeline(fakes.Source(5), fakes.Tracker(), False).close()

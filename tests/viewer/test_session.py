@@ -1,0 +1,186 @@
+"""What the session knows, says and asks the worker for."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import direction_from_angles
+from ashe_live.errors import UserError
+from ashe_live.light.worker_process import WorkerFailure
+from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.viewer.controls import Command, Request
+from ashe_live.viewer.session import NOTICE_S, EstimatePolicy, Session
+from ashe_live.viewer.status import light_line, marker_line, source_lines, status_lines
+
+
+@pytest.fixture
+def make(fakes):
+    """A session with fakes behind it, by its policy."""
+
+    def make(policy: EstimatePolicy = EstimatePolicy(), truth=None) -> Session:  # noqa: B008 - frozen
+        return Session(fakes.Shelf(), fakes.Worker(), policy, Steadiness(3), truth)
+
+    return make
+
+
+def test_the_first_steady_frame_is_estimated_once(make, fakes):
+    session = make(EstimatePolicy(on_first_steady=True))
+    for index in range(2):
+        session.take(fakes.tracked(index), 0.0)
+    assert not session.is_estimating
+    assert session.awaits_steady
+    session.take(fakes.tracked(2), 0.0)
+    assert session.is_estimating
+    session._worker.answer = fakes.estimate(2)
+    assert session.poll(0.0) is session.estimate
+    for index in range(3, 20):
+        session.take(fakes.tracked(index), 0.0)
+    assert [frozen.frame.index for frozen in session._worker.requested] == [2]
+
+
+def test_a_chosen_frame_is_estimated_and_no_other(make, fakes):
+    session = make(EstimatePolicy(on_first_steady=True, at_frame=7))
+    for index in range(20):
+        session.take(fakes.tracked(index), 0.0)
+    assert [frozen.frame.index for frozen in session._worker.requested] == [7]
+
+
+def test_without_a_policy_nothing_is_estimated_unasked(make, fakes):
+    session = make()
+    for index in range(20):
+        session.take(fakes.tracked(index), 0.0)
+    assert not session.is_estimating
+    assert session.handle(Request(Command.ESTIMATE), 0.0)
+    assert session.is_estimating
+
+
+def test_the_estimate_goes_with_the_frame_it_was_made_from(make, fakes):
+    session = make()
+    session.take(fakes.tracked(4), 0.0)
+    session.request_estimate(0.0)
+    session.take(fakes.tracked(5), 0.0)
+    session._worker.answer = fakes.estimate(4)
+    session.poll(0.0)
+    assert session.estimated_from.frame.index == session.estimate.frame_index == 4
+
+
+def test_a_second_request_meanwhile_is_refused_and_said(make, fakes):
+    session = make()
+    session.take(fakes.tracked(1), 0.0)
+    assert session.request_estimate(0.0)
+    session.take(fakes.tracked(2), 0.0)
+    assert not session.request_estimate(0.0)
+    assert "still" in session.notice(0.0)
+    session._worker.answer = fakes.estimate(1)
+    session.poll(0.0)
+    assert session.estimated_from.frame.index == 1
+
+
+@pytest.mark.parametrize("has_frame", [False, True])
+def test_without_a_marker_it_says_so_instead_of_estimating(make, fakes, has_frame):
+    session = make()
+    if has_frame:
+        session.take(fakes.tracked(has_marker=False), 0.0)
+    assert not session.request_estimate(0.0)
+    assert "no marker in view" in session.notice(0.0)
+    assert not session.is_estimating
+
+
+def test_a_failure_is_said_and_keeps_the_last_light(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.request_estimate(0.0)
+    session._worker.answer = good = fakes.estimate()
+    session.poll(0.0)
+    session.request_estimate(1.0)
+    session._worker.answer = WorkerFailure(0, "the light estimator's process has died")
+    assert session.poll(1.0) is None
+    assert session.estimate is good
+    assert "has died" in session.notice(1.0)
+    assert not session.is_estimating
+
+
+def test_a_model_that_cannot_be_read_is_said(make):
+    session = make()
+    session._shelf.error = UserError("broken.glb is damaged", "export it again")
+    session.poll(0.0)
+    assert "broken.glb" in session.notice(0.0)
+
+
+def test_notices_fade_but_the_last_is_remembered(make):
+    session = make()
+    session.say("hello", 10.0)
+    assert session.notice(10.0 + NOTICE_S) == "hello"
+    assert session.notice(10.1 + NOTICE_S) is None
+    assert session.last_notice == "hello"
+
+
+def test_keys_choose_models(make):
+    session = make()
+    for request, name in (
+        (Request(Command.CHOOSE_MODEL, 2), "mug"),
+        (Request(Command.NEXT_MODEL), "tree"),
+        (Request(Command.NEXT_MODEL), "cube"),
+        (Request(Command.PREVIOUS_MODEL), "tree"),
+        (Request(Command.CHOOSE_MODEL, 8), "tree"),
+    ):
+        assert session.handle(request, 0.0)
+        assert session.model_name == name
+    assert "4 models" in session.notice(0.0)
+
+
+def test_switches_toggle(make):
+    session = make()
+    for command, switch in (
+        (Command.TOGGLE_LIGHT, "show_light"),
+        (Command.TOGGLE_MASKS, "show_masks"),
+        (Command.HELP, "show_help"),
+    ):
+        for expected in (True, False):
+            session.handle(Request(command), 0.0)
+            assert getattr(session, switch) is expected
+
+
+def test_what_needs_the_window_is_left_to_it(make):
+    left = {command for command in Command if not make().handle(Request(command), 0.0)}
+    names = ("PAUSE", "RESTART", "SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "QUIT")
+    assert left == {Command[name] for name in names}
+
+
+def test_the_light_line_tells_every_state(make, fakes):
+    session = make(truth=direction_from_angles(0.0, np.radians(45)))
+    session.take(fakes.tracked(), 0.0)
+    lines = [light_line(session)]
+    session.request_estimate(0.0)
+    lines.append(light_line(session))
+    session._worker.answer = fakes.estimate()
+    session.poll(0.0)
+    lines.append(light_line(session))
+    session.request_estimate(0.0)
+    lines.append(light_line(session))
+    session._worker.answer = fakes.estimate(with_light=False)
+    session.poll(0.0)
+    lines.append(light_line(session))
+    assert "Space" in lines[0]
+    assert lines[1] == "light: estimating…"
+    assert lines[2] == "light: azimuth 0°, elevation 45° ± 2.9° (0.0° from the truth)"
+    assert lines[3] == lines[2] + ", estimating…"
+    assert lines[4] == "no clear light: no shadow found beside the object"
+
+
+def test_while_it_waits_for_a_steady_marker_it_does_not_ask_for_a_key(make):
+    assert "Space" not in light_line(make(EstimatePolicy(on_first_steady=True)))
+
+
+def test_the_marker_line_tells_found_from_lost(fakes):
+    lines = {marker_line(None), marker_line(fakes.tracked()), marker_line(fakes.tracked(has_marker=False))}
+    assert len(lines) == 3
+    assert "marker: 0.25 px" in lines
+
+
+def test_no_status_line_is_empty(make):
+    session = make()
+    assert all(status_lines(session, None, "fast"))
+    assert status_lines(session, 59.6, "fast")[0].startswith("60 fps")
+    assert source_lines(session, None, 0.0) == []
+    session.say("saved", 0.0)
+    assert source_lines(session, "end of the clip", 0.0) == ["end of the clip", "saved"]

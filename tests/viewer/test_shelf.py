@@ -1,0 +1,83 @@
+"""Models by name and by file; the last good one stays."""
+
+import threading
+
+import pytest
+
+from ashe_live.errors import UserError
+from ashe_live.models.catalogue import load_model, model_names
+from ashe_live.viewer import shelf as shelf_module
+from ashe_live.viewer.shelf import Shelf
+
+PATIENCE_S = 20.0
+
+
+def awaited(shelf: Shelf):
+    shelf._loading[shelf.chosen_name].exception(PATIENCE_S)
+    return shelf.model()
+
+
+def test_it_begins_with_the_shipped_models_and_the_chosen_one():
+    shelf = Shelf("lantern", 0.08)
+    assert tuple(shelf.names) == model_names()
+    assert shelf.chosen_name == "lantern"
+    assert shelf.model() is shelf.model()
+
+
+def test_a_file_comes_before_the_shipped_ones(tmp_path):
+    path = tmp_path / "tile.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n")
+    shelf = Shelf(str(path), 0.08)
+    assert shelf.names == [str(path), *model_names()]
+    assert shelf.choose(0)
+
+
+def test_nothing_of_that_name_is_an_error_at_once():
+    with pytest.raises(UserError, match="no model"):
+        Shelf("teapot", 0.08)
+
+
+def test_the_old_model_is_shown_until_the_new_one_is_there(monkeypatch):
+    go_on = threading.Event()
+
+    def slowly(name: str):
+        if name != "cube":
+            go_on.wait(PATIENCE_S)
+        return load_model(name)
+
+    monkeypatch.setattr(shelf_module, "load_model", slowly)
+    shelf = Shelf("cube", 0.08)
+    cube = shelf.model()
+    shelf.step(+1)
+    assert shelf.model() is cube
+    go_on.set()
+    assert awaited(shelf) is not cube
+
+
+def test_a_model_that_fails_is_told_once_and_the_last_good_one_stays(monkeypatch):
+    def failing(name: str):
+        if name == "mug":
+            raise UserError("mug.glb is damaged", "export it again")
+        return load_model(name)
+
+    monkeypatch.setattr(shelf_module, "load_model", failing)
+    shelf = Shelf("cube", 0.08)
+    shelf.choose(shelf.names.index("tree"))
+    shelf.model()
+    tree = awaited(shelf)
+    shelf.choose(shelf.names.index("mug"))
+    shelf.model()
+    assert awaited(shelf) is tree
+    assert shelf.chosen_name == "tree"
+    assert "mug" in shelf.take_error().message
+    assert shelf.take_error() is None
+    assert shelf.model() is tree
+
+
+def test_stepping_goes_round_and_no_number_is_out_of_reach():
+    shelf = Shelf("cube", 0.08)
+    for _ in shelf.names:
+        shelf.step(-1)
+    assert shelf.chosen_name == "cube"
+    assert not shelf.choose(len(shelf.names))
+    assert shelf.chosen_name == "cube"
