@@ -1,6 +1,5 @@
 """Draws a scene: video, model, the shadow it casts on the video, the light's arrow, overlays."""
 
-import cv2
 import moderngl
 import numpy as np
 
@@ -104,9 +103,7 @@ class Renderer:
 
     def read_bgr(self) -> Image:
         """(h, w, 3) uint8 sRGB of the last picture in OpenCV's order, top row first; waits until it is drawn."""
-        width, height = self.size
-        pixels = np.frombuffer(self._surface.colour.read(components=4), dtype=np.uint8).reshape(height, width, 4)
-        return np.asarray(cv2.flip(cv2.cvtColor(pixels, cv2.COLOR_RGBA2BGR), 0), dtype=np.uint8)
+        return self._surface.read_bgr()
 
     def release(self) -> None:
         """Gives every object back to OpenGL; the renderer is of no use afterwards."""

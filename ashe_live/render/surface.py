@@ -3,8 +3,11 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+import cv2
 import moderngl
+import numpy as np
 
+from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.framing import Rectangle
 
@@ -24,6 +27,8 @@ class Surface:
         self._many_colour = ctx.framebuffer([self._many])
         self._depth_only = ctx.framebuffer(depth_attachment=self._depth)
         self._drawn = ctx.framebuffer([self._many], self._depth)
+        self._rgba = np.empty((size[1], size[0], 4), np.uint8)
+        self._bgr = np.empty((size[1], size[0], 3), np.uint8)
 
     @contextmanager
     def drawing(self, region: Rectangle) -> Iterator[bool]:
@@ -31,15 +36,24 @@ class Surface:
 
         Yields whether it has several samples a pixel; their colour is then undefined at first.
         """
-        self._drawn.use()
-        self._ctx.scissor = region
         self._depth_only.clear(viewport=region)
+        # moderngl tells OpenGL of a scissor only when the framebuffer is bound after it was set.
+        self._drawn.scissor = region
+        self._drawn.use()
         try:
             yield self.samples > 0
         finally:
             if self.samples:
+                # Still within the scissor.
                 self._ctx.copy_framebuffer(self.colour, self._many_colour)
-            self._ctx.scissor = None
+            self.colour.use()
+
+    def read_bgr(self) -> Image:
+        """(h, w, 3) uint8 sRGB in OpenCV's order, top row first; waits for what is being drawn."""
+        # New memory costs more than the conversion: only what is handed over is new.
+        self.colour.read_into(self._rgba, components=4)
+        cv2.cvtColor(self._rgba, cv2.COLOR_RGBA2BGR, dst=self._bgr)
+        return np.asarray(cv2.flip(self._bgr, 0), dtype=np.uint8)
 
     def release(self) -> None:
         for framebuffer in (self.colour, self._many_colour, self._depth_only, self._drawn):

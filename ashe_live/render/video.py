@@ -25,6 +25,8 @@ class Video:
         self._rectangle = ctx.vertex_array(self._program, [])
         self._texture: moderngl.Texture | None = None
         self._framebuffer: moderngl.Framebuffer | None = None
+        self._flipped: Image = np.empty((0, 0, 3), np.uint8)
+        self._rgba: Image = np.empty((0, 0, 4), np.uint8)
         self._shown: TrackedFrame | None = None
         self._lens: tuple[Camera, Any, Any] | None = None
 
@@ -38,8 +40,10 @@ class Video:
             image = tracked.frame.image_bgr
             if tracked.camera.is_distorted:
                 image = self._without_distortion(image, tracked.camera)
-            # Mesa takes four channels thirty times as fast as three.
-            self._texture.write(cv2.flip(cv2.cvtColor(image, cv2.COLOR_BGR2RGBA), 0))
+            # Mesa takes four channels thirty times as fast as three, and new memory costs more than the conversion.
+            cv2.flip(image, 0, dst=self._flipped)
+            cv2.cvtColor(self._flipped, cv2.COLOR_BGR2RGBA, dst=self._rgba)
+            self._texture.write(self._rgba)
             self._shown = tracked
             self.uploads += 1
         nearest_or_linear = moderngl.NEAREST if viewport[2:] == size else moderngl.LINEAR
@@ -80,6 +84,8 @@ class Video:
         self._texture = self._ctx.texture(size, 4)
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = self._ctx.framebuffer([self._texture])
+        self._flipped = np.empty((size[1], size[0], 3), np.uint8)
+        self._rgba = np.empty((size[1], size[0], 4), np.uint8)
 
     def _release_texture(self) -> None:
         if self._texture is not None and self._framebuffer is not None:
