@@ -27,6 +27,7 @@ from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.report import frame_time_percentiles
@@ -67,6 +68,7 @@ class ViewerBench:
 
     def _measured(self) -> Json:
         clip, size = self.clip, self.size or self.clip.camera.size
+        leave_cores_to_renderer()
         with contextlib.ExitStack() as stack:
             renderer = Renderer(offscreen_context(), self.quality.render, size)
             stack.callback(renderer.release)

@@ -43,7 +43,8 @@ def _into_files(view: View) -> int:
     moments = Moments(THUMBNAILS)
 
     def scene(session: Session) -> Scene:
-        return display.scene(session, view.size, options.quality, now_s=0.0)
+        now_s = session.tracked.frame.time_s if session.tracked is not None else 0.0
+        return display.scene(session, view.size, options.quality, now_s)
 
     status = show_without_window(view, scene, moments.add)
     write_png(sheet, contact_sheet(*moments.spread()))

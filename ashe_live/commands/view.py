@@ -22,6 +22,7 @@ from ashe_live.render.renderer import Renderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.headless import Playback, play_headless
 from ashe_live.viewer.report import Report
@@ -66,6 +67,7 @@ def has_display() -> bool:
 def opened_session(view: View) -> Iterator[Session]:
     """The session of `view` with its light process, which ends with it."""
     options = view.options
+    leave_cores_to_renderer()
     policy = EstimatePolicy(on_first_steady=not view.source.is_live, at_frame=options.estimate_at)
     steadiness = Steadiness(1) if view.source.is_photo else Steadiness()
     shelf = Shelf(options.model, view.tracker.side_m)
@@ -133,11 +135,22 @@ def _summed_up(view: View, session: Session, report: Report) -> int:
     found = sum(frame["found"] for frame in report.frames)
     light = "light: not estimated" if session.estimate is None else light_line(session)
     print(f"{view.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
-    no_marker = f"no marker {options.marker} in {view.source.name}: if another one is, name it with --marker"
-    for notice in (view.source.note, session.last_notice if found else no_marker):
-        if notice is not None:
-            print(f"ashe-live: {notice}", file=sys.stderr)
+    for notice in _notices(view, session, {frame["index"] for frame in report.frames if frame["found"]}):
+        print(f"ashe-live: {notice}", file=sys.stderr)
     return ExitStatus.ANSWERED if found else ExitStatus.NO_MARKER
+
+
+def _notices(view: View, session: Session, found: set[int]) -> Iterator[str]:
+    """What went otherwise than asked for; `found`: the indices of the frames with a marker."""
+    name, options = view.source.name, view.options
+    if view.source.note is not None:
+        yield view.source.note
+    if not found:
+        yield f"no marker {options.marker} in {name}: if another one is, name it with --marker"
+    elif options.estimate_at not in (None, *found):
+        yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
+    elif session.last_notice is not None:
+        yield session.last_notice
 
 
 @contextlib.contextmanager
