@@ -1,5 +1,7 @@
 """Turns the session's state into scenes: the bare picture, and the one with the heads-up display over it."""
 
+import math
+
 import cv2
 import numpy as np
 
@@ -12,7 +14,8 @@ from ashe_live.viewer.controls import help_rows
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
 
-FPS_SHOWN_FOR_S = 0.5
+# Numbers that change with every frame stay that long: to be read, and as drawing text takes as long as tracking.
+READINGS_SHOWN_FOR_S = 0.5
 INSET_WIDTH = 0.36  # of the window's
 INSET_MARGIN_PX = 8
 # Told apart also by the colour-blind (Okabe and Ito's sky blue and orange).
@@ -33,8 +36,8 @@ class Display:
     def __init__(self) -> None:
         self._hud = Hud()
         self._inset: tuple[LightEstimate, Size, Overlay] | None = None
-        self._fps_shown = 0.0
-        self._fps_until_s = 0.0
+        self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
+        self._read_s = -math.inf
 
     def scene(
         self,
@@ -47,16 +50,25 @@ class Display:
         content_scale: float = 1.0,
     ) -> Scene:
         """The bare scene under status, masks and help, for a framebuffer of `size` pixels."""
-        if fps is not None and now_s >= self._fps_until_s:
-            self._fps_shown, self._fps_until_s = fps, now_s + FPS_SHOWN_FOR_S
+        fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
         text = HudText(
-            status=tuple(status_lines(session, None if fps is None else self._fps_shown, quality)),
+            status=tuple(status_lines(session, fps_read, quality, marker_read)),
             hint=tuple(source_lines(session, source_status, now_s)),
             help=tuple(help_rows()) if session.show_help else (),
         )
         bare = bare_scene(session)
         overlays = (*self._masks(session, size), *self._hud.overlays(text, size, content_scale))
         return Scene(bare.tracked, bare.model, bare.light, bare.shows_light, overlays)
+
+    def _steady_readings(
+        self, fps: float | None, tracked: TrackedFrame | None, now_s: float
+    ) -> tuple[float | None, TrackedFrame | None]:
+        """The rate and the tracked frame to show the numbers of; a marker lost or found is shown at once."""
+        fps_read, marker_read = self._readings
+        is_current = 0 <= now_s - self._read_s < READINGS_SHOWN_FOR_S and (fps_read is None) == (fps is None)
+        if not is_current or _has_marker(marker_read) != _has_marker(tracked):
+            self._readings, self._read_s = (fps, tracked), now_s
+        return self._readings
 
     def _masks(self, session: Session, size: Size) -> tuple[Overlay, ...]:
         estimate, frozen = session.estimate, session.estimated_from
@@ -65,6 +77,10 @@ class Display:
         if self._inset is None or self._inset[0] is not estimate or self._inset[1] != size:
             self._inset = estimate, size, _inset(estimate, frozen, size)
         return (self._inset[2],)
+
+
+def _has_marker(tracked: TrackedFrame | None) -> bool | None:
+    return None if tracked is None else tracked.marker is not None
 
 
 def _inset(estimate: LightEstimate, frozen: TrackedFrame, size: Size) -> Overlay:

@@ -37,10 +37,17 @@ def marker_line(tracked: TrackedFrame | None) -> str:
     return f"marker: {tracked.marker.reprojection_rms_px:.2f} px"
 
 
-def status_lines(session: Session, fps: float | None, quality: str) -> list[str]:
-    """Top to bottom; without `fps` where there is no display to have a rate."""
+def status_lines(session: Session, fps: float | None, quality: str, measured: TrackedFrame | None = None) -> list[str]:
+    """Top to bottom; without `fps` where there is no display to have a rate.
+
+    The marker's numbers are those of `measured`, or else of the current frame.
+    """
     rate = [] if fps is None else [f"{fps:.0f} fps"]
-    return ["   ".join([*rate, session.model_name, quality]), marker_line(session.tracked), light_line(session)]
+    return [
+        "   ".join([*rate, session.model_name, quality]),
+        marker_line(measured or session.tracked),
+        light_line(session),
+    ]
 
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:
