@@ -1,0 +1,128 @@
+"""Commands run in this process, with an estimator that answers at once where the estimator is not the subject."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live import cli
+from ashe_live.commands import view
+from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.light import estimator
+
+
+@dataclass(frozen=True)
+class InstantEstimator:
+    """Sees the light straight overhead, or none when told so."""
+
+    has_light: bool = True
+    name: str = "paper"
+
+    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
+        lights = (DirectionalLight((0.0, 0.3, 1.0)),) if self.has_light else ()
+        reason = None if self.has_light else "no shadow found beside the object"
+        return LightEstimate(self.name, tracked.frame.index, lights, reason, timing_ms={"fit": 1.0, "total": 1.0})
+
+
+class InstantWorker:
+    """Stands in for the light worker, without its process."""
+
+    def __init__(self, _name: str) -> None:
+        self._asked: TrackedFrame | None = None
+
+    @property
+    def busy(self) -> bool:
+        return self._asked is not None
+
+    def request(self, tracked: TrackedFrame) -> bool:
+        self._asked = tracked
+        return True
+
+    def wait(self, _timeout_s: float = 0.0) -> LightEstimate | None:
+        asked, self._asked = self._asked, None
+        return None if asked is None else InstantEstimator().estimate(asked)
+
+    def __enter__(self) -> "InstantWorker":
+        return self
+
+    def __exit__(self, *_error: object) -> None: ...
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a command left behind."""
+
+    status: int
+    out: list[str]  # lines
+    err: list[str]  # lines
+
+    @property
+    def records(self) -> list[dict]:
+        return [json.loads(line) for line in self.out]
+
+
+@pytest.fixture
+def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
+    """Runs `ashe-live` with these arguments."""
+
+    def run(*arguments: str | Path) -> Outcome:
+        try:
+            status = cli.run([str(argument) for argument in arguments])
+        except SystemExit as end:  # argparse's way
+            status = end.code
+        out, err = capfd.readouterr()
+        return Outcome(int(status or 0), out.splitlines(), err.splitlines())
+
+    return run
+
+
+@pytest.fixture
+def instant(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every estimate is made at once and in this process."""
+    monkeypatch.setitem(estimator.ESTIMATORS, "paper", InstantEstimator)
+    monkeypatch.setattr(view, "LightWorker", InstantWorker)
+
+
+@pytest.fixture
+def go_dark(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
+    """From its call on, every estimate made in this process finds no light."""
+    return lambda: monkeypatch.setitem(estimator.ESTIMATORS, "paper", partial(InstantEstimator, has_light=False))
+
+
+@pytest.fixture(scope="session")
+def schema() -> dict:
+    return json.loads((Path(__file__).parents[2] / "docs" / "contract.schema.json").read_text())
+
+
+@pytest.fixture(scope="session")
+def files(film, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Inputs by what is in them: photo, empty_table, garbage, truncated, tall_camera, broken_model."""
+    folder = tmp_path_factory.mktemp("files")
+    capture = cv2.VideoCapture(str(film.path))
+    _, image = capture.read()
+    capture.release()
+    named = {name: folder / file for name, file in FILES.items()}
+    cv2.imwrite(str(named["photo"]), image)
+    cv2.imwrite(str(named["empty_table"]), np.full_like(image, 140))
+    named["garbage"].write_bytes(b"this is no picture" * 20)
+    whole = film.path.read_bytes()
+    named["truncated"].write_bytes(whole[: 2 * len(whole) // 3])
+    camera = json.loads(film.camera_file.read_text())
+    named["tall_camera"].write_text(json.dumps({**camera, "size": camera["size"][::-1]}))
+    named["broken_model"].write_bytes(b"glTF\x02\x00\x00\x00and nothing more")
+    return named
+
+
+FILES = {
+    "photo": "photo.png",
+    "empty_table": "empty_table.png",
+    "garbage": "garbage.jpg",
+    "truncated": "truncated.mp4",
+    "tall_camera": "tall.json",
+    "broken_model": "broken.glb",
+}

@@ -1,0 +1,58 @@
+"""Wrong use: one line that says what and where to read on, and status 2."""
+
+import pytest
+
+COMMANDS = ("demo", "webcam", "play", "estimate", "marker", "bench")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ([], "COMMAND"),
+        (["fly"], "fly"),
+        (["play"], "FILE"),
+        (["play", "a.mp4", "--wings"], "--wings"),
+        (["play", "a.mp4", "--frames", "0"], "--frames"),
+        (["play", "a.mp4", "--frames", "many"], "'many' is not a whole number"),
+        (["play", "a.mp4", "--estimate-at", "-1"], "--estimate-at"),
+        (["play", "a.mp4", "--size", "640"], "1280x720"),
+        (["play", "a.mp4", "--quality", "best"], "best"),
+        (["play", "a.mp4", "--hfov", "180"], "--hfov"),
+        (["play", "a.mp4", "--hfov", "wide"], "'wide' is not a number"),
+        (["play", "a.mp4", "--focal-px", "inf"], "--focal-px"),
+        (["play", "a.mp4", "--focal-px", "nan"], "--focal-px"),
+        (["play", "a.mp4", "--focal-px", "500", "--hfov", "60"], "not allowed with"),
+        (["estimate"], "FILE"),
+        (["estimate", "a.jpg", "--marker-size", "0"], "--marker-size"),
+        (["estimate", "a.jpg", "--repeat", "0"], "--repeat"),
+        (["estimate", "a.jpg", "--estimator", "oracle"], "paper"),
+        (["estimate", "a.jpg", "--marker", "qr:7"], "aruco:4x4_50:0"),
+        (["estimate", "a.jpg", "--camera-file", "missing.json"], "missing.json"),
+        (["marker"], "--out"),
+        (["bench"], "WHAT"),
+    ],
+    ids=" ".join,
+)
+def test_wrong_use_is_one_line_and_status_2(run, arguments, said):
+    outcome = run(*arguments)
+    assert outcome.status == 2
+    assert outcome.out == []
+    lines = [line for line in outcome.err if "assumed" not in line]
+    assert len(lines) == 1
+    assert lines[0].startswith("ashe-live: ")
+    assert said in lines[0]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help(run, command):
+    outcome = run(command, "--help")
+    assert outcome.status == 0
+    assert f"ashe-live {command}" in outcome.out[0]
+    assert max(map(len, outcome.out)) <= 120
+
+
+def test_help_and_version(run):
+    outcome = run("--help")
+    assert outcome.status == 0
+    assert all(any(command in line for line in outcome.out) for command in COMMANDS)
+    assert run("--version").out[0].startswith("ashe-live ")

@@ -1,0 +1,138 @@
+"""`ashe-live estimate`: one line a file, whatever the file; the exit status; the contract."""
+
+import jsonschema
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.usefixtures("instant")
+KNOWN = ("--hfov", "55")
+
+
+def test_a_photo_is_answered(run, files, schema):
+    outcome = run("estimate", "--json", *KNOWN, files["photo"])
+    (record,) = outcome.records
+    jsonschema.validate(record, schema)
+    assert outcome.status == 0
+    assert outcome.err == []
+    assert record["marker"]["found"]
+    assert record["marker"]["reprojection_rms_px"] < 1
+    assert record["camera"]["source"] == "flag"
+    assert record["light"] == record["lights"][0]
+    assert record["timing_ms"]["detect"] > 0
+    assert record["timing_ms"]["total"] == pytest.approx(record["timing_ms"]["detect"] + 1.0)
+
+
+def test_the_pose_is_the_true_one(run, files, film):
+    (record,) = run("estimate", "--json", "--camera-file", film.camera_file, files["photo"]).records
+    eye = -np.array(record["marker"]["T_cam_marker"])[:3, :3].T @ np.array(record["marker"]["T_cam_marker"])[:3, 3]
+    angle = np.radians(-100)
+    np.testing.assert_allclose(eye, (0.5 * np.cos(angle), 0.5 * np.sin(angle), 0.4), atol=0.015)
+    assert record["camera"]["source"] == "file"
+
+
+def test_without_a_light_the_status_is_4(run, files, schema, go_dark):
+    go_dark()
+    outcome = run("estimate", "--json", *KNOWN, files["photo"])
+    (record,) = outcome.records
+    jsonschema.validate(record, schema)
+    assert outcome.status == 4
+    assert record["light"]["kind"] == "none"
+    assert record["light"]["reason"] == "no shadow found beside the object"
+    assert record["lights"] == []
+    assert "no directional light (no shadow" in run("estimate", *KNOWN, files["photo"]).out[0]
+
+
+def test_without_a_marker_the_status_is_3(run, files, schema):
+    outcome = run("estimate", "--json", *KNOWN, files["empty_table"])
+    (record,) = outcome.records
+    jsonschema.validate(record, schema)
+    assert outcome.status == 3
+    assert record["error"] is None
+    assert not record["marker"]["found"]
+    assert run("estimate", *KNOWN, files["empty_table"]).out[0].endswith("no marker found")
+
+
+@pytest.mark.parametrize("name", ["garbage", "missing", "folder", "empty"])
+def test_an_unreadable_file_is_a_line_too_and_status_2(run, tmp_path, files, schema, name):
+    (tmp_path / "empty.mp4").touch()
+    path = {"garbage": files["garbage"], "missing": tmp_path / "no.mp4", "folder": tmp_path}.get(
+        name, tmp_path / "empty.mp4"
+    )
+    outcome = run("estimate", "--json", *KNOWN, path)
+    (record,) = outcome.records
+    jsonschema.validate(record, schema)
+    assert outcome.status == 2
+    assert record["file"] == str(path)
+    assert record["error"]
+    assert "\n" not in record["error"]
+    assert record["marker"] is record["camera"] is record["frame"] is None
+
+
+@pytest.mark.parametrize(
+    ("names", "status"),
+    [
+        (("photo", "photo"), 0),
+        (("photo", "empty_table", "photo"), 3),
+        (("photo", "garbage", "empty_table"), 2),
+        (("empty_table", "garbage"), 2),
+    ],
+)
+def test_of_several_files_the_worst_counts(run, files, schema, names, status):
+    outcome = run("estimate", "--json", *KNOWN, *(files[name] for name in names))
+    for record in outcome.records:
+        jsonschema.validate(record, schema)
+    assert [record["file"] for record in outcome.records] == [str(files[name]) for name in names]
+    assert outcome.status == status
+
+
+def test_no_light_is_worse_than_an_answer_and_better_than_no_marker(run, files, go_dark):
+    go_dark()
+    assert run("estimate", *KNOWN, files["photo"], files["photo"]).status == 4
+    assert run("estimate", *KNOWN, files["photo"], files["empty_table"]).status == 3
+
+
+def test_of_a_clip_the_first_steady_frame_is_used_or_the_asked_one(run, film):
+    (record,) = run("estimate", "--json", *KNOWN, film.path).records
+    assert 0 < record["frame"] < film.frame_count
+    (record,) = run("estimate", "--json", *KNOWN, "--estimate-at", 7, film.path).records
+    assert record["frame"] == 7
+
+
+def test_a_frame_that_the_clip_does_not_have_is_refused(run, film):
+    outcome = run("estimate", *KNOWN, "--estimate-at", 500, film.path)
+    assert outcome.status == 2
+    assert f"from 0 to {film.frame_count - 1}" in outcome.out[0]
+
+
+def test_a_truncated_clip_is_used_as_far_as_it_goes_or_refused_in_one_line(run, files, schema):
+    outcome = run("estimate", "--json", *KNOWN, files["truncated"])
+    (record,) = outcome.records
+    jsonschema.validate(record, schema)
+    assert outcome.status == (2 if record["error"] else 0)
+
+
+def test_a_calibration_of_another_shape_is_refused(run, files):
+    outcome = run("estimate", "--camera-file", files["tall_camera"], files["photo"])
+    assert outcome.status == 2
+    assert "aspect ratio" in outcome.out[0]
+    assert len(outcome.out) == 1
+
+
+def test_a_calibration_of_the_same_shape_is_rescaled(run, files, tmp_path):
+    camera = tmp_path / "large.json"
+    camera.write_text('{"size": [640, 480], "K": [[600, 0, 319.5], [0, 600, 239.5], [0, 0, 1]], "dist": []}')
+    (record,) = run("estimate", "--json", "--camera-file", camera, files["photo"]).records
+    np.testing.assert_allclose(record["camera"]["K"], [[300, 0, 159.5], [0, 300, 119.5], [0, 0, 1]])
+
+
+def test_an_assumed_field_of_view_is_announced_once(run, files):
+    outcome = run("estimate", "--json", files["photo"], files["photo"])
+    assert [record["camera"]["source"] for record in outcome.records] == ["assumed", "assumed"]
+    (line,) = outcome.err
+    assert "60 degrees assumed" in line
+
+
+def test_repeat_gives_medians_of_the_same_answer(run, files):
+    (record,) = run("estimate", "--json", *KNOWN, "--repeat", 3, files["photo"]).records
+    assert record["timing_ms"]["fit"] == 1.0
+    assert record["timing_ms"]["segment"] is None

@@ -1,0 +1,44 @@
+"""`ashe-live marker`, and what `webcam` says where there is no camera."""
+
+import sys
+
+import cv2
+import pytest
+
+from ashe_live.tracking.markers import parse_marker
+
+
+def test_the_printed_marker_is_found_again(run, tmp_path):
+    path = tmp_path / "marker.png"
+    outcome = run("marker", "--out", path, "--marker", "aruco:4x4_50:7", "--size-mm", "60")
+    assert outcome.status == 0
+    assert str(path) in outcome.out[0]
+    sheet = cv2.imread(str(path), cv2.IMREAD_GRAYSCALE)
+    small = cv2.resize(sheet, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
+    assert parse_marker("aruco:4x4_50:7").find(small) is not None
+
+
+def test_an_existing_sheet_is_left_alone(run, tmp_path):
+    path = tmp_path / "marker.pdf"
+    path.write_bytes(b"precious")
+    outcome = run("marker", "--out", path)
+    assert outcome.status == 2
+    assert path.read_bytes() == b"precious"
+    assert run("marker", "--out", path, "--overwrite").status == 0
+    assert path.read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("arguments", [("--marker", "aruco:4x4_50:50"), ("--marker", "aruco:nine:1")])
+def test_a_marker_that_does_not_exist_is_one_line(run, tmp_path, arguments):
+    outcome = run("marker", "--out", tmp_path / "marker.png", *arguments)
+    assert outcome.status == 2
+    assert len(outcome.err) == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="cameras are files on Linux only")
+def test_a_camera_that_is_not_there_is_one_line(run):
+    outcome = run("webcam", "--camera", "/dev/video987", "--hfov", "60")
+    assert outcome.status == 2
+    (line,) = outcome.err
+    assert "/dev/video987" in line

@@ -1,0 +1,215 @@
+"""`ashe-live play --headless`: reproducible, bounded, polite about files, and clear about what is wrong."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import cv2
+import jsonschema
+import numpy as np
+import pytest
+
+from ashe_live.capture.clip import ClipSource
+
+pytestmark = pytest.mark.usefixtures("instant")
+CHECKOUT = Path(__file__).parents[2]
+HEADLESS = ("--headless", "--hfov", "55", "--quality", "fast")
+
+
+def frames_of(path: Path) -> list[np.ndarray]:
+    with ClipSource(path) as clip:
+        return [frame.image_bgr for frame in iter(clip.read, None)]
+
+
+def strongest_difference(a: np.ndarray, b: np.ndarray) -> int:
+    """Over small patches, as single pixels suffer from the encoding."""
+    patches = [cv2.blur(image, (5, 5)).astype(int) for image in (a, b)]
+    return int(np.abs(patches[0] - patches[1]).max())
+
+
+def size_of(path: Path) -> tuple[int, int]:
+    with ClipSource(path) as clip:
+        return clip.size
+
+
+def poses(report: Path) -> list:
+    return [frame["T_cam_marker"] for frame in json.loads(report.read_text())["frames"]]
+
+
+@pytest.fixture
+def play(run, film):
+    """Plays the film without a window."""
+    return lambda *arguments: run("play", film.path, *HEADLESS, *arguments)
+
+
+def test_twice_gives_the_same_poses_and_the_same_pictures(play, film, schema, tmp_path):
+    for name in "ab":
+        outcome = play("--out", tmp_path / f"{name}.mp4", "--report", tmp_path / f"{name}.json")
+        assert outcome.status == 0
+        assert outcome.err == []
+    assert poses(tmp_path / "a.json") == poses(tmp_path / "b.json")
+    first, second = ([frame.tobytes() for frame in frames_of(tmp_path / f"{name}.mp4")] for name in "ab")
+    assert first == second
+    assert len(first) == len(set(first)) == film.frame_count
+
+    report = json.loads((tmp_path / "a.json").read_text())
+    jsonschema.validate(report, schema)
+    assert [frame["index"] for frame in report["frames"]] == list(range(film.frame_count))
+    assert report["summary"]["found"] == film.frame_count
+    assert len(report["estimates"]) == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"a.mp4", "b.mp4", "a.json", "b.json"}
+
+
+def test_the_model_is_drawn_and_lit_from_the_estimated_frame_on(play, tmp_path):
+    play("--out", tmp_path / "cube.mp4", "--estimate-at", 6)
+    play("--out", tmp_path / "tree.mp4", "--estimate-at", 6, "--model", "tree")
+    play("--out", tmp_path / "late.mp4", "--estimate-at", 9)
+    cube, tree, late = (frames_of(tmp_path / f"{name}.mp4") for name in ("cube", "tree", "late"))
+    assert all(strongest_difference(a, b) > 60 for a, b in zip(cube, tree, strict=True))
+    # What is not lit alike differs by far more than the encoding does.
+    differs = [strongest_difference(a, b) > 30 for a, b in zip(cube, late, strict=True)]
+    assert differs == [6 <= at < 9 for at in range(len(cube))]
+
+
+def test_frames_size_and_estimate_at_are_respected(play, tmp_path):
+    out, report = tmp_path / "o.mp4", tmp_path / "r.json"
+    play("--frames", 8, "--size", "200x150", "--estimate-at", 6, "--out", out, "--report", report)
+    assert len(frames_of(out)) == 8
+    assert size_of(out) == (200, 150)
+    assert [estimate["frame"] for estimate in json.loads(report.read_text())["estimates"]] == [6]
+
+
+def test_a_loop_needs_an_end_and_goes_on_to_it(play, film, tmp_path):
+    assert play("--loop").status == 2
+    report = tmp_path / "r.json"
+    play("--loop", "--frames", film.frame_count + 3, "--report", report)
+    indices = [frame["index"] for frame in json.loads(report.read_text())["frames"]]
+    assert indices == [*range(film.frame_count), 0, 1, 2]
+
+
+def test_an_estimate_that_was_never_asked_for_is_said(play):
+    outcome = play("--estimate-at", 500)
+    assert "light: not estimated" in outcome.out[-1]
+    assert any("500" in line for line in outcome.err)
+
+
+@pytest.mark.parametrize("option", ["--out", "--report"])
+def test_an_existing_file_is_refused_and_left_alone_until_overwrite(play, tmp_path, option):
+    path = tmp_path / ("old.mp4" if option == "--out" else "old.json")
+    path.write_bytes(b"precious")
+    outcome = play("--frames", 2, option, path)
+    assert outcome.status == 2
+    assert "--overwrite" in outcome.err[0]
+    assert path.read_bytes() == b"precious"
+    assert play("--frames", 2, option, path, "--overwrite").status == 0
+    assert path.read_bytes() != b"precious"
+    assert [left.name for left in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--out", "missing/o.mp4"), "no folder"),
+        (("--out", "."), "is a folder"),
+        (("--out", "o.avi"), ".mp4"),
+        (("--report", "missing/r.json"), "no folder"),
+        (("--model", "teapot"), "no model"),
+        (("--model", "missing.glb"), "missing.glb"),
+    ],
+)
+def test_what_cannot_be_is_one_line_and_leaves_nothing(play, tmp_path, monkeypatch, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    outcome = play(*arguments)
+    assert outcome.status == 2
+    assert len(outcome.err) == 1
+    assert said in outcome.err[0]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_malformed_model_is_one_line(play, files):
+    outcome = play("--model", files["broken_model"])
+    assert outcome.status == 2
+    assert len(outcome.err) == 1
+    assert "broken.glb" in outcome.err[0]
+
+
+def test_a_calibration_of_another_shape_is_refused(run, film, files):
+    outcome = run("play", film.path, "--headless", "--camera-file", files["tall_camera"])
+    assert outcome.status == 2
+    assert len(outcome.err) == 1
+    assert "aspect ratio" in outcome.err[0]
+
+
+def test_a_clip_without_the_marker_is_said_with_status_3(play):
+    outcome = play("--marker", "aruco:4x4_50:9")
+    assert outcome.status == 3
+    assert "aruco:4x4_50:9" in outcome.err[0]
+
+
+def test_a_photo_is_one_frame(run, files, tmp_path):
+    report = tmp_path / "r.json"
+    outcome = run("play", files["photo"], *HEADLESS, "--report", report)
+    assert outcome.status == 0
+    content = json.loads(report.read_text())
+    assert len(content["frames"]) == len(content["estimates"]) == 1
+
+
+def test_a_truncated_clip_is_said_in_one_line(run, files):
+    outcome = run("play", files["truncated"], *HEADLESS)
+    assert len(outcome.err) == 1
+    assert "truncated" in outcome.err[0]
+    assert outcome.status in (0, 2)
+
+
+def test_a_report_needs_headless(run, film, tmp_path):
+    outcome = run("play", film.path, "--hfov", "55", "--report", tmp_path / "r.json")
+    assert outcome.status == 2
+    assert "--headless" in outcome.err[0]
+
+
+def subprocess_run(*arguments: str | Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    variables_left = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    return subprocess.run(
+        [sys.executable, "-m", "ashe_live", *map(str, arguments)],
+        env={**variables_left, "PYTHONPATH": str(CHECKOUT), **variables},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+def test_without_a_display_a_window_is_refused_in_one_line(film):
+    done = subprocess_run("play", film.path, "--hfov", "55")
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "--headless" in line
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="EGL is Linux's way")
+def test_without_opengl_it_says_what_to_install_in_one_line(film, tmp_path):
+    done = subprocess_run(
+        "play", film.path, *HEADLESS, "--out", tmp_path / "o.mp4", __EGL_VENDOR_LIBRARY_FILENAMES="/nowhere.json"
+    )
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "OpenGL" in line
+    assert "apt-get install" in line
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="EGL is Linux's way")
+def test_without_the_egl_library_it_says_so_too(film):
+    done = subprocess_run("play", film.path, *HEADLESS, GLCONTEXT_LINUX_LIBEGL="libnowhere.so")
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "OpenGL" in line
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="X11 is Linux's way")
+def test_a_display_that_is_not_there_is_one_line(film):
+    done = subprocess_run("play", film.path, "--hfov", "55", DISPLAY=":987")
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert "window" in line
