@@ -1,0 +1,149 @@
+"""Building closed textured shells for the shipped models, and writing them as GLB."""
+
+import io
+import math
+
+import numpy as np
+import trimesh
+from PIL import Image
+
+PALETTE_COLUMNS, PALETTE_SIZE = 8, 256
+
+
+class Model:
+    """Collects closed shells of triangles with a texture coordinate at every corner."""
+
+    def __init__(self):
+        self.corners, self.uvs, self.creases = [], [], []
+
+    def shell(self, points, faces, uv, crease_deg):
+        """`uv`: (n, 2) a point or (m, 3, 2) a corner; edges sharper than `crease_deg` stay sharp."""
+        corners = np.asarray(points, float)[faces]
+        uv = np.asarray(uv, float)
+        uv = uv[faces] if uv.ndim == 2 else uv
+        real = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) > 1e-12
+        corners, uv = corners[real], uv[real]
+        if np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) < 0:  # inside out
+            corners, uv = corners[:, ::-1], uv[:, ::-1]
+        self.corners.append(corners)
+        self.uvs.append(uv)
+        self.creases.append(crease_deg)
+
+    def normals(self):
+        """Corner normals: the mean of the faces around a point, of those within the crease angle."""
+        result = []
+        for corners, crease in zip(self.corners, self.creases, strict=True):
+            area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            unit = area / np.linalg.norm(area, axis=1, keepdims=True)
+            keys = np.round(corners.reshape(-1, 3) * 1e7).astype(np.int64)
+            _, where = np.unique(keys, axis=0, return_inverse=True)
+            order = np.argsort(where.ravel(), kind="stable")
+            groups = np.split(order, np.flatnonzero(np.diff(where.ravel()[order])) + 1)
+            normals = np.empty((len(keys), 3))
+            for group in groups:
+                faces = group // 3
+                near = unit[faces] @ unit[faces].T >= math.cos(math.radians(crease)) - 1e-6
+                summed = near @ area[faces]
+                normals[group] = summed / np.linalg.norm(summed, axis=1, keepdims=True)
+            result.append(normals)
+        return np.concatenate(result)
+
+    def save(self, path, image, roughness, metallic=0.0):
+        points = np.concatenate(self.corners).reshape(-1, 3)
+        uv, normals = np.concatenate(self.uvs).reshape(-1, 2), self.normals()
+        table = np.round(np.hstack([points * 1e6, normals * 1e4, uv * 1e5])).astype(np.int64)
+        _, first, index = np.unique(table, axis=0, return_index=True, return_inverse=True)
+        vertices = points[first]
+        vertices[:, 1] -= vertices[:, 1].min()
+        encoded = io.BytesIO()
+        image.convert("RGB").save(encoded, "JPEG", quality=90)
+        material = trimesh.visual.material.PBRMaterial(
+            name=path.stem,
+            baseColorTexture=Image.open(encoded),
+            baseColorFactor=(255, 255, 255, 255),
+            metallicFactor=metallic,
+            roughnessFactor=roughness,
+            doubleSided=False,
+        )
+        mesh = trimesh.Trimesh(
+            vertices,
+            index.reshape(-1, 3),
+            vertex_normals=normals[first],
+            process=False,
+            visual=trimesh.visual.TextureVisuals(uv=uv[first], material=material),
+        )
+        path.write_bytes(trimesh.Scene({path.stem: mesh}).export(file_type="glb", include_normals=True))
+        print(
+            f"{path.name}: {len(mesh.faces)} triangles, {len(vertices)} vertices, "
+            f"{vertices[:, 1].max():.4f} m high, {path.stat().st_size / 1024:.0f} KB"
+        )
+
+
+def palette(pairs, rng):
+    """One column a colour, from its dark tone (bottom) to its light one (top), slightly mottled."""
+    width = PALETTE_SIZE // PALETTE_COLUMNS
+    image = np.zeros((PALETTE_SIZE, PALETTE_SIZE, 3))
+    for k, (dark, light) in enumerate(pairs):
+        blend = np.linspace(1, 0, PALETTE_SIZE)[:, None, None]
+        image[:, k * width : (k + 1) * width] = np.array(dark) * (1 - blend) + np.array(light) * blend
+    image += rng.normal(0, 1.5, image.shape[:2])[..., None]
+    return Image.fromarray(np.clip(image, 0, 255).astype(np.uint8))
+
+
+def tint(count, column, v):
+    """Texture coordinates in a palette column: `v` from 0 (dark) to 1 (light), one each or one for all."""
+    v = np.clip(np.broadcast_to(np.asarray(v, float), count if np.ndim(count) else (count,)), 0.02, 0.98)
+    return np.stack([np.full(v.shape, (column + 0.5) / PALETTE_COLUMNS), v], -1)
+
+
+def grid_faces(rows, columns):
+    """Triangles of a grid of (rows + 1) x (columns + 1) points."""
+    i, k = np.mgrid[:rows, :columns].reshape(2, -1)
+    a, b = i * (columns + 1) + k, (i + 1) * (columns + 1) + k
+    return np.concatenate([np.stack([a, b, b + 1], 1), np.stack([a, b + 1, a + 1], 1)])
+
+
+def lathe(profile, turns, start=0.0):
+    """Points, faces and unrolled uv of a closed body of revolution; the profile begins and ends on the axis."""
+    profile = np.asarray(profile, float)
+    angle = start + np.linspace(0, 2 * math.pi, turns + 1)
+    angle[-1] = start  # exactly closed
+    r, h = profile[:, :1], profile[:, 1:]
+    points = np.stack([r * np.cos(angle), h + 0 * angle, r * np.sin(angle)], -1).reshape(-1, 3)
+    length = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(profile, axis=0), axis=1))])
+    u, v = np.meshgrid(np.linspace(0, 1, turns + 1), length / length[-1])
+    return points, grid_faces(len(profile) - 1, turns), np.stack([u, v], -1).reshape(-1, 2)
+
+
+def tube(path, radius, sides, flatten=1.0, turn=0.0):
+    """A capped tube along a path; `radius` one each point or one for all."""
+    path = np.asarray(path, float)
+    radius = np.broadcast_to(radius, len(path))
+    along = np.gradient(path, axis=0)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    side = np.cross(along[0], [0.0, 0.0, 1.0] if abs(along[0, 2]) < 0.9 else [1.0, 0.0, 0.0])
+    angle = turn + np.linspace(0, 2 * math.pi, sides + 1)
+    angle[-1] = turn
+    rings = [np.repeat(path[:1], sides + 1, 0)]
+    for at, direction, r in zip(path, along, radius, strict=True):
+        side = side - direction * (side @ direction)
+        side /= np.linalg.norm(side)
+        other = np.cross(direction, side)
+        rings.append(at + r * (np.outer(np.cos(angle), side) + flatten * np.outer(np.sin(angle), other)))
+    rings.append(np.repeat(path[-1:], sides + 1, 0))
+    return np.concatenate(rings), grid_faces(len(rings) - 1, sides)
+
+
+def ring(centre, big, small, turns=32, sides=10):
+    """An upright torus."""
+    a = np.linspace(0, 2 * math.pi, turns + 1)[:, None]
+    b = np.linspace(0, 2 * math.pi, sides + 1)[None]
+    a[-1], b[0, -1] = 0, 0
+    r = big + small * np.cos(b)
+    points = np.stack([r * np.cos(a), r * np.sin(a), small * np.sin(b) + 0 * a], -1).reshape(-1, 3)
+    return points + centre, grid_faces(turns, sides)
+
+
+def lathe_at(profile, turns, centre):
+    points, faces, uv = lathe(profile, turns)
+    return points + centre, faces, uv
