@@ -1,6 +1,5 @@
 """`ashe-live bench light`: the estimators' angular errors on pictures with a known light."""
 
-import json
 import os
 import platform
 from collections.abc import Iterable, Sequence
@@ -15,8 +14,8 @@ from rich.table import Table
 
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.metrics import GOOD_DEG, ErrorSummary, angular_error_deg, summarise
+from ashe_live.core.output_files import cannot_write, write_json
 from ashe_live.core.types import LightEstimate
-from ashe_live.errors import UserError
 from ashe_live.light.estimator import Estimator, make_estimator
 
 ALL_LIT = "all lit"
@@ -140,6 +139,6 @@ def _write(out: Path, results: Sequence[CaseResult]) -> None:
     }
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        out.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
     except OSError as error:
-        raise UserError(f"cannot write {out}", error.strerror or str(error)) from error
+        raise cannot_write(out, error) from error
+    write_json(out, content)

@@ -1,7 +1,6 @@
 """`ashe-live bench viewer`: frames a second, where the time goes, and what an estimate costs the picture."""
 
 import contextlib
-import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,9 +13,9 @@ from ashe_live.bench.machine import machine_json, versions_json
 from ashe_live.bench.viewer_tables import print_viewer_record
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
-from ashe_live.capture.output_files import cannot_write, check_output
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
+from ashe_live.core.output_files import check_output, write_json
 from ashe_live.core.quality import Quality
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light.estimator import Estimator
@@ -60,10 +59,7 @@ class ViewerBench:
         record = self._measured()
         print_viewer_record(record)
         if out is not None:
-            try:
-                out.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-            except OSError as error:
-                raise cannot_write(out, error) from error
+            write_json(out, record)
         return record
 
     def _measured(self) -> Json:

@@ -18,8 +18,8 @@ from av.video.frame import VideoFrame
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation
 from av.video.stream import VideoStream
 
-from ashe_live.capture.output_files import cannot_write, check_output, partial_name
 from ashe_live.core.arrays import Image
+from ashe_live.core.output_files import cannot_write, check_output, partial_name
 from ashe_live.errors import UserError
 
 TICKS_PER_S = 90_000

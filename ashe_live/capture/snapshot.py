@@ -4,8 +4,8 @@ from pathlib import Path
 
 import cv2
 
-from ashe_live.capture.output_files import cannot_write, check_output, partial_name
 from ashe_live.core.arrays import Image
+from ashe_live.core.output_files import check_output, written_whole
 
 
 def write_png(path: str | Path, image_bgr: Image, overwrite: bool = False) -> None:
@@ -15,10 +15,5 @@ def write_png(path: str | Path, image_bgr: Image, overwrite: bool = False) -> No
     encoded_well, png = cv2.imencode(".png", image_bgr)
     if not encoded_well:
         raise ValueError(f"an image of shape {image_bgr.shape} cannot be a PNG")
-    partial = partial_name(path)
-    try:
+    with written_whole(path) as partial:
         partial.write_bytes(png.tobytes())
-        partial.replace(path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise cannot_write(path, error) from error

@@ -7,11 +7,11 @@ from pathlib import Path
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.contact_sheet import contact_sheet
 from ashe_live.capture.known_clip import shipped_clip
-from ashe_live.capture.output_files import unused_name
 from ashe_live.capture.snapshot import write_png
 from ashe_live.commands.setup import make_tracker
 from ashe_live.commands.view import View, check_outputs, has_display, show_in_window, show_without_window
 from ashe_live.core.arrays import Image
+from ashe_live.core.output_files import unused_name
 from ashe_live.render.scene import Scene
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.session import Session

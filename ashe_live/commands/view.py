@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import FrameType
 
-from ashe_live.capture.output_files import check_output
 from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.sources import Source
 from ashe_live.commands.setup import quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
+from ashe_live.core.output_files import check_output
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.light.worker import LightWorker
 from ashe_live.render.offscreen import offscreen_context

@@ -6,7 +6,7 @@ A whole edge says far more than the few pixels around a corner, and is still the
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float, Image, Mask
 
 MIN_SIDE_PX = 4.0
 # Of the two sides' product: the sine of the sharpest angle that still counts as a corner.
@@ -28,10 +28,13 @@ SHIFTS = 4
 # Points farther than this from the line do not count (Tukey's biweight).
 OUTLIER_PX = 1.5
 
+# Each corner's neighbours along the outline; np.roll would take ten times as long, and this runs in every frame.
+NEXT, BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
+
 
 def side_lengths_px(corners_px: Float) -> Float:
     """(4,) lengths of the sides of a quadrilateral (4, 2), each from its corner to the next."""
-    return np.asarray(np.linalg.norm(np.roll(corners_px, -1, axis=0) - corners_px, axis=1))
+    return np.asarray(np.linalg.norm(corners_px[NEXT] - corners_px, axis=1))
 
 
 def is_front_of_square(corners_px: Float) -> bool:
@@ -39,10 +42,10 @@ def is_front_of_square(corners_px: Float) -> bool:
     if not np.isfinite(corners_px).all():
         return False
     lengths = side_lengths_px(corners_px)
-    sides = np.roll(corners_px, -1, axis=0) - corners_px
-    after = np.roll(sides, -1, axis=0)
+    sides = corners_px[NEXT] - corners_px
+    after = sides[NEXT]
     turns = sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0]
-    return bool(lengths.min() >= MIN_SIDE_PX and (turns > MIN_SINE * lengths * np.roll(lengths, -1)).all())
+    return bool(lengths.min() >= MIN_SIDE_PX and (turns > MIN_SINE * lengths * lengths[NEXT]).all())
 
 
 def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: float = 1.0) -> Float:
@@ -66,7 +69,7 @@ def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: flo
 
 def _fitted(grey: Image, corners_px: Float, samples: int, reaches_px: Float) -> Float:
     """Corners (4, 2) of the lines through the edges found within `reaches_px` (4,) of the sides."""
-    sides = np.roll(corners_px, -1, axis=0) - corners_px
+    sides = corners_px[NEXT] - corners_px
     along = sides / np.linalg.norm(sides, axis=1)[:, None]
     # Clockwise in the picture, so the outside is to the left of the way along a side.
     outwards = np.column_stack([along[:, 1], -along[:, 0]])
@@ -109,9 +112,7 @@ def _robust_lines(places: Float, offsets: Float, weights: Float) -> tuple[Float,
     """
     seen = weights.sum(axis=1) >= len(places) / 2
     # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
-    middle = np.array(
-        [np.median(row[used > 0]) if used.any() else 0.0 for row, used in zip(offsets, weights, strict=True)]
-    )
+    middle = _medians(offsets, weights > 0)
     at_start, slope = middle, np.zeros(4)
     for scale in (8.0, 4.0, 2.0, 1.0):
         residuals = offsets - at_start[:, None] - slope[:, None] * places
@@ -125,9 +126,18 @@ def _robust_lines(places: Float, offsets: Float, weights: Float) -> tuple[Float,
     return np.where(seen, at_start, 0.0), np.where(seen, slope, 0.0)
 
 
+def _medians(values: Float, counts: Mask) -> Float:
+    """Median of each row's values that count; 0 where none does."""
+    ordered = np.sort(np.where(counts, values, np.inf), axis=1)
+    numbers = counts.sum(axis=1)
+    rows = np.arange(len(values))
+    medians = (ordered[rows, (numbers - 1) // 2] + ordered[rows, numbers // 2]) / 2
+    return np.where(numbers > 0, medians, 0.0)
+
+
 def _meeting_points(starts: Float, directions: Float) -> Float:
     """(4, 2) where each side's line meets the one before it; NaN when they are parallel."""
-    before, towards = np.roll(starts, 1, axis=0), np.roll(directions, 1, axis=0)
+    before, towards = starts[BEFORE], directions[BEFORE]
     cross = towards[:, 0] * directions[:, 1] - towards[:, 1] * directions[:, 0]
     gap = starts - before
     cross = np.where(np.abs(cross) > 1e-9, cross, np.nan)

@@ -1,7 +1,5 @@
 """A sheet with the marker at true size: what a webcam session starts with."""
 
-import os
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,10 +7,11 @@ import PIL.Image
 import PIL.ImageDraw
 import PIL.ImageFont
 
+from ashe_live.core.output_files import check_output, written_whole
 from ashe_live.errors import UserError
 from ashe_live.tracking.markers import Marker
 
-FORMATS = {".pdf": "PDF", ".png": "PNG"}
+SUFFIXES = (".pdf", ".png")
 # ISO 216 portrait pages, and the resolution that gives each of them about as many pixels as the first.
 PAGES_MM_DPI = (
     ("A4", (210, 297), 600),
@@ -60,15 +59,15 @@ def write_marker_sheet(path: Path, marker: Marker, side_m: float, overwrite: boo
     Raises UserError for another suffix, an existing file (without `overwrite`), a size that fits no page, or a place
     that cannot be written.
     """
-    if path.suffix.lower() not in FORMATS:
+    if path.suffix.lower() not in SUFFIXES:
         raise UserError(f"cannot write a marker as {path.name!r}", "name a .pdf or a .png file")
-    if path.exists() and not overwrite:
-        raise UserError(f"{path} exists", "name another file or add --overwrite")
+    check_output(path, overwrite)
     page = _sheet(marker, side_m * 1000)
-    try:
-        _write_whole(path, page)
-    except OSError as error:
-        raise UserError(f"cannot write {path}", error.strerror or str(error)) from error
+    with written_whole(path) as partial:
+        if path.suffix.lower() == ".pdf":
+            page.image.save(partial, "PDF", resolution=page.dpi, quality=95)
+        else:
+            page.image.save(partial, "PNG", dpi=(page.dpi, page.dpi))
 
 
 def _sheet(marker: Marker, side_mm: float) -> _Page:
@@ -109,23 +108,3 @@ def _short(spec: str) -> str:
     """A spec without the folders of its file."""
     kind, _, rest = spec.partition(":")
     return f"{kind}:{Path(rest).name}" if kind in ("pattern", "image") else spec
-
-
-def _write_whole(path: Path, page: _Page) -> None:
-    """Writes beside `path` first, so that no half-written sheet is ever found under its name."""
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file_format = FORMATS[path.suffix.lower()]
-            if file_format == "PDF":
-                page.image.save(file, file_format, resolution=page.dpi, quality=95)
-            else:
-                page.image.save(file, file_format, dpi=(page.dpi, page.dpi))
-        # mkstemp makes files that only their owner may read; a sheet is as open as any new file.
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(name).chmod(0o666 & ~umask)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
-from ashe_live.capture.output_files import unused_name
 from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
 from ashe_live.core.mailbox import Closed
+from ashe_live.core.output_files import unused_name
 from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.errors import UserError
 from ashe_live.render.renderer import Renderer

@@ -1,13 +1,12 @@
 """REPORT.json of a headless run (docs/contract.md): every pose, every estimate, and how long things took."""
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from ashe_live.capture.output_files import cannot_write, partial_name
 from ashe_live.core.contract import SCHEMA, Json, estimate_json, marker_json
+from ashe_live.core.output_files import write_json
 from ashe_live.core.types import LightEstimate, TrackedFrame
 
 
@@ -72,10 +71,4 @@ class Report:
 
     def write(self, path: Path) -> None:
         """Whole or not at all. Raises UserError when `path` cannot be written."""
-        partial = partial_name(path)
-        try:
-            partial.write_text(json.dumps(self.to_json(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
-            partial.replace(path)
-        except OSError as error:
-            partial.unlink(missing_ok=True)
-            raise cannot_write(path, error) from error
+        write_json(path, self.to_json())

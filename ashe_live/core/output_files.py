@@ -1,8 +1,12 @@
 """Promises kept for every file that is written: nothing is overwritten unasked, nothing is left half-written."""
 
+import contextlib
+import json
+from collections.abc import Iterator, Mapping
 from datetime import datetime
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 from ashe_live.errors import UserError
 
@@ -26,6 +30,29 @@ def cannot_write(path: Path, error: Exception) -> UserError:
 def partial_name(path: Path) -> Path:
     """Hidden and in the same folder, so that the finished file can be renamed in one step."""
     return path.with_name(f".{path.stem}.partial{path.suffix}")
+
+
+@contextlib.contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """Within, write to the path that this gives; at the end it becomes `path`, or nothing is left of it.
+
+    Raises UserError when writing fails.
+    """
+    partial = partial_name(path)
+    try:
+        yield partial
+        partial.replace(path)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Whole or not at all. Raises UserError when `path` cannot be written, ValueError for NaN."""
+    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
+    with written_whole(path) as partial:
+        partial.write_text(text, encoding="utf-8")
 
 
 def unused_name(folder: Path, stem: str, suffix: str, at: datetime) -> Path:
