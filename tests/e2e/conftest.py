@@ -1,0 +1,161 @@
+"""A screen of our own (Xvfb), a hand on its keyboard (xdotool), and the viewer running on it."""
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import ImageGrab
+
+CHECKOUT = Path(__file__).parents[2]
+QUICK_VIEWER = Path(__file__).with_name("quick_viewer.py")
+SCREEN = "1280x960x24"
+# Software rendering on a crowded machine; nothing waits this long when all is well.
+PATIENCE_S = 60.0
+POLL_S = 0.02
+
+
+def await_that(condition: Callable[[], object], what: str) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(POLL_S)
+
+
+class Screen:
+    """An X display: what is seen on it, and keys pressed on it."""
+
+    def __init__(self, display: str) -> None:
+        self.display = display
+        self.environment = {**os.environ, "DISPLAY": display}
+        self.environment.pop("WAYLAND_DISPLAY", None)
+
+    def xdotool(self, *arguments: str) -> str:
+        return subprocess.run(
+            ["xdotool", *arguments], env=self.environment, capture_output=True, text=True, timeout=PATIENCE_S
+        ).stdout
+
+    def picture(self) -> np.ndarray:
+        """(h, w, 3) int RGB of the whole screen."""
+        return np.asarray(ImageGrab.grab(xdisplay=self.display).convert("RGB")).astype(int)
+
+
+class Running:
+    """A viewer's process in a folder of its own, with its window on the screen."""
+
+    def __init__(self, screen: Screen, folder: Path, arguments: tuple[str, ...], program: tuple[str, ...]) -> None:
+        self.screen, self.folder = screen, folder
+        self._out = (folder / ".out").open("w+")
+        self.process = subprocess.Popen(
+            [sys.executable, *program, *arguments],
+            cwd=folder,
+            env={**screen.environment, "PYTHONPATH": str(CHECKOUT)},
+            stdout=self._out,
+            stderr=subprocess.STDOUT,
+        )
+
+    @property
+    def output(self) -> str:
+        return (self.folder / ".out").read_text()
+
+    def await_window(self) -> None:
+        """Until the window shows something, and has the keyboard."""
+
+        def window() -> str:
+            assert self.process.poll() is None, self.output
+            return self.screen.xdotool("search", "--name", "^ashe-live")
+
+        await_that(window, "a window")
+        await_that(lambda: self.picture().std() > 5, "a picture")
+        self.screen.xdotool("windowfocus", "--sync", self.window)
+
+    @property
+    def window(self) -> str:
+        return self.screen.xdotool("search", "--name", "^ashe-live").split()[0]
+
+    def press(self, *keys: str) -> None:
+        self.screen.xdotool("key", *keys)
+
+    def picture(self) -> np.ndarray:
+        """(h, w, 3) int RGB: where the window is on the screen, without what a fullscreen one adds."""
+        return self.screen.picture()
+
+    def part(self, left: float, top: float, right: float, bottom: float) -> np.ndarray:
+        """A part of the window's picture, in parts of its size."""
+        geometry = self.screen.xdotool("getwindowgeometry", "--shell", self.window)
+        at = {name: int(value) for name, value in (line.split("=") for line in geometry.split())}
+        x, y, width, height = at["X"], at["Y"], at["WIDTH"], at["HEIGHT"]
+        whole = self.picture()[y : y + height, x : x + width]
+        return whole[round(top * height) : round(bottom * height), round(left * width) : round(right * width)]
+
+    def files(self, pattern: str) -> list[Path]:
+        return sorted(path for path in self.folder.glob(pattern) if not path.name.startswith("."))
+
+    def light_workers(self) -> list[int]:
+        """Process numbers of the living ones."""
+        command = ["ps", "-ww", "-o", "pid=,stat=,args=", "--ppid", str(self.process.pid)]
+        listed = subprocess.run(command, capture_output=True, text=True).stdout.splitlines()
+        rows = [line.split(maxsplit=2) for line in listed]
+        return [int(pid) for pid, state, arguments in rows if "spawn_main" in arguments and not state.startswith("Z")]
+
+    def end(self) -> int:
+        """Esc, and the exit status."""
+        self.press("Escape")
+        return self.wait()
+
+    def wait(self) -> int:
+        return self.process.wait(PATIENCE_S)
+
+    def stop(self) -> None:
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self._out.close()
+
+
+@pytest.fixture(scope="session")
+def screen() -> Iterator[Screen]:
+    for program in ("Xvfb", "xdotool"):
+        if shutil.which(program) is None:
+            pytest.skip(f"{program} is not installed (apt-get install xvfb xdotool)")
+    read_end, write_end = os.pipe()
+    command = ["Xvfb", "-displayfd", str(write_end), "-screen", "0", SCREEN, "-nolisten", "tcp", "-noreset"]
+    server = subprocess.Popen(command, pass_fds=[write_end], stderr=subprocess.DEVNULL)
+    os.close(write_end)
+    with os.fdopen(read_end) as numbers:
+        number = numbers.readline().strip()  # written once the server listens; empty when it could not start
+    if not number:
+        pytest.skip("Xvfb does not start here")
+    yield Screen(f":{number}")
+    server.terminate()
+    server.wait()
+
+
+@pytest.fixture(scope="module")
+def launch(screen: Screen, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Running]]:
+    """Starts the viewer with a quick estimator, or as shipped; one at a time, so that the keyboard is its own."""
+    running: list[Running] = []
+
+    def launch(*arguments: object, quick: bool = True) -> Running:
+        for each in running:
+            each.stop()
+        program = (str(QUICK_VIEWER),) if quick else ("-m", "ashe_live")
+        running.append(Running(screen, tmp_path_factory.mktemp("viewer"), tuple(map(str, arguments)), program))
+        running[-1].await_window()
+        return running[-1]
+
+    yield launch
+    for each in running:
+        each.stop()
+
+
+@pytest.fixture(scope="module")
+def play(launch, shoot_film, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Running]:
+    """Plays a film of two seconds in a window."""
+    film = shoot_film(tmp_path_factory.mktemp("pan"), (640, 480), 60)
+    return lambda *arguments, **how: launch("play", film.path, "--camera-file", film.camera_file, *arguments, **how)

@@ -1,0 +1,238 @@
+"""The viewer in a real window, worked by its keys."""
+
+import os
+import signal
+import time
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from ashe_live.capture.clip import ClipSource
+from ashe_live.core.resources import resource
+
+pytestmark = pytest.mark.window
+# Parts of the window: the quality's name right of the rate, the film without any text, the help, the masks.
+QUALITY = (0.1, 0.02, 0.35, 0.08)
+BODY = (0.0, 0.25, 0.6, 0.85)
+HELP = (0.3, 0.3, 0.7, 0.7)
+INSET = (0.65, 0.0, 1.0, 0.35)
+STILL_S = 0.7
+
+
+def difference(a: np.ndarray, b: np.ndarray) -> float:
+    """Mean absolute, in grey levels; pictures of different sizes are as different as can be."""
+    return 255.0 if a.shape != b.shape else float(np.abs(a - b).mean())
+
+
+def await_that(condition, what: str, patience_s: float = 60.0) -> None:
+    deadline = time.monotonic() + patience_s
+    while not condition():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.02)
+
+
+def await_part(viewer, part, was: np.ndarray, differs: bool = True) -> None:
+    """Until the part's picture differs from what it was, or is that again."""
+    await_that(lambda: (difference(was, viewer.part(*part)) > 0.2) is differs, f"a picture that differs: {differs}")
+
+
+def await_still(viewer, part) -> np.ndarray:
+    """The part's picture once it has not changed for so long that a playing film would have changed it."""
+    seen, since = viewer.part(*part), time.monotonic()
+
+    def is_still() -> bool:
+        nonlocal seen, since
+        now = viewer.part(*part)
+        if difference(seen, now) > 0:
+            seen, since = now, time.monotonic()
+        return time.monotonic() - since > STILL_S
+
+    await_that(is_still, "a still picture")
+    return seen
+
+
+def paused(viewer) -> np.ndarray:
+    """The film's picture after P."""
+    viewer.press("p")
+    return await_still(viewer, BODY)
+
+
+@pytest.fixture(scope="module")
+def shared(play):
+    """Hands out one viewer to test after test, as starting one takes seconds; a new one when it has ended."""
+    viewers = []
+
+    def shared():
+        if not viewers or viewers[-1].process.poll() is not None:
+            viewers.append(play("--loop"))
+            await_that(lambda: "light: azimuth" in viewers[-1].output, "the first estimate, made unasked")
+        return viewers[-1]
+
+    return shared
+
+
+@pytest.fixture
+def estimated(shared):
+    """A viewer that plays and whose light is known. Tests that do not end it leave it as they found it."""
+    return shared()
+
+
+def test_it_plays_estimates_and_ends_with_status_0(estimated):
+    before = estimated.part(*BODY)
+    await_part(estimated, BODY, before)
+    begin = time.monotonic()
+    assert estimated.end() == 0
+    assert time.monotonic() - begin < 10  # one second on a machine that has nothing else to do
+    assert "Traceback" not in estimated.output
+
+
+def test_keys_switch_the_model_also_while_paused(estimated):
+    estimated.press("1")
+    pictures = [paused(estimated)]
+    for key in ("2", "Right", "Left", "1"):
+        estimated.press(key)
+        await_part(estimated, BODY, pictures[-1])
+        pictures.append(await_still(estimated, BODY))
+    assert difference(pictures[1], pictures[3]) < 0.05
+    assert difference(pictures[0], pictures[4]) < 0.05
+    estimated.press("p")
+
+
+def test_space_estimates_while_frames_go_on(play):
+    """With the estimator as shipped, which takes seconds."""
+    viewer = play("--loop", "--estimate-at", "1000", quick=False)
+    viewer.press("space")
+    moved = 0
+    before = viewer.part(*BODY)
+    while "light:" not in viewer.output and moved < 3:
+        now = viewer.part(*BODY)
+        moved += difference(before, now) > 0.2
+        before = now
+    assert moved == 3, "the picture stood still while estimating"
+    assert viewer.end() == 0
+
+
+def test_overlays_come_and_go(estimated):
+    plain = paused(estimated)
+    without_inset = await_still(estimated, INSET)
+    for key, part, was in (("l", BODY, plain), ("h", HELP, await_still(estimated, HELP)), ("d", INSET, without_inset)):
+        for wanted in (True, False):
+            estimated.press(key)
+            await_part(estimated, part, was, differs=wanted)
+    for wanted in (True, False):
+        estimated.press("F1")
+        await_part(estimated, BODY, plain, differs=wanted)
+    estimated.press("p")
+
+
+def test_pause_and_restart(estimated):
+    held = paused(estimated)
+    estimated.press("r")
+    await_part(estimated, BODY, held)
+    await_still(estimated, BODY)
+    estimated.press("p")
+    first = estimated.part(*BODY)
+    await_part(estimated, BODY, first)
+
+
+def test_snapshot_and_recording_land_in_the_folder(estimated):
+    estimated.press("s")
+    await_that(lambda: estimated.files("*.png"), "a snapshot")
+    with PIL.Image.open(estimated.files("*.png")[0]) as snapshot:
+        assert snapshot.size == (640, 480)
+    estimated.press("v")
+    before = estimated.part(*BODY)
+    for _ in range(3):
+        await_part(estimated, BODY, before)
+        before = estimated.part(*BODY)
+    estimated.press("v")
+    await_that(lambda: estimated.files("*.mp4"), "a recording")
+    assert "saved" in estimated.output
+    with ClipSource(estimated.files("*.mp4")[0]) as recording:
+        frames = list(iter(recording.read, None))
+    assert recording.size == (640, 480)
+    assert len(frames) > 1
+    assert recording.note is None
+    assert difference(frames[0].image_bgr.astype(int), frames[-1].image_bgr.astype(int)) > 0.05
+
+
+def test_quality_goes_round_and_fullscreen_comes_and_goes(estimated):
+    paused(estimated)
+    for _ in range(4):
+        before = estimated.part(*QUALITY)
+        estimated.press("q")
+        await_part(estimated, QUALITY, before)
+    estimated.press("f")
+    await_that(lambda: estimated.picture()[-200:].std() > 1, "fullscreen")
+    estimated.press("f")
+    await_that(lambda: estimated.picture()[-200:].std() < 1, "the window again")
+    estimated.press("p")
+
+
+def test_sigterm_finishes_the_recording(estimated):
+    estimated.press("v")
+    await_that(lambda: list(estimated.folder.glob(".*partial.mp4")), "a recording")
+    before = estimated.part(*BODY)
+    await_part(estimated, BODY, before)
+    estimated.process.send_signal(signal.SIGTERM)
+    assert estimated.wait() == 128 + signal.SIGTERM
+    with ClipSource(estimated.files("*.mp4")[0]) as recording:
+        assert recording.read() is not None
+    assert not list(estimated.folder.glob(".*partial.mp4"))
+
+
+def test_ctrl_c_ends_it_without_a_traceback(estimated):
+    estimated.process.send_signal(signal.SIGINT)
+    assert estimated.wait() == 130
+    assert "Traceback" not in estimated.output
+
+
+def test_it_goes_on_when_the_light_worker_dies(estimated):
+    lines = estimated.output.count("light:")
+    (worker,) = estimated.light_workers()
+    os.kill(worker, signal.SIGKILL)
+    await_that(lambda: not estimated.light_workers(), "its end")
+    await_part(estimated, BODY, estimated.part(*BODY))
+    estimated.press("space")
+    await_that(lambda: estimated.output.count("light:") > lines, "an estimate by a new worker")
+    assert estimated.light_workers() != [worker]
+
+
+def test_frames_ends_it_and_out_records_it(play):
+    viewer = play("--frames", "20", "--loop", "--out", "o.mp4")
+    assert viewer.wait() == 0
+    with ClipSource(viewer.folder / "o.mp4") as recording:
+        assert len(list(iter(recording.read, None))) >= 20
+
+
+def test_the_end_of_the_clip_stays_on_screen(play):
+    viewer = play()
+    await_that(lambda: "light: azimuth" in viewer.output, "the estimate")
+    held = await_still(viewer, BODY)
+    viewer.press("r")
+    await_part(viewer, BODY, held)
+    assert viewer.end() == 0
+
+
+def test_a_small_window_works_too(play):
+    viewer = play("--size", "320x240")
+    assert viewer.part(0, 0, 1, 1).shape == (240, 320, 3)
+    assert viewer.end() == 0
+
+
+def demo_is_there() -> bool:
+    try:
+        return bool(resource("assets", "clips", "table.mp4") and resource("assets", "clips", "table.json"))
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.skipif(not demo_is_there(), reason="the demo clip has not been rendered")
+def test_the_demo_runs_and_shows_how_far_off_its_estimate_is(launch):
+    viewer = launch("demo")
+    before = viewer.part(*BODY)
+    await_part(viewer, BODY, before)
+    await_that(lambda: "light:" in viewer.output, "an estimate")
+    assert "from the truth" in viewer.output
+    assert viewer.end() == 0

@@ -1,0 +1,199 @@
+"""The main thread's loop, with a window that is worked by a script."""
+
+import threading
+
+import pytest
+
+from ashe_live.capture.clip import ClipSource
+from ashe_live.core.mailbox import LatestMailbox
+from ashe_live.core.quality import FAST
+from ashe_live.errors import UserError
+from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.viewer import live as live_module
+from ashe_live.viewer.controls import Command, Request
+from ashe_live.viewer.live import LiveViewer
+from ashe_live.viewer.session import EstimatePolicy, Session
+
+RATE_HZ = 500.0
+
+
+class ScriptedWindow:
+    """Calls the script's steps, one a picture, takes the commands that they return as requests, and closes."""
+
+    framebuffer_size, content_scale, refresh_rate_hz = (64, 48), 1.0, RATE_HZ
+    is_closing = False
+
+    class context:  # noqa: N801 - stands in for an instance
+        screen = None
+
+    def __init__(self, steps) -> None:
+        self.steps = list(steps)
+        self.fullscreen = 0
+        self.requests: list[Request] = []
+
+    def take_requests(self, wait_s: float) -> list[Request]:
+        if wait_s > 0:
+            threading.Event().wait(wait_s)
+            return []
+        requests, self.requests = self.requests, []
+        return requests
+
+    def swap(self) -> None:
+        if not self.steps:
+            self.is_closing = True
+            return
+        wanted = self.steps.pop(0)()
+        self.requests = [Request(wanted)] if isinstance(wanted, Command) else []
+
+    def toggle_fullscreen(self) -> None:
+        self.fullscreen += 1
+
+
+class ScriptedPipeline:
+    """Frames that the test puts in."""
+
+    fps, status = 100.0, None
+
+    def __init__(self) -> None:
+        self.frames = LatestMailbox()
+        self.paused, self.restarts = [], 0
+
+    def pause(self, paused: bool) -> None:
+        self.paused.append(paused)
+
+    def restart(self) -> None:
+        self.restarts += 1
+
+
+class Stage:
+    """A viewer between scripted window and scripted pipeline."""
+
+    def __init__(self, fakes) -> None:
+        self.fakes = fakes
+        self.pipeline, self.tracker = ScriptedPipeline(), fakes.Tracker()
+        self.session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
+        self.renderer = fakes.Renderer()
+
+    def put(self, index: int) -> None:
+        self.pipeline.frames.put(self.fakes.tracked(index))
+
+    def run(self, *steps, quality: str = "fast", frame_limit: int | None = None) -> LiveViewer:
+        self.window = ScriptedWindow(step if callable(step) else lambda step=step: step for step in steps)
+        viewer = LiveViewer(self.window, self.renderer, self.pipeline, self.tracker, self.session, quality)
+        viewer.run(frame_limit)
+        return viewer
+
+
+@pytest.fixture
+def stage(fakes, monkeypatch, tmp_path) -> Stage:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(live_module, "Renderer", fakes.Renderer)
+    return Stage(fakes)
+
+
+def test_it_ends_when_the_window_closes_or_by_quit(stage):
+    stage.run()
+    stage.run(Command.QUIT, None, lambda: pytest.fail("still running"))
+
+
+def test_the_last_frame_is_drawn_again_and_again(stage):
+    stage.put(3)
+    stage.run(None, None, None)
+    assert [scene.tracked.frame.index for scene in stage.renderer.scenes] == [3, 3, 3, 3]
+
+
+def test_a_source_that_fails_keeps_its_last_picture_and_is_told_once(stage, capfd):
+    stage.put(0)
+    failure = UserError("the camera came back with another size", "start again")
+    stage.run(lambda: stage.pipeline.frames.close(failure), None, None, None)
+    assert len(stage.renderer.scenes) == 5
+    assert all(scene.tracked.frame.index == 0 for scene in stage.renderer.scenes)
+    assert capfd.readouterr().err.count("another size") == 1
+
+
+def test_a_source_that_fails_before_its_first_picture_ends_the_viewer(stage):
+    stage.pipeline.frames.close(UserError("the calibration does not fit", "calibrate again"))
+    with pytest.raises(UserError, match="calibration"):
+        stage.run(None)
+
+
+def test_a_bug_in_the_capture_thread_is_not_hidden(stage):
+    stage.put(0)
+    with pytest.raises(ZeroDivisionError):
+        stage.run(lambda: stage.pipeline.frames.close(ZeroDivisionError()), None, None)
+
+
+def test_the_estimate_is_printed(stage, capfd):
+    stage.put(0)
+
+    def answer() -> None:
+        stage.session._worker.answer = stage.fakes.estimate()
+
+    stage.run(Command.ESTIMATE, answer, None)
+    assert capfd.readouterr().out == "light: azimuth 0°, elevation 45° ± 2.9°\n"
+
+
+def test_the_limit_counts_frames_of_the_source(stage):
+    stage.put(0)
+    steps = [lambda index=index: stage.put(index) for index in range(1, 9)]
+    stage.run(*steps, frame_limit=3)
+    assert stage.renderer.scenes[-1].tracked.frame.index == 2
+
+
+def test_commands_reach_pipeline_and_window(stage):
+    stage.put(0)
+    stage.run(Command.PAUSE, Command.PAUSE, Command.RESTART, Command.FULLSCREEN, None)
+    assert stage.pipeline.paused == [True, False]
+    assert (stage.pipeline.restarts, stage.window.fullscreen) == (1, 1)
+
+
+def test_quality_goes_round(stage):
+    shown = []
+    viewer = None
+
+    def look() -> None:
+        shown.append(stage.renderer.preset)
+
+    stage.put(0)
+    viewer = stage.run(look, Command.QUALITY, None, look, Command.QUALITY, None, look, quality="fast")
+    assert shown[0] is FAST.render
+    assert len(set(map(id, shown))) == 3
+    assert viewer._quality_name == "accurate"
+
+
+def test_snapshots_have_the_videos_size(stage, tmp_path):
+    stage.put(0)
+    stage.run(Command.SNAPSHOT, None, Command.SNAPSHOT, None)
+    assert len(list(tmp_path.glob("*.png"))) == 2
+
+
+def test_recording_goes_on_while_paused_and_ends_by_the_same_key(stage, tmp_path, capfd):
+    stage.put(0)
+    steps = [Command.RECORD, *[None] * 60, Command.RECORD, None]
+    stage.run(*steps)
+    (path,) = tmp_path.glob("*.mp4")
+    with ClipSource(path) as clip:
+        assert len(list(iter(clip.read, None))) > 2
+    assert capfd.readouterr().out.startswith("saved ")
+
+
+@pytest.mark.parametrize("error", [SystemExit(143), KeyboardInterrupt(), RuntimeError("a bug")])
+def test_whatever_ends_it_a_recording_is_finished(stage, tmp_path, error):
+    stage.put(0)
+
+    def end() -> None:
+        raise error
+
+    with pytest.raises(type(error)):
+        stage.run(Command.RECORD, None, lambda: stage.put(1), None, end)
+    (path,) = tmp_path.iterdir()
+    with ClipSource(path) as clip:
+        assert clip.read() is not None
+
+
+def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):
+    monkeypatch.setattr(live_module, "unused_name", lambda *_: tmp_path / "missing" / "name.mp4")
+    stage.put(0)
+    for command in (Command.SNAPSHOT, Command.RECORD):
+        stage.run(command, None, None)
+        assert "no folder" in stage.session.last_notice
