@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from ashe_live.core.types import LightEstimate, TrackedFrame
     from ashe_live.light.estimator import Estimator
 
-LOWEST_PRIORITY = 19  # as niceness
-NICENESS = LOWEST_PRIORITY
+NICENESS = 19
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +44,8 @@ def run(connection: Connection, make: "Callable[[], Estimator]") -> None:
     """Answers every tracked frame with a LightEstimate or a WorkerFailure, until the other side has gone."""
     # Ctrl-C in the terminal reaches every process; the viewer's main one decides what comes of it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _give_way()
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
     import cv2
 
     # The other cores belong to the viewer's loop.
@@ -56,17 +56,6 @@ def run(connection: Connection, make: "Callable[[], Estimator]") -> None:
         while True:
             tracked = receive_frame(connection)
             connection.send(_answer(estimator, tracked))
-
-
-def _give_way() -> None:
-    """Leaves the cores to the viewer's threads whenever they want them."""
-    if hasattr(os, "nice"):
-        os.nice(NICENESS)
-    if NICENESS == LOWEST_PRIORITY and hasattr(os, "SCHED_IDLE"):
-        # Linux lets a niced process finish its slice first; an idle one gives way at once to whatever wakes up, and its
-        # core counts as free when the viewer's threads are spread. A sandbox may forbid it.
-        with suppress(OSError):
-            os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
 
 
 def _answer(estimator: "Estimator", tracked: "TrackedFrame") -> "LightEstimate | WorkerFailure":
