@@ -18,6 +18,9 @@ from ashe_live.viewer.status import source_lines, status_lines
 READINGS_SHOWN_FOR_S = 0.5
 INSET_WIDTH = 0.36  # of the window's
 INSET_MARGIN_PX = 8
+# Else a picture of the video on the video cannot be told from it.
+INSET_BORDER_PX = 2
+INSET_BORDER_BGR = (242, 246, 246)
 # Told apart also by the colour-blind (Okabe and Ito's sky blue and orange).
 OBJECT_BGR = (233, 180, 86)
 SHADOW_BGR = (0, 159, 230)
@@ -51,11 +54,10 @@ class Display:
     ) -> Scene:
         """The bare scene under status, masks and help, for a framebuffer of `size` pixels."""
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
-        text = HudText(
-            status=tuple(status_lines(session, fps_read, quality, marker_read)),
-            hint=tuple(source_lines(session, source_status, now_s)),
-            help=tuple(help_rows()) if session.show_help else (),
-        )
+        status = status_lines(session, fps_read, quality, marker_read)
+        text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
+        if session.show_help:  # alone, as a small window has no room for more
+            text = HudText(help=help_rows())
         bare = bare_scene(session)
         overlays = (*self._masks(session, size), *self._hud.overlays(text, size, content_scale))
         return Scene(bare.tracked, bare.model, bare.light, bare.shows_light, overlays)
@@ -84,7 +86,7 @@ def _has_marker(tracked: TrackedFrame | None) -> bool | None:
 
 
 def _inset(estimate: LightEstimate, frozen: TrackedFrame, size: Size) -> Overlay:
-    """Top right: the frozen frame with what the estimator took for object and shadow."""
+    """Bottom right: the frozen frame with what the estimator took for object and shadow."""
     width, height = frozen.frame.size
     shown_width = max(1, round(INSET_WIDTH * size[0]))
     shown_size = (shown_width, max(1, round(shown_width * height / width)))
@@ -92,8 +94,11 @@ def _inset(estimate: LightEstimate, frozen: TrackedFrame, size: Size) -> Overlay
     for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
         if mask is not None:
             picture = _tinted(picture, mask, colour)
-    rgba = np.dstack([picture[:, :, ::-1], np.full(picture.shape[:2], 255, np.uint8)])
-    return Overlay(rgba, size[0] - shown_width - INSET_MARGIN_PX, INSET_MARGIN_PX)
+    edges = [INSET_BORDER_PX] * 4
+    framed = cv2.copyMakeBorder(picture, *edges, cv2.BORDER_CONSTANT, value=INSET_BORDER_BGR)
+    rgba = np.asarray(cv2.cvtColor(framed, cv2.COLOR_BGR2RGBA), np.uint8)
+    height, width = rgba.shape[:2]
+    return Overlay(rgba, size[0] - width - INSET_MARGIN_PX, size[1] - height - INSET_MARGIN_PX)
 
 
 def _tinted(picture_bgr: Image, mask: Mask, colour_bgr: tuple[int, int, int]) -> Image:

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.window
 QUALITY = (0.1, 0.02, 0.35, 0.08)
 BODY = (0.0, 0.25, 0.6, 0.85)
 HELP = (0.3, 0.3, 0.7, 0.7)
-INSET = (0.65, 0.0, 1.0, 0.35)
+INSET = (0.65, 0.65, 1.0, 1.0)
 STILL_S = 0.7
 
 
