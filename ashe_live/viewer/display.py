@@ -16,7 +16,7 @@ from ashe_live.viewer.status import source_lines, status_lines
 
 # Numbers that change with every frame stay that long: to be read, and as drawing text takes as long as tracking.
 READINGS_SHOWN_FOR_S = 0.5
-INSET_WIDTH = 0.36  # of the window's
+INSET_WIDTH = 0.32  # of the window's
 INSET_MARGIN_PX = 8
 # Else a picture of the video on the video cannot be told from it.
 INSET_BORDER_PX = 2
@@ -94,8 +94,8 @@ def _inset(estimate: LightEstimate, frozen: TrackedFrame, size: Size) -> Overlay
     for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
         if mask is not None:
             picture = _tinted(picture, mask, colour)
-    edges = [INSET_BORDER_PX] * 4
-    framed = cv2.copyMakeBorder(picture, *edges, cv2.BORDER_CONSTANT, value=INSET_BORDER_BGR)
+    edge = INSET_BORDER_PX
+    framed = cv2.copyMakeBorder(picture, edge, edge, edge, edge, cv2.BORDER_CONSTANT, value=INSET_BORDER_BGR)
     rgba = np.asarray(cv2.cvtColor(framed, cv2.COLOR_BGR2RGBA), np.uint8)
     height, width = rgba.shape[:2]
     return Overlay(rgba, size[0] - width - INSET_MARGIN_PX, size[1] - height - INSET_MARGIN_PX)
