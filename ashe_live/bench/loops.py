@@ -93,6 +93,10 @@ class PacedTimes:
     work_ms: list[float] = field(default_factory=list)  # from waking up for a frame until it is drawn
     interval_ms: list[float] = field(default_factory=list)  # from one frame drawn to the next
 
+    def add(self, more: "PacedTimes") -> None:
+        self.work_ms += more.work_ms
+        self.interval_ms += more.interval_ms
+
 
 def time_paced(
     pipeline: Pipeline, renderer: Renderer, scene: Callable[[TrackedFrame], Scene], frames: int, rate_hz: float

@@ -29,9 +29,10 @@ class BlindEstimator:
     """Answers at once that it sees no light."""
 
     name = "blind"
+    takes_ms = 1.0
 
     def estimate(self, tracked):
-        return LightEstimate(self.name, tracked.frame.index, (), "blind", timing_ms={"total": 1.0})
+        return LightEstimate(self.name, tracked.frame.index, (), "blind", timing_ms={"total": self.takes_ms})
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +66,8 @@ def test_the_record_is_whole_and_adds_up(clip, tmp_path, capsys):
     assert stages.keys() == {"decode", "track", "render", "whole", "blit"}
     assert all(stages["whole"]["p99"] >= stages[name]["p50"] > 0 for name in ("decode", "track", "render"))
     paced = record["paced"]
+    assert paced["estimating"]["estimates_ms"]
+    assert set(paced["estimating"]["estimates_ms"]) == {BlindEstimator.takes_ms}
     for times in (
         *stages.values(),
         *(paced[state][kind] for state in ("idle", "estimating") for kind in ("work_ms", "interval_ms")),
