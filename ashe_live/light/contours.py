@@ -1,0 +1,93 @@
+"""Contours of masks at sub-pixel accuracy, without specks, and where they may not be those of the whole."""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Mask
+
+# Blurring a binary mask before its contour is drawn halves the error that pixels make in a slanted edge.
+ANTIALIASING_PX = 0.7
+PAD = 3  # around a mask's window, for the blur
+CUT_PX = 4  # the blur rounds the corners of a mask that is cut by the frame, or by what is unreliable
+SPECK_SHARE = 0.03  # of the largest component's area; smaller ones are no part of the silhouette
+
+AnyMask = NDArray[np.bool_] | NDArray[np.floating]
+
+
+@dataclass(frozen=True, slots=True)
+class Contour:
+    """Where a mask ends."""
+
+    points_px: Float  # (n, 2) the level set's first and last crossing of each row and column
+    hull_px: Float  # (m, 2) corners of their convex hull, in order
+
+
+def contour_of(mask: AnyMask) -> Contour | None:
+    """The contour of a mask (h, w), bool or 0..1, at its level 0.5; None for an empty mask."""
+    if mask.dtype == np.bool_:
+        binary = np.ascontiguousarray(mask).view(np.uint8)
+    else:
+        with np.errstate(invalid="ignore"):
+            binary = (mask > 0.5).astype(np.uint8)
+    x0, y0, width, height = cv2.boundingRect(binary)
+    if width * height == 0:
+        return None
+    # With the pixels around, which a probability's level set lies between.
+    x0, y0 = max(x0 - 1, 0), max(y0 - 1, 0)
+    window = np.s_[y0 : y0 + height + 2, x0 : x0 + width + 2]
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(binary[window], connectivity=8)
+    areas = stats[1:, cv2.CC_STAT_AREA]
+    if areas.max() < 3:
+        return None
+    kept = np.concatenate([[True], areas >= SPECK_SHARE * areas.max()])
+    level = np.pad(np.nan_to_num(np.where(kept[labels], mask[window], 0).astype(np.float32)), PAD)
+    if mask.dtype == np.bool_:
+        level = np.asarray(cv2.GaussianBlur(level, (0, 0), ANTIALIASING_PX), dtype=np.float32)
+    crossings = np.concatenate([_crossings(level), _crossings(level.T)[:, ::-1]])
+    if len(crossings) < 3:
+        return None
+    hull = cv2.convexHull(crossings).reshape(-1, 2)
+    corner = np.array([x0 - PAD, y0 - PAD], dtype=np.float64)
+    return Contour(crossings + corner, hull + corner) if len(hull) >= 3 else None
+
+
+def _crossings(level: NDArray[np.float32]) -> NDArray[np.float32]:
+    """(n, 2) points x, y where the level first and last passes 0.5 in each row."""
+    inside = level > 0.5
+    y = np.flatnonzero(inside.any(axis=1))
+    first = inside[y].argmax(axis=1) - 1
+    last = inside.shape[1] - 1 - inside[y, ::-1].argmax(axis=1)
+    points = []
+    for x in (first, last):
+        left, right = level[y, x], level[y, x + 1]
+        points.append(np.column_stack([x + (0.5 - left) / (right - left), y]))
+    return np.concatenate(points).astype(np.float32)
+
+
+def cut_off(points: Float, shape: tuple[int, ...], unreliable: Mask | None) -> Mask:
+    """(m,) whether points lie at the frame's border or that of what is unreliable."""
+    height, width = shape
+    x, y = np.rint(points).astype(np.intp).T
+    cut = (x < CUT_PX) | (y < CUT_PX) | (x >= width - CUT_PX) | (y >= height - CUT_PX)
+    if unreliable is not None:
+        for dx, dy in ((dx, dy) for dx in (-2, 0, 2) for dy in (-2, 0, 2)):
+            cut |= unreliable[np.clip(y + dy, 0, height - 1), np.clip(x + dx, 0, width - 1)]
+    return np.asarray(cut)
+
+
+def beside(points: Float, body: AnyMask, margin: float) -> Mask:
+    """(m,) whether points lie within `margin` pixels of the object."""
+    height, width = body.shape
+    reach = math.ceil(margin)
+    x0, y0 = np.maximum(np.floor(points.min(axis=0)).astype(int) - reach, 0)
+    x1, y1 = np.minimum(np.ceil(points.max(axis=0)).astype(int) + reach + 1, (width, height))
+    free = (body[y0:y1, x0:x1] <= 0.5).astype(np.uint8)
+    if free.size == 0 or free.all():
+        return np.zeros(len(points), dtype=np.bool_)
+    distance = cv2.distanceTransform(free, cv2.DIST_L2, 3)
+    x, y = np.rint(points).astype(np.intp).T
+    return np.asarray(distance[np.clip(y, y0, y1 - 1) - y0, np.clip(x, x0, x1 - 1) - x0] <= margin)

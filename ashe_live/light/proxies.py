@@ -1,0 +1,240 @@
+"""Families of upright bodies that stand in for the real object: convex hulls of spheroids.
+
+A family turns parameters into spheroids (x, y, z, radius, half height) and their derivatives. Lengths are in units of
+the first guess's size, about its place on the ground; those that must stay positive enter as logarithms.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.light.jets import Jet, cos, exp, parameters, share, sin, stacked
+
+Parts = tuple[Float, Float]  # (n, k, 5) spheroids, (n, k, 5, q) their derivatives
+
+# Corners of a box: x and y as multiples of half its sides, z of its height; the lower four first.
+CORNER_X = np.array([-1.0, 1.0, 1.0, -1.0] * 2)
+CORNER_Y = np.array([-1.0, -1.0, 1.0, 1.0] * 2)
+CORNER_Z = np.array([0.0] * 4 + [1.0] * 4)
+
+
+@dataclass(frozen=True, slots=True)
+class Family:
+    """A kind of body, and where a search among its members begins."""
+
+    name: str
+    grows_from: str | None  # the family whose member a search starts from; None: the first guess
+    parts: Callable[[Float], Parts]  # of parameters (n, q)
+    starts: Callable[[Float], Float]  # (n, q) from a member of that family (the first guess is a frustum)
+    spread: tuple[float, ...]  # (q,) how far a parameter plausibly lies from its start; inf: anywhere
+
+
+@dataclass(frozen=True, slots=True)
+class Proxy:
+    """A fitted body: the convex hull of upright spheroids (a point, a disc and a ball are special cases)."""
+
+    family: str
+    spheroids_marker: Float  # (k, 5) centre x, y, z, horizontal radius, half height; metres, marker frame
+
+    def __post_init__(self) -> None:
+        set_frozen(self, spheroids_marker=frozen_floats(self.spheroids_marker, (-1, 5), "spheroids_marker"))
+
+    def points_marker(self, around: int = 24) -> Float:
+        """(m, 3) points on the body, marker frame, metres, whose convex hull it is (nearly, where it is round)."""
+        angles = np.arange(around) * (2 * math.pi / around)
+        clouds = []
+        for x, y, z, radius, half in self.spheroids_marker:
+            tilts = np.linspace(-math.pi / 2, math.pi / 2, 9) if half else np.zeros(1)
+            tilt, angle = np.meshgrid(tilts, angles if radius else angles[:1])
+            flat = radius * np.cos(tilt)
+            offsets = np.stack([flat * np.cos(angle), flat * np.sin(angle), half * np.sin(tilt)], axis=-1)
+            clouds.append((offsets + np.array([x, y, z])).reshape(-1, 3))
+        return np.concatenate(clouds)
+
+
+def _frustum(theta: Float) -> Parts:
+    """Cylinder, cone, cup."""
+    x, y, height, below, above = parameters(theta)
+    return stacked([(x, y, None, below, None), (x, y, exp(height), above, None)], [1, 1])
+
+
+def _vase(theta: Float) -> Parts:
+    """A frustum with a third radius between."""
+    x, y, height, below, between, above, level = parameters(theta)
+    top = exp(height)
+    rings = [(x, y, None, below, None), (x, y, share(level) * top, between, None), (x, y, top, above, None)]
+    return stacked(rings, [1, 1, 1])
+
+
+def _bottle(theta: Float) -> Parts:
+    """Belly, shoulder and neck."""
+    x, y, height, below, lower, upper, above, low, high = parameters(theta)
+    top = exp(height)
+    shoulder = share(high) * top
+    rings: list[tuple[Jet | None, ...]] = [(x, y, None, below, None), (x, y, share(low) * shoulder, lower, None)]
+    rings += [(x, y, shoulder, upper, None), (x, y, top, above, None)]
+    return stacked(rings, [1, 1, 1, 1])
+
+
+def _sphere(theta: Float) -> Parts:
+    x, y, size = parameters(theta)
+    radius = exp(size)
+    return stacked([(x, y, radius, radius, radius)], [1])
+
+
+def _egg(theta: Float) -> Parts:
+    x, y, size, stretch = parameters(theta)
+    half = exp(size + stretch)
+    return stacked([(x, y, half, exp(size), half)], [1])
+
+
+def _box(theta: Float) -> Parts:
+    x, y, yaw, breadth, depth, height = parameters(theta)
+    corners = _turned(x, y, yaw, exp(breadth) * CORNER_X, exp(depth) * CORNER_Y)
+    return stacked([(*corners, exp(height) * CORNER_Z, None, None)], [8])
+
+
+def _ell(theta: Float) -> Parts:
+    """A box and a lower one of the same depth at one of its sides."""
+    x, y, yaw, breadth, depth, height, length, level = parameters(theta)
+    half, side, top = exp(breadth), exp(depth), exp(height)
+    tall = _turned(x, y, yaw, half * CORNER_X, side * CORNER_Y)
+    low = _turned(x, y, yaw, (half + exp(length)) * np.ones(4), side * CORNER_Y[[0, 2, 4, 6]])
+    step = share(level) * top * CORNER_Z[[0, 2, 4, 6]]
+    return stacked([(*tall, top * CORNER_Z, None, None), (*low, step, None, None)], [8, 4])
+
+
+def _wagon(theta: Float) -> Parts:
+    """An L raised above the ground, on four feet."""
+    x, y, yaw, breadth, depth, height, length, level, clearance, inset = parameters(theta)
+    half, side, top, reach = exp(breadth), exp(depth), exp(height), exp(length)
+    lift = share(clearance) * top
+    rise = top - lift
+    tall = _turned(x, y, yaw, half * CORNER_X, side * CORNER_Y)
+    low = _turned(x, y, yaw, (half + reach) * np.ones(4), side * CORNER_Y[[0, 2, 4, 6]])
+    front, back = half + reach, half * -1.0
+    middle, span = (front + back) * 0.5, (front - back) * 0.5
+    feet = _turned(x, y, yaw, middle + span * share(inset) * CORNER_X[:4], side * CORNER_Y[:4])
+    levels = rise * CORNER_Z + lift, share(level) * rise * CORNER_Z[[0, 2, 4, 6]] + lift
+    return stacked(
+        [(*tall, levels[0], None, None), (*low, levels[1], None, None), (*feet, None, None, None)], [8, 4, 4]
+    )
+
+
+def _pylon(theta: Float) -> Parts:
+    """A cone on a square plate."""
+    x, y, yaw, breadth, thickness, height, radius = parameters(theta)
+    half, top = exp(breadth), exp(height)
+    plate = _turned(x, y, yaw, half * CORNER_X, half * CORNER_Y)
+    return stacked([(*plate, share(thickness) * top * CORNER_Z, None, None), (x, y, top, radius, None)], [8, 1])
+
+
+def _mug(theta: Float) -> Parts:
+    """A frustum with a handle, which is a spheroid at its side."""
+    x, y, height, below, above, dx, dy, level, radius, half = parameters(theta)
+    top = exp(height)
+    handle = (x + dx, y + dy, share(level) * top, exp(radius), exp(half))
+    return stacked([(x, y, None, below, None), (x, y, top, above, None), handle], [1, 1, 1])
+
+
+def _turned(x: Jet, y: Jet, yaw: Jet, across: Jet, along: Jet) -> tuple[Jet, Jet]:
+    c, s = cos(yaw), sin(yaw)
+    return x + (c * across - s * along), y + (s * across + c * along)
+
+
+# Starts: from the parameters of the family that this one grows out of.
+
+
+def _upright_starts(seed: Float) -> Float:
+    x, y, height, below, above = seed
+    return np.array([(x, y, height, below, above), (x, y, height, below, below / 3)])
+
+
+def _vase_starts(seed: Float) -> Float:
+    x, y, height, below, above = seed
+    middle = 0.5 * (abs(below) + abs(above))
+    return np.array([(x, y, height, below, 1.1 * middle, above, level) for level in (0.7, -0.7)])
+
+
+def _bottle_starts(seed: Float) -> Float:
+    x, y, height, below, between, above, level = seed
+    return np.array([(x, y, height, below, 1.02 * between, 0.8 * between, above, 1.5, level + 0.4)])
+
+
+def _ball_starts(seed: Float) -> Float:
+    x, y, _, below, above = seed
+    return np.array([(x, y, math.log(max(abs(below), abs(above), 1e-3)))])
+
+
+def _egg_starts(seed: Float) -> Float:
+    return np.array([(*seed, 0.0)])
+
+
+def _box_starts(seed: Float) -> Float:
+    x, y, height, below, above = seed
+    half = math.log(0.8 * max(abs(below), abs(above), 1e-3))
+    return np.array([(x, y, yaw, half, half, height) for yaw in _turns(4, math.pi / 2)])
+
+
+def _ell_starts(seed: Float) -> Float:
+    return np.array([(*_turned_box(seed, turn, 0.5), math.log(0.5), 0.0) for turn in _turns(8, 2 * math.pi)])
+
+
+def _wagon_starts(seed: Float) -> Float:
+    shape = (math.log(0.3), 0.7, -2.0, 1.5)
+    return np.array([(*_turned_box(seed, turn, 0.7), *shape) for turn in _turns(4, 2 * math.pi)])
+
+
+def _pylon_starts(seed: Float) -> Float:
+    x, y, height, below, _ = seed
+    half = math.log(max(0.8 * abs(below), 1e-3))
+    return np.array([(x, y, yaw, half, -3.0, height, 0.2 * abs(below)) for yaw in _turns(2, math.pi / 2)])
+
+
+def _mug_starts(seed: Float) -> Float:
+    r = max(abs(seed[3]), abs(seed[4]), 1e-3)
+    handle = (0.0, math.log(0.4 * r), math.log(0.3) + seed[2])
+    body = (seed[0], seed[1], seed[2], 0.9 * seed[3], 0.9 * seed[4])
+    return np.array([(*body, r * math.cos(a), r * math.sin(a), *handle) for a in _turns(6, 2 * math.pi)])
+
+
+def _turns(count: int, whole: float) -> list[float]:
+    return [whole * i / count for i in range(count)]
+
+
+def _turned_box(box: Float, turn: float, kept: float) -> tuple[float, ...]:
+    """A box seen from another side, and only the share `kept` of it, to leave room at its +x side."""
+    x, y, yaw, breadth, depth, height = box
+    # Between the sides, half its diagonals' lengths stand in.
+    c, s = math.cos(turn) ** 2, math.sin(turn) ** 2
+    breadth, depth = c * breadth + s * depth, s * breadth + c * depth
+    cut = (1 - kept) * math.exp(min(breadth, 5.0))
+    return (
+        x - cut * math.cos(yaw + turn),
+        y - cut * math.sin(yaw + turn),
+        yaw + turn,
+        breadth + math.log(kept),
+        depth,
+        height,
+    )
+
+
+INF = math.inf
+FAMILIES = {
+    family.name: family
+    for family in (
+        Family("frustum", None, _frustum, _upright_starts, (INF, INF, 1.0, INF, INF)),
+        Family("box", None, _box, _box_starts, (INF, INF, INF, 1.0, 1.0, 1.0)),
+        Family("sphere", None, _sphere, _ball_starts, (INF, INF, 1.0)),
+        Family("vase", "frustum", _vase, _vase_starts, (INF, INF, 1.0, INF, INF, INF, 1.5)),
+        Family("mug", "frustum", _mug, _mug_starts, (INF, INF, 1.0, INF, INF, 1.0, 1.0, 1.0, 0.7, 0.7)),
+        Family("pylon", "frustum", _pylon, _pylon_starts, (INF, INF, INF, 1.0, 1.0, 1.0, INF)),
+        Family("wagon", "box", _wagon, _wagon_starts, (INF, INF, INF, 1.0, 1.0, 1.0, 1.0, 1.5, 0.7, 0.7)),
+        Family("ell", "box", _ell, _ell_starts, (INF, INF, INF, 1.0, 1.0, 1.0, 1.0, 1.5)),
+        Family("bottle", "vase", _bottle, _bottle_starts, (INF, INF, 1.0, INF, INF, INF, INF, 1.5, 1.5)),
+        Family("egg", "sphere", _egg, _egg_starts, (INF, INF, 1.0, 0.5)),
+    )
+}

@@ -1,0 +1,135 @@
+"""Tangents from the light's vanishing point: they touch the object's outline and its shadow's, whatever the shape.
+
+A plane through the camera's centre and the light's direction meets both silhouettes or neither (docs/maths.md,
+"Common tangents"). Each of the two outermost planes gives one equation in the two numbers of s, free of any body.
+"""
+
+import math
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.silhouettes import Outlines, Silhouette
+
+NARROWEST = 0.05  # share of the distance to the vanishing point that must remain before a tangent is believed
+TANGENT_SIGMAS = 1.5  # a tangent's error in those of an edge; beyond OUTLIER of its own it counts less and less
+OUTLIER = 4.0
+GROUNDED_SHARE = 0.15  # of its height: what a body's tangent touches below this may be its foot
+ITERATIONS = 15
+
+
+def sharpened_slants(
+    P: Float, outlines: Outlines, slants: Float, information: Float, edge_sigma_px: float, spheroids: Float | None
+) -> tuple[Float, Float]:
+    """The most likely displacements given those of a fitted body and the tangents, and their covariance.
+
+    P: (3, 4) pixels from the body's frame. slants: (l, 2), believed with `information` (2 l, 2 l), which must be
+    positive definite. spheroids: (k, 5) the body, where it can be told from it what a tangent touches. Returns (l, 2)
+    and (2 l, 2 l).
+    """
+    sigma = TANGENT_SIGMAS * max(edge_sigma_px, 0.05)
+    feet = [None if spheroids is None else _stands_there(P, spheroids, slant) for slant in slants]
+
+    def evaluate(candidate: Float) -> tuple[float, Float, Float]:
+        """Cost, its gradient / 2 and its curvature / 2."""
+        offset = (candidate - slants).ravel()
+        gradient, curvature = information @ offset, information.copy()
+        cost = float(offset @ gradient)
+        for i, (shadow, foot) in enumerate(zip(outlines.shadows, feet, strict=True)):
+            gaps, by_slant = tangent_gaps(P, outlines.body, shadow, candidate[i : i + 1], foot)
+            error, slope, own = gaps[0] / sigma, by_slant[0] / sigma, np.s_[2 * i : 2 * i + 2]
+            weight = 1 / (1 + (error / OUTLIER) ** 2)
+            cost += float(OUTLIER**2 * np.log1p((error / OUTLIER) ** 2).sum())
+            gradient[own] += slope.T @ (weight * error)
+            curvature[own, own] += slope.T @ (weight[:, None] * slope)
+        return cost, gradient, curvature
+
+    best, damping = slants, 1e-3
+    cost, gradient, curvature = evaluate(best)
+    for _ in range(ITERATIONS):
+        step = np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), -gradient)
+        candidate = best + step.reshape(slants.shape)
+        new_cost, new_gradient, new_curvature = evaluate(candidate)
+        if new_cost < cost:
+            settled = cost - new_cost < 1e-4 * cost
+            best, cost, gradient, curvature = candidate, new_cost, new_gradient, new_curvature
+            damping *= 0.2
+            if settled:
+                break
+        else:
+            damping *= 8.0
+    return best, np.asarray(np.linalg.inv(curvature))
+
+
+def tangent_gaps(
+    P: Float, body: Silhouette, shadow: Silhouette, slants: Float, foot: Mask | None = None
+) -> tuple[Float, Float]:
+    """How far the two pairs of tangents are apart.
+
+    P: (3, 4) pixels about the silhouettes' centre. slants: (n, 2) candidate displacements s. foot: (2,) sides on which
+    the object's tangent touches where it stands: it hides its own shadow there. Returns (n, 2) gaps in pixels, first
+    and second side, and their derivatives by s (n, 2, 2). A gap that a hidden or cut outline may explain is 0, as is
+    that of a vanishing point within the outlines, which has no tangents.
+    """
+    foot = np.zeros(2, dtype=np.bool_) if foot is None else foot
+    v = slants @ P[:, :2].T + P[:, 2]
+    # A light right behind the outlines' centre has no side; any will do, as its gaps are zeroed below.
+    v[:, 0] = np.where(np.abs(v[:, :2]).max(axis=1) < 1e-12 * np.abs(P[:, :3]).max(), 1e-9, v[:, 0])
+    body_q, body_room, body_by_v = _crossings(v, body.hull_px)
+    shadow_q, shadow_room, shadow_by_v = _crossings(v, shadow.hull_px)
+    outside = (body_room.min(axis=1) > NARROWEST) & (shadow_room.min(axis=1) > NARROWEST)
+    gaps = np.zeros((len(slants), 2))
+    by_slant = np.zeros((len(slants), 2, 2))
+    row = np.arange(len(slants))
+    for side, sign in enumerate((1.0, -1.0)):
+        i, j = (sign * body_q).argmax(axis=1), (sign * shadow_q).argmax(axis=1)
+        # Both ends' errors as pixels: q is measured abreast of the centre.
+        scale = sign / np.hypot(1 / body_room[row, i], 1 / shadow_room[row, j])
+        gap = scale * (shadow_q[row, j] - body_q[row, i])
+        shadow_may_reach_further = ~shadow.certain[j] | foot[side]
+        body_may_reach_further = ~body.certain[i]
+        explained = (shadow_may_reach_further & (gap < 0)) | (body_may_reach_further & (gap > 0)) | ~outside
+        gaps[:, side] = np.where(explained, 0.0, gap)
+        by_v = np.where(explained, 0.0, scale)[:, None] * (shadow_by_v[row, j] - body_by_v[row, i])
+        by_slant[:, side] = by_v @ P[:, :2]
+    return gaps, by_slant
+
+
+def _stands_there(P: Float, spheroids: Float, slant: Float) -> Mask:
+    """(2,) whether a body's first and second tangent touch it near the ground."""
+    angles = np.arange(16) * (2 * math.pi / 16)
+    rim = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(16)])
+    rims = spheroids[:, None, :3] + spheroids[:, None, 3:4] * rim
+    poles = spheroids[:, None, :3] + spheroids[:, None, 4:] * np.array([[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]])
+    points = np.concatenate([rims, poles], axis=1).reshape(-1, 3)
+    images = points @ P[:, :3].T + P[:, 3]
+    pixels = images[:, :2] / np.maximum(images[:, 2:], 1e-3 * P[2, 3])
+    v = (slant @ P[:, :2].T + P[:, 2])[None]
+    if np.abs(v[0, :2]).max() < 1e-12 * np.abs(P[:, :3]).max():
+        return np.zeros(2, dtype=np.bool_)
+    q, _, _ = _crossings(v, pixels)
+    touched = points[[q[0].argmax(), q[0].argmin()], 2]
+    return np.asarray(touched < GROUNDED_SHARE * points[:, 2].max())
+
+
+def _crossings(v: Float, points: Float) -> tuple[Float, Float, Float]:
+    """Where lines from vanishing points v (n, 3) through points (m, 2) pass abreast of the origin.
+
+    Returns (n, m) signed distances q from the origin across the direction of v, (n, m) the distance left to v as a
+    share of the whole (negative beyond v), and (n, m, 3) derivatives of q by v.
+    """
+    x, y = points.T
+    length = np.hypot(v[:, 0], v[:, 1])[:, None]
+    along = (v[:, :2] @ points.T) / length
+    room = 1 - v[:, 2:] * along / length
+    safe = np.where(np.abs(room) < 1e-9, 1e-9, room)
+    span = length * safe
+    cross = v[:, :1] * y - v[:, 1:2] * x
+    q = cross / span
+    by_v = np.empty((*q.shape, 3))
+    for axis, (turn, coordinate) in enumerate(((y, x), (-x, y))):
+        unit = v[:, axis : axis + 1] / length
+        by_span = unit - v[:, 2:] / length * (coordinate - along * unit)
+        by_v[..., axis] = (turn - q * by_span) / span
+    by_v[..., 2] = q * along / span
+    return q, room, by_v
