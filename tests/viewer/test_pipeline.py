@@ -25,9 +25,9 @@ def await_that(condition: Callable[[], bool]) -> None:
 
 
 def indices(pipeline: Pipeline, until: int) -> list[int]:
-    """Of the frames taken, up to and with the first of index `until`."""
+    """Of the frames taken, up to and with the first from `until` on; some may have been overtaken by the next."""
     taken: list[int] = []
-    while not taken or taken[-1] != until:
+    while not taken or taken[-1] < until:
         tracked = pipeline.frames.take(PATIENCE_S)
         assert tracked is not None
         taken.append(tracked.frame.index)
