@@ -25,11 +25,12 @@ from ashe_live.light.tangents import sharpened_slants
 CORRELATED = 4.0
 # What a squared edge error and a squared misfit (the body is not quite of the family) weigh in the variance of an
 # outline; measured so that 68 and 95 % of the errors on rendered scenes, with true and spoilt masks, lie within theirs.
-EDGE_WEIGHT, MISFIT_WEIGHT = 6.0, 30.0
+EDGE_WEIGHT, MISFIT_WEIGHT = 4.0, 20.0
 # A misfit beyond this share of the object's size says that the family is a wrong one.
 WRONG_FAMILY_SHARE = 0.015
 # Cauchy's scale: errors beyond this share of the object's size are outliers (a handle, a hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
+ENOUGH_SHARE = 0.005  # of the object's size: small objects look alike, and need all families
 HEMISPHERE_RAD = 0.7  # how far a light may be from where it is found, if the outlines tell nothing
 HOPELESS = 3.0  # a search whose cost remains above this multiple of the best is given up
 
@@ -43,11 +44,11 @@ class FitPreset:
     stretches: tuple[float, ...]  # of the first guess's shadow length, to start from
     iterations: int
     kept: int  # starts that go on after the first iterations
-    enough: float  # no further family is tried below this multiple of the edges' sigma
+    enough: float  # no further family is tried once one misses by less, in sigmas of the edges
 
 
 FAST = FitPreset(32, ("frustum", "box", "sphere", "vase"), (1.0,), 8, 1, 1.5)
-BALANCED = FitPreset(48, ("frustum", "box", "sphere", "vase", "mug", "pylon", "wagon", "ell"), (0.8, 1.3), 12, 2, 1.25)
+BALANCED = FitPreset(40, ("frustum", "box", "sphere", "vase", "mug", "pylon", "wagon", "ell"), (1.0,), 10, 1, 1.25)
 ACCURATE = FitPreset(72, tuple(FAMILIES), (0.6, 1.0, 1.6), 30, 3, 0.0)
 
 
@@ -104,7 +105,7 @@ def fit_light(
     masks = [body, *shadows] if unreliable is None else [body, *shadows, unreliable]
     if not shadows or any(mask.shape != shape for mask in masks):
         raise ValueError(f"a fit needs an object and shadows of shape {shape}, not {[mask.shape for mask in masks]}")
-    outlines = observe_outlines(body, shadows, unreliable, preset.directions)
+    outlines = observe_outlines(body, shadows, unreliable, preset.directions, edge_sigma_px)
     if isinstance(outlines, str):
         return FitFailure(outlines)
     guess = guess_scene(camera, T_cam_marker, outlines)
@@ -118,13 +119,14 @@ def _try_families(
     outlines: Outlines, guess: FirstGuess, edge_sigma_px: float, preset: FitPreset
 ) -> dict[str, Solution]:
     outlier_px = min(max(OUTLIER_SHARE * outlines.size_px, OUTLIER_PX[0]), OUTLIER_PX[1])
+    enough_px = min(preset.enough * edge_sigma_px, ENOUGH_SHARE * outlines.size_px)
     cylinder = np.array([0.0, 0.0, math.log(guess.height), guess.radius, guess.radius])
     solutions: dict[str, Solution] = {}
     for name in preset.families:
         family = FAMILIES[name]
         least = min((solution.mean_square for solution in solutions.values()), default=math.inf)
         # A small ball also looks much like a cup: all families that grow from the first guess are tried in any case.
-        if family.grows_from and math.sqrt(least) < preset.enough * edge_sigma_px:
+        if family.grows_from and math.sqrt(least) < enough_px:
             break
         if family.grows_from is None:
             shapes = family.starts(cylinder)

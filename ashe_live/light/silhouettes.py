@@ -11,10 +11,10 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.contours import AnyMask, Contour, beside, contour_of, cut_off
 
 # The outline of a shadow this near to the object may go on behind it.
-CONTACT_PX, CONTACT_SHARE = 2.0, 0.03
+CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0
 # An edge may end anywhere along its length: what reaches this nearly as far may be where the outline ends.
 TIE_PX = 0.5
-LEAST_SEEN_OF_BODY, LEAST_SEEN_OF_SHADOW = 6, 2  # directions
+LEAST_SEEN_OF_BODY, LEAST_SEEN_OF_SHADOW = 6, 1  # directions
 # A straight edge this long, in sizes of the object, is measured although its ends are cut or hidden.
 LONG_EDGE, EDGES, STRAIGHT_PX = 0.3, 2, 0.75
 
@@ -46,11 +46,16 @@ class Outlines:
 
 
 def observe_outlines(
-    body: AnyMask, shadows: Sequence[AnyMask], unreliable: Mask | None, direction_count: int
+    body: AnyMask,
+    shadows: Sequence[AnyMask],
+    unreliable: Mask | None,
+    direction_count: int,
+    edge_sigma_px: float = 0.0,
 ) -> Outlines | str:
     """Silhouettes from masks (h, w): bool, or the probability 0..1, then drawn at 0.5; or the reason why not.
 
-    `unreliable`: pixels of which nothing is known, such as the marker's or other objects'.
+    `unreliable`: pixels of which nothing is known, such as the marker's or other objects'. `edge_sigma_px`: how far
+    edges typically are from the truth, which may leave a gap between the object and its shadow.
     """
     body_contour = contour_of(body)
     if body_contour is None:
@@ -60,7 +65,7 @@ def observe_outlines(
         return "no shadow"
     size = math.sqrt(max(cv2.contourArea(body_contour.hull_px.astype(np.float32)), 1.0))
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
-    margin = max(CONTACT_PX, CONTACT_SHARE * size)
+    margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * edge_sigma_px
 
     def is_cut(points: Float) -> Mask:
         return cut_off(points, body.shape, unreliable)

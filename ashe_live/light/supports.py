@@ -51,7 +51,7 @@ def outline_supports(P: Float, parts: Float, slants: Float, directions: Float) -
     mixed = conic[..., 3:5] @ directions.T
     depth = conic[..., 5:]
     # A point's root is 0; rounding would make it 1e-6 px, too coarse for derivatives by differences.
-    blunt = radii.any(axis=-1)[..., None]
+    blunt = radii.max(axis=-1, keepdims=True) > 0
     reach = (mixed + blunt * np.sqrt(np.maximum(mixed * mixed - depth * across, 0.0))) / depth
     part = reach.argmax(axis=2)
     reach_px = reach.max(axis=2)
