@@ -1,6 +1,5 @@
 """Contours of masks at sub-pixel accuracy, without specks, and where they may not be those of the whole."""
 
-import math
 from dataclasses import dataclass
 
 import cv2
@@ -79,15 +78,7 @@ def cut_off(points: Float, shape: tuple[int, ...], unreliable: Mask | None) -> M
     return np.asarray(cut)
 
 
-def beside(points: Float, body: AnyMask, margin: float) -> Mask:
-    """(m,) whether points lie within `margin` pixels of the object."""
-    height, width = body.shape
-    reach = math.ceil(margin)
-    x0, y0 = np.maximum(np.floor(points.min(axis=0)).astype(int) - reach, 0)
-    x1, y1 = np.minimum(np.ceil(points.max(axis=0)).astype(int) + reach + 1, (width, height))
-    free = (body[y0:y1, x0:x1] <= 0.5).astype(np.uint8)
-    if free.size == 0 or free.all():
-        return np.zeros(len(points), dtype=np.bool_)
-    distance = cv2.distanceTransform(free, cv2.DIST_L2, 3)
-    x, y = np.rint(points).astype(np.intp).T
-    return np.asarray(distance[np.clip(y, y0, y1 - 1) - y0, np.clip(x, x0, x1 - 1) - x0] <= margin)
+def beside(points: Float, contour: Contour, margin: float) -> Mask:
+    """(m,) whether points lie within `margin` pixels of a contour."""
+    offsets = points[:, None] - contour.points_px
+    return np.asarray((offsets**2).sum(axis=2).min(axis=1) <= margin**2)

@@ -12,16 +12,15 @@ from ashe_live.core.arrays import Float
 
 @dataclass(frozen=True, slots=True)
 class Jet:
-    """Values (n, k) and their exact derivatives (n, k, q) by the q parameters of each of n candidates."""
+    """Values (n, k) and their exact derivatives by the q parameters of each of n candidates."""
 
     value: Float
-    slope: Float
+    slope: Float  # (n, k, q), or 1 in the place of n or k where all are the same
 
     def __add__(self, other: Jet | Float | float) -> Jet:
         if isinstance(other, Jet):
             return Jet(self.value + other.value, self.slope + other.slope)
-        value = self.value + other
-        return Jet(value, np.broadcast_to(self.slope, (*value.shape, self.slope.shape[2])))
+        return Jet(self.value + other, self.slope)
 
     def __sub__(self, other: Jet) -> Jet:
         return Jet(self.value - other.value, self.slope - other.slope)
@@ -39,19 +38,18 @@ class Jet:
 
 def parameters(theta: Float) -> list[Jet]:
     """The q columns of theta (n, q) as jets (n, 1), the ones with respect to which slopes are taken."""
-    n, q = theta.shape
-    one_hot = np.eye(q)
-    return [Jet(theta[:, i : i + 1], np.broadcast_to(one_hot[i], (n, 1, q))) for i in range(q)]
+    one_hot = np.eye(theta.shape[1])
+    return [Jet(theta[:, i : i + 1], one_hot[None, i : i + 1]) for i in range(theta.shape[1])]
 
 
 def exp(jet: Jet) -> Jet:
-    value = np.exp(np.clip(jet.value, -30.0, 30.0))
+    value = np.exp(np.minimum(np.maximum(jet.value, -30.0), 30.0))
     return Jet(value, value[..., None] * jet.slope)
 
 
 def share(jet: Jet) -> Jet:
     """The logistic function, between 0 and 1."""
-    value = 1 / (1 + np.exp(-np.clip(jet.value, -30.0, 30.0)))
+    value = 1 / (1 + np.exp(np.minimum(np.maximum(-jet.value, -30.0), 30.0)))
     return Jet(value, (value * (1 - value))[..., None] * jet.slope)
 
 

@@ -33,10 +33,8 @@ def residuals(P: Float, outlines: Outlines, family: Family, lights: int, theta: 
     n, split = len(theta), 2 * lights
     parts, by_shape = family.parts(theta[:, split:])
     supports = outline_supports(P, parts, theta[:, :split].reshape(n, lights, 2), outlines.directions)
-    silhouettes = (outlines.body, *outlines.shadows)
-    least = np.stack([silhouette.least_px for silhouette in silhouettes])
-    most = np.stack([silhouette.most_px for silhouette in silhouettes])
-    missed = np.minimum(supports.reach_px - least, 0.0) + np.maximum(supports.reach_px - most, 0.0)
+    missed = np.minimum(supports.reach_px - outlines.least_px, 0.0)
+    missed += np.maximum(supports.reach_px - outlines.most_px, 0.0)
     by_theta = np.zeros((*missed.shape, theta.shape[1]))
     by_theta[..., split:] = supports.by_parts @ by_shape.reshape(n, 1, -1, by_shape.shape[3])
     for light in range(lights):
@@ -94,7 +92,7 @@ def search(
         if settled or bool((damping > 1e5).all()) or (iteration >= TRIAL and cost.min() > hopeless):
             break
     best_one = int(cost.argmin())
-    seen = np.concatenate([silhouette.seen for silhouette in (outlines.body, *outlines.shadows)])
+    seen = outlines.seen.ravel()
     # Bounds are no measurements: what lies between them, or at one of them, could lie elsewhere.
     normal, _ = _normal_equations(missed[best_one][None, seen], by_theta[best_one][None, seen], scale_px)
     known = int(seen.sum())

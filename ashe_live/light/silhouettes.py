@@ -21,28 +21,32 @@ LONG_EDGE, EDGES, STRAIGHT_PX = 0.3, 2, 0.75
 
 @dataclass(frozen=True, slots=True)
 class Silhouette:
-    """A convex hull, and what it bounds: where it is hidden or cut, the whole may reach further."""
+    """A convex hull, and where it may not be that of the whole."""
 
     hull_px: Float  # (m, 2) corners about the common centre
     certain: Mask  # (m,) whether the outline truly ends at this corner
-    least_px: Float  # (d,) the whole reaches at least as far
-    most_px: Float  # (d,) and at most as far; equal where it is seen, inf where nothing is known
-
-    @property
-    def seen(self) -> Mask:
-        """(d,) in which directions the outline itself was measured, not only bounds of it."""
-        return np.asarray(self.least_px == self.most_px)
 
 
 @dataclass(frozen=True, slots=True)
 class Outlines:
-    """The silhouettes of an object and of its shadows."""
+    """The silhouettes of an object and of its l shadows, and what they bound.
+
+    Rows of the bounds: the object, then its shadows. They are equal where an outline was measured, and apart where it
+    is hidden (it may reach further) or cut (infinitely far, for all that is known).
+    """
 
     directions: Float  # (d, 2) unit vectors in the image
     centre_px: Float  # (2,) of the object, where silhouettes are measured from
     size_px: float  # square root of the object's area
     body: Silhouette
     shadows: tuple[Silhouette, ...]
+    least_px: Float  # (1 + l, d) the whole reaches at least as far
+    most_px: Float  # (1 + l, d) and at most as far
+
+    @property
+    def seen(self) -> Mask:
+        """(1 + l, d) where an outline was measured, not only bounded."""
+        return np.asarray(self.least_px == self.most_px)
 
 
 def observe_outlines(
@@ -71,7 +75,7 @@ def observe_outlines(
         return cut_off(points, body.shape, unreliable)
 
     def is_hidden(points: Float) -> Mask:
-        return beside(points, body, margin)
+        return beside(points, body_contour, margin)
 
     angles = np.arange(direction_count) * (2 * math.pi / direction_count)
     blocks = [np.column_stack([np.cos(angles), np.sin(angles)])]
@@ -86,7 +90,7 @@ def observe_outlines(
     body_cut = is_cut(body_contour.hull_px)
     body_reach = _reach(points, directions)
     body_most = np.where(_ends_at(body_cut, points, directions, TIE_PX) & (owner != 1), np.inf, body_reach)
-    silhouettes = [Silhouette(points, ~body_cut, body_reach, body_most)]
+    silhouettes, least_px, most_px = [Silhouette(points, ~body_cut)], [body_reach], [body_most]
     for number, contour in enumerate(shadow_contours, start=2):
         points = contour.hull_px - centre
         cut, hidden = is_cut(contour.hull_px), is_hidden(contour.hull_px)
@@ -94,13 +98,17 @@ def observe_outlines(
         # What goes on behind the object cannot pass the object's own outline.
         most = np.where(_ends_at(hidden, points, directions, 0.0), np.maximum(reach, body_most), reach)
         most = np.where(_ends_at(cut, points, directions, TIE_PX), np.inf, most)
-        most = np.where(owner == number, reach, most)
-        silhouettes.append(Silhouette(points, ~(cut | hidden), reach, most))
-    if np.count_nonzero(silhouettes[0].seen) < LEAST_SEEN_OF_BODY:
+        silhouettes.append(Silhouette(points, ~(cut | hidden)))
+        least_px.append(reach)
+        most_px.append(np.where(owner == number, reach, most))
+    least, most = np.stack(least_px), np.stack(most_px)
+    outlines = Outlines(directions, centre, size, silhouettes[0], tuple(silhouettes[1:]), least, most)
+    seen = outlines.seen.sum(axis=1)
+    if seen[0] < LEAST_SEEN_OF_BODY:
         return "too little of the object's outline can be seen"
-    if any(np.count_nonzero(shadow.seen) < LEAST_SEEN_OF_SHADOW for shadow in silhouettes[1:]):
+    if seen[1:].min() < LEAST_SEEN_OF_SHADOW:
         return "too little of the shadow's outline can be seen"
-    return Outlines(directions, centre, size, silhouettes[0], tuple(silhouettes[1:]))
+    return outlines
 
 
 def _edge_normals(contour: Contour, doubtful: Mask, is_doubtful: Callable[[Float], Mask], size_px: float) -> Float:

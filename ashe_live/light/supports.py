@@ -58,8 +58,8 @@ def outline_supports(P: Float, parts: Float, slants: Float, directions: Float) -
 
     # The touching line as a form on the axes; by the envelope theorem its slopes there are all that is needed.
     slopes = directions @ axes[..., :2].swapaxes(2, 3) - reach_px[..., None] * axes[:, :, None, :, 2]
-    body, outline = np.ogrid[:n, : 1 + lights]
-    touched = body[..., None], outline[..., None], part
+    body = np.arange(n)[:, None, None]
+    touched = body, np.arange(1 + lights)[:, None], part
     squares = radii[touched]
     flat = slopes[..., 0] ** 2 + slopes[..., 1] ** 2
     tall = slopes[..., 2] ** 2
@@ -69,7 +69,7 @@ def outline_supports(P: Float, parts: Float, slants: Float, directions: Float) -
     depth_touched += squares[..., 0] / lean * (slopes[..., :2] @ axes[..., :2, 2, None])[..., 0]
     depth_touched = np.maximum(depth_touched, NEAREST_DEPTH * P[2, 3])
     slopes /= depth_touched[..., None]
-    own = parts[body[..., None], part]
+    own = parts[body, part]
     growth = np.sign(own[..., 3:]) * np.sqrt(squares) * np.stack([flat, tall], axis=-1)
     growth /= (lean * depth_touched)[..., None]
     by_parts = np.zeros((part.size * k, 5))

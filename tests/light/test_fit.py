@@ -280,3 +280,25 @@ def test_the_papers_scenes_are_solved() -> None:
         errors.append(error_deg(fit, case.to_lights_marker[0]))
     assert np.mean(errors) < 0.5
     assert max(errors) < 1.0
+
+
+def test_rendered_scenes_are_solved_and_their_errors_foretold() -> None:
+    """All casters, odd ones too, in all kinds of light; perfect masks."""
+    folder = SHARED / "scenes"
+    if not folder.exists():
+        pytest.skip("there is no folder shared/scenes beside the checkout")
+    errors, sigmas = [], []
+    for case in read_cases(folder):
+        if case.to_lights_marker is None or not len(case.to_lights_marker):
+            continue
+        masks = {name: cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) > 127 for name, path in case.mask_paths.items()}
+        shadow = masks.get("shadow_caster", masks["shadow"])
+        pose, clutter = case.marker.T_cam_marker, masks.get("clutter")
+        fit = fit_light(masks["object"], [shadow], case.camera, pose, clutter, 0.2)
+        assert isinstance(fit, Fit), case.id
+        errors.append(error_deg(fit, case.to_lights_marker[0]))
+        sigmas.append(sigmas_off(fit, case.to_lights_marker[0]))
+    assert np.mean(errors) < 1.5
+    assert np.median(errors) < 0.6
+    assert np.mean(np.array(sigmas) < 1.51) > 0.6
+    assert np.mean(np.array(sigmas) < 2.45) > 0.85

@@ -55,20 +55,17 @@ def test_nothing_has_no_contour(mask: Float) -> None:
 
 def test_beyond_the_frame_anything_may_be() -> None:
     outlines = outlines_of(disc(60, 60, 20), disc(150, 60, 25))
-    shadow = outlines.shadows[0]
-    right, left = shadow.most_px[0], shadow.most_px[16]
-    assert right == math.inf
-    assert left == shadow.least_px[16]
-    assert outlines.body.seen.all()
+    assert outlines.most_px[1, 0] == math.inf
+    assert outlines.most_px[1, 16] == outlines.least_px[1, 16]
+    assert outlines.seen[0].all()
 
 
 def test_behind_the_object_the_shadow_ends_within_its_outline() -> None:
     body = disc(60, 60, 25)
     outlines = outlines_of(body, disc(85, 60, 20) & ~body)
-    shadow = outlines.shadows[0]
-    assert shadow.seen[0]  # to the right, away from the object
-    assert not shadow.seen[16]
-    assert shadow.most_px[16] == pytest.approx(outlines.body.most_px[16])
+    assert outlines.seen[1, 0]  # to the right, away from the object
+    assert not outlines.seen[1, 16]
+    assert outlines.most_px[1, 16] == pytest.approx(outlines.most_px[0, 16])
 
 
 def test_what_is_unreliable_bounds_nothing() -> None:
@@ -76,8 +73,8 @@ def test_what_is_unreliable_bounds_nothing() -> None:
     unreliable = np.zeros_like(body)
     unreliable[:, 70:] = True
     outlines = outlines_of(body & ~unreliable, disc(30, 90, 20) & ~unreliable, unreliable)
-    assert outlines.body.most_px[0] == math.inf
-    assert outlines.body.seen[16]
+    assert outlines.most_px[0, 0] == math.inf
+    assert outlines.seen[0, 16]
 
 
 def test_a_straight_edge_is_known_although_its_ends_are_not() -> None:
@@ -86,9 +83,8 @@ def test_a_straight_edge_is_known_although_its_ends_are_not() -> None:
     strip = np.zeros(body.shape, dtype=np.uint8)
     cv2.fillConvexPoly(strip, np.array([(40, 50), (200, 75), (200, 95), (40, 70)], dtype=np.int32), 1)
     outlines = outlines_of(body, (strip > 0) & ~body)
-    shadow = outlines.shadows[0]
     extra = outlines.directions[32:]
     assert len(extra) == 2
-    assert shadow.seen[32:].all()
+    assert outlines.seen[1, 32:].all()
     across = np.array([-25.0, 160.0]) / math.hypot(25, 160)
     assert sorted(extra @ across) == pytest.approx([-1.0, 1.0], abs=1e-3)
