@@ -16,7 +16,7 @@ Number = TypeVar("Number", int, float)
 
 EPILOG = "Start with `ashe-live demo`; print a marker with `ashe-live marker --out marker.pdf`."
 DEFAULT_MARKER = "aruco:4x4_50:0"
-DEFAULT_ESTIMATOR = "paper"
+DEFAULT_ESTIMATOR = "proxy"
 MARKER_HELP = (
     f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit) or image:FILE.png (default {DEFAULT_MARKER})"
 )

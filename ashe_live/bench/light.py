@@ -37,7 +37,7 @@ class CaseResult:
 
 
 def run_light_bench(
-    scenes: Sequence[Path], out: Path | None, estimators: Sequence[str] = ("paper",), limit: int | None = None
+    scenes: Sequence[Path], out: Path | None, estimators: Sequence[str] = ("proxy",), limit: int | None = None
 ) -> list[CaseResult]:
     """Runs `estimators` on every case with a known light of the folders `scenes`, at most `limit` of each folder.
 

@@ -21,6 +21,12 @@ class Estimator(Protocol):
         ...
 
 
+def _proxy() -> Estimator:
+    from ashe_live.light.proxy import ProxyEstimator
+
+    return ProxyEstimator()
+
+
 def _paper() -> Estimator:
     from ashe_live.light.paper import PaperEstimator
 
@@ -28,7 +34,7 @@ def _paper() -> Estimator:
 
 
 # Factories, as naming the estimators (in --help) must not load OpenCV.
-ESTIMATORS: Mapping[str, Callable[[], Estimator]] = {"paper": _paper}
+ESTIMATORS: Mapping[str, Callable[[], Estimator]] = {"proxy": _proxy, "paper": _paper}
 
 
 def make_estimator(name: str) -> Estimator:

@@ -21,7 +21,7 @@ class InstantEstimator:
     """Sees the light straight overhead, or none when told so."""
 
     has_light: bool = True
-    name: str = "paper"
+    name: str = cli.DEFAULT_ESTIMATOR
 
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
         lights = (DirectionalLight((0.0, 0.3, 1.0)),) if self.has_light else ()
@@ -84,14 +84,16 @@ def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
 @pytest.fixture
 def instant(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every estimate is made at once and in this process."""
-    monkeypatch.setitem(estimator.ESTIMATORS, "paper", InstantEstimator)
+    monkeypatch.setitem(estimator.ESTIMATORS, cli.DEFAULT_ESTIMATOR, InstantEstimator)
     monkeypatch.setattr(view, "LightWorker", InstantWorker)
 
 
 @pytest.fixture
 def go_dark(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
     """From its call on, every estimate made in this process finds no light."""
-    return lambda: monkeypatch.setitem(estimator.ESTIMATORS, "paper", partial(InstantEstimator, has_light=False))
+    return lambda: monkeypatch.setitem(
+        estimator.ESTIMATORS, cli.DEFAULT_ESTIMATOR, partial(InstantEstimator, has_light=False)
+    )
 
 
 @pytest.fixture(scope="session")

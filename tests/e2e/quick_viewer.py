@@ -1,16 +1,10 @@
-"""`ashe-live` whose paper estimator works on small pictures: the same way, in a tenth of a second.
-
-Its process has the viewer's priority, as at the lowest one a crowded machine lets it wait for minutes.
-"""
+"""`ashe-live` whose light process has the viewer's priority: at the lowest one a crowded machine lets it wait."""
 
 import sys
-from functools import partial
 
-from ashe_live.light import estimator, worker_process
-from ashe_live.light.paper import PaperEstimator, PaperSteps
+from ashe_live.light import worker_process
 
 # At import, so that the light worker's process, which imports this file too, has it as well.
-estimator.ESTIMATORS = {**estimator.ESTIMATORS, "paper": partial(PaperEstimator, PaperSteps(size=(160, 120)))}
 worker_process.NICENESS = 0
 
 if __name__ == "__main__":

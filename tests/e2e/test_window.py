@@ -100,8 +100,8 @@ def test_keys_switch_the_model_also_while_paused(estimated):
 
 
 def test_space_estimates_while_frames_go_on(play):
-    """With the estimator as shipped, which takes seconds."""
-    viewer = play("--loop", "--estimate-at", "1000", quick=False)
+    """With the estimator that takes seconds."""
+    viewer = play("--loop", "--estimate-at", "1000", "--estimator", "paper", quick=False)
     viewer.press("space")
     moved = 0
     before = viewer.part(*BODY)

@@ -1,0 +1,264 @@
+"""Which of the unlit areas are shadow, and which object belongs to it.
+
+A shadow shifts every colour of the ground by one vector (in logs of linear light). Each unlit pixel votes for the
+shifts that would make it a shadow of each colour of the lit ground; where votes agree, a shadow may be. Several shifts
+are kept, as a plain object votes for one too: the geometry decides between them.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.ground import (
+    CHROMA_WEIGHT,
+    Float32,
+    LitGround,
+    cleaned,
+    clusters,
+    large_areas,
+    mixture,
+    nearest_squared_distance,
+    smoothed,
+)
+
+# The vote's bins: log brightness, chroma red to blue, chroma green.
+BIN = np.array([0.06, 0.06, 0.05])
+LOWEST = np.array([-2.7, -1.6, -0.3])
+BINS = np.array([42, 34, 18])
+# How far a shadow pixel may be from its ground's shifted colour.
+SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
+VOTERS = 3000
+LEAST_PX = 25
+LEAST_AREA_PX = 60
+OBJECT_COLOURS = 4
+BAND_PX = 4
+SEAM_PX = 3
+# Where a penumbra or a pixel's own width mixes lit and shadowed ground, and where the object hides part of the sky as
+# well: shares of the shift, below and above the half at which the edge is drawn.
+LIT_SHARES = (0.0, 0.25, 0.45)
+SHADED_SHARES = (1.0, 0.55, 0.78, 1.25)
+MIXED_COST = 2.0
+# Squared distance from the shadow's colours beyond which a colour is surely the object's own.
+SURELY_OWN = 12.0
+
+
+@dataclass(frozen=True, slots=True)
+class AssociateSteps:
+    """How many explanations are tried."""
+
+    shifts: int = 5
+    shadows_per_shift: int = 2
+    rounds: int = 2  # of learning colours and classifying by them
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Split:
+    """One explanation of an unlit area: an object, and the shadow that touches it."""
+
+    object_mask: Mask  # (h, w)
+    shadow_mask: Mask  # (h, w)
+    shift: Float  # (3,) from the ground's colours to its shadowed ones, log-opponent
+
+
+def splits(ground: LitGround, unlit: Mask, is_ground: Mask, steps: AssociateSteps) -> list[Split]:
+    """The explanations worth a fit, likeliest shift first."""
+    found: list[Split] = []
+    for shift in shadow_shifts(ground, unlit, steps.shifts):
+        shadows = _areas_by_size(_shadow_like(ground, unlit, shift), LEAST_PX)
+        for shadow in shadows[: steps.shadows_per_shift]:
+            for split in _objects_beside(unlit, shadow, shift):
+                found.append(classified(ground.colours, ground, split, is_ground, steps.rounds))
+    return [split for split in found if min(split.object_mask.sum(), split.shadow_mask.sum()) >= LEAST_PX // 2]
+
+
+def shadow_shifts(ground: LitGround, unlit: Mask, count: int) -> list[Float]:
+    """Up to `count` shifts (3,) that many unlit pixels vote for, most votes first."""
+    colours = ground.colours[unlit]
+    if len(colours) < LEAST_PX:
+        return []
+    colours = colours[:: len(colours) // VOTERS + 1]
+    common = ground.weights > 0.02
+    centres, weights = ground.centres[common], ground.weights[common]
+    offsets = np.asarray(colours[:, None, :] - centres[None], dtype=np.float64)
+    bins = np.floor((offsets - LOWEST) / BIN).astype(int)
+    inside = ((bins >= 0) & (bins < BINS)).all(axis=2)
+    flat = np.ravel_multi_index(tuple(bins[inside].T), tuple(BINS))
+    votes = np.bincount(flat, np.broadcast_to(weights, inside.shape)[inside], int(np.prod(BINS))).reshape(tuple(BINS))
+    shifts: list[Float] = []
+    for peak in _peaks(_blurred(votes) * _plausibility(), count):
+        shift = _mean_shift(offsets, weights, LOWEST + (peak + 0.5) * BIN)
+        if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts):
+            shifts.append(shift)
+    return shifts
+
+
+def shadow_ratio(shift: Float) -> Float:
+    """(3,) linear RGB, shadowed over lit ground, of a shift of the ground's log-opponent colours."""
+    brightness, red_blue, green = shift[0], shift[1] / CHROMA_WEIGHT, shift[2] / CHROMA_WEIGHT
+    log_green = brightness - green / 3
+    red_and_blue = 3 * brightness - log_green
+    logs = np.array([(red_and_blue + red_blue) / 2, log_green, (red_and_blue - red_blue) / 2])
+    return np.asarray(np.exp(np.minimum(logs, 0.0)))
+
+
+def classified(
+    colours: Float32, ground: LitGround, split: Split, is_ground: Mask, rounds: int, prior: Float32 | None = None
+) -> Split:
+    """The split's pixels and those around them, each given to lit ground, shadow or object by likelihood.
+
+    `colours` (h, w, 3) may be the ground's own or those of a window at another scale; the masks are of that size.
+    Where two materials meet, the likelihoods change places half-way between their colours, which is where the edge is.
+    `prior`: (h, w, 3) costs added to those of ground, shadow, object, e.g. from a fitted body.
+    """
+    body, shadow = split.object_mask, split.shadow_mask
+    band = _grown(body | shadow, BAND_PX) & is_ground
+    banded = colours[band]
+    lit = _ground_cost(banded, ground, split.shift, LIT_SHARES)
+    shaded = _ground_cost(banded, ground, split.shift, SHADED_SHARES)
+    surely_own = np.zeros(band.shape, dtype=bool)
+    surely_own[band] = np.minimum(lit, shaded) - _floor(ground) > SURELY_OWN
+    for _ in range(rounds):
+        core = cv2.erode(body.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
+        core &= surely_own
+        own = colours[core if np.count_nonzero(core) > 60 else body & surely_own]
+        if len(own) < LEAST_PX // 2:
+            break
+        labels, centres = clusters(own, OBJECT_COLOURS)
+        centres, covariances, weights = mixture(own, labels, centres)
+        if len(centres) == 0:
+            break
+        material = _cost(banded, centres, covariances, -2 * np.log(np.maximum(weights, 1e-3)))
+        costs = np.zeros((*band.shape, 3), np.float32)
+        costs[band] = np.minimum(np.column_stack([lit, shaded, material]), 40)
+        costs = np.stack([smoothed(costs[..., label]) for label in range(3)], axis=2)
+        label_map = (costs if prior is None else costs + prior).argmin(axis=2)
+        body = _overlapping(cleaned(band & (label_map == 2)), body, 0.3)
+        body = _filled(body)
+        beside = _grown(body | shadow, 1)
+        shadow = _overlapping(large_areas(cleaned(band & (label_map == 1) & ~body), LEAST_PX // 2), beside, 0.0)
+        # Cleaning leaves a seam where the two meet; there, nothing shows where the shadow ends.
+        shadow |= _grown(shadow, SEAM_PX) & _grown(body, SEAM_PX) & (label_map != 0) & ~body
+        if min(np.count_nonzero(body), np.count_nonzero(shadow)) < LEAST_PX // 2:
+            break
+    return Split(body, shadow, split.shift)
+
+
+def _shadow_like(ground: LitGround, unlit: Mask, shift: Float) -> Mask:
+    """The unlit pixels that look like some colour of the ground in shadow."""
+    height, width = unlit.shape
+    noise = np.broadcast_to(np.diag((1.3 * SHIFT_NOISE) ** 2), (len(ground.centres), 3, 3)).astype(np.float32)
+    squared = nearest_squared_distance(ground.colours.reshape(-1, 3), ground.centres + shift.astype(np.float32), noise)
+    return cleaned(unlit & (smoothed(np.exp(-0.5 * squared).reshape(height, width)) > 0.3))
+
+
+def _objects_beside(unlit: Mask, shadow: Mask, shift: Float) -> list[Split]:
+    """The shadow's unlit area without it as one object; and, if that differs, its largest part that touches it."""
+    area = _overlapping(large_areas(unlit, LEAST_AREA_PX), shadow, 0.0)
+    reach = _grown(shadow, 2)
+    parts = _areas_by_size(cleaned(area & ~shadow), LEAST_PX)
+    touching = [part for part in parts if (part & reach).any()]
+    if not touching:
+        return []
+    whole = np.any([part for part in parts if part.sum() > 0.05 * parts[0].sum()], axis=0)
+    found = [Split(whole, shadow, shift)]
+    if touching[0].sum() < 0.95 * whole.sum():
+        found.append(Split(touching[0], shadow, shift))
+    return found
+
+
+def _areas_by_size(mask: Mask, least_px: int) -> list[Mask]:
+    """The connected areas of `mask`, largest first."""
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
+    sizes = statistics[1:, cv2.CC_STAT_AREA]
+    order = np.argsort(-sizes, kind="stable")
+    return [labels == index + 1 for index in order if sizes[index] >= least_px]
+
+
+def _overlapping(mask: Mask, other: Mask, least_share: float) -> Mask:
+    """The connected areas of `mask` of which more than `least_share` lies in `other`; `mask` itself if none does."""
+    _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
+    sizes = np.bincount(labels.ravel())
+    shared = np.bincount(labels[other & mask], minlength=len(sizes))
+    kept = shared > least_share * sizes
+    kept[0] = False
+    return np.asarray(kept[labels], dtype=bool) if kept.any() else mask
+
+
+def _grown(mask: Mask, by_px: int) -> Mask:
+    kernel = np.ones((2 * by_px + 1, 2 * by_px + 1), np.uint8)
+    return cv2.dilate(mask.astype(np.uint8), kernel).astype(bool)
+
+
+def _filled(mask: Mask) -> Mask:
+    outlines, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    filled = np.zeros(mask.shape, np.uint8)
+    cv2.drawContours(filled, outlines, -1, 1, cv2.FILLED)
+    return filled.astype(bool)
+
+
+def _ground_cost(colours: Float32, ground: LitGround, shift: Float, shares: tuple[float, ...]) -> Float32:
+    """(n,) cost of being ground of which `shares` of the light that the shadow lacks are missing."""
+    rarity = -2 * np.log(np.maximum(ground.weights, 1e-3))
+    costs = []
+    for share in shares:
+        wider = ground.covariances * (1 + 0.5 * share)
+        mixed = 0.0 if share in (0.0, 1.0) else MIXED_COST
+        costs.append(_cost(colours, ground.centres + (share * shift).astype(np.float32), wider, rarity) + mixed)
+    return np.asarray(np.min(costs, axis=0))
+
+
+def _floor(ground: LitGround) -> float:
+    """The cost of the ground's most common colour, exactly met."""
+    spread = np.linalg.slogdet(ground.covariances.astype(np.float64))[1]
+    return float((spread - 2 * np.log(np.maximum(ground.weights, 1e-3))).min())
+
+
+def _cost(colours: Float32, centres: Float32, covariances: Float32, rarity: Float32) -> Float32:
+    """(n,) twice the negative log likelihood of the likeliest component, up to a constant."""
+    spread = np.linalg.slogdet(covariances.astype(np.float64))[1].astype(np.float32)
+    return nearest_squared_distance(colours, centres, covariances, spread + rarity)
+
+
+def _plausibility() -> Float:
+    """Shadows are darker, and lit by the sky alone: as blue as the lit ground or bluer, and green in proportion."""
+    brightness, red_blue, green = (
+        low + (np.arange(n) + 0.5) * size for low, n, size in zip(LOWEST, BINS, BIN, strict=True)
+    )
+    darker = 1 / (1 + np.exp((brightness + 0.25) / 0.06))
+    bluer = np.exp(-0.5 * (np.maximum(red_blue, 0) / 0.2) ** 2)
+    daylight = np.exp(-0.5 * ((green[None] + 0.25 * red_blue[:, None]) / 0.18) ** 2)
+    return np.asarray(darker[:, None, None] * (bluer[:, None] * daylight)[None])
+
+
+def _blurred(votes: Float) -> Float:
+    blurred = votes
+    for axis in range(3):
+        padded = np.pad(blurred, [(1, 1) if a == axis else (0, 0) for a in range(3)])
+        before, here, after = (np.take(padded, np.arange(votes.shape[axis]) + k, axis=axis) for k in range(3))
+        blurred = 0.25 * before + 0.5 * here + 0.25 * after
+    return blurred
+
+
+def _peaks(votes: Float, count: int) -> list[Float]:
+    """Bins (3,) of local maxima with a fair share of the highest one's votes, highest first."""
+    rest = votes.copy()
+    peaks: list[Float] = []
+    while len(peaks) < count:
+        peak = np.array(np.unravel_index(rest.argmax(), rest.shape), dtype=np.float64)
+        i, j, k = peak.astype(int)
+        if rest[i, j, k] <= 0.04 * votes.max():
+            break
+        peaks.append(peak)
+        rest[max(0, i - 2) : i + 3, max(0, j - 2) : j + 3, max(0, k - 2) : k + 3] = 0
+    return peaks
+
+
+def _mean_shift(offsets: Float, weights: Float32, shift: Float) -> Float:
+    """The vote's mode near `shift`."""
+    for _ in range(3):
+        away = offsets - shift
+        closeness = weights * np.exp(-0.5 * ((away / SHIFT_NOISE) ** 2).sum(axis=2))
+        shift = shift + (closeness[..., None] * away).sum(axis=(0, 1)) / max(float(closeness.sum()), 1e-9)
+    return np.asarray(shift)

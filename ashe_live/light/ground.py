@@ -1,0 +1,234 @@
+"""The lit ground: the colours that are found all over the frame, and what of the frame they do not explain.
+
+A ground, plain or patterned, shows its few colours everywhere; an object and its shadow show theirs in one place. So
+colours are told apart by how widely they are spread, before anything is known of their brightness. Colours are logs of
+linear light, in which a shadow is a shift, the same for every colour of the ground.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Image, Mask
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+
+Float32 = NDArray[np.float32]
+
+# Added to linear light before the log: what an 8-bit picture cannot tell from black.
+DARKEST = 0.004
+# Chroma differs less than brightness does, and says more.
+CHROMA_WEIGHT = 1.2
+# Standard deviations below which colours of one material are not told apart: noise, JPEG, relief.
+COLOUR_NOISE = np.array([0.05, 0.045, 0.045])
+CELLS = (8, 6)
+SAMPLES = 5000
+SMOOTHING_PX = 0.8
+
+
+@dataclass(frozen=True, slots=True)
+class GroundSteps:
+    """How finely the ground is modelled."""
+
+    spread_colours: int = 20  # clusters whose spread over the frame is measured
+    palette_colours: int = 10  # clusters of the lit ground
+    field_rounds: int = 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LitGround:
+    """The ground's palette and how far each pixel is from it."""
+
+    colours: Float32  # (h, w, 3) log-opponent colours without the ground's own slow shading
+    field: Float32  # (5, 3) that shading, as coefficients of slow bases
+    centres: Float32  # (k, 3) palette
+    covariances: Float32  # (k, 3, 3)
+    weights: Float32  # (k,) shares of the lit ground
+    surprise: Float32  # (h, w) squared Mahalanobis distance to the nearest colour of the palette
+    spread: Float32  # (h, w) share of the frame over which the pixel's colour is found, in (0, 1]
+
+
+def log_opponent(image_bgr: Image, smoothing_px: float = 0.7) -> Float32:
+    """(h, w, 3): log brightness, log red over blue, log of red and blue over green, from linear light."""
+    smooth = cv2.GaussianBlur(image_bgr, (0, 0), smoothing_px) if smoothing_px > 0 else image_bgr
+    table = np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32)
+    blue, green, red = np.moveaxis(table[smooth], 2, 0)
+    brightness = (red + green + blue) / 3
+    return np.stack(
+        [brightness, CHROMA_WEIGHT * (red - blue), CHROMA_WEIGHT * (red + blue - 2 * green)], axis=2, dtype=np.float32
+    )
+
+
+def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> LitGround | None:
+    """The lit ground of `image_bgr` (h, w, 3), where `is_ground` (h, w) leaves out the marker and the sky.
+
+    None when too little of the frame is ground, or no colour of it is spread.
+    """
+    colours = log_opponent(image_bgr)
+    if np.count_nonzero(is_ground) < SAMPLES // 10:
+        return None
+    bases = _slow_bases((*is_ground.shape,))
+    field, spread = _wider_spread(colours, bases, is_ground, steps.spread_colours)
+    lit = is_ground & (smoothed(spread) > _spread_of_ground(spread, is_ground))
+    lit = cv2.erode(lit.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
+    chosen = _samples(lit)
+    if len(chosen) < SAMPLES // 10:
+        return None
+    for _ in range(steps.field_rounds):
+        field = _field_beside_palette(colours, field, bases, chosen, steps.palette_colours)
+    flat = colours - (bases @ field).reshape(colours.shape)
+    labels, centres = clusters(flat.reshape(-1, 3)[chosen], steps.palette_colours)
+    centres, covariances, weights = mixture(flat.reshape(-1, 3)[chosen], labels, centres, widening=1.3)
+    surprise = nearest_squared_distance(flat.reshape(-1, 3), centres, covariances).reshape(lit.shape)
+    return LitGround(flat, field, centres, covariances, weights, surprise, spread)
+
+
+def ground_colours(image_bgr: Image, ground: LitGround, window: tuple[slice, slice]) -> Float32:
+    """(h, w, 3): the colours of a window (rows, columns) of the frame at another scale, on the same ground."""
+    colours = log_opponent(image_bgr[window])
+    return colours - (_slow_bases(image_bgr.shape[:2], window) @ ground.field).reshape(colours.shape)
+
+
+def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
+    """(h, w): objects and shadows, as compact areas of at least `least_px` that the lit ground does not explain."""
+    rare = smoothed(ground.spread) < _spread_of_ground(ground.spread, is_ground, most=0.35, of_median=0.75)
+    surprising = cv2.GaussianBlur(np.minimum(ground.surprise, 60), (0, 0), 0.7) > 6.0
+    return large_areas(cleaned(is_ground & rare & surprising), least_px)
+
+
+def smoothed(values: Float32) -> Float32:
+    return np.asarray(cv2.GaussianBlur(values, (0, 0), SMOOTHING_PX), dtype=np.float32)
+
+
+def cleaned(mask: Mask) -> Mask:
+    """Without specks and pinholes."""
+    kernel = np.ones((3, 3), np.uint8)
+    opened = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, kernel)
+    return cv2.morphologyEx(opened, cv2.MORPH_CLOSE, kernel).astype(bool)
+
+
+def large_areas(mask: Mask, least_px: int) -> Mask:
+    """The connected areas of `mask` with at least `least_px` pixels."""
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    large = statistics[:, cv2.CC_STAT_AREA] >= least_px
+    large[0] = False
+    return np.asarray(large[labels], dtype=bool)
+
+
+def clusters(colours: Float32, count: int) -> tuple[NDArray[np.intp], Float32]:
+    """Labels (n,) and centres (k, 3) of colours (n, 3), k at most `count`; the same input gives the same bits."""
+    # OpenCV's generator is global: seeded here, so that nothing that ran before matters.
+    cv2.setRNGSeed(1)
+    criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 12, 0.01)
+    start: NDArray[np.int32] = np.empty(0, np.int32)
+    _, labels, centres = cv2.kmeans(colours, min(count, len(colours)), start, criteria, 1, cv2.KMEANS_PP_CENTERS)
+    return labels[:, 0].astype(np.intp), np.asarray(centres, dtype=np.float32)
+
+
+def mixture(
+    colours: Float32, labels: NDArray[np.intp], centres: Float32, widening: float = 1.0
+) -> tuple[Float32, Float32, Float32]:
+    """Centres (k, 3), covariances (k, 3, 3) and weights (k,) of the clusters that have enough members."""
+    kept, covariances, weights = [], [], []
+    for k in range(len(centres)):
+        members = colours[labels == k]
+        if len(members) >= 5:
+            kept.append(centres[k])
+            covariances.append(widening * np.cov(members.T) + np.diag(COLOUR_NOISE**2))
+            weights.append(len(members) / len(labels))
+    return np.array(kept, np.float32), np.array(covariances, np.float32), np.array(weights, np.float32)
+
+
+def nearest_squared_distance(
+    colours: Float32, centres: Float32, covariances: Float32, costs: Float32 | None = None
+) -> Float32:
+    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a component, plus that component's cost (k,)."""
+    nearest = np.full(len(colours), np.inf, np.float32)
+    for k in range(len(centres)):
+        whitening = np.linalg.inv(np.linalg.cholesky(covariances[k].astype(np.float64))).astype(np.float32)
+        white = (colours - centres[k]) @ whitening.T
+        squared = np.einsum("ij,ij->i", white, white)
+        np.minimum(nearest, squared + (0.0 if costs is None else costs[k]), out=nearest)
+    return nearest
+
+
+def _slow_bases(shape: tuple[int, ...], window: tuple[slice, slice] = (slice(None), slice(None))) -> Float32:
+    """(h * w, 5): the slow shading of a ground seen in perspective under one sky: a quadratic without a constant."""
+    rows, columns = (np.arange(size, dtype=np.float32)[part] + 0.5 for size, part in zip(shape, window, strict=True))
+    v, u = np.meshgrid(rows, columns, indexing="ij")
+    u, v = 2 * u / shape[1] - 1, 2 * v / shape[0] - 1
+    return np.stack([u, v, u * u, u * v, v * v], axis=2).reshape(-1, 5)
+
+
+def _samples(mask: Mask) -> NDArray[np.intp]:
+    """Up to SAMPLES flat indices of `mask`, chosen at random but always the same."""
+    inside = np.flatnonzero(mask)
+    if len(inside) <= SAMPLES:
+        return inside
+    return np.sort(np.random.default_rng(0).choice(inside, SAMPLES, replace=False))
+
+
+def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int) -> tuple[Float32, Float32]:
+    """The slow field, or none, whichever leaves the ground's colours more widely spread; and that spread."""
+    chosen = _samples(is_ground)
+    none = np.zeros((bases.shape[1], 3), np.float32)
+    trend = _robust_trend(colours, bases, chosen)
+    spreads = [
+        (field, _spread(colours - (bases @ field).reshape(colours.shape), is_ground, chosen, count))
+        for field in (none, trend)
+    ]
+    return max(spreads, key=lambda pair: float(np.median(pair[1][is_ground])))
+
+
+def _spread(colours: Float32, is_ground: Mask, chosen: NDArray[np.intp], count: int) -> Float32:
+    """(h, w): over how many of the frame's cells each pixel's colour is distributed (perplexity over cells)."""
+    flat = colours.reshape(-1, 3)
+    _, centres = clusters(flat[chosen], count)
+    labels = ((centres**2).sum(axis=1) - 2 * flat @ centres.T).argmin(axis=1)
+    height, width = is_ground.shape
+    columns, rows = CELLS
+    cells = (np.arange(height) * rows // height)[:, None] * columns + np.arange(width) * columns // width
+    inside = is_ground.ravel()
+    total = np.bincount(cells.ravel()[inside], minlength=columns * rows)
+    counts = np.bincount(labels[inside] * total.size + cells.ravel()[inside], minlength=len(centres) * total.size)
+    seen = total > 0.15 * is_ground.size / total.size
+    density = counts.reshape(len(centres), -1)[:, seen] / np.maximum(total[seen], 1)
+    share = density / np.maximum(density.sum(axis=1, keepdims=True), 1e-9)
+    perplexity = np.exp(-(share * np.log(share + 1e-12)).sum(axis=1)) / max(np.count_nonzero(seen), 1)
+    return np.asarray(perplexity[labels].reshape(is_ground.shape), dtype=np.float32)
+
+
+def _spread_of_ground(spread: Float32, is_ground: Mask, most: float = 0.3, of_median: float = 0.6) -> float:
+    """The spread above which a colour is one of the ground's."""
+    return min(most, of_median * float(np.median(spread[is_ground])))
+
+
+def _robust_trend(colours: Float32, bases: Float32, chosen: NDArray[np.intp]) -> Float32:
+    """(5, 3) slow field by reweighted least squares with a constant, which is left out; outliers: Cauchy weights."""
+    design = np.column_stack([np.ones(len(chosen), np.float32), bases[chosen]]).astype(np.float64)
+    values = colours.reshape(-1, 3)[chosen].astype(np.float64)
+    ridge = 2e-5 * len(chosen) * np.diag([0.0, 1, 1, 3, 3, 3])
+    weights = np.ones(len(chosen))
+    for _ in range(6):
+        weighted = design * weights[:, None]
+        coefficients = np.linalg.solve(weighted.T @ design + ridge, weighted.T @ values)
+        residuals = values - design @ coefficients
+        scale = 1.48 * np.median(np.abs(residuals), axis=0) + 0.01
+        weights = 1 / (1 + ((residuals / (2 * scale)) ** 2).sum(axis=1))
+    return np.asarray(coefficients[1:], dtype=np.float32)
+
+
+def _field_beside_palette(
+    colours: Float32, field: Float32, bases: Float32, chosen: NDArray[np.intp], count: int
+) -> Float32:
+    """The slow field once more, from what the palette's colours leave over."""
+    values = colours.reshape(-1, 3)[chosen]
+    before = bases[chosen] @ field
+    labels, centres = clusters(values - before, count)
+    rest = values - centres[labels]
+    weights = 1 / (1 + (((rest - before) / 0.15) ** 2).sum(axis=1))
+    weighted = bases[chosen] * weights[:, None]
+    ridge = 5e-4 * len(chosen) * np.eye(5, dtype=np.float32)
+    coefficients = np.linalg.solve(weighted.T @ bases[chosen] + ridge, weighted.T @ rest)
+    return np.asarray(coefficients, dtype=np.float32)
