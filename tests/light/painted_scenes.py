@@ -48,10 +48,13 @@ class Caster:
         x, y = self.at
         return np.column_stack([x + radius * np.cos(angles), y + radius * np.sin(angles), np.zeros(sides)])
 
+    def top(self) -> Float:
+        """(n, 3) the same corners at the top."""
+        return self.base() + np.array([0, 0, self.height_m])
+
     def faces(self) -> list[tuple[Float, Float]]:
         """Corners (n, 3) and outward normal (3,) of the sides and the top."""
-        base = self.base()
-        top = base + (0, 0, self.height_m)
+        base, top = self.base(), self.top()
         sides = []
         for i in range(len(base)):
             along = base[i] - base[i - 1]
@@ -70,6 +73,11 @@ class Painted:
     body: Mask  # (h, w) of all casters
     shadow: Mask  # (h, w) of all casters, as far as no body hides it
     sheet: Mask  # (h, w)
+
+    @property
+    def beside_sheet(self) -> Mask:
+        """(h, w) all but the sheet and what its edge mixes with."""
+        return cv2.dilate(self.sheet.astype(np.uint8), np.ones((5, 5), np.uint8)) == 0
 
 
 def paint(
@@ -95,7 +103,7 @@ def paint(
     for side, level in ((1.3, 0.8), (1.0, 0.03), (0.4, 0.8)):
         _fill(linear, fine, T_cam_marker, _square(side * SIDE_M), (level,) * 3)
     for caster in casters:
-        corners = np.concatenate([caster.base(), caster.base() + (0, 0, caster.height_m)])
+        corners = np.concatenate([caster.base(), caster.top()])
         cast = corners - corners[:, 2:] * (to_light / to_light[2])
         hull = cv2.convexHull(cast[:, :2].astype(np.float32))[:, 0]
         _fill(shadow, fine, T_cam_marker, np.column_stack([hull, np.zeros(len(hull))]), 1)
@@ -136,7 +144,7 @@ def overlap(a: Mask, b: Mask) -> float:
     return np.count_nonzero(a & b) / max(np.count_nonzero(a | b), 1)
 
 
-def _plain(x: Float32, y: Float32) -> Float32:
+def _plain(x: Float32, _y: Float32) -> Float32:
     return np.broadcast_to(np.array([0.42, 0.38, 0.33], np.float32), (*x.shape, 3))
 
 
