@@ -33,6 +33,8 @@ VOTERS = 3000
 LEAST_PX = 25
 LEAST_AREA_PX = 60
 OBJECT_COLOURS = 4
+SMALL_PART = 0.05
+SAME_SHARE = 0.03
 BAND_PX = 4
 SEAM_PX = 3
 # Where a penumbra or a pixel's own width mixes lit and shadowed ground, and where the object hides part of the sky as
@@ -61,16 +63,28 @@ class Split:
     shadow_mask: Mask  # (h, w)
     shift: Float  # (3,) from the ground's colours to its shadowed ones, log-opponent
 
+    @property
+    def is_large_enough(self) -> bool:
+        return min(np.count_nonzero(self.object_mask), np.count_nonzero(self.shadow_mask)) >= LEAST_PX // 2
+
+    def is_like(self, other: "Split") -> bool:
+        """Whether hardly a pixel is explained otherwise."""
+        differing = (self.object_mask != other.object_mask) | (self.shadow_mask != other.shadow_mask)
+        total = np.count_nonzero(self.object_mask | self.shadow_mask)
+        return bool(np.count_nonzero(differing) < SAME_SHARE * total)
+
 
 def splits(ground: LitGround, unlit: Mask, is_ground: Mask, steps: AssociateSteps) -> list[Split]:
     """The explanations worth a fit, likeliest shift first."""
     found: list[Split] = []
     for shift in shadow_shifts(ground, unlit, steps.shifts):
-        shadows = _areas_by_size(_shadow_like(ground, unlit, shift), LEAST_PX)
-        for shadow in shadows[: steps.shadows_per_shift]:
-            for split in _objects_beside(unlit, shadow, shift):
-                found.append(classified(ground.colours, ground, split, is_ground, steps.rounds))
-    return [split for split in found if min(split.object_mask.sum(), split.shadow_mask.sum()) >= LEAST_PX // 2]
+        shadow_like = _shadow_like(ground, unlit, shift)
+        for shadow in _areas_by_size(shadow_like, LEAST_PX)[: steps.shadows_per_shift]:
+            for rough in _splits_with(shadow, shadow_like, unlit, shift):
+                split = classified(ground.colours, ground, rough, is_ground, steps.rounds)
+                if split.is_large_enough and not any(split.is_like(other) for other in found):
+                    found.append(split)
+    return found
 
 
 def shadow_shifts(ground: LitGround, unlit: Mask, count: int) -> list[Float]:
@@ -140,7 +154,7 @@ def classified(
         shadow = _overlapping(large_areas(cleaned(band & (label_map == 1) & ~body), LEAST_PX // 2), beside, 0.0)
         # Cleaning leaves a seam where the two meet; there, nothing shows where the shadow ends.
         shadow |= _grown(shadow, SEAM_PX) & _grown(body, SEAM_PX) & (label_map != 0) & ~body
-        if min(np.count_nonzero(body), np.count_nonzero(shadow)) < LEAST_PX // 2:
+        if not Split(body, shadow, split.shift).is_large_enough:
             break
     return Split(body, shadow, split.shift)
 
@@ -153,18 +167,21 @@ def _shadow_like(ground: LitGround, unlit: Mask, shift: Float) -> Mask:
     return cleaned(unlit & (smoothed(np.exp(-0.5 * squared).reshape(height, width)) > 0.3))
 
 
-def _objects_beside(unlit: Mask, shadow: Mask, shift: Float) -> list[Split]:
-    """The shadow's unlit area without it as one object; and, if that differs, its largest part that touches it."""
+def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask, shift: Float) -> list[Split]:
+    """What may be the object if `shadow` is its shadow: all the rest of the unlit area, or the part that touches it.
+
+    Other places in the area that look like shadow may be more of it, as behind a handle, or the object's own dark side.
+    """
     area = _overlapping(large_areas(unlit, LEAST_AREA_PX), shadow, 0.0)
-    reach = _grown(shadow, 2)
-    parts = _areas_by_size(cleaned(area & ~shadow), LEAST_PX)
-    touching = [part for part in parts if (part & reach).any()]
-    if not touching:
-        return []
-    whole = np.any([part for part in parts if part.sum() > 0.05 * parts[0].sum()], axis=0)
-    found = [Split(whole, shadow, shift)]
-    if touching[0].sum() < 0.95 * whole.sum():
-        found.append(Split(touching[0], shadow, shift))
+    more = large_areas(area & shadow_like, LEAST_PX // 2) | shadow
+    found = []
+    for whole_shadow in (more, shadow):
+        parts = _areas_by_size(cleaned(area & ~whole_shadow), LEAST_PX)
+        reach = _grown(whole_shadow, 2)
+        touching = [part for part in parts if (part & reach).any()]
+        if touching:
+            rest = np.any([part for part in parts if part.sum() > SMALL_PART * parts[0].sum()], axis=0)
+            found += [Split(rest, whole_shadow, shift), Split(touching[0], whole_shadow, shift)]
     return found
 
 

@@ -1,7 +1,6 @@
 """How far to believe a fit: which explanation is best, how likely it is right, and when not to answer."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -14,10 +13,13 @@ from ashe_live.light.fit import Fit
 
 # Below this, an answer is more likely a wrong one.
 LEAST_CONFIDENCE = 0.3
-# P(error < 10 degrees) is the logistic function of this offset and these weights on `evidence`; fitted by maximum
-# likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -4.85
-WEIGHTS = np.array([-1.91, -4.22, -6.71, -0.31, -0.38, -0.62])
+GOOD_RAD = math.radians(10)
+# A sample of a round normal distribution is beyond r times its 68 % radius with probability exp(RAYLEIGH_68 r^2).
+RAYLEIGH_68 = math.log(1 - 0.68)
+# That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
+# maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
+OFFSET = -8.17
+WEIGHTS = np.array([-2.53, -3.43, -8.05, -0.19, -0.1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,14 +32,12 @@ class Candidate:
 
 
 def evidence(candidate: Candidate) -> Float:
-    """(6,) what speaks for and against an explanation; WEIGHTS says how much.
+    """(5,) what speaks for and against an explanation; WEIGHTS says how much.
 
     The outlines' error over the object's size; the share of the shadow's border at which it meets the object; how far
-    the shadow's colour is from daylight's; its rank in votes; the direction's own uncertainty; a shadow larger than its
-    object.
+    the shadow's colour is from daylight's; its rank in votes; a shadow larger than its object.
     """
     body, shadow, fit = candidate.split.object_mask, candidate.split.shadow_mask, candidate.fit
-    largest = float(np.linalg.eigvalsh(fit.lights[0].covariance_rad2).max())
     _, red_blue, green = candidate.split.shift
     return np.array(
         [
@@ -45,23 +45,21 @@ def evidence(candidate: Candidate) -> Float:
             _border_share(shadow, body),
             abs(green + 0.25 * red_blue),
             min(candidate.rank, 3),
-            max(math.log(math.degrees(math.sqrt(largest)) + 1e-9), 0.0),
             max(math.log(int(shadow.sum()) / max(int(body.sum()), 1)), 0.0),
         ]
     )
 
 
 def confidence_in(candidate: Candidate) -> float:
-    """P(angular error < 10 degrees)."""
-    return float(1 / (1 + np.exp(-np.clip(OFFSET + WEIGHTS @ evidence(candidate), -50, 50))))
+    """P(angular error < 10 degrees): that the explanation is the right one, times that its direction is that good."""
+    is_right = 1 / (1 + np.exp(-np.clip(OFFSET + WEIGHTS @ evidence(candidate), -50, 50)))
+    radius = _radius_of_68_percent(candidate.fit.lights[0].covariance_rad2)
+    return float(is_right * -np.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2))
 
 
-def best_candidate(candidates: Sequence[Candidate]) -> Candidate | None:
-    return max(candidates, key=confidence_in, default=None)
-
-
-def judged(candidate: Candidate, confidence: float) -> DirectionalLight | str:
+def judged(candidate: Candidate) -> DirectionalLight | str:
     """The light with what is known about it, or the reason not to answer."""
+    confidence = confidence_in(candidate)
     if confidence < LEAST_CONFIDENCE:
         return "what stands out from the ground does not fit an object and its shadow in one directional light"
     fitted = candidate.fit.lights[0]

@@ -17,7 +17,7 @@ from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light import fit as fitting
 from ashe_live.light.associate import AssociateSteps, Split, classified, shadow_ratio, splits
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, ground_colours, unlit_mask
-from ashe_live.light.judge import Candidate, best_candidate, confidence_in, judged
+from ashe_live.light.judge import Candidate, confidence_in, judged
 from ashe_live.light.stages import StageClock
 
 # The printed sheet is wider than the black square, and its own edge is neither object nor shadow.
@@ -25,6 +25,7 @@ SHEET_SIDES = 1.45
 # Ground farther away than this many times the marker's distance is too coarse to tell anything.
 FARTHEST = 4.0
 UNRELIABLE_PX = 5
+EDGE_SIGMA_PX = 0.7
 # Of the coarse picture: smaller things are specks.
 LEAST_SHARE = 0.0005
 
@@ -38,10 +39,11 @@ class ProxySteps:
     ground: GroundSteps
     associate: AssociateSteps
     coarse_fit: fitting.FitPreset
+    refined: int  # how many explanations go on to the finer picture
     fine_fit: fitting.FitPreset
 
 
-BALANCED = ProxySteps(320, 640, GroundSteps(), AssociateSteps(), fitting.BALANCED, fitting.BALANCED)
+BALANCED = ProxySteps(320, 640, GroundSteps(), AssociateSteps(), fitting.FAST, 3, fitting.BALANCED)
 
 
 class ProxyEstimator:
@@ -81,29 +83,34 @@ class ProxyEstimator:
             for rank, split in enumerate(explanations)
             if (fitted := _fitted(split, coarse, steps.coarse_fit)) is not None
         ]
-        best = best_candidate(candidates)
-        if best is None:
-            clock.end("fit")
-            return answer("no shadow found: the light may be diffuse, or the shadow out of view")
-        fine = self._refined(tracked, ground, best)
+        promising = sorted(candidates, key=confidence_in, reverse=True)[: steps.refined]
+        refined = self._refined(tracked, ground, promising) if promising else []
         clock.end("fit")
-        # The coarse picture's evidence decides: that is where the explanations were compared.
-        verdict = judged(fine or best, confidence_in(best))
+        best = max(refined, key=confidence_in, default=None)
+        if best is None:
+            return answer("no shadow found: the light may be diffuse, or the shadow out of view")
+        verdict = judged(best)
         clock.end("judge")
+        rough = next(split for split in explanations if split.shift is best.split.shift)
         if isinstance(verdict, str):
-            return answer(verdict, split=best.split)
-        return answer(None, replace(verdict, shadow_rgb_ratio=shadow_ratio(best.split.shift)), split=best.split)
+            return answer(verdict, split=rough)
+        return answer(None, replace(verdict, shadow_rgb_ratio=shadow_ratio(best.split.shift)), split=rough)
 
-    def _refined(self, tracked: TrackedFrame, ground: LitGround, best: Candidate) -> Candidate | None:
-        """The explanation once more, with outlines from the finer picture around it."""
+    def _refined(self, tracked: TrackedFrame, ground: LitGround, rough: list[Candidate]) -> list[Candidate]:
+        """The explanations once more, with outlines from the finer picture around them."""
         view = _View.of(tracked, self._steps.fine_width_px)
-        scale = view.camera.size[0] / best.split.object_mask.shape[1]
-        window = _window_around(best.split.object_mask | best.split.shadow_mask, scale, view.is_ground.shape)
-        split = _magnified(best.split, view.is_ground.shape, window)
-        colours = ground_colours(view.image_bgr, ground, window)
-        split = classified(colours, ground, split, view.is_ground[window], self._steps.associate.rounds)
-        fitted = _fitted(split, view.cut(window), self._steps.fine_fit)
-        return None if fitted is None else Candidate(split, fitted, best.rank)
+        refined = []
+        for candidate in rough:
+            scale = view.camera.size[0] / candidate.split.object_mask.shape[1]
+            covered = candidate.split.object_mask | candidate.split.shadow_mask
+            window = _window_around(covered, scale, view.is_ground.shape)
+            split = _magnified(candidate.split, view.is_ground.shape, window)
+            colours = ground_colours(view.image_bgr, ground, window)
+            split = classified(colours, ground, split, view.is_ground[window], self._steps.associate.rounds)
+            fitted = _fitted(split, view.cut(window), self._steps.fine_fit) if split.is_large_enough else None
+            if fitted is not None:
+                refined.append(Candidate(split, fitted, candidate.rank))
+        return refined
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -171,7 +178,7 @@ def _fitted(split: Split, view: _View, preset: fitting.FitPreset) -> fitting.Fit
     kernel = np.ones((UNRELIABLE_PX, UNRELIABLE_PX), np.uint8)
     unreliable = cv2.dilate((~view.is_ground).astype(np.uint8), kernel).astype(bool)
     found = fitting.fit_light(
-        split.object_mask, [split.shadow_mask], view.camera, view.T_cam_marker, unreliable, preset=preset
+        split.object_mask, [split.shadow_mask], view.camera, view.T_cam_marker, unreliable, EDGE_SIGMA_PX, preset
     )
     return None if isinstance(found, fitting.FitFailure) else found
 

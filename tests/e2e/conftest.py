@@ -138,7 +138,7 @@ def screen() -> Iterator[Screen]:
 
 @pytest.fixture(scope="module")
 def launch(screen: Screen, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Running]]:
-    """Starts the viewer with an estimator that need not wait, or as shipped; one at a time, so that the keyboard is its own."""
+    """Starts the viewer, its estimator not made to wait, or as shipped; one at a time: the keyboard is its own."""
     running: list[Running] = []
 
     def launch(*arguments: object, quick: bool = True) -> Running:
