@@ -65,7 +65,7 @@ class Split:
 
     @property
     def is_large_enough(self) -> bool:
-        return min(np.count_nonzero(self.object_mask), np.count_nonzero(self.shadow_mask)) >= LEAST_PX // 2
+        return bool(min(self.object_mask.sum(), self.shadow_mask.sum()) >= LEAST_PX // 2)
 
     def is_like(self, other: "Split") -> bool:
         """Whether hardly a pixel is explained otherwise."""
