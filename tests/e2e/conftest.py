@@ -158,4 +158,5 @@ def launch(screen: Screen, tmp_path_factory: pytest.TempPathFactory) -> Iterator
 def play(launch, shoot_film, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Running]:
     """Plays a film of two seconds in a window."""
     film = shoot_film(tmp_path_factory.mktemp("pan"), (640, 480), 60)
-    return lambda *arguments, **how: launch("play", film.path, "--camera-file", film.camera_file, *arguments, **how)
+    fixed = (film.path, "--camera-file", film.camera_file, "--estimator", "paper")
+    return lambda *arguments, **how: launch("play", *fixed, *arguments, **how)
