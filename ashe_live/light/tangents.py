@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.silhouettes import Outlines, Silhouette
+from ashe_live.light.silhouettes import TIE_PX, Outlines, Silhouette
 
 NARROWEST = 0.05  # share of the distance to the vanishing point that must remain before a tangent is believed
 TANGENT_SIGMAS = 1.5  # a tangent's error in those of an edge; beyond OUTLIER of its own it counts less and less
@@ -86,13 +86,19 @@ def tangent_gaps(
         # Both ends' errors as pixels: q is measured abreast of the centre.
         scale = sign / np.hypot(1 / body_room[row, i], 1 / shadow_room[row, j])
         gap = scale * (shadow_q[row, j] - body_q[row, i])
-        shadow_may_reach_further = ~shadow.certain[j] | foot[side]
-        body_may_reach_further = ~body.certain[i]
+        shadow_may_reach_further = _touches_uncertain(sign * shadow_q, shadow_room, shadow.certain) | foot[side]
+        body_may_reach_further = _touches_uncertain(sign * body_q, body_room, body.certain)
         explained = (shadow_may_reach_further & (gap < 0)) | (body_may_reach_further & (gap > 0)) | ~outside
         gaps[:, side] = np.where(explained, 0.0, gap)
         by_v = np.where(explained, 0.0, scale)[:, None] * (shadow_by_v[row, j] - body_by_v[row, i])
         by_slant[:, side] = by_v @ P[:, :2]
     return gaps, by_slant
+
+
+def _touches_uncertain(q: Float, room: Float, certain: Mask) -> Mask:
+    """(n,) whether a tangent touches, or nearly, a corner (m,) that is not certain: it runs along edges that are cut."""
+    nearly = q + TIE_PX / np.maximum(np.abs(room), 1e-9) >= q.max(axis=1, keepdims=True)
+    return np.asarray((nearly & ~certain).any(axis=1))
 
 
 def _stands_there(P: Float, spheroids: Float, slant: Float) -> Mask:
