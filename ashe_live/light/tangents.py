@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.silhouettes import TIE_PX, Outlines, Silhouette
+from ashe_live.light.silhouettes import Outlines, Silhouette
 
 NARROWEST = 0.05  # share of the distance to the vanishing point that must remain before a tangent is believed
 TANGENT_SIGMAS = 1.5  # a tangent's error in those of an edge; beyond OUTLIER of its own it counts less and less
@@ -30,46 +30,49 @@ def sharpened_slants(
     sigma = TANGENT_SIGMAS * max(edge_sigma_px, 0.05)
     feet = [None if spheroids is None else _stands_there(P, spheroids, slant) for slant in slants]
 
-    def evaluate(candidate: Float) -> tuple[float, Float, Float]:
-        """Cost, its gradient / 2 and its curvature / 2."""
+    def evaluate(candidate: Float) -> tuple[float, Float, Float, Float]:
+        """Cost, its gradient / 2 and its curvature / 2; and the part of that which holds towards either side."""
         offset = (candidate - slants).ravel()
-        gradient, curvature = information @ offset, information.copy()
+        gradient, curvature, known = information @ offset, information.copy(), information.copy()
         cost = float(offset @ gradient)
         for i, (shadow, foot) in enumerate(zip(outlines.shadows, feet, strict=True)):
-            gaps, by_slant = tangent_gaps(P, outlines.body, shadow, candidate[i : i + 1], foot)
+            gaps, by_slant, bounds_only = tangent_gaps(P, outlines.body, shadow, candidate[i : i + 1], foot)
             error, slope, own = gaps[0] / sigma, by_slant[0] / sigma, np.s_[2 * i : 2 * i + 2]
             weight = 1 / (1 + (error / OUTLIER) ** 2)
             cost += float(OUTLIER**2 * np.log1p((error / OUTLIER) ** 2).sum())
             gradient[own] += slope.T @ (weight * error)
             curvature[own, own] += slope.T @ (weight[:, None] * slope)
-        return cost, gradient, curvature
+            known[own, own] += slope.T @ (np.where(bounds_only[0], 0.0, weight)[:, None] * slope)
+        return cost, gradient, curvature, known
 
     best, damping = slants, 1e-3
-    cost, gradient, curvature = evaluate(best)
+    cost, gradient, curvature, known = evaluate(best)
     for _ in range(ITERATIONS):
         step = np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), -gradient)
         candidate = best + step.reshape(slants.shape)
-        new_cost, new_gradient, new_curvature = evaluate(candidate)
+        new_cost, *new_slopes = evaluate(candidate)
         if new_cost < cost:
             settled = cost - new_cost < 1e-4 * cost
-            best, cost, gradient, curvature = candidate, new_cost, new_gradient, new_curvature
+            best, cost, (gradient, curvature, known) = candidate, new_cost, new_slopes
             damping *= 0.2
             if settled:
                 break
         else:
             damping *= 8.0
-    return best, np.asarray(np.linalg.inv(curvature))
+    # A bound says where the light is not: beyond it, nothing is known any better.
+    return best, np.asarray(np.linalg.inv(known))
 
 
 def tangent_gaps(
     P: Float, body: Silhouette, shadow: Silhouette, slants: Float, foot: Mask | None = None
-) -> tuple[Float, Float]:
+) -> tuple[Float, Float, Mask]:
     """How far the two pairs of tangents are apart.
 
     P: (3, 4) pixels about the silhouettes' centre. slants: (n, 2) candidate displacements s. foot: (2,) sides on which
     the object's tangent touches where it stands: it hides its own shadow there. Returns (n, 2) gaps in pixels, first
-    and second side, and their derivatives by s (n, 2, 2). A gap that a hidden or cut outline may explain is 0, as is
-    that of a vanishing point within the outlines, which has no tangents.
+    and second side, their derivatives by s (n, 2, 2), and (n, 2) whether they are mere bounds, as an outline that is
+    hidden or cut may reach further. A gap which that explains is 0, as is that of a vanishing point within the
+    outlines, which has no tangents.
     """
     foot = np.zeros(2, dtype=np.bool_) if foot is None else foot
     v = slants @ P[:, :2].T + P[:, 2]
@@ -80,25 +83,21 @@ def tangent_gaps(
     outside = (body_room.min(axis=1) > NARROWEST) & (shadow_room.min(axis=1) > NARROWEST)
     gaps = np.zeros((len(slants), 2))
     by_slant = np.zeros((len(slants), 2, 2))
+    bounds_only = np.zeros((len(slants), 2), dtype=np.bool_)
     row = np.arange(len(slants))
     for side, sign in enumerate((1.0, -1.0)):
         i, j = (sign * body_q).argmax(axis=1), (sign * shadow_q).argmax(axis=1)
         # Both ends' errors as pixels: q is measured abreast of the centre.
         scale = sign / np.hypot(1 / body_room[row, i], 1 / shadow_room[row, j])
         gap = scale * (shadow_q[row, j] - body_q[row, i])
-        shadow_may_reach_further = _touches_uncertain(sign * shadow_q, shadow_room, shadow.certain) | foot[side]
-        body_may_reach_further = _touches_uncertain(sign * body_q, body_room, body.certain)
+        shadow_may_reach_further = ~shadow.certain[j] | foot[side]
+        body_may_reach_further = ~body.certain[i]
         explained = (shadow_may_reach_further & (gap < 0)) | (body_may_reach_further & (gap > 0)) | ~outside
         gaps[:, side] = np.where(explained, 0.0, gap)
+        bounds_only[:, side] = shadow_may_reach_further | body_may_reach_further
         by_v = np.where(explained, 0.0, scale)[:, None] * (shadow_by_v[row, j] - body_by_v[row, i])
         by_slant[:, side] = by_v @ P[:, :2]
-    return gaps, by_slant
-
-
-def _touches_uncertain(q: Float, room: Float, certain: Mask) -> Mask:
-    """(n,) whether a tangent touches, or nearly, a corner (m,) that is not certain: it runs along edges that are cut."""
-    nearly = q + TIE_PX / np.maximum(np.abs(room), 1e-9) >= q.max(axis=1, keepdims=True)
-    return np.asarray((nearly & ~certain).any(axis=1))
+    return gaps, by_slant, bounds_only
 
 
 def _stands_there(P: Float, spheroids: Float, slant: Float) -> Mask:

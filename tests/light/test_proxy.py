@@ -320,6 +320,14 @@ def test_a_light_overhead_is_found_overhead_or_not_at_all(elevation_deg: float) 
     assert estimate.light is None or apart_deg(estimate.light.to_light_marker, scene.to_light) < 15
 
 
+@pytest.mark.parametrize("elevation_deg", [5.0, 10.0])
+@pytest.mark.parametrize("caster", CASTERS.values(), ids=CASTERS)
+def test_a_shadow_that_leaves_the_frame_is_not_taken_for_a_short_one(caster: Caster, elevation_deg: float) -> None:
+    scene = paint(caster, azimuth_deg=110, elevation_deg=elevation_deg)
+    light = estimated(scene.tracked).light
+    assert light is None or angle_between(light.to_light_marker, scene.to_light) < 3 * (light.sigma_rad or 0)
+
+
 def seen_from(pitch_deg: float, distance_m: float = 0.6) -> dict[str, Any]:
     return {"T_cam_marker": camera_towards((0.08, 0.0), distance_m, pitch_deg)}
 
