@@ -92,7 +92,10 @@ class Pipeline:
     def _end_of_clip(self) -> None:
         if self._loop and not self._source.is_photo:
             self._flaw = self._source.note
+            last_due_s = self._due_s
             self._rewind()
+            if last_due_s is not None:  # the last frame is shown as long as any other
+                self._due_s, self._last_time_s = last_due_s + 1 / self.fps, 0.0
             return
         if not self._source.is_photo:
             self.status = self._source.note or "end of the clip: R starts it again"
@@ -104,6 +107,7 @@ class Pipeline:
         except SourceLost as lost:
             self.status = f"{lost.message}: waiting for it to come back"
             while not self._stopping and not self._source.reopen():
+                self._take_restart()  # a camera has no start, and the wait must not end for it at once
                 self._wait(lambda: False, RECONNECT_EVERY_S)
             self._tracker.reset()
             return None
