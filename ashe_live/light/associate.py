@@ -1,9 +1,4 @@
-"""Which of the unlit areas are shadow, and which object belongs to it.
-
-A shadow shifts every colour of the ground by one vector (in logs of linear light). Each unlit pixel votes for the
-shifts that would make it a shadow of each colour of the lit ground; where votes agree, a shadow may be. Several shifts
-are kept, as a plain object votes for one too: the geometry decides between them.
-"""
+"""Which of the unlit areas are shadow, and which object belongs to it."""
 
 from dataclasses import dataclass
 
@@ -12,7 +7,6 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.ground import (
-    CHROMA_WEIGHT,
     Float32,
     LitGround,
     cleaned,
@@ -22,14 +16,8 @@ from ashe_live.light.ground import (
     nearest_squared_distance,
     smoothed,
 )
+from ashe_live.light.shift import SHIFT_NOISE, shadow_shifts
 
-# The vote's bins: log brightness, chroma red to blue, chroma green.
-BIN = np.array([0.06, 0.06, 0.05])
-LOWEST = np.array([-2.7, -1.6, -0.3])
-BINS = np.array([42, 34, 18])
-# How far a shadow pixel may be from its ground's shifted colour.
-SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
-VOTERS = 3000
 LEAST_PX = 25
 LEAST_AREA_PX = 60
 OBJECT_COLOURS = 4
@@ -85,36 +73,6 @@ def splits(ground: LitGround, unlit: Mask, is_ground: Mask, steps: AssociateStep
                 if split.is_large_enough and not any(split.is_like(other) for other in found):
                     found.append(split)
     return found
-
-
-def shadow_shifts(ground: LitGround, unlit: Mask, count: int) -> list[Float]:
-    """Up to `count` shifts (3,) that many unlit pixels vote for, most votes first."""
-    colours = ground.colours[unlit]
-    if len(colours) < LEAST_PX:
-        return []
-    colours = colours[:: len(colours) // VOTERS + 1]
-    common = ground.weights > 0.02
-    centres, weights = ground.centres[common], ground.weights[common]
-    offsets = np.asarray(colours[:, None, :] - centres[None], dtype=np.float64)
-    bins = np.floor((offsets - LOWEST) / BIN).astype(int)
-    inside = ((bins >= 0) & (bins < BINS)).all(axis=2)
-    flat = np.ravel_multi_index(tuple(bins[inside].T), tuple(BINS))
-    votes = np.bincount(flat, np.broadcast_to(weights, inside.shape)[inside], int(np.prod(BINS))).reshape(tuple(BINS))
-    shifts: list[Float] = []
-    for peak in _peaks(_blurred(votes) * _plausibility(), count):
-        shift = _mean_shift(offsets, weights, LOWEST + (peak + 0.5) * BIN)
-        if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts):
-            shifts.append(shift)
-    return shifts
-
-
-def shadow_ratio(shift: Float) -> Float:
-    """(3,) linear RGB, shadowed over lit ground, of a shift of the ground's log-opponent colours."""
-    brightness, red_blue, green = shift[0], shift[1] / CHROMA_WEIGHT, shift[2] / CHROMA_WEIGHT
-    log_green = brightness - green / 3
-    red_and_blue = 3 * brightness - log_green
-    logs = np.array([(red_and_blue + red_blue) / 2, log_green, (red_and_blue - red_blue) / 2])
-    return np.asarray(np.exp(np.minimum(logs, 0.0)))
 
 
 def classified(
@@ -236,46 +194,3 @@ def _cost(colours: Float32, centres: Float32, covariances: Float32, rarity: Floa
     """(n,) twice the negative log likelihood of the likeliest component, up to a constant."""
     spread = np.linalg.slogdet(covariances.astype(np.float64))[1].astype(np.float32)
     return nearest_squared_distance(colours, centres, covariances, spread + rarity)
-
-
-def _plausibility() -> Float:
-    """Shadows are darker, and lit by the sky alone: as blue as the lit ground or bluer, and green in proportion."""
-    brightness, red_blue, green = (
-        low + (np.arange(n) + 0.5) * size for low, n, size in zip(LOWEST, BINS, BIN, strict=True)
-    )
-    darker = 1 / (1 + np.exp((brightness + 0.25) / 0.06))
-    bluer = np.exp(-0.5 * (np.maximum(red_blue, 0) / 0.2) ** 2)
-    daylight = np.exp(-0.5 * ((green[None] + 0.25 * red_blue[:, None]) / 0.18) ** 2)
-    return np.asarray(darker[:, None, None] * (bluer[:, None] * daylight)[None])
-
-
-def _blurred(votes: Float) -> Float:
-    blurred = votes
-    for axis in range(3):
-        padded = np.pad(blurred, [(1, 1) if a == axis else (0, 0) for a in range(3)])
-        before, here, after = (np.take(padded, np.arange(votes.shape[axis]) + k, axis=axis) for k in range(3))
-        blurred = 0.25 * before + 0.5 * here + 0.25 * after
-    return blurred
-
-
-def _peaks(votes: Float, count: int) -> list[Float]:
-    """Bins (3,) of local maxima with a fair share of the highest one's votes, highest first."""
-    rest = votes.copy()
-    peaks: list[Float] = []
-    while len(peaks) < count:
-        peak = np.array(np.unravel_index(rest.argmax(), rest.shape), dtype=np.float64)
-        i, j, k = peak.astype(int)
-        if rest[i, j, k] <= 0.04 * votes.max():
-            break
-        peaks.append(peak)
-        rest[max(0, i - 2) : i + 3, max(0, j - 2) : j + 3, max(0, k - 2) : k + 3] = 0
-    return peaks
-
-
-def _mean_shift(offsets: Float, weights: Float32, shift: Float) -> Float:
-    """The vote's mode near `shift`."""
-    for _ in range(3):
-        away = offsets - shift
-        closeness = weights * np.exp(-0.5 * ((away / SHIFT_NOISE) ** 2).sum(axis=2))
-        shift = shift + (closeness[..., None] * away).sum(axis=(0, 1)) / max(float(closeness.sum()), 1e-9)
-    return np.asarray(shift)

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Image, Mask
+from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 
 Float32 = NDArray[np.float32]
@@ -143,14 +143,35 @@ def mixture(
 def nearest_squared_distance(
     colours: Float32, centres: Float32, covariances: Float32, costs: Float32 | None = None
 ) -> Float32:
-    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a component, plus that component's cost (k,)."""
-    nearest = np.full(len(colours), np.inf, np.float32)
-    for k in range(len(centres)):
-        whitening = np.linalg.inv(np.linalg.cholesky(covariances[k].astype(np.float64))).astype(np.float32)
-        white = (colours - centres[k]) @ whitening.T
-        squared = np.einsum("ij,ij->i", white, white)
-        np.minimum(nearest, squared + (0.0 if costs is None else costs[k]), out=nearest)
-    return nearest
+    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a component, plus that component's cost (k,).
+
+    The distances are quadratics in the colour, so that all of them are one product of (n, 10) and (10, k).
+    """
+    precisions = np.linalg.inv(covariances.astype(np.float64))
+    i, j = np.triu_indices(3)
+    offsets = np.einsum("ki,kij,kj->k", centres, precisions, centres) + (0.0 if costs is None else costs)
+    coefficients = np.concatenate(
+        [
+            (precisions[:, i, j] * np.where(i == j, 1, 2)).T,
+            -2 * np.einsum("kij,kj->ki", precisions, centres).T,
+            offsets[None],
+        ]
+    )
+    monomials = np.empty((len(colours), 10), np.float32)
+    monomials[:, :6] = colours[:, i] * colours[:, j]
+    monomials[:, 6:9] = colours
+    monomials[:, 9] = 1
+    return np.asarray((monomials @ coefficients.astype(np.float32)).min(axis=1), dtype=np.float32)
+
+
+def linear_rgb(log_opponent_colours: Float | Float32) -> Float:
+    """(..., 3) linear RGB of log-opponent colours: the inverse of `log_opponent`."""
+    brightness, red_blue, green = np.moveaxis(np.asarray(log_opponent_colours, dtype=np.float64), -1, 0)
+    log_green = brightness - green / CHROMA_WEIGHT / 3
+    red_and_blue = 3 * brightness - log_green
+    difference = red_blue / CHROMA_WEIGHT
+    logs = np.stack([(red_and_blue + difference) / 2, log_green, (red_and_blue - difference) / 2], axis=-1)
+    return np.asarray(np.exp(logs) - DARKEST)
 
 
 def _slow_bases(shape: tuple[int, ...], window: tuple[slice, slice] = (slice(None), slice(None))) -> Float32:

@@ -15,9 +15,10 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light import fit as fitting
-from ashe_live.light.associate import AssociateSteps, Split, classified, shadow_ratio, splits
+from ashe_live.light.associate import AssociateSteps, Split, classified, splits
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, ground_colours, unlit_mask
 from ashe_live.light.judge import Candidate, confidence_in, judged
+from ashe_live.light.shift import shadow_ratio
 from ashe_live.light.stages import StageClock
 
 # The printed sheet is wider than the black square, and its own edge is neither object nor shadow.
@@ -94,7 +95,7 @@ class ProxyEstimator:
         rough = next(split for split in explanations if split.shift is best.split.shift)
         if isinstance(verdict, str):
             return answer(verdict, split=rough)
-        return answer(None, replace(verdict, shadow_rgb_ratio=shadow_ratio(best.split.shift)), split=rough)
+        return answer(None, replace(verdict, shadow_rgb_ratio=shadow_ratio(ground, best.split.shift)), split=rough)
 
     def _refined(self, tracked: TrackedFrame, ground: LitGround, rough: list[Candidate]) -> list[Candidate]:
         """The explanations once more, with outlines from the finer picture around them."""

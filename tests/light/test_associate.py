@@ -5,8 +5,19 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.associate import AssociateSteps, Split, classified, shadow_ratio, shadow_shifts, splits
-from ashe_live.light.ground import CHROMA_WEIGHT, GroundSteps, LitGround, fit_lit_ground, log_opponent, unlit_mask
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.light.associate import AssociateSteps, Split, classified, splits
+from ashe_live.light.ground import (
+    CHROMA_WEIGHT,
+    DARKEST,
+    GroundSteps,
+    LitGround,
+    fit_lit_ground,
+    linear_rgb,
+    log_opponent,
+    unlit_mask,
+)
+from ashe_live.light.shift import shadow_ratio, shadow_shifts
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, SHADOW_RATIO, Caster, Painted, overlap, paint
 
 SIZE = (320, 240)
@@ -25,22 +36,47 @@ def explained(scene: Painted) -> list[Split]:
     return splits(ground, unlit, is_ground, STEPS)
 
 
-def shift_of(ratio_rgb: Float) -> Float:
-    red, green, blue = np.log(ratio_rgb)
+def opponent(red: float, green: float, blue: float) -> Float:
+    """(3,) of the logs of a linear RGB colour, or of a ratio of two."""
     return np.array([(red + green + blue) / 3, CHROMA_WEIGHT * (red - blue), CHROMA_WEIGHT * (red + blue - 2 * green)])
+
+
+def log_opponent_of(linear_rgb: Float) -> Float:
+    return opponent(*np.log(linear_rgb + DARKEST))
+
+
+def shift_of(ratio_rgb: Float) -> Float:
+    """On a ground so light that nothing is lost in the dark."""
+    return opponent(*np.log(ratio_rgb))
+
+
+def ground_of(colour: Float) -> LitGround:
+    """A ground of this one log-opponent colour (3,)."""
+    one = np.ones(1, np.float32)
+    return LitGround(np.zeros((1, 1, 3)), np.zeros((5, 3)), colour[None], np.eye(3)[None], one, one, one)
 
 
 def goodness(split: Split, scene: Painted) -> float:
     return min(overlap(split.object_mask, scene.body), overlap(split.shadow_mask, scene.shadow))
 
 
+def test_log_opponent_colours_are_those_of_the_picture():
+    image = np.random.default_rng(1).integers(0, 256, (6, 8, 3)).astype(np.uint8)
+    expected = LINEAR_FROM_SRGB_8BIT[image[..., ::-1]]
+    np.testing.assert_allclose(linear_rgb(log_opponent(image, smoothing_px=0)), expected, atol=1e-6)
+
+
 @pytest.mark.parametrize("ratio", [(1.0, 1.0, 1.0), (0.2, 0.3, 0.45), (0.05, 0.05, 0.05), (0.9, 0.8, 0.7)])
-def test_a_shift_is_a_ratio(ratio):
-    np.testing.assert_allclose(shadow_ratio(shift_of(np.array(ratio))), ratio, rtol=1e-9)
+@pytest.mark.parametrize("level", [255, 128, 64])
+def test_a_shift_is_a_ratio_on_grounds_light_and_dark(ratio, level):
+    lit_rgb = np.array([0.9, 1.0, 0.7]) * LINEAR_FROM_SRGB_8BIT[level]
+    lit, shaded = (log_opponent_of(rgb) for rgb in (lit_rgb, lit_rgb * ratio))
+    np.testing.assert_allclose(shadow_ratio(ground_of(lit), shaded - lit), ratio, rtol=1e-6)
 
 
 def test_a_shadow_is_never_brighter_than_its_ground():
-    assert (shadow_ratio(shift_of(np.array([1.3, 0.9, 0.5]))) <= 1).all()
+    lit, brighter = (log_opponent_of(np.array(rgb)) for rgb in ((0.4, 0.4, 0.4), (0.6, 0.5, 0.3)))
+    assert (shadow_ratio(ground_of(lit), brighter - lit) <= 1).all()
 
 
 def test_the_shift_of_a_picture_is_the_ratio_it_was_shaded_by():
@@ -48,7 +84,7 @@ def test_the_shift_of_a_picture_is_the_ratio_it_was_shaded_by():
     empty = paint(size=SIZE, noise_levels=0.3)
     inner = cv2.erode(scene.shadow.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
     shaded, lit = (log_opponent(s.tracked.frame.image_bgr)[inner].mean(axis=0) for s in (scene, empty))
-    np.testing.assert_allclose(shadow_ratio(shaded - lit), SHADOW_RATIO, rtol=0.06)
+    np.testing.assert_allclose(shadow_ratio(ground_of(lit), shaded - lit), SHADOW_RATIO, rtol=0.03)
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
@@ -57,7 +93,7 @@ def test_the_true_shift_is_among_those_voted_for(ground, caster):
     fitted, unlit, _ = stages_before(paint(caster, ground=ground, size=SIZE))
     shifts = shadow_shifts(fitted, unlit, STEPS.shifts)
     assert 1 <= len(shifts) <= STEPS.shifts
-    off = min(np.abs(shadow_ratio(shift) / SHADOW_RATIO - 1).max() for shift in shifts)
+    off = min(np.abs(shadow_ratio(fitted, shift) / SHADOW_RATIO - 1).max() for shift in shifts)
     # Each brick has its own brightness, so that its shadow has one as well.
     assert off < (0.2 if ground == "bricks" else 0.1)
 

@@ -1,0 +1,94 @@
+"""The shift that a shadow gives to the ground's colours, found by vote.
+
+A shadow shifts every colour of the ground by one vector (in logs of linear light). Each unlit pixel votes for the
+shifts that would make it a shadow of each colour of the lit ground; where votes agree, a shadow may be. Several shifts
+are kept, as a plain object votes for one too: the geometry decides between them.
+"""
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.ground import Float32, LitGround, linear_rgb
+
+# The vote's bins: log brightness, chroma red to blue, chroma green.
+BIN = np.array([0.06, 0.06, 0.05])
+LOWEST = np.array([-2.7, -1.6, -0.3])
+BINS = np.array([42, 34, 18])
+# How far a shadow pixel may be from its ground's shifted colour.
+SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
+MOST_VOTERS = 3000
+LEAST_VOTERS = 25
+
+
+def shadow_shifts(ground: LitGround, unlit: Mask, count: int) -> list[Float]:
+    """Up to `count` shifts (3,) that many unlit pixels vote for, most votes first."""
+    colours = ground.colours[unlit]
+    if len(colours) < LEAST_VOTERS:
+        return []
+    colours = colours[:: len(colours) // MOST_VOTERS + 1]
+    common = ground.weights > 0.02
+    centres, weights = ground.centres[common], ground.weights[common]
+    offsets = np.asarray(colours[:, None, :] - centres[None], dtype=np.float64)
+    bins = np.floor((offsets - LOWEST) / BIN).astype(int)
+    inside = ((bins >= 0) & (bins < BINS)).all(axis=2)
+    flat = np.ravel_multi_index(tuple(bins[inside].T), tuple(BINS))
+    votes = np.bincount(flat, np.broadcast_to(weights, inside.shape)[inside], int(np.prod(BINS))).reshape(tuple(BINS))
+    shifts: list[Float] = []
+    for peak in _peaks(_blurred(votes) * _plausibility(), count):
+        shift = _mean_shift(offsets, weights, LOWEST + (peak + 0.5) * BIN)
+        if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts):
+            shifts.append(shift)
+    return shifts
+
+
+def shadow_ratio(ground: LitGround, shift: Float) -> Float:
+    """(3,) linear RGB, shadowed over lit ground, of the palette's colours, each counting as much as there is of it."""
+    lit = linear_rgb(ground.centres)
+    shaded = linear_rgb(ground.centres + shift)
+    weights = (ground.weights / ground.weights.sum())[:, None]
+    return np.asarray(
+        np.clip((weights * shaded).sum(axis=0) / np.maximum((weights * lit).sum(axis=0), 1e-6), 1e-3, 1.0)
+    )
+
+
+def _plausibility() -> Float:
+    """Shadows are darker, and lit by the sky alone: as blue as the lit ground or bluer, and green in proportion."""
+    brightness, red_blue, green = (
+        low + (np.arange(n) + 0.5) * size for low, n, size in zip(LOWEST, BINS, BIN, strict=True)
+    )
+    darker = 1 / (1 + np.exp((brightness + 0.25) / 0.06))
+    bluer = np.exp(-0.5 * (np.maximum(red_blue, 0) / 0.2) ** 2)
+    daylight = np.exp(-0.5 * ((green[None] + 0.25 * red_blue[:, None]) / 0.18) ** 2)
+    return np.asarray(darker[:, None, None] * (bluer[:, None] * daylight)[None])
+
+
+def _blurred(votes: Float) -> Float:
+    blurred = votes
+    for axis in range(3):
+        padded = np.pad(blurred, [(1, 1) if a == axis else (0, 0) for a in range(3)])
+        before, here, after = (np.take(padded, np.arange(votes.shape[axis]) + k, axis=axis) for k in range(3))
+        blurred = 0.25 * before + 0.5 * here + 0.25 * after
+    return blurred
+
+
+def _peaks(votes: Float, count: int) -> list[Float]:
+    """Bins (3,) of local maxima with a fair share of the highest one's votes, highest first."""
+    rest = votes.copy()
+    peaks: list[Float] = []
+    while len(peaks) < count:
+        peak = np.array(np.unravel_index(rest.argmax(), rest.shape), dtype=np.float64)
+        i, j, k = peak.astype(int)
+        if rest[i, j, k] <= 0.04 * votes.max():
+            break
+        peaks.append(peak)
+        rest[max(0, i - 2) : i + 3, max(0, j - 2) : j + 3, max(0, k - 2) : k + 3] = 0
+    return peaks
+
+
+def _mean_shift(offsets: Float, weights: Float32, shift: Float) -> Float:
+    """The vote's mode near `shift`."""
+    for _ in range(3):
+        away = offsets - shift
+        closeness = weights * np.exp(-0.5 * ((away / SHIFT_NOISE) ** 2).sum(axis=2))
+        shift = shift + (closeness[..., None] * away).sum(axis=(0, 1)) / max(float(closeness.sum()), 1e-9)
+    return np.asarray(shift)
