@@ -7,7 +7,6 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.ground import (
-    Float32,
     LitGround,
     cleaned,
     clusters,
@@ -16,6 +15,7 @@ from ashe_live.light.ground import (
     nearest_squared_distance,
     smoothed,
 )
+from ashe_live.light.log_colour import Float32
 from ashe_live.light.shift import SHIFT_NOISE, shadow_shifts
 
 LEAST_PX = 25

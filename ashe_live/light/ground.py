@@ -11,15 +11,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image, Mask
-from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.arrays import Image, Mask
+from ashe_live.light.log_colour import Float32, log_opponent
 
-Float32 = NDArray[np.float32]
-
-# Added to linear light before the log: what an 8-bit picture cannot tell from black.
-DARKEST = 0.004
-# Chroma differs less than brightness does, and says more.
-CHROMA_WEIGHT = 1.2
 # Standard deviations below which colours of one material are not told apart: noise, JPEG, relief.
 COLOUR_NOISE = np.array([0.05, 0.045, 0.045])
 CELLS = (8, 6)
@@ -47,17 +41,6 @@ class LitGround:
     weights: Float32  # (k,) shares of the lit ground
     surprise: Float32  # (h, w) squared Mahalanobis distance to the nearest colour of the palette
     spread: Float32  # (h, w) share of the frame over which the pixel's colour is found, in (0, 1]
-
-
-def log_opponent(image_bgr: Image, smoothing_px: float = 0.7) -> Float32:
-    """(h, w, 3): log brightness, log red over blue, log of red and blue over green, from linear light."""
-    smooth = cv2.GaussianBlur(image_bgr, (0, 0), smoothing_px) if smoothing_px > 0 else image_bgr
-    table = np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32)
-    blue, green, red = np.moveaxis(table[smooth], 2, 0)
-    brightness = (red + green + blue) / 3
-    return np.stack(
-        [brightness, CHROMA_WEIGHT * (red - blue), CHROMA_WEIGHT * (red + blue - 2 * green)], axis=2, dtype=np.float32
-    )
 
 
 def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> LitGround | None:
@@ -162,16 +145,6 @@ def nearest_squared_distance(
     monomials[:, 6:9] = colours
     monomials[:, 9] = 1
     return np.asarray((monomials @ coefficients.astype(np.float32)).min(axis=1), dtype=np.float32)
-
-
-def linear_rgb(log_opponent_colours: Float | Float32) -> Float:
-    """(..., 3) linear RGB of log-opponent colours: the inverse of `log_opponent`."""
-    brightness, red_blue, green = np.moveaxis(np.asarray(log_opponent_colours, dtype=np.float64), -1, 0)
-    log_green = brightness - green / CHROMA_WEIGHT / 3
-    red_and_blue = 3 * brightness - log_green
-    difference = red_blue / CHROMA_WEIGHT
-    logs = np.stack([(red_and_blue + difference) / 2, log_green, (red_and_blue - difference) / 2], axis=-1)
-    return np.asarray(np.exp(logs) - DARKEST)
 
 
 def _slow_bases(shape: tuple[int, ...], window: tuple[slice, slice] = (slice(None), slice(None))) -> Float32:

@@ -8,7 +8,8 @@ are kept, as a plain object votes for one too: the geometry decides between them
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.ground import Float32, LitGround, linear_rgb
+from ashe_live.light.ground import LitGround
+from ashe_live.light.log_colour import Float32, linear_rgb
 
 # The vote's bins: log brightness, chroma red to blue, chroma green.
 BIN = np.array([0.06, 0.06, 0.05])

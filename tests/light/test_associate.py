@@ -7,16 +7,8 @@ import pytest
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.light.associate import AssociateSteps, Split, classified, splits
-from ashe_live.light.ground import (
-    CHROMA_WEIGHT,
-    DARKEST,
-    GroundSteps,
-    LitGround,
-    fit_lit_ground,
-    linear_rgb,
-    log_opponent,
-    unlit_mask,
-)
+from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, unlit_mask
+from ashe_live.light.log_colour import CHROMA_WEIGHT, DARKEST, linear_rgb, log_opponent
 from ashe_live.light.shift import shadow_ratio, shadow_shifts
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, SHADOW_RATIO, Caster, Painted, overlap, paint
 

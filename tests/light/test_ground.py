@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float, Image, Mask
-from ashe_live.light.ground import GroundSteps, fit_lit_ground, ground_colours, log_opponent, unlit_mask
+from ashe_live.light.ground import GroundSteps, fit_lit_ground, ground_colours, unlit_mask
+from ashe_live.light.log_colour import log_opponent
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, overlap, paint
 from tests.light.synthetic_masks import camera_towards
 
