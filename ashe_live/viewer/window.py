@@ -105,8 +105,10 @@ class Window:
     def _monitor(self) -> Any:
         return glfw.get_window_monitor(self._window) or glfw.get_primary_monitor()
 
-    def _on_key(self, _window: object, key: int, _scancode: int, action: int, _modifiers: int) -> None:
-        request = REQUEST_BY_GLFW_KEY.get(key)
+    def _on_key(self, _window: object, key: int, scancode: int, action: int, _modifiers: int) -> None:
+        # GLFW's letters are places on a US keyboard; what counts is what stands on the key.
+        label = glfw.get_key_name(key, scancode) or ""
+        request = REQUEST_BY_KEY.get(label.upper()) if label.isalpha() else REQUEST_BY_GLFW_KEY.get(key)
         if request is not None and action == glfw.PRESS:
             self._requests.append(request)
 
