@@ -2,6 +2,7 @@
 
 import argparse
 import dataclasses
+import math
 import statistics
 from collections.abc import Mapping
 from pathlib import Path
@@ -99,7 +100,7 @@ def _sentence(record: FileRecord) -> str:
     light = record.estimate.light
     if light is None:
         return f"{record.file}: no directional light ({record.estimate.reason})"
-    sigma = "" if light.sigma_rad is None else f" ± {light.sigma_rad * 57.29578:.1f}°"
+    sigma = "" if light.sigma_rad is None else f" ± {math.degrees(light.sigma_rad):.1f}°"
     milliseconds = (record.timing_ms or {}).get("total", 0.0)
     return (
         f"{record.file}: azimuth {light.azimuth_deg:.1f}°, elevation {light.elevation_deg:.1f}°{sigma} "

@@ -36,13 +36,7 @@ class LatestMailbox(Generic[T]):
             value, self._value = self._value, None
             if value is None and self._end is not None:
                 raise self._end
-            self._changed.notify_all()
             return value
-
-    def wait_until_taken(self, timeout_s: float) -> bool:
-        """True when the slot is empty or the mailbox closed, False after `timeout_s`: how a clip skips no frame."""
-        with self._changed:
-            return self._changed.wait_for(lambda: self._value is None or self._end is not None, timeout_s)
 
     def close(self, error: BaseException | None = None) -> None:
         """Ends the hand-over; the first call counts."""

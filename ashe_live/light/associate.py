@@ -30,6 +30,7 @@ SEAM_PX = 3
 LIT_SHARES = (0.0, 0.25, 0.45)
 SHADED_SHARES = (1.0, 0.55, 0.78, 1.25)
 MIXED_COST = 2.0
+MOST_COST = 40.0
 # Squared distance from the shadow's colours beyond which a colour is surely the object's own.
 SURELY_OWN = 12.0
 
@@ -75,20 +76,18 @@ def splits(ground: LitGround, unlit: Mask, is_ground: Mask, steps: AssociateStep
     return found
 
 
-def classified(
-    colours: Float32, ground: LitGround, split: Split, is_ground: Mask, rounds: int, prior: Float32 | None = None
-) -> Split:
+def classified(colours: Float32, ground: LitGround, split: Split, is_ground: Mask, rounds: int) -> Split:
     """The split's pixels and those around them, each given to lit ground, shadow or object by likelihood.
 
     `colours` (h, w, 3) may be the ground's own or those of a window at another scale; the masks are of that size.
     Where two materials meet, the likelihoods change places half-way between their colours, which is where the edge is.
-    `prior`: (h, w, 3) costs added to those of ground, shadow, object, e.g. from a fitted body.
     """
     body, shadow = split.object_mask, split.shadow_mask
     band = _grown(body | shadow, BAND_PX) & is_ground
     banded = colours[band]
     lit = _ground_cost(banded, ground, split.shift, LIT_SHARES)
     shaded = _ground_cost(banded, ground, split.shift, SHADED_SHARES)
+    lit_map, shaded_map = _cost_map(lit, band), _cost_map(shaded, band)
     surely_own = np.zeros(band.shape, dtype=bool)
     surely_own[band] = np.minimum(lit, shaded) - _floor(ground) > SURELY_OWN
     for _ in range(rounds):
@@ -102,10 +101,7 @@ def classified(
         if len(centres) == 0:
             break
         material = _cost(banded, centres, covariances, -2 * np.log(np.maximum(weights, 1e-3)))
-        costs = np.zeros((*band.shape, 3), np.float32)
-        costs[band] = np.minimum(np.column_stack([lit, shaded, material]), 40)
-        costs = np.stack([smoothed(costs[..., label]) for label in range(3)], axis=2)
-        label_map = (costs if prior is None else costs + prior).argmin(axis=2)
+        label_map = np.argmin([lit_map, shaded_map, _cost_map(material, band)], axis=0)
         body = _overlapping(cleaned(band & (label_map == 2)), body, 0.3)
         body = _filled(body)
         beside = _grown(body | shadow, 1)
@@ -182,6 +178,13 @@ def _ground_cost(colours: Float32, ground: LitGround, shift: Float, shares: tupl
         mixed = 0.0 if share in (0.0, 1.0) else MIXED_COST
         costs.append(_cost(colours, ground.centres + (share * shift).astype(np.float32), wider, rarity) + mixed)
     return np.asarray(np.min(costs, axis=0))
+
+
+def _cost_map(costs: Float32, band: Mask) -> Float32:
+    """(h, w) of costs (n,) in the band; without the cap, one odd pixel would outvote its neighbours."""
+    picture = np.zeros(band.shape, np.float32)
+    picture[band] = np.minimum(costs, MOST_COST)
+    return smoothed(picture)
 
 
 def _floor(ground: LitGround) -> float:

@@ -28,7 +28,7 @@ class Candidate:
 
     split: Split
     fit: Fit
-    rank: int  # of the shadow's shift, by votes
+    rank: int  # among the explanations, which come in the order of their shifts' votes
 
 
 def evidence(candidate: Candidate) -> Float:

@@ -87,18 +87,19 @@ class ProxyEstimator:
         promising = sorted(candidates, key=confidence_in, reverse=True)[: steps.refined]
         refined = self._refined(tracked, ground, promising) if promising else []
         clock.end("fit")
-        best = max(refined, key=confidence_in, default=None)
-        if best is None:
+        if not refined:
             return answer("no shadow found: the light may be diffuse, or the shadow out of view")
+        best, rough = max(refined, key=lambda pair: confidence_in(pair[0]))
         verdict = judged(best)
         clock.end("judge")
-        rough = next(split for split in explanations if split.shift is best.split.shift)
         if isinstance(verdict, str):
             return answer(verdict, split=rough)
         return answer(None, replace(verdict, shadow_rgb_ratio=shadow_ratio(ground, best.split.shift)), split=rough)
 
-    def _refined(self, tracked: TrackedFrame, ground: LitGround, rough: list[Candidate]) -> list[Candidate]:
-        """The explanations once more, with outlines from the finer picture around them."""
+    def _refined(
+        self, tracked: TrackedFrame, ground: LitGround, rough: list[Candidate]
+    ) -> list[tuple[Candidate, Split]]:
+        """The explanations once more, with outlines from the finer picture around them; each with the coarse split."""
         view = _View.of(tracked, self._steps.fine_width_px)
         refined = []
         for candidate in rough:
@@ -110,7 +111,7 @@ class ProxyEstimator:
             split = classified(colours, ground, split, view.is_ground[window], self._steps.associate.rounds)
             fitted = _fitted(split, view.cut(window), self._steps.fine_fit) if split.is_large_enough else None
             if fitted is not None:
-                refined.append(Candidate(split, fitted, candidate.rank))
+                refined.append((Candidate(split, fitted, candidate.rank), candidate.split))
         return refined
 
 

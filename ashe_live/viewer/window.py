@@ -77,9 +77,6 @@ class Window:
     def swap(self) -> None:
         glfw.swap_buffers(self._window)
 
-    def set_title(self, title: str) -> None:
-        glfw.set_window_title(self._window, title)
-
     def toggle_fullscreen(self) -> None:
         windowed: Any = None
         if glfw.get_window_monitor(self._window):

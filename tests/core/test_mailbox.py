@@ -44,16 +44,6 @@ def test_an_error_crosses_to_the_other_side_and_the_first_counts() -> None:
         box.take(0)
 
 
-def test_a_waiting_putter_learns_that_its_value_was_taken() -> None:
-    box = LatestMailbox[int]()
-    box.put(1)
-    assert not box.wait_until_taken(0)
-    taker = threading.Thread(target=box.take, args=(10,))
-    taker.start()
-    assert box.wait_until_taken(10)
-    taker.join(10)
-
-
 def test_closing_wakes_everybody() -> None:
     box = LatestMailbox[int]()
     ended = threading.Event()
