@@ -8,6 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen
 from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, normalised
 
 
@@ -101,8 +102,15 @@ class LightEstimate:
     object_mask: Mask | None = None  # (h, w) at the estimator's working size
     shadow_mask: Mask | None = None  # (h, w) at the estimator's working size
     timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total"
+    caster: Proxy | None = None  # the real object that casts the shadows
+    ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that no light of `lights` reaches over lit ground
+    ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the picture
 
     def __post_init__(self) -> None:
+        for name in ("ambient_rgb_ratio", "ground_rgb"):
+            colour = getattr(self, name)
+            if colour is not None:
+                set_frozen(self, **{name: frozen_floats(colour, (3,), name)})
         if not self.lights and not self.reason:
             raise ValueError("an estimate without a light needs a reason")
 

@@ -13,10 +13,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask, frozen_floats, set_frozen
 from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.contours import AnyMask
 from ashe_live.light.first_guess import FirstGuess, guess_scene
-from ashe_live.light.proxies import FAMILIES, Proxy
+from ashe_live.light.proxies import FAMILIES
 from ashe_live.light.search import Solution, search
 from ashe_live.light.silhouettes import Outlines, observe_outlines
 from ashe_live.light.tangents import sharpened_slants

@@ -11,8 +11,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Image, Mask
-from ashe_live.light.log_colour import Float32, log_opponent
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.light.log_colour import Float32, linear_rgb, log_opponent
 
 # Standard deviations below which colours of one material are not told apart: noise, JPEG, relief.
 COLOUR_NOISE = np.array([0.05, 0.045, 0.045])
@@ -71,6 +71,11 @@ def ground_colours(image_bgr: Image, ground: LitGround, window: tuple[slice, sli
     """(h, w, 3): the colours of a window (rows, columns) of the frame at another scale, on the same ground."""
     colours = log_opponent(image_bgr[window])
     return colours - (_slow_bases(image_bgr.shape[:2], window) @ ground.field).reshape(colours.shape)
+
+
+def lit_rgb(ground: LitGround) -> Float:
+    """(3,) mean linear RGB of the lit ground."""
+    return np.asarray(np.average(linear_rgb(ground.centres), axis=0, weights=ground.weights))
 
 
 def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:

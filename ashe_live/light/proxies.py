@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float
 from ashe_live.light.jets import Jet, cos, exp, parameters, share, sin, stacked
 
 Parts = tuple[Float, Float]  # (n, k, 5) spheroids, (n, k, 5, q) their derivatives
@@ -30,29 +30,6 @@ class Family:
     parts: Callable[[Float], Parts]  # of parameters (n, q)
     starts: Callable[[Float], Float]  # (n, q) from a member of that family (the first guess is a frustum)
     spread: tuple[float, ...]  # (q,) how far a parameter plausibly lies from its start; inf: anywhere
-
-
-@dataclass(frozen=True, slots=True)
-class Proxy:
-    """A fitted body: the convex hull of upright spheroids (a point, a disc and a ball are special cases)."""
-
-    family: str
-    spheroids_marker: Float  # (k, 5) centre x, y, z, horizontal radius, half height; metres, marker frame
-
-    def __post_init__(self) -> None:
-        set_frozen(self, spheroids_marker=frozen_floats(self.spheroids_marker, (-1, 5), "spheroids_marker"))
-
-    def points_marker(self, around: int = 24) -> Float:
-        """(m, 3) points on the body, marker frame, metres, whose convex hull it is (nearly, where it is round)."""
-        angles = np.arange(around) * (2 * math.pi / around)
-        clouds = []
-        for x, y, z, radius, half in self.spheroids_marker:
-            tilts = np.linspace(-math.pi / 2, math.pi / 2, 9) if half else np.zeros(1)
-            tilt, angle = np.meshgrid(tilts, angles if radius else angles[:1])
-            flat = radius * np.cos(tilt)
-            offsets = np.stack([flat * np.cos(angle), flat * np.sin(angle), half * np.sin(tilt)], axis=-1)
-            clouds.append((offsets + np.array([x, y, z])).reshape(-1, 3))
-        return np.concatenate(clouds)
 
 
 def _frustum(theta: Float) -> Parts:

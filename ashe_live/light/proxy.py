@@ -16,7 +16,7 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light import fit as fitting
 from ashe_live.light.associate import AssociateSteps, Split, classified, splits
-from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, ground_colours, unlit_mask
+from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, ground_colours, lit_rgb, unlit_mask
 from ashe_live.light.judge import Candidate, confidence_in, judged
 from ashe_live.light.shift import shadow_ratio
 from ashe_live.light.stages import StageClock
@@ -94,7 +94,9 @@ class ProxyEstimator:
         clock.end("judge")
         if isinstance(verdict, str):
             return answer(verdict, split=rough)
-        return answer(None, replace(verdict, shadow_rgb_ratio=shadow_ratio(ground, best.split.shift)), split=rough)
+        ratio = shadow_ratio(ground, best.split.shift)
+        found = answer(None, replace(verdict, shadow_rgb_ratio=ratio), split=rough)
+        return replace(found, caster=best.fit.proxy, ambient_rgb_ratio=ratio, ground_rgb=lit_rgb(ground))
 
     def _refined(
         self, tracked: TrackedFrame, ground: LitGround, rough: list[Candidate]

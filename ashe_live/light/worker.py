@@ -153,4 +153,5 @@ def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
 
 def _refrozen(estimate: LightEstimate) -> LightEstimate:
     """Arrays come out of a pickle writable: made again, they are checked and read-only as before."""
-    return replace(estimate, lights=tuple(replace(light) for light in estimate.lights))
+    caster = estimate.caster and replace(estimate.caster)
+    return replace(estimate, lights=tuple(replace(light) for light in estimate.lights), caster=caster)

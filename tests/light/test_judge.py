@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import DirectionalLight
 from ashe_live.light.associate import Split
 from ashe_live.light.fit import Fit, FittedLight
 from ashe_live.light.judge import Candidate, confidence_in, evidence, judged
-from ashe_live.light.proxies import Proxy
 
 DAYLIGHT_SHIFT = np.array([-1.3, -0.5, 0.12])  # darker and bluer
 TO_LIGHT = np.array([0.5, 0.3, 0.8])

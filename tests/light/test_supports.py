@@ -8,7 +8,8 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.light.proxies import FAMILIES, Family, Proxy
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.proxies import FAMILIES, Family
 from ashe_live.light.supports import outline_supports
 from tests.light.synthetic_masks import camera_towards
 
