@@ -37,7 +37,7 @@ def _paper() -> Estimator:
 ESTIMATORS: Mapping[str, Callable[[], Estimator]] = {"proxy": _proxy, "paper": _paper}
 
 
-def make_estimator(name: str) -> Estimator:
+def make_estimator(name: str, preset: str = "balanced") -> Estimator:  # noqa: ARG001
     """A new estimator by its name in ESTIMATORS; raises UserError for one that is not there."""
     if name not in ESTIMATORS:
         raise UserError(f"there is no light estimator {name!r}", f"choose one of {', '.join(ESTIMATORS)}")
