@@ -64,6 +64,11 @@ def build_parser() -> argparse.ArgumentParser:
     )
     marker.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
+    board = commands.add_parser("board", help="a board to print, with which `calibrate` measures a camera")
+    board.add_argument("--out", type=Path, required=True, metavar="FILE.pdf|png")
+    board.add_argument("--square-mm", type=_positive, default=25.0, metavar="MM", help="a square's side (default 25)")
+    board.add_argument("--overwrite", action="store_true", help="replace an existing file")
+
     bench = commands.add_parser("bench", help="measure speed and accuracy on this machine")
     benches = bench.add_subparsers(dest="bench", metavar="WHAT", required=True)
     viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")

@@ -1,4 +1,4 @@
-"""A sheet with the marker at true size: what a webcam session starts with."""
+"""Sheets at true size: the marker that a webcam session starts with, and the board that calibrates its camera."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -7,8 +7,10 @@ import PIL.Image
 import PIL.ImageDraw
 import PIL.ImageFont
 
+from ashe_live.core.arrays import Image
 from ashe_live.core.output_files import check_output, written_whole
 from ashe_live.errors import UserError
+from ashe_live.tracking.calibration_board import CalibrationBoard
 from ashe_live.tracking.markers import Marker
 
 SUFFIXES = (".pdf", ".png")
@@ -21,6 +23,7 @@ PAGES_MM_DPI = (
     ("A0", (841, 1189), 150),
 )
 MIN_SIDE_MM = 10
+MIN_SQUARE_MM = 5
 # White around the black square: without it no detector finds the square's edge on a dark table.
 QUIET_ZONE = 1 / 8
 PRINTER_EDGE_MM = 8
@@ -36,8 +39,20 @@ class _Page:
     image: PIL.Image.Image
     dpi: int
 
+    @property
+    def height_mm(self) -> float:
+        return self.image.height / self.dpi * 25.4
+
+    @property
+    def middle_mm(self) -> tuple[float, float]:
+        """Of the part above the foot."""
+        return self.image.width / self.dpi * 25.4 / 2, (self.height_mm - FOOT_MM) / 2
+
     def px(self, mm: float) -> int:
         return round(mm / 25.4 * self.dpi)
+
+    def picture(self, grey: Image, top_left_mm: tuple[float, float]) -> None:
+        self.image.paste(PIL.Image.fromarray(grey), (self.px(top_left_mm[0]), self.px(top_left_mm[1])))
 
     def line(self, start_mm: tuple[float, float], end_mm: tuple[float, float], width_mm: float = 0.25) -> None:
         ends = [(self.px(x), self.px(y)) for x, y in (start_mm, end_mm)]
@@ -59,39 +74,61 @@ def write_marker_sheet(path: Path, marker: Marker, side_m: float, overwrite: boo
     Raises UserError for another suffix, an existing file (without `overwrite`), a size that fits no page, or a place
     that cannot be written.
     """
+    side_mm = side_m * 1000
+    _check(path, overwrite)
+    page = _blank_page((side_mm, side_mm), QUIET_ZONE * side_mm)
+    if side_mm < MIN_SIDE_MM or page is None:
+        largest = int((PAGES_MM_DPI[-1][1][0] - 2 * PRINTER_EDGE_MM) / (1 + 2 * QUIET_ZONE))
+        raise UserError(f"no page fits a marker of {side_mm:g} mm", f"choose a size from {MIN_SIDE_MM} to {largest} mm")
+    middle_x, middle_y = page.middle_mm
+    page.picture(marker.bitmap(page.px(side_mm)), (middle_x - side_mm / 2, middle_y - side_mm / 2))
+    page.text((middle_x, middle_y - side_mm * (0.5 + QUIET_ZONE) - 4), "up")
+    _write(path, page, f"{_short(marker.spec)}   {side_mm:g} mm")
+
+
+def write_board_sheet(path: Path, board: CalibrationBoard, square_m: float, overwrite: bool = False) -> None:
+    """As write_marker_sheet, with the calibration board, whose squares are `square_m` wide."""
+    square_mm = square_m * 1000
+    _check(path, overwrite)
+    columns, rows = board.squares
+    width_mm, height_mm = columns * square_mm, rows * square_mm
+    page = _blank_page((width_mm, height_mm), QUIET_ZONE * square_mm)
+    if square_mm < MIN_SQUARE_MM or page is None:
+        widest = (PAGES_MM_DPI[-1][1][0] - 2 * PRINTER_EDGE_MM) / (columns + 2 * QUIET_ZONE)
+        remedy = f"choose squares from {MIN_SQUARE_MM} to {int(widest)} mm"
+        raise UserError(f"no page fits a board of squares of {square_mm:g} mm", remedy)
+    middle_x, middle_y = page.middle_mm
+    picture = board.bitmap((page.px(width_mm), page.px(height_mm)))
+    page.picture(picture, (middle_x - width_mm / 2, middle_y - height_mm / 2))
+    _write(path, page, f"calibration board   {columns} x {rows} squares of {square_mm:g} mm   must lie flat")
+
+
+def _check(path: Path, overwrite: bool) -> None:
     if path.suffix.lower() not in SUFFIXES:
-        raise UserError(f"cannot write a marker as {path.name!r}", "name a .pdf or a .png file")
+        raise UserError(f"cannot print to {path.name!r}", "name a .pdf or a .png file")
     check_output(path, overwrite)
-    page = _sheet(marker, side_m * 1000)
+
+
+def _blank_page(size_mm: tuple[float, float], quiet_mm: float) -> _Page | None:
+    """The smallest page that holds a picture of `size_mm` with white around it, or None."""
+    for _, (width, height), dpi in PAGES_MM_DPI:
+        room = width - 2 * PRINTER_EDGE_MM, height - FOOT_MM - 2 * PRINTER_EDGE_MM - 12
+        if all(0 < side + 2 * quiet_mm <= most for side, most in zip(size_mm, room, strict=True)):
+            return _Page(PIL.Image.new("L", (round(width / 25.4 * dpi), round(height / 25.4 * dpi)), PAPER), dpi)
+    return None
+
+
+def _write(path: Path, page: _Page, caption: str) -> None:
+    """Saves the page with its foot: what it shows, and a line to check its scale with."""
+    (middle_x, _), height = page.middle_mm, page.height_mm
+    page.text((middle_x, height - FOOT_MM + 8), caption)
+    page.text((middle_x, height - FOOT_MM + 15), "print at 100 %, do not scale, then check with this line:", 3.5)
+    _draw_ruler(page, middle_x, height - FOOT_MM + 24)
     with written_whole(path) as partial:
         if path.suffix.lower() == ".pdf":
             page.image.save(partial, "PDF", resolution=page.dpi, quality=95)
         else:
             page.image.save(partial, "PNG", dpi=(page.dpi, page.dpi))
-
-
-def _sheet(marker: Marker, side_mm: float) -> _Page:
-    (width, height), dpi = _page_for(side_mm)
-    page = _Page(PIL.Image.new("L", (round(width / 25.4 * dpi), round(height / 25.4 * dpi)), PAPER), dpi)
-    middle_x, middle_y = width / 2, (height - FOOT_MM) / 2
-    square = PIL.Image.fromarray(marker.bitmap(page.px(side_mm)))
-    page.image.paste(square, (page.px(middle_x - side_mm / 2), page.px(middle_y - side_mm / 2)))
-    page.text((middle_x, middle_y - side_mm * (0.5 + QUIET_ZONE) - 4), "up")
-    page.text((middle_x, height - FOOT_MM + 8), f"{_short(marker.spec)}   {side_mm:g} mm")
-    page.text((middle_x, height - FOOT_MM + 15), "print at 100 %, do not scale, then check with this line:", 3.5)
-    _draw_ruler(page, middle_x, height - FOOT_MM + 24)
-    return page
-
-
-def _page_for(side_mm: float) -> tuple[tuple[int, int], int]:
-    """Size in millimetres and resolution of the smallest page that holds the square with its quiet zone."""
-    if side_mm >= MIN_SIDE_MM:
-        for _, (width, height), dpi in PAGES_MM_DPI:
-            room = min(width - 2 * PRINTER_EDGE_MM, height - FOOT_MM - 2 * PRINTER_EDGE_MM - 12)
-            if side_mm * (1 + 2 * QUIET_ZONE) <= room:
-                return (width, height), dpi
-    largest = int((PAGES_MM_DPI[-1][1][0] - 2 * PRINTER_EDGE_MM) / (1 + 2 * QUIET_ZONE))
-    raise UserError(f"no page fits a marker of {side_mm:g} mm", f"choose a size from {MIN_SIDE_MM} to {largest} mm")
 
 
 def _draw_ruler(page: _Page, middle_x: float, y: float) -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-COMMANDS = ("demo", "webcam", "play", "estimate", "marker", "bench")
+COMMANDS = ("demo", "webcam", "play", "estimate", "marker", "board", "bench")
 
 
 @pytest.mark.parametrize(
