@@ -1,12 +1,22 @@
 """Sub-pixel corners of a black square: its four edges fitted by straight lines, and where these meet.
 
 A whole edge says far more than the few pixels around a corner, and is still there when the paper's corner curls up.
+Edges are measured in linear light, where blur moves none of them (in the encoded picture it eats into the black), and
+in ideal pixels (see `lens`), where they are straight.
 """
+
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.tracking.lens import source_from_ideal
+
+Light = NDArray[np.float32]
 
 MIN_SIDE_PX = 4.0
 # Of the two sides' product: the sine of the sharpest angle that still counts as a corner.
@@ -20,16 +30,28 @@ REACH_RATIO = 0.08
 MIN_REACH_PX, LAST_REACH_PX = 2.0, 4.0
 # Each search reaches this much less far than the one before: a few of the steps between its samples.
 NARROWING = 5.0
-# Grey levels that an edge must rise from black to white.
-MIN_RISE = 12.0
+# What an edge must rise from black to white, of the encoded picture's range (its curve taken for a square root).
+MIN_RISE = 12 / 255
 # What counts as one edge: so far to each side of the steepest place.
 MIN_SPREAD_PX = 2.0
 SHIFTS = 4
 # Points farther than this from the line do not count (Tukey's biweight).
 OUTLIER_PX = 1.5
+# An edge's points are never taken to be more certain than this.
+MIN_SIGMA_PX = 0.01
+
+LINEAR: Light = LINEAR_FROM_SRGB_8BIT.astype(np.float32)
 
 # Each corner's neighbours along the outline; np.roll would take ten times as long, and this runs in every frame.
 NEXT, BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
+
+
+@dataclass(frozen=True, slots=True)
+class FittedSquare:
+    """A square's corners and how sure they are."""
+
+    corners_px: Float  # (4, 2) ideal pixels, in the order that was asked for
+    information: Float  # (8, 8) inverse covariance of corners_px.ravel(), 1 / px^2
 
 
 def side_lengths_px(corners_px: Float) -> Float:
@@ -53,35 +75,82 @@ def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: flo
 
     `samples` is how many places of each edge are measured. Where no edge is to be seen, a side stays as it was.
     """
+    fitted = fitted_square(linear_light(grey), corners_px, samples, off_by_px)
+    return corners_px if fitted is None else fitted.corners_px
+
+
+def linear_light(grey: Image) -> Light:
+    """(h, w) linear light in [0, 1] of an encoded picture (h, w)."""
+    return np.asarray(cv2.LUT(grey, LINEAR), dtype=np.float32)
+
+
+def fitted_square(
+    light: Light,
+    corners_px: Float,
+    samples: int,
+    off_by_px: float = 1.0,
+    camera: Camera | None = None,
+    origin_px: tuple[int, int] = (0, 0),
+) -> FittedSquare | None:
+    """The black square near `corners_px` (4, 2), ideal pixels of the whole picture that may be `off_by_px` off.
+
+    `light` (h, w) is linear, and a part of the picture that begins at `origin_px`; a `camera` bends the way from ideal
+    pixels to the picture's. None when the corners are no square or what was found is not the one that was asked for;
+    where a side shows no edge it stays as it was and says next to nothing.
+    """
     if not is_front_of_square(corners_px):
-        return corners_px
+        return None
     lengths = side_lengths_px(corners_px)
     extents = abs(cv2.contourArea(corners_px.astype(np.float32))) / lengths
     reaches = np.maximum(REACH_RATIO * extents, max(MIN_REACH_PX, 1.5 * off_by_px))
-    refined = _fitted(grey, corners_px, samples, reaches)
+    view = _View(light, camera, np.asarray(origin_px, dtype=np.float64))
+    fitted = _fitted(view, corners_px, samples, reaches)
     narrowed = reaches
-    while narrowed.max() > LAST_REACH_PX and np.isfinite(refined).all():
+    while narrowed.max() > LAST_REACH_PX and is_front_of_square(fitted.corners_px):
         narrowed = np.maximum(narrowed / NARROWING, np.minimum(reaches, LAST_REACH_PX))
-        refined = _fitted(grey, refined, samples, narrowed)
-    astray = np.linalg.norm(refined - corners_px, axis=1).max() > 4 * reaches.max()
-    return corners_px if astray or not is_front_of_square(refined) else refined
+        fitted = _fitted(view, fitted.corners_px, samples, narrowed)
+    if not is_front_of_square(fitted.corners_px):
+        return None
+    astray = np.linalg.norm(fitted.corners_px - corners_px, axis=1).max() > 4 * reaches.max()
+    return None if astray else fitted
 
 
-def _fitted(grey: Image, corners_px: Float, samples: int, reaches_px: Float) -> Float:
-    """Corners (4, 2) of the lines through the edges found within `reaches_px` (4,) of the sides."""
+@dataclass(frozen=True, slots=True)
+class _View:
+    """A part of the picture, asked for at ideal pixels."""
+
+    light: Light
+    camera: Camera | None
+    origin_px: Float
+
+    def at(self, points_px: Float) -> Float:
+        """Linear light at ideal pixels (..., 2), interpolated."""
+        flat = points_px.reshape(-1, 2)
+        if self.camera is not None:
+            flat = source_from_ideal(self.camera, flat)
+        # OpenCV's remap wants fewer than 32768 rows or columns.
+        x, y = (flat - self.origin_px).astype(np.float32).T.reshape(2, -1, points_px.shape[-2])
+        values = cv2.remap(self.light, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return values.reshape(points_px.shape[:-1]).astype(np.float64)
+
+
+def _fitted(view: _View, corners_px: Float, samples: int, reaches_px: Float) -> FittedSquare:
+    """The lines through the edges found within `reaches_px` (4,) of the sides, and where they meet."""
     sides = corners_px[NEXT] - corners_px
-    along = sides / np.linalg.norm(sides, axis=1)[:, None]
+    lengths = np.linalg.norm(sides, axis=1)
+    along = sides / lengths[:, None]
     # Clockwise in the picture, so the outside is to the left of the way along a side.
     outwards = np.column_stack([along[:, 1], -along[:, 0]])
     places = np.linspace(ALONG_FROM, ALONG_TO, samples)
-    offsets, weights = _edge_offsets(grey, corners_px, sides, outwards, places, reaches_px)
-    at_start, slope = _robust_lines(places, offsets, weights)
-    starts = corners_px + at_start[:, None] * outwards
-    return _meeting_points(starts, sides + slope[:, None] * outwards)
+    offsets, weights = _edge_offsets(view, corners_px, sides, outwards, places, reaches_px)
+    ends, covariances = _robust_lines(places, offsets, weights, lengths)
+    starts = corners_px + ends[:, :1] * outwards
+    directions = sides + (ends[:, 1:] - ends[:, :1]) * outwards
+    return FittedSquare(_meeting_points(starts, directions), _information(outwards, covariances))
 
 
 def _edge_offsets(
-    grey: Image, corners_px: Float, sides: Float, outwards: Float, places: Float, reaches_px: Float
+    view: _View, corners_px: Float, sides: Float, outwards: Float, places: Float, reaches_px: Float
 ) -> tuple[Float, Float]:
     """How far outwards of each place the edge lies, in pixels, and whether there is one, as 0 or 1; both (4, samples).
 
@@ -89,10 +158,9 @@ def _edge_offsets(
     """
     across = np.linspace(-1, 1, ACROSS) * reaches_px[:, None]
     on_side = corners_px[:, None] + places[:, None] * sides[:, None]
-    points = on_side[:, :, None] + across[:, None, :, None] * outwards[:, None, None]
-    x, y = np.moveaxis(points.reshape(-1, ACROSS, 2).astype(np.float32), 2, 0)
-    values = cv2.remap(grey, x.copy(), y.copy(), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    rises = np.diff(values.reshape(4, len(places), ACROSS).astype(np.float64), axis=2).clip(0)
+    values = view.at(on_side[:, :, None] + across[:, None, :, None] * outwards[:, None, None])
+    steps = np.diff(values, axis=2)
+    rises = steps.clip(0)
     centres = (across[:, 1:] + across[:, :-1]) / 2
     spreads = np.maximum(MIN_SPREAD_PX, reaches_px / 4)[:, None, None]
     offsets = np.take_along_axis(centres, rises.argmax(axis=2), axis=1)
@@ -102,18 +170,18 @@ def _edge_offsets(
         weights = rises * (1 - away**2).clip(0)
         total = weights.sum(axis=2)
         offsets = (weights * centres[:, None]).sum(axis=2) / np.maximum(total, 1e-9)
-    return offsets, (total >= MIN_RISE).astype(np.float64)
+    dark = values.min(axis=2)
+    return offsets, (np.sqrt(dark + total) - np.sqrt(dark) >= MIN_RISE).astype(np.float64)
 
 
-def _robust_lines(places: Float, offsets: Float, weights: Float) -> tuple[Float, Float]:
-    """Offset at place 0 and slope (4,) of each side's line, by least squares reweighted with Tukey's biweight.
+def _robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Float) -> tuple[Float, Float]:
+    """Each side's offset at places 0 and 1 (4, 2), and the covariances (4, 2, 2) of these, in px and px^2.
 
-    A side with fewer than half of its samples stays: both are 0.
+    Least squares reweighted with Tukey's biweight. A side with fewer than half of its samples stays: both are 0.
     """
     seen = weights.sum(axis=1) >= len(places) / 2
     # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
-    middle = _medians(offsets, weights > 0)
-    at_start, slope = middle, np.zeros(4)
+    at_start, slope = _medians(offsets, weights > 0), np.zeros(4)
     for scale in (8.0, 4.0, 2.0, 1.0):
         residuals = offsets - at_start[:, None] - slope[:, None] * places
         kept = weights * (1 - np.minimum((residuals / (scale * OUTLIER_PX)) ** 2, 1)) ** 2
@@ -121,9 +189,28 @@ def _robust_lines(places: Float, offsets: Float, weights: Float) -> tuple[Float,
         place = (kept * places).sum(axis=1) / mass
         offset = (kept * offsets).sum(axis=1) / mass
         from_place = places - place[:, None]
-        slope = (kept * from_place * offsets).sum(axis=1) / np.maximum((kept * from_place**2).sum(axis=1), 1e-9)
+        moment = np.maximum((kept * from_place**2).sum(axis=1), 1e-9)
+        slope = (kept * from_place * offsets).sum(axis=1) / moment
         at_start = offset - slope * place
-    return np.where(seen, at_start, 0.0), np.where(seen, slope, 0.0)
+    residuals = offsets - at_start[:, None] - slope[:, None] * places
+    variance = (kept * residuals**2).sum(axis=1) / mass + MIN_SIGMA_PX**2
+    # Samples less than a pixel apart see the same pixels.
+    variance *= np.maximum(1, len(places) / ((ALONG_TO - ALONG_FROM) * lengths_px))
+    arms = np.column_stack([-place, 1 - place])
+    covariances = variance[:, None, None] * (
+        1 / mass[:, None, None] + arms[:, :, None] * arms[:, None] / moment[:, None, None]
+    )
+    covariances = np.where(seen[:, None, None], covariances, 1e4 * np.eye(2))
+    return np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0), covariances
+
+
+def _information(outwards: Float, covariances: Float) -> Float:
+    """(8, 8) of the corners: each side measures its two ends along its normal."""
+    information = np.zeros((8, 8))
+    for side, (normal, inverse) in enumerate(zip(outwards, np.linalg.inv(covariances), strict=True)):
+        ends = [2 * side, 2 * side + 1, 2 * NEXT[side], 2 * NEXT[side] + 1]
+        information[np.ix_(ends, ends)] += np.kron(inverse, np.outer(normal, normal))
+    return information
 
 
 def _medians(values: Float, counts: Mask) -> Float:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame
 from ashe_live.tracking.markers import Marker, parse_marker
@@ -28,7 +29,7 @@ def pose(distance_m: float, tilt_deg: float, turn_deg: float = 0.0, aside_m: flo
 
 
 def picture(marker: Marker, camera: Camera, T_cam_marker: Float, side_m: float = SIDE_M, noise: float = 2.0) -> Image:
-    """(h, w, 3) frame without distortion: the marker on white paper on a grey ground, blurred and noisy."""
+    """(h, w, 3) undistorted frame: the marker on white paper on a grey ground, blurred as light is, and noisy."""
     cells_px = 320
     margin_px = cells_px // 4
     paper = cv2.copyMakeBorder(marker.bitmap(cells_px), *[margin_px] * 4, cv2.BORDER_CONSTANT, value=255)
@@ -39,10 +40,15 @@ def picture(marker: Marker, camera: Camera, T_cam_marker: Float, side_m: float =
     fine = camera.resized((width * SUPERSAMPLING, height * SUPERSAMPLING))
     homography = fine.K @ T_cam_marker[:3, (0, 1, 3)] @ marker_from_paper
     grey = cv2.warpPerspective(paper, homography, fine.size, flags=cv2.INTER_AREA, borderValue=GROUND)
-    grey = cv2.resize(grey, camera.size, interpolation=cv2.INTER_AREA)
-    noisy = cv2.GaussianBlur(grey.astype(np.float64), (0, 0), 0.7)
-    noisy += np.random.default_rng(7).normal(0, noise, noisy.shape)
-    return np.repeat(noisy.clip(0, 255).astype(np.uint8)[:, :, None], 3, axis=2)
+    noisy = exposed(grey, camera.size, 0.7) + np.random.default_rng(7).normal(0, noise, camera.size[::-1])
+    return np.repeat(noisy.round().clip(0, 255).astype(np.uint8)[:, :, None], 3, axis=2)
+
+
+def exposed(fine: Image, size: Size, blur_px: float) -> Float:
+    """(h, w) grey levels that a camera makes of a finer picture: light is what lens and sensor average."""
+    light = LINEAR_FROM_SRGB_8BIT[fine].astype(np.float32)
+    small = cv2.GaussianBlur(cv2.resize(light, size, interpolation=cv2.INTER_AREA), (0, 0), blur_px)
+    return 255 * srgb_from_linear(small)
 
 
 def frame(image_bgr: Image, index: int = 0) -> Frame:

@@ -1,0 +1,166 @@
+"""Pictures of a printed marker at an exactly known pose, as a camera with known flaws would take them.
+
+Nothing of the renderer or the tracker takes part: every pixel is the mean of many rays, each traced backwards through
+lens and pose onto the paper's plane, in linear light; blur, vignetting, encoding, noise and rounding follow.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import srgb_from_linear
+
+# Linear reflectances, times the exposure that makes white paper nearly white.
+INK, PAPER, GROUND = 0.03, 0.72, 0.22
+# White around the black square, over its side.
+QUIET_ZONE = 0.25
+# The light that a shadow leaves, and its edge's width over the side.
+SHADOW_RATIO, PENUMBRA = 0.3, 0.05
+# Rays a pixel, in each direction.
+RAYS, RAYS_IN_MOTION = 6, 3
+MARGIN_PX = 16
+# Grey levels of so many steps of linear light.
+ENCODED = (255 * srgb_from_linear(np.linspace(0, 1, 65536))).astype(np.float32)
+
+
+@dataclass(frozen=True, slots=True)
+class Flaws:
+    """What lies between the scene and the picture."""
+
+    blur_px: float = 0.7  # standard deviation of the lens's Gaussian blur
+    noise: float = 2.0  # standard deviation, grey levels of the encoded picture
+    vignetting: float = 0.3  # light lost in the picture's corners
+    shadow: bool = False  # a shadow's edge runs across the marker
+    gain: float = 1.0  # exposure, over the right one
+    clutter: int = 0  # dark quadrilaterals scattered on the ground
+
+
+CLEAN_CAMERA = Flaws()
+
+
+def painted(
+    bitmap: Image,
+    side_m: float,
+    camera: Camera,
+    poses: Sequence[Float],
+    flaws: Flaws,
+    rng: np.random.Generator,
+    canvas: Float | None = None,
+) -> Image:
+    """(h, w, 3) uint8 BGR: the black square `bitmap` (n, n) on white paper in front of `camera`.
+
+    `poses`: T_cam_marker (4, 4) at moments spread evenly over the exposure, one for a marker at rest; the truth is
+    their middle one. `canvas` (h, w): linear light behind the paper, else a ground with the flaws' clutter.
+    """
+    light = ground(camera, flaws.clutter) if canvas is None else canvas.copy()
+    x0, y0, x1, y1 = _region(camera, poses, side_m)
+    if x1 > x0 and y1 > y0:
+        rays = RAYS if len(poses) == 1 else RAYS_IN_MOTION
+        region = light[y0:y1, x0:x1]
+        light[y0:y1, x0:x1] = np.mean(
+            [_paper_over(region, bitmap, side_m, camera, pose, (x0, y0), rays, flaws.shadow) for pose in poses], axis=0
+        )
+    return developed(light, flaws, rng)
+
+
+def developed(light: Float, flaws: Flaws, rng: np.random.Generator) -> Image:
+    """The picture (h, w, 3) uint8 BGR that a camera with `flaws` makes of linear `light` (h, w)."""
+    height, width = light.shape
+    light = light.astype(np.float32)
+    blurred = cv2.GaussianBlur(light, (0, 0), flaws.blur_px) if flaws.blur_px > 0 else light
+    x = (np.arange(width) - (width - 1) / 2) / (width / 2)
+    y = (np.arange(height) - (height - 1) / 2) / (height / 2)
+    falloff = 1 - flaws.vignetting * (x[None] ** 2 + y[:, None] ** 2) / 2
+    exposed = flaws.gain * falloff.astype(np.float32) * blurred
+    grey = ENCODED[(exposed * (len(ENCODED) - 1) + 0.5).clip(0, len(ENCODED) - 1).astype(np.int32)]
+    noisy = grey + flaws.noise * rng.standard_normal(grey.shape, np.float32)
+    encoded = (noisy + 0.5).clip(0, 255).astype(np.uint8)
+    return np.repeat(encoded[:, :, None], 3, axis=2)
+
+
+def ground(camera: Camera, clutter: int = 0, seed: int = 4) -> Float:
+    """(h, w) linear light of a mottled ground with `clutter` dark quadrilaterals; the same for the same arguments."""
+    width, height = camera.size
+    rng = np.random.default_rng(seed)
+    coarse = rng.normal(0, 1, (max(2, height // 12), max(2, width // 12))).astype(np.float32)
+    light = GROUND * (1 + 0.12 * cv2.resize(coarse, camera.size, interpolation=cv2.INTER_CUBIC)).astype(np.float64)
+    for _ in range(clutter):
+        centre, radius = rng.uniform((0, 0), (width, height)), rng.uniform(0.01, 0.06) * width
+        angles = np.sort(rng.uniform(0, 2 * np.pi, 4))
+        corners = centre + radius * np.column_stack([np.cos(angles), np.sin(angles)])
+        cv2.fillConvexPoly(light, np.round(corners).astype(np.int32), float(rng.uniform(0.02, 0.6)))
+    return light.clip(0.01, 1)
+
+
+def _region(camera: Camera, poses: Sequence[Float], side_m: float) -> tuple[int, int, int, int]:
+    """Left, top, right, bottom of the pixels that the paper may reach."""
+    half = side_m * (0.5 + QUIET_ZONE)
+    outline = np.array([(x, y, 0.0) for x in np.linspace(-half, half, 9) for y in np.linspace(-half, half, 9)])
+    pixels = np.concatenate(
+        [
+            cv2.projectPoints(outline, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0][:, 0]
+            for T in poses
+        ]
+    )
+    lower = np.floor(pixels.min(axis=0) - MARGIN_PX).clip(0, camera.size)
+    upper = np.ceil(pixels.max(axis=0) + MARGIN_PX).clip(0, camera.size)
+    return int(lower[0]), int(lower[1]), int(upper[0]), int(upper[1])
+
+
+def _paper_over(
+    behind: Float,
+    bitmap: Image,
+    side_m: float,
+    camera: Camera,
+    T_cam_marker: Float,
+    corner_px: tuple[int, int],
+    rays: int,
+    shadow: bool,
+) -> Float:
+    """`behind` (h, w) with the paper in front of it, `rays` squared rays a pixel; its top-left pixel is `corner_px`."""
+    height, width = behind.shape
+    x, y = _on_paper(camera, T_cam_marker, corner_px, (width * rays, height * rays), rays)
+    half = side_m / 2
+    reach = half * (1 + 2 * QUIET_ZONE)
+    is_paper = (np.abs(x) < reach) & (np.abs(y) < reach)
+    is_square = (np.abs(x) < half) & (np.abs(y) < half)
+    cells = len(bitmap)
+    column = ((x / side_m + 0.5) * cells).astype(np.int32).clip(0, cells - 1)
+    row = ((0.5 - y / side_m) * cells).astype(np.int32).clip(0, cells - 1)
+    printed = np.where(bitmap > 127, PAPER, INK)[row, column]
+    colour = np.where(is_square, printed, PAPER)
+    light = np.where(is_paper, colour, np.repeat(np.repeat(behind, rays, axis=0), rays, axis=1))
+    if shadow:
+        light = np.where(is_paper, _shadow_ratio(x / side_m, y / side_m) * light, light)
+    return light.reshape(height, rays, width, rays).mean(axis=(1, 3))
+
+
+def _shadow_ratio(x: Float, y: Float) -> Float:
+    """The light that is left at places in units of the side: the shadow's soft edge crosses the marker askew."""
+    beyond_edge = 0.8 * x + 0.6 * y - 0.1
+    return np.asarray(1 - (1 - SHADOW_RATIO) * (0.5 + beyond_edge / PENUMBRA).clip(0, 1))
+
+
+def _on_paper(
+    camera: Camera, T_cam_marker: Float, corner_px: tuple[int, int], size: tuple[int, int], rays: int
+) -> tuple[Float, Float]:
+    """Where on the marker's plane, in metres, the rays of a finer grid of pixels end: x and y, each (h, w)."""
+    u = corner_px[0] + (np.arange(size[0]) + 0.5) / rays - 0.5
+    v = corner_px[1] + (np.arange(size[1]) + 0.5) / rays - 0.5
+    if camera.is_distorted:
+        grid = np.stack(np.meshgrid(u, v), axis=2).reshape(-1, 1, 2)
+        criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 60, 1e-10)
+        ideal = cv2.undistortPoints(grid, camera.K, camera.dist, None, None, camera.K, criteria)
+        u_ideal, v_ideal = np.moveaxis(ideal.reshape(size[1], size[0], 2), 2, 0)
+    else:
+        u_ideal, v_ideal = u[None], v[:, None]
+    marker_from_pixel = np.linalg.inv(camera.K @ T_cam_marker[:3, (0, 1, 3)])
+    x, y, w = (a * u_ideal + b * v_ideal + c for a, b, c in marker_from_pixel)
+    # Behind the camera the plane is not seen.
+    w = np.where(w > 1e-12, w, np.nan)
+    far = 1e6
+    return np.nan_to_num(x / w, nan=far), np.nan_to_num(y / w, nan=far)
