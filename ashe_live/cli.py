@@ -79,7 +79,9 @@ def build_parser() -> argparse.ArgumentParser:
     _add_quality_options(viewer, default="fast")
     light = benches.add_parser("light", help="the estimators' errors on scenes whose light is known")
     light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
-    light.add_argument("--out", type=Path, metavar="DIR", help="where results.json goes")
+    light.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the plots go")
+    light.add_argument("--overwrite", action="store_true", help="replace existing files there")
+    light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
     light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
     light.add_argument("--limit", type=_count, metavar="N", help="the first N scenes of each folder only")
     return parser

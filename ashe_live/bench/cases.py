@@ -9,7 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float, Mask, frozen_floats, set_frozen
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
@@ -24,8 +24,10 @@ PHOTO_CATEGORY = "photo"
 class Case:
     """One picture, where its marker truly is, and where its light truly is."""
 
-    id: str
+    id: str  # within its folder
+    folder: str
     category: str
+    caster: str | None  # what kind of object it is; None: not stated
     image_path: Path
     camera: Camera
     marker: MarkerPose
@@ -42,6 +44,15 @@ class Case:
         if image is None:
             raise UserError(f"cannot read the picture {self.image_path}", "is it there, and a PNG or JPEG?")
         return TrackedFrame(Frame(np.asarray(image, dtype=np.uint8), index, 0.0), self.camera, self.marker)
+
+    def mask(self, name: str) -> Mask | None:
+        """(h, w), or None when there is none of that name; raises UserError when it cannot be read."""
+        if name not in self.mask_paths:
+            return None
+        picture = cv2.imread(str(self.mask_paths[name]), cv2.IMREAD_GRAYSCALE)
+        if picture is None:
+            raise UserError(f"cannot read the mask {self.mask_paths[name]}", "is it there, and a PNG?")
+        return np.asarray(picture) > 127
 
 
 def read_cases(folder: Path) -> list[Case]:
@@ -60,19 +71,22 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
     """Scenes state the camera, the pose, the corners, the lights and the masks."""
     for scene in scenes:
         width, height = scene["size"]
-        camera = Camera((width, height), np.array(scene["K"]), np.array(scene["dist"], dtype=np.float64), "file")
+        camera = Camera(
+            (width, height), np.array(scene["K"]), np.array(scene.get("dist") or np.zeros(5), dtype=np.float64), "file"
+        )
         marker = scene["marker"]
         T_cam_marker = rigid(scene["R"], scene["t"])
-        corners_px = np.array(marker["corners_px"], dtype=np.float64)
+        corners_px = _corners_px(camera, T_cam_marker, marker)
         rms_px = _reprojection_rms_px(camera, T_cam_marker, corners_px, marker["side_m"])
-        lights = [light["dir_to_light"] for light in scene["lights"]]
         yield Case(
             scene["id"],
+            folder.resolve().name,
             scene.get("category", "scene"),
+            (scene.get("caster") or {}).get("type"),
             folder / scene["image"],
             camera,
             MarkerPose(T_cam_marker, corners_px, marker["side_m"], rms_px, None),
-            np.array(lights, dtype=np.float64).reshape(-1, 3),
+            _to_lights_marker(scene),
             {name: folder / file for name, file in scene.get("masks", {}).items()},
         )
 
@@ -88,10 +102,32 @@ def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
             raise ValueError(f"the corners of {file} are not those of a square")
         light = photo.get("to_light_marker")
         lights = None if light is None else np.array([light], dtype=np.float64)
-        yield Case(Path(file).stem, PHOTO_CATEGORY, folder / file, camera, marker, lights, {})
+        yield Case(
+            Path(file).stem, folder.resolve().name, PHOTO_CATEGORY, None, folder / file, camera, marker, lights, {}
+        )
+
+
+def _to_lights_marker(scene: Mapping[str, Any]) -> Float | None:
+    """(n, 3), strongest first; None when the scene does not tell."""
+    if "lights" not in scene:
+        return None if scene.get("directional", True) else np.empty((0, 3))
+    lights = sorted(scene["lights"], key=lambda light: -light.get("relative_strength", 1.0))
+    return np.array([light["dir_to_light"] for light in lights], dtype=np.float64).reshape(-1, 3)
+
+
+def _corners_px(camera: Camera, T_cam_marker: Float, marker: Mapping[str, Any]) -> Float:
+    if "corners_px" in marker:
+        return np.array(marker["corners_px"], dtype=np.float64)
+    return _projected_square(camera, T_cam_marker, marker["side_m"])
+
+
+def _projected_square(camera: Camera, T_cam_marker: Float, side_m: float) -> Float:
+    """(4, 2) pixels of the marker's corners, with distortion."""
+    rotation, _ = cv2.Rodrigues(T_cam_marker[:3, :3])
+    pixels, _ = cv2.projectPoints(square_corners(side_m), rotation, T_cam_marker[:3, 3], camera.K, camera.dist)
+    return np.asarray(pixels, dtype=np.float64).reshape(-1, 2)
 
 
 def _reprojection_rms_px(camera: Camera, T_cam_marker: Float, corners_px: Float, side_m: float) -> float:
-    rotation, _ = cv2.Rodrigues(T_cam_marker[:3, :3])
-    pixels, _ = cv2.projectPoints(square_corners(side_m), rotation, T_cam_marker[:3, 3], camera.K, camera.dist)
-    return float(np.sqrt(np.mean(np.sum((pixels.reshape(-1, 2) - corners_px) ** 2, axis=1))))
+    offsets = _projected_square(camera, T_cam_marker, side_m) - corners_px
+    return float(np.sqrt(np.mean(np.sum(offsets**2, axis=1))))

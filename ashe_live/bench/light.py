@@ -1,144 +1,157 @@
-"""`ashe-live bench light`: the estimators' angular errors on pictures with a known light."""
+"""`ashe-live bench light`: the estimators' errors, honesty and times on pictures and clips with a known light."""
 
-import os
-import platform
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+import time
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 
-import cv2
-import numpy as np
 from rich.console import Console
 from rich.progress import track
-from rich.table import Table
 
 from ashe_live.bench.cases import Case, read_cases
-from ashe_live.bench.metrics import GOOD_DEG, ErrorSummary, angular_error_deg, summarise
-from ashe_live.core.output_files import cannot_write, write_json
-from ashe_live.core.types import LightEstimate
+from ashe_live.bench.light_clips import ClipResult, estimate_clip, read_clips
+from ashe_live.bench.light_results import CaseResult, Summary, case_result, grouped, stage_times, summarise
+from ashe_live.bench.light_tables import light_console, print_clips, print_preset
+from ashe_live.bench.light_targets import Verdict, verdicts
+from ashe_live.bench.light_truth import error_on_true_masks_deg, mask_overlaps
+from ashe_live.bench.machine import machine_json, versions_json
+from ashe_live.core.contract import Json
+from ashe_live.core.output_files import cannot_write, check_output, write_json
+from ashe_live.core.quality import QUALITIES
+from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimator import Estimator, make_estimator
+from ashe_live.light.fit import ACCURATE, BALANCED, FAST
 
-ALL_LIT = "all lit"
-SMALL_SET = 12  # up to this many cases every one gets its line
+SCHEMA = 2
+RESULTS = "results.json"
+QUICK_PRESETS = ("balanced",)
+QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4
+TRUE_MASK_FITS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}
 
 
 @dataclass(frozen=True, slots=True)
-class CaseResult:
-    """What one estimator said of one case."""
+class LightBench:
+    """What is measured: `presets` of `estimator` on the folders `scenes`, which count as one set."""
 
-    estimator: str
-    case: str
-    category: str
-    directional: bool  # whether there is a light to be found
-    to_light_marker: tuple[float, ...] | None
-    error_deg: float | None  # of the strongest light to the strongest true one; None without either
-    reason: str | None
-    ms: float
+    scenes: Sequence[Path]
+    estimator: str = "proxy"
+    presets: Sequence[str] = tuple(QUALITIES)
+    quick: bool = False  # a few scenes of each category, a few frames of each clip
+    limit: int | None = None  # the first so many scenes of each folder
+    console: Console = field(default_factory=light_console)
+
+    def run(self, out: Path | None = None, overwrite: bool = False) -> Json:
+        """Measures, prints, and writes results.json into the folder `out`; returns its content.
+
+        Raises UserError for an unknown estimator or preset, an unreadable folder, or an unwritable `out`.
+        """
+        if out is not None:
+            _check_folder(out, (RESULTS,), overwrite)
+        record = self._measured()
+        if out is not None:
+            write_json(out / RESULTS, record)
+        return record
+
+    def _measured(self) -> Json:
+        estimators = {preset: make_estimator(self.estimator, preset) for preset in self.presets}
+        results = self._results(estimators)
+        clips = self._clip_results(estimators)
+        presets: dict[str, Json] = {}
+        for preset in estimators:
+            own = [result for result in results if result.preset == preset]
+            own_clips = [clip for clip in clips if clip.preset == preset]
+            summaries = {group: summarise(members) for group, members in grouped(own).items()}
+            stages = stage_times(own)
+            met = verdicts(preset, summaries, own_clips)
+            print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, own, met)
+            presets[preset] = _preset_json(summaries, stages, own_clips, met)
+        if clips:
+            print_clips(self.console, clips)
+        return {
+            "schema": SCHEMA,
+            "date": datetime.now(UTC).isoformat(timespec="seconds"),
+            "machine": machine_json(),
+            "versions": versions_json(),
+            "scenes": [folder.resolve().name for folder in self.scenes],
+            "quick": self.quick,
+            "limit": self.limit,
+            "estimator": self.estimator,
+            "presets": presets,
+            "cases": [asdict(result) for result in results],
+        }
+
+    def cases(self) -> list[Case]:
+        """Those whose light is known; with `quick`, every fifth of each category."""
+        cases = [case for folder in self.scenes for case in _known(read_cases(folder))[: self.limit]]
+        return thinned(cases, QUICK_EVERY) if self.quick else cases
+
+    def _results(self, estimators: Mapping[str, Estimator]) -> list[CaseResult]:
+        """Case by case, the presets in turn, so that what else runs on the machine meets all of them."""
+        results = []
+        cases = self.cases()
+        if cases:  # what is loaded or made only once is not to be counted
+            for estimator in estimators.values():
+                estimator.estimate(cases[0].tracked())
+        for index, case in enumerate(track(cases, "scenes", console=self.console, transient=True)):
+            tracked = case.tracked(index)
+            results += [attempt(estimator, preset, case, tracked) for preset, estimator in estimators.items()]
+        return results
+
+    def _clip_results(self, estimators: Mapping[str, Estimator]) -> list[ClipResult]:
+        limit = QUICK_CLIP_FRAMES if self.quick else self.limit
+        results = []
+        clips = [clip for folder in self.scenes for clip in read_clips(folder)]
+        for clip in track(clips, "clips", console=self.console, transient=True):
+            frames = clip.frames(limit)
+            results += [estimate_clip(estimator, preset, clip, frames) for preset, estimator in estimators.items()]
+        return results
 
 
-def run_light_bench(
-    scenes: Sequence[Path], out: Path | None, estimators: Sequence[str] = ("proxy",), limit: int | None = None
-) -> list[CaseResult]:
-    """Runs `estimators` on every case with a known light of the folders `scenes`, at most `limit` of each folder.
-
-    Prints a table by category, and with few cases a line each; writes everything to `out` as JSON when given.
-    Raises UserError for an unknown estimator, an unreadable folder or an unwritable `out`.
-    """
-    made = [make_estimator(name) for name in estimators]
-    cases = [case for folder in scenes for case in _known(read_cases(folder))[:limit]]
-    console = Console()
-    results: list[CaseResult] = []
-    for estimator in made:
-        for index, case in enumerate(track(cases, estimator.name, console=console, transient=True)):
-            result = _attempt(estimator, case, index)
-            results.append(result)
-            if len(cases) <= SMALL_SET:
-                said = result.reason if result.error_deg is None else f"{result.error_deg:.1f}°"
-                console.print(f"{estimator.name} {case.id}: {said} ({result.ms:.0f} ms)", highlight=False)
-        console.print(_table(estimator.name, [result for result in results if result.estimator == estimator.name]))
-    if out is not None:
-        _write(out, results)
-    return results
+def attempt(estimator: Estimator, preset: str, case: Case, tracked: TrackedFrame) -> CaseResult:
+    """The estimate of `tracked`, which is `case`'s picture, timed and compared with all that is known of it."""
+    started_s = time.process_time()
+    estimate = estimator.estimate(tracked)
+    cpu_ms = 1e3 * (time.process_time() - started_s)
+    alone = error_on_true_masks_deg(case, TRUE_MASK_FITS.get(preset, BALANCED))
+    return case_result(preset, case, estimate, cpu_ms, mask_overlaps(estimate, case), alone)
 
 
-def summaries(results: Iterable[CaseResult]) -> dict[str, ErrorSummary]:
-    """By category in the order of their coming, then all that have a directional light.
-
-    Cases without one have no error; of those, `attempted - abstained` were answered wrongly.
-    """
-    groups: dict[str, list[CaseResult]] = {}
-    lit: list[CaseResult] = []
-    for result in results:
-        groups.setdefault(result.category, []).append(result)
-        if result.directional:
-            lit.append(result)
-    return {name: _summary(group) for name, group in {**groups, ALL_LIT: lit}.items()}
+def thinned(cases: Sequence[Case], every: int) -> list[Case]:
+    """The first, and every `every`th after it, of each category."""
+    seen: Counter[str] = Counter()
+    kept = []
+    for case in cases:
+        if seen[case.category] % every == 0:
+            kept.append(case)
+        seen[case.category] += 1
+    return kept
 
 
-def _summary(results: Sequence[CaseResult]) -> ErrorSummary:
-    errors = [result.error_deg for result in results if result.error_deg is not None]
-    abstained = sum(result.to_light_marker is None for result in results)
-    return summarise(errors, len(results), abstained, [result.ms for result in results])
-
-
-def _known(cases: Iterable[Case]) -> list[Case]:
+def _known(cases: Sequence[Case]) -> list[Case]:
     return [case for case in cases if case.to_lights_marker is not None]
 
 
-def _attempt(estimator: Estimator, case: Case, index: int) -> CaseResult:
-    estimate: LightEstimate = estimator.estimate(case.tracked(index))
-    light, truths = estimate.light, case.to_lights_marker
-    assert truths is not None
-    error_deg = angular_error_deg(light.to_light_marker, truths[0]) if light is not None and len(truths) else None
-    to_light = None if light is None else tuple(float(value) for value in light.to_light_marker)
-    ms = estimate.timing_ms["total"]
-    return CaseResult(estimator.name, case.id, case.category, len(truths) > 0, to_light, error_deg, estimate.reason, ms)
-
-
-def _table(estimator: str, results: Sequence[CaseResult]) -> Table:
-    table = Table(title=f"estimator {estimator}: angular error")
-    for heading in (
-        "category",
-        "cases",
-        "none",
-        "mean",
-        "median",
-        "p90",
-        "max",
-        f"< {GOOD_DEG:.0f}°",
-        "median ms",
-    ):
-        table.add_column(heading, justify="left" if heading == "category" else "right")
-    for category, summary in summaries(results).items():
-        degrees = (summary.mean_deg, summary.median_deg, summary.p90_deg, summary.max_deg)
-        table.add_row(
-            category,
-            str(summary.attempted),
-            str(summary.abstained),
-            *("-" if value is None else f"{value:.1f}°" for value in degrees),
-            "-" if summary.good_share is None else f"{summary.good_share:.0%}",
-            "-" if summary.median_ms is None else f"{summary.median_ms:.0f}",
-        )
-    return table
-
-
-def _write(out: Path, results: Sequence[CaseResult]) -> None:
-    names = dict.fromkeys(result.estimator for result in results)
-    content = {
-        "schema": 1,
-        "machine": {"cpus": os.cpu_count(), "system": platform.system(), "processor": platform.machine()},
-        "versions": {"python": platform.python_version(), "opencv": cv2.__version__, "numpy": np.__version__},
-        "summaries": {
-            name: {
-                category: asdict(summary)
-                for category, summary in summaries(result for result in results if result.estimator == name).items()
-            }
-            for name in names
-        },
-        "cases": [asdict(result) for result in results],
+def _preset_json(
+    summaries: Mapping[str, Summary],
+    stages: Mapping[str, Mapping[str, float]],
+    clips: Sequence[ClipResult],
+    met: Sequence[Verdict],
+) -> Json:
+    return {
+        "summaries": {group: asdict(summary) for group, summary in summaries.items()},
+        "stages_ms": stages,
+        "clips": [asdict(clip) for clip in clips],
+        "targets": [{**asdict(verdict), "met": verdict.is_met, "missed_by": verdict.missed_by} for verdict in met],
     }
+
+
+def _check_folder(folder: Path, names: Sequence[str], overwrite: bool) -> None:
+    """Makes the folder, so that nothing is measured in vain; raises UserError when a file of `names` is there."""
     try:
-        out.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise cannot_write(out, error) from error
-    write_json(out, content)
+        raise cannot_write(folder, error) from error
+    for name in names:
+        check_output(folder / name, overwrite)

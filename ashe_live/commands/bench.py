@@ -24,7 +24,9 @@ def _viewer(options: argparse.Namespace) -> None:
 
 
 def _light(options: argparse.Namespace) -> None:
-    from ashe_live.bench.light import run_light_bench
+    from ashe_live.bench.light import QUICK_PRESETS, LightBench
 
-    out = None if options.out is None else options.out / "results.json"
-    run_light_bench(options.scenes, out, (options.estimator,), options.limit)
+    presets = QUICK_PRESETS if options.quick else tuple(QUALITIES)
+    LightBench(options.scenes, options.estimator, presets, options.quick, options.limit).run(
+        options.out, options.overwrite
+    )

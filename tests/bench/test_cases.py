@@ -96,3 +96,32 @@ def test_both_photos_with_a_known_sun_see_it_from_the_same_side():
     suns = [case.to_lights_marker[0] for case in read_cases(SHARED / "real") if case.to_lights_marker is not None]
     assert len(suns) == 2
     assert np.degrees(angle_between(*suns)) < 3
+
+
+def test_a_scene_without_lights_is_dark_only_if_it_says_so(tmp_path):
+    told = {key: value for key, value in scene().items() if key not in ("lights", "dist")}
+    (unknown,) = read_cases(written(tmp_path, {"scenes": [told]}))
+    assert unknown.to_lights_marker is None
+    (dark,) = read_cases(written(tmp_path, {"scenes": [told | {"directional": False}]}))
+    assert dark.to_lights_marker.shape == (0, 3)
+
+
+def test_corners_that_are_not_stated_are_projected(tmp_path):
+    stated = scene()
+    (case,) = read_cases(written(tmp_path, {"scenes": [stated | {"marker": {"side_m": 0.2}}]}))
+    np.testing.assert_allclose(case.marker.corners_px, stated["marker"]["corners_px"])
+
+
+def test_the_strongest_light_comes_first(tmp_path):
+    lights = [{"dir_to_light": [1, 0, 0], "relative_strength": 0.4}, {"dir_to_light": [0, 0, 1]}]
+    (case,) = read_cases(written(tmp_path, {"scenes": [scene(lights=lights)]}))
+    np.testing.assert_array_equal(case.to_lights_marker, [[0, 0, 1], [1, 0, 0]])
+
+
+def test_masks_are_read_by_name(tmp_path):
+    cv2.imwrite(str(tmp_path / "o.png"), np.array([[0, 255]], np.uint8))
+    (case,) = read_cases(written(tmp_path, {"scenes": [scene(masks={"object": "o.png", "shadow": "gone.png"})]}))
+    np.testing.assert_array_equal(case.mask("object"), [[False, True]])
+    assert case.mask("clutter") is None
+    with pytest.raises(UserError, match=r"gone\.png"):
+        case.mask("shadow")

@@ -1,4 +1,4 @@
-"""The bench of light estimators."""
+"""The bench of light estimators, run on pictures of nothing: that it runs and what it writes."""
 
 import json
 
@@ -6,14 +6,18 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.light import ALL_LIT, CaseResult, run_light_bench, summaries
+from ashe_live.bench.cases import read_cases
+from ashe_live.bench.light import LightBench, thinned
+from ashe_live.bench.light_results import ALL_LIT
 from ashe_live.errors import UserError
 
 
 @pytest.fixture
 def plain_scenes(tmp_path):
     """Two pictures of nothing, one of which has a light: neither can be answered."""
-    cv2.imwrite(str(tmp_path / "plain.png"), np.full((48, 64, 3), 128, np.uint8))
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    cv2.imwrite(str(folder / "plain.png"), np.full((48, 64, 3), 128, np.uint8))
     base = {
         "image": "plain.png",
         "size": [64, 48],
@@ -25,37 +29,47 @@ def plain_scenes(tmp_path):
     }
     lit = {"id": "lit", "category": "clean", "lights": [{"dir_to_light": [0, 0.6, 0.8]}]}
     unlit = {"id": "unlit", "category": "diffuse", "lights": []}
-    (tmp_path / "ground_truth.json").write_text(json.dumps({"scenes": [base | lit, base | unlit]}))
-    return tmp_path
+    (folder / "ground_truth.json").write_text(json.dumps({"scenes": [base | lit, base | unlit]}))
+    return folder
 
 
-def test_an_abstention_is_counted_and_written(plain_scenes, tmp_path, capsys):
-    out = tmp_path / "new" / "results.json"
-    run_light_bench([plain_scenes], out, ["paper"])
-    content = json.loads(out.read_text())
-    assert content["schema"] == 1
-    assert content["summaries"]["paper"][ALL_LIT]["attempted"] == 1
-    assert content["summaries"]["paper"]["diffuse"]["abstained"] == 1
-    assert [case["error_deg"] for case in content["cases"]] == [None, None]
-    assert all(case["reason"] for case in content["cases"])
-    assert "lit" in capsys.readouterr().out
+def test_abstentions_are_counted_and_written_by_preset(plain_scenes, tmp_path, capsys):
+    out = tmp_path / "new"
+    record = LightBench([plain_scenes], presets=("fast", "accurate")).run(out)
+    assert json.loads((out / "results.json").read_text()) == json.loads(json.dumps(record))
+    assert list(record["presets"]) == ["fast", "accurate"]
+    for preset in record["presets"].values():
+        assert preset["summaries"][ALL_LIT]["attempted"] == preset["summaries"][ALL_LIT]["abstained"] == 1
+        assert preset["summaries"]["diffuse"]["right_count_share"] == 1
+        assert preset["stages_ms"]["total"]["p50"] > 0
+    assert [case["error_deg"] for case in record["cases"]] == [None] * 4
+    assert all(case["reason"] and not case["lights"] for case in record["cases"])
+    assert record["machine"]["cpus"] >= 1
+    assert record["versions"]["opencv"]
+    assert "diffuse" in capsys.readouterr().out
 
 
-def test_the_limit_holds_for_every_folder(plain_scenes):
-    results = run_light_bench([plain_scenes, plain_scenes], None, ["paper"], limit=1)
-    assert [result.case for result in results] == ["lit", "lit"]
+def test_results_are_not_overwritten_unasked(plain_scenes, tmp_path):
+    (tmp_path / "results.json").write_text("precious")
+    bench = LightBench([plain_scenes], presets=("balanced",))
+    with pytest.raises(UserError, match="--overwrite"):
+        bench.run(tmp_path)
+    assert (tmp_path / "results.json").read_text() == "precious"
+    bench.run(tmp_path, overwrite=True)
+    assert json.loads((tmp_path / "results.json").read_text())["schema"] == 2
+
+
+def test_several_folders_are_one_set_and_the_limit_holds_for_each(plain_scenes):
+    folders = [plain_scenes, plain_scenes]
+    assert len(LightBench(folders).cases()) == 4
+    assert [case.id for case in LightBench(folders, limit=1).cases()] == ["lit", "lit"]
+
+
+def test_a_thinned_set_keeps_every_category(plain_scenes):
+    cases = read_cases(plain_scenes) * 5
+    assert [case.id for case in thinned(cases, 3)] == ["lit", "unlit"] * 2
 
 
 def test_an_unknown_estimator_is_refused_before_anything_runs(plain_scenes):
     with pytest.raises(UserError, match="paper"):
-        run_light_bench([plain_scenes], None, ["no such"])
-
-
-def test_an_answer_where_there_is_no_light_is_no_small_error():
-    answered = CaseResult("paper", "a", "diffuse", False, (0.0, 0.0, 1.0), None, None, 5.0)
-    right = CaseResult("paper", "b", "clean", True, (0.0, 0.0, 1.0), 2.0, None, 5.0)
-    other_folder = CaseResult("paper", "c", "diffuse", False, None, None, "no shadow", 5.0)
-    found = summaries([answered, right, other_folder])
-    assert (found["diffuse"].attempted, found["diffuse"].abstained) == (2, 1)
-    assert found["diffuse"].mean_deg is None
-    assert (found[ALL_LIT].attempted, found[ALL_LIT].mean_deg) == (1, 2.0)
+        LightBench([plain_scenes], "no such").run()

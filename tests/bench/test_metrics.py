@@ -1,8 +1,21 @@
-"""The statistics of angular errors."""
+"""How wrong an answer is, and how honest."""
 
+import math
+
+import numpy as np
 import pytest
 
-from ashe_live.bench.metrics import angular_error_deg, summarise
+from ashe_live.bench.metrics import (
+    ELLIPSE_95,
+    angular_error_deg,
+    brier_score,
+    overlap,
+    rms_deg,
+    share,
+    squared_sigmas,
+    worst_assigned_deg,
+)
+from ashe_live.core.transforms import direction_from_angles, tangent_basis
 
 
 def test_the_error_is_the_angle_whatever_the_lengths():
@@ -11,19 +24,51 @@ def test_the_error_is_the_angle_whatever_the_lengths():
     assert angular_error_deg((1, 0, 0), (-1, 0, 0)) == pytest.approx(180)
 
 
-def test_a_summary_counts_the_good_among_the_attempted():
-    summary = summarise([1.0, 3.0, 20.0], attempted=4, abstained=1, times_ms=[10, 20, 30, 40])
-    assert (summary.attempted, summary.abstained) == (4, 1)
-    assert summary.mean_deg == pytest.approx(8)
-    assert summary.median_deg == 3
-    assert summary.max_deg == 20
-    assert summary.median_deg <= summary.p90_deg <= summary.max_deg
-    assert summary.good_share == pytest.approx(0.5)
-    assert summary.median_ms == 25
+def test_two_lights_are_right_in_either_order():
+    low, high = direction_from_angles(0.3, 0.4), direction_from_angles(2.0, 1.2)
+    off = direction_from_angles(0.3, 0.4 + math.radians(7))
+    assert worst_assigned_deg([low, high], [high, low]) == pytest.approx(0, abs=1e-9)
+    assert worst_assigned_deg([high, off], [low, high]) == pytest.approx(7)
+    with pytest.raises(ValueError, match="assigned"):
+        worst_assigned_deg([low], [low, high])
 
 
-def test_without_errors_there_are_no_statistics():
-    summary = summarise([], attempted=2, abstained=2, times_ms=[])
-    assert summary.mean_deg is None
-    assert summary.good_share is None
-    assert summary.median_ms is None
+def test_a_long_ellipse_forgives_along_its_length_only():
+    answer = direction_from_angles(1.0, 0.6)
+    covariance = np.diag([math.radians(1) ** 2, math.radians(4) ** 2])  # azimuth, elevation
+    higher = direction_from_angles(1.0, 0.6 + math.radians(6))
+    aside = answer * math.cos(math.radians(6)) + tangent_basis(answer)[0] * math.sin(math.radians(6))
+    assert squared_sigmas(answer, covariance, higher) == pytest.approx(1.5**2)
+    assert squared_sigmas(answer, covariance, aside) == pytest.approx(6**2)
+    assert squared_sigmas(answer, covariance, answer) == pytest.approx(0, abs=1e-12)
+    assert squared_sigmas(answer, covariance, -answer) > 40**2
+
+
+def test_the_ellipse_holds_95_percent_of_what_it_promises():
+    rng = np.random.default_rng(5)
+    answer, covariance = direction_from_angles(4.0, 0.9), np.array([[4e-4, 1e-4], [1e-4, 9e-4]])
+    offsets = rng.multivariate_normal((0, 0), covariance, 4000)
+    inside = [
+        squared_sigmas(answer, covariance, answer + offset @ tangent_basis(answer)) < ELLIPSE_95 for offset in offsets
+    ]
+    assert share(inside) == pytest.approx(0.95, abs=0.015)
+
+
+def test_the_spread_is_about_the_mean_or_the_truth():
+    around = [direction_from_angles(0.0, 0.5 + math.radians(degrees)) for degrees in (-2, 2)]
+    assert rms_deg(around) == pytest.approx(2)
+    assert rms_deg(around, direction_from_angles(0.0, 0.5 + math.radians(2))) == pytest.approx(math.sqrt(8))
+
+
+def test_certainty_pays_only_when_right():
+    assert brier_score([1.0, 0.0], [True, False]) == 0
+    assert brier_score([1.0], [False]) == 1
+    assert brier_score([0.5, 0.5], [True, False]) == 0.25
+    assert brier_score([], []) is None
+
+
+def test_the_overlap_counts_what_either_has():
+    left, all_of_it = np.array([[True, False]]), np.array([[True, True]])
+    assert overlap(left, all_of_it) == 0.5
+    assert overlap(left, ~left) == 0
+    assert overlap(~all_of_it, ~all_of_it) == 1

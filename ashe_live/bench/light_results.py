@@ -1,0 +1,198 @@
+"""What the estimators said of the cases, and what many answers come to."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.bench.cases import Case
+from ashe_live.bench.metrics import (
+    ELLIPSE_95,
+    angular_error_deg,
+    brier_score,
+    share,
+    squared_sigmas,
+    worst_assigned_deg,
+)
+from ashe_live.core.contract import light_json
+from ashe_live.core.types import LightEstimate
+
+GOOD_DEG = 5.0
+CONFIDENT_DEG = 10.0  # what a confidence promises to stay below
+BAD_DEG, BAD_CONFIDENCE = 15.0, 0.5
+UPRIGHT_CONVEX = ("box", "cylinder", "cone", "cup", "bottle", "sphere")
+UPRIGHT, ALL_LIT, ALL = "clean, upright convex", "all lit", "all"
+
+
+@dataclass(frozen=True, slots=True)
+class CaseResult:
+    """What one preset of an estimator said of one case; angles in degrees, None where there is none to measure."""
+
+    preset: str
+    folder: str
+    case: str
+    category: str
+    caster: str | None
+    true_lights: int
+    lights: tuple[Mapping[str, object], ...]  # as the contract has them
+    reason: str | None
+    error_deg: float | None  # of the strongest answer, to the nearest true light
+    worst_deg: float | None  # of as many answers as there are lights
+    sigma_deg: float | None
+    squared_sigmas: float | None  # of the error, by the stated covariance
+    confidence: float | None
+    object_iou: float | None
+    shadow_iou: float | None
+    true_masks_deg: float | None  # error of the fit alone, on the true masks
+    wall_ms: Mapping[str, float]  # by stage, with "total"
+    cpu_ms: float  # of all threads, of all stages
+
+    @property
+    def is_lit(self) -> bool:
+        return self.true_lights > 0
+
+    @property
+    def is_answered(self) -> bool:
+        return len(self.lights) > 0
+
+    @property
+    def is_bad(self) -> bool:
+        """Whether a wrong answer, or one where there is no light, was given with confidence."""
+        is_wrong = self.is_answered and (self.error_deg is None or self.error_deg > BAD_DEG)
+        return is_wrong and self.confidence is not None and self.confidence > BAD_CONFIDENCE
+
+
+def case_result(
+    preset: str,
+    case: Case,
+    estimate: LightEstimate,
+    cpu_ms: float,
+    overlaps: tuple[float | None, float | None] = (None, None),
+    true_masks_deg: float | None = None,
+) -> CaseResult:
+    """`estimate` of `case`, compared with its truth. Raises ValueError when that is not known."""
+    truths = case.to_lights_marker
+    if truths is None:
+        raise ValueError(f"nobody knows the light of {case.id}")
+    light = estimate.light
+    error = off = worst = None
+    if light is not None and len(truths):
+        nearest = min(truths, key=lambda truth: angular_error_deg(light.to_light_marker, truth))
+        error = angular_error_deg(light.to_light_marker, nearest)
+        if light.covariance_rad2 is not None:
+            off = squared_sigmas(light.to_light_marker, light.covariance_rad2, nearest)
+        if len(estimate.lights) == len(truths):
+            worst = worst_assigned_deg([light.to_light_marker for light in estimate.lights], list(truths))
+    return CaseResult(
+        preset,
+        case.folder,
+        case.id,
+        case.category,
+        case.caster,
+        len(truths),
+        tuple(light_json(light) for light in estimate.lights),
+        estimate.reason,
+        error,
+        worst,
+        None if light is None or light.sigma_rad is None else float(np.degrees(light.sigma_rad)),
+        off,
+        None if light is None else light.confidence,
+        *overlaps,
+        true_masks_deg,
+        dict(estimate.timing_ms),
+        cpu_ms,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """A group of cases; None where there is nothing to count. Errors are those of the answered lit cases."""
+
+    attempted: int
+    abstained: int
+    mean_deg: float | None
+    median_deg: float | None
+    p90_deg: float | None
+    max_deg: float | None
+    good_share: float | None  # of the lit cases: answered, and less than GOOD_DEG wrong
+    right_count_share: float | None  # of all cases: as many lights as there are
+    worst_median_deg: float | None  # of the cases with that many
+    within_1_sigma: float | None
+    within_2_sigma: float | None
+    within_ellipse_95: float | None
+    brier: float | None
+    bad_share: float | None  # of all cases: CaseResult.is_bad
+    object_iou: float | None  # medians
+    shadow_iou: float | None
+    true_masks_mean_deg: float | None
+    true_masks_median_deg: float | None
+    true_masks_max_deg: float | None
+    median_ms: float | None
+    p95_ms: float | None
+    median_cpu_ms: float | None
+    p95_cpu_ms: float | None
+
+
+def summarise(results: Sequence[CaseResult]) -> Summary:
+    lit = [result for result in results if result.is_lit]
+    errors = [result.error_deg for result in lit if result.error_deg is not None]
+    worst = [result.worst_deg for result in lit if result.worst_deg is not None]
+    sigmas = [(r.error_deg, r.sigma_deg) for r in lit if r.error_deg is not None and r.sigma_deg is not None]
+    ellipses = [result.squared_sigmas for result in lit if result.squared_sigmas is not None]
+    sure = [(r.confidence, r.error_deg) for r in results if r.confidence is not None]
+    true_masks = [result.true_masks_deg for result in lit if result.true_masks_deg is not None]
+    wall_ms, cpu_ms = [result.wall_ms["total"] for result in results], [result.cpu_ms for result in results]
+    return Summary(
+        attempted=len(results),
+        abstained=sum(not result.is_answered for result in results),
+        mean_deg=_of(np.mean, errors),
+        median_deg=_of(np.median, errors),
+        p90_deg=_percentile(errors, 90),
+        max_deg=_of(np.max, errors),
+        good_share=share([result.error_deg is not None and result.error_deg < GOOD_DEG for result in lit]),
+        right_count_share=share([len(result.lights) == result.true_lights for result in results]),
+        worst_median_deg=_of(np.median, worst),
+        within_1_sigma=share([error <= sigma for error, sigma in sigmas]),
+        within_2_sigma=share([error <= 2 * sigma for error, sigma in sigmas]),
+        within_ellipse_95=share([squared <= ELLIPSE_95 for squared in ellipses]),
+        brier=brier_score(
+            [confidence for confidence, _ in sure],
+            [error is not None and error < CONFIDENT_DEG for _, error in sure],
+        ),
+        bad_share=share([result.is_bad for result in results]),
+        object_iou=_of(np.median, [result.object_iou for result in results if result.object_iou is not None]),
+        shadow_iou=_of(np.median, [result.shadow_iou for result in results if result.shadow_iou is not None]),
+        true_masks_mean_deg=_of(np.mean, true_masks),
+        true_masks_median_deg=_of(np.median, true_masks),
+        true_masks_max_deg=_of(np.max, true_masks),
+        median_ms=_of(np.median, wall_ms),
+        p95_ms=_percentile(wall_ms, 95),
+        median_cpu_ms=_of(np.median, cpu_ms),
+        p95_cpu_ms=_percentile(cpu_ms, 95),
+    )
+
+
+def grouped(results: Sequence[CaseResult]) -> dict[str, list[CaseResult]]:
+    """By category in the order of their coming; then the groups that have targets of their own, and the pools."""
+    groups: dict[str, list[CaseResult]] = {}
+    for result in results:
+        groups.setdefault(result.category, []).append(result)
+    upright = [result for result in groups.get("clean", []) if result.caster in UPRIGHT_CONVEX]
+    lit = [result for result in results if result.is_lit]
+    extra = {UPRIGHT: upright, ALL_LIT: lit, ALL: list(results)}
+    return {**groups, **{name: group for name, group in extra.items() if group}}
+
+
+def stage_times(results: Sequence[CaseResult]) -> dict[str, dict[str, float]]:
+    """Median and 95th percentile of the wall time by stage, in milliseconds, over the cases that came to that stage."""
+    stages = dict.fromkeys(stage for result in results for stage in result.wall_ms)
+    times = {stage: [result.wall_ms[stage] for result in results if stage in result.wall_ms] for stage in stages}
+    return {stage: {"p50": float(np.median(ms)), "p95": float(np.percentile(ms, 95))} for stage, ms in times.items()}
+
+
+def _of(statistic: Callable[[Sequence[float]], object], values: Sequence[float]) -> float | None:
+    return float(statistic(values)) if len(values) else None  # type: ignore[arg-type]
+
+
+def _percentile(values: Sequence[float], percent: float) -> float | None:
+    return float(np.percentile(values, percent)) if len(values) else None
