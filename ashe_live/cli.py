@@ -69,6 +69,13 @@ def build_parser() -> argparse.ArgumentParser:
     board.add_argument("--square-mm", type=_positive, default=25.0, metavar="MM", help="a square's side (default 25)")
     board.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
+    calibrate = commands.add_parser("calibrate", help="measure a camera's focal length and distortion with the board")
+    calibrate.add_argument("--camera", default="0", metavar="N|CLIP", help="camera, or a clip of the board (default 0)")
+    calibrate.add_argument("--out", type=Path, required=True, metavar="FILE.json", help="for --camera-file")
+    calibrate.add_argument("--size", type=_size, metavar="WxH", help="size to ask the camera for")
+    calibrate.add_argument("--headless", action="store_true", help="guide by lines, without a window")
+    calibrate.add_argument("--overwrite", action="store_true", help="replace an existing file")
+
     bench = commands.add_parser("bench", help="measure speed and accuracy on this machine")
     benches = bench.add_subparsers(dest="bench", metavar="WHAT", required=True)
     viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")

@@ -1,0 +1,141 @@
+"""`ashe-live calibrate`: a camera's K and distortion, from a board shown to it or from a clip of one."""
+
+import argparse
+import contextlib
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Protocol
+
+import cv2
+import numpy as np
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn
+from rich.table import Table
+
+from ashe_live.capture.sources import Source, SourceLost, open_source
+from ashe_live.capture.webcam import WebcamSource
+from ashe_live.core.output_files import check_output, write_json
+from ashe_live.core.types import Frame
+from ashe_live.errors import ExitStatus, UserError
+from ashe_live.tracking.calibration import Calibration
+from ashe_live.tracking.calibration_board import BoardView, CalibrationBoard
+from ashe_live.tracking.calibration_guide import CalibrationGuide, KeptView
+
+RECONNECT_EVERY_S = 0.5
+
+
+class Guidance(Protocol):
+    """Tells a person what the board must still do."""
+
+    def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
+        """What this frame showed, and what is wanted next; False when the person wants to end."""
+        ...
+
+
+def run(options: argparse.Namespace) -> int:
+    check_output(options.out, options.overwrite)
+    with _opened(options) as source:
+        guide = CalibrationGuide(source.size)
+        with _window(source) if source.is_live and not options.headless else _lines() as guidance:
+            calibration = _collect(source, guide, guidance) or guide.calibration()
+    write_json(options.out, calibration.to_json())
+    _print_result(calibration, guide.kept, options.out)
+    return ExitStatus.ANSWERED
+
+
+def _opened(options: argparse.Namespace) -> Source:
+    if options.camera.isdecimal():
+        return WebcamSource(int(options.camera), options.size)
+    path = Path(options.camera)
+    # A device is no regular file.
+    return WebcamSource(options.camera, options.size) if path.is_char_device() else open_source(path)
+
+
+def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Calibration | None:
+    """Reads to the end of a clip, or until a live camera is known; None when it ended before."""
+    board = CalibrationBoard()
+    said: str | None = None
+    with contextlib.suppress(KeyboardInterrupt):
+        while (frame := _next_frame(source)) is not None:
+            if frame.size != guide.size:
+                raise UserError(f"the pictures change their size to {frame.size[0]}x{frame.size[1]}", "use one size")
+            view = board.find(np.asarray(cv2.cvtColor(frame.image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8))
+            is_new = guide.add(view, frame.index)
+            if source.is_live and is_new and guide.wanted() is None:
+                try:
+                    return guide.calibration()
+                except UserError as error:
+                    said = str(error)
+            if not guidance.show(frame, view, guide, said):
+                break
+    return None
+
+
+def _next_frame(source: Source) -> Frame | None:
+    try:
+        return source.read()
+    except SourceLost as lost:
+        print(f"ashe-live: {lost}", file=sys.stderr, flush=True)
+        while not source.reopen():
+            time.sleep(RECONNECT_EVERY_S)
+        return source.read()
+
+
+class _Lines:
+    """A bar with what is wanted, redrawn in place where there is a terminal."""
+
+    def __init__(self, progress: Progress) -> None:
+        self._progress = progress
+        self._task = progress.add_task("looking for the board", total=1.0, views=0)
+
+    def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
+        wanted = "no board in view" if view is None else (said or guide.wanted() or "enough, but more does no harm")
+        self._progress.update(
+            self._task, completed=guide.progress, views=len(guide.kept), description=f"frame {frame.index}: {wanted}"
+        )
+        return True
+
+
+@contextlib.contextmanager
+def _lines() -> Iterator[Guidance]:
+    columns = (BarColumn(), TextColumn("{task.fields[views]} views  {task.description}"))
+    with Progress(*columns, console=Console(stderr=True, highlight=False)) as progress:
+        yield _Lines(progress)
+
+
+@contextlib.contextmanager
+def _window(source: Source) -> Iterator[Guidance]:
+    """Lines where there is no display."""
+    from ashe_live.commands.view import has_display
+    from ashe_live.viewer.calibration_window import CalibrationWindow
+
+    with CalibrationWindow(source.name, source.size) if has_display() else _lines() as guidance:
+        yield guidance
+
+
+def _print_result(calibration: Calibration, kept: list[KeptView], path: Path) -> None:
+    console = Console(highlight=False)
+    table = Table("view", "frame", "corners", "error, px", "")
+    for number, (view, rms_px, used) in enumerate(
+        zip(kept, calibration.view_rms_px, calibration.used, strict=True), start=1
+    ):
+        left_out = "" if used else "left out"
+        table.add_row(str(number), str(view.frame_index), str(len(view.view.points)), f"{rms_px:.3f}", left_out)
+    console.print(table)
+    K, sigma_f, sigma_c = calibration.camera.K, calibration.sigma_f_px, calibration.sigma_c_px
+    dist = ", ".join(
+        f"{value:.4f} ± {sigma:.4f}" if value else "0"
+        for value, sigma in zip(calibration.camera.dist, calibration.sigma_dist, strict=True)
+    )
+    console.print(
+        f"f {K[0, 0]:.1f} ± {sigma_f[0]:.1f}, {K[1, 1]:.1f} ± {sigma_f[1]:.1f} px; "
+        f"c {K[0, 2]:.1f} ± {sigma_c[0]:.1f}, {K[1, 2]:.1f} ± {sigma_c[1]:.1f} px; distortion {dist}",
+        soft_wrap=True,
+    )
+    console.print(
+        f"{path}: {calibration.rms_px:.2f} px off on average in {int(calibration.used.sum())} of {len(kept)} views; "
+        f"use it with --camera-file {path}",
+        soft_wrap=True,
+    )

@@ -1,0 +1,82 @@
+"""The window of `ashe-live calibrate`: the camera's picture, where the board has been, and where it should go."""
+
+from types import TracebackType
+from typing import Self
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size
+from ashe_live.core.quality import FAST
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.render.hud import Hud, HudText
+from ashe_live.render.renderer import Renderer
+from ashe_live.render.scene import Scene
+from ashe_live.tracking.calibration_board import BoardView
+from ashe_live.tracking.calibration_guide import CUTS, CalibrationGuide
+from ashe_live.viewer.controls import Command
+from ashe_live.viewer.window import Window
+
+# Okabe and Ito's orange and bluish green.
+CORNER_BGR = (0, 159, 230)
+KEPT_BGR = (115, 158, 0)
+UNSEEN = 0.55  # how bright the cells stay that have not seen the board yet
+
+
+class CalibrationWindow:
+    """Shows frames as they come. Used by the main thread only."""
+
+    def __init__(self, name: str, size: Size) -> None:
+        self._window = Window(f"ashe-live: calibrate {name}", size)
+        self._renderer = Renderer(self._window.context, FAST.render, self._window.framebuffer_size)
+        self._camera = Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
+        self._hud = Hud()
+
+    def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
+        """False when the person closes the window or presses Esc."""
+        size = self._window.framebuffer_size
+        if min(size) > 0:
+            if size != self._renderer.size:
+                self._renderer.resize(size)
+            picture = Frame(guidance_picture(frame.image_bgr, view, guide), frame.index, frame.time_s)
+            hint = (said,) if said else ()
+            text = HudText(status_lines(view, guide), (*hint, "Esc: end with the views so far"))
+            overlays = self._hud.overlays(text, size, self._window.content_scale)
+            self._renderer.render(Scene(TrackedFrame(picture, self._camera, None), overlays=overlays))
+            self._renderer.present(self._window.context.screen)
+            self._window.swap()
+        wants_end = any(request.command is Command.QUIT for request in self._window.take_requests(0.0))
+        return not (wants_end or self._window.is_closing)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._renderer.release()
+        self._window.close()
+
+
+def status_lines(view: BoardView | None, guide: CalibrationGuide) -> tuple[str, ...]:
+    state = f"{100 * guide.progress:.0f} %   {len(guide.kept)} views"
+    return (state, "no board in view" if view is None else (guide.wanted() or "enough"))
+
+
+def guidance_picture(image_bgr: Image, view: BoardView | None, guide: CalibrationGuide) -> Image:
+    """(h, w, 3) uint8: unseen cells darkened, the kept views' outlines, and the corners found now."""
+    picture = image_bgr.copy()
+    height, width = picture.shape[:2]
+    columns, rows = (np.round(np.array(CUTS) * side).astype(int) for side in (width, height))
+    for row, cells in enumerate(guide.covered()):
+        for column, is_covered in enumerate(cells):
+            if not is_covered:
+                cell = picture[rows[row] : rows[row + 1], columns[column] : columns[column + 1]]
+                cell[:] = (cell * UNSEEN).astype(np.uint8)
+    line_px = max(1, round(height / 480))
+    for kept in guide.kept:
+        hull = cv2.convexHull(kept.view.corners_px.astype(np.float32))
+        cv2.polylines(picture, [np.round(hull * 16).astype(np.int32)], True, KEPT_BGR, line_px, cv2.LINE_AA, 4)
+    for corner in view.corners_px if view is not None else ():
+        x, y = np.round(corner * 16).astype(int)
+        cv2.circle(picture, (int(x), int(y)), 16 * 3 * line_px, CORNER_BGR, line_px, cv2.LINE_AA, 4)
+    return picture

@@ -1,0 +1,116 @@
+"""`ashe-live calibrate` from clips, and from a camera that is played by a fake."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.capture.recorder import Recorder
+from ashe_live.commands import calibrate
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Camera, read_camera_file
+from ashe_live.core.types import Frame
+from ashe_live.tracking.calibration_board import CalibrationBoard
+from tests.tracking.board_pictures import Lens, seen_from
+
+BOARD = CalibrationBoard()
+SIZE = (480, 360)
+CAMERA = Camera(SIZE, np.array([(430.0, 0, 245), (0, 430.0, 176), (0, 0, 1)]), np.array((-0.1, 0.03, 0, 0, 0)), "file")
+UNIT_PX = 40
+FRAMES = 40
+
+
+@pytest.fixture(scope="module")
+def pictures() -> list[Image]:
+    """A board that wanders over the picture and tilts to all sides, some of it outside at times."""
+    lens = Lens.of(CAMERA)
+    sheet = BOARD.bitmap((BOARD.squares[0] * UNIT_PX, BOARD.squares[1] * UNIT_PX))
+    sheet = cv2.copyMakeBorder(sheet, *[UNIT_PX] * 4, cv2.BORDER_CONSTANT, value=255)
+    half_view = np.array(SIZE) / 2 / CAMERA.K[0, 0]
+    pictures = []
+    for at in range(FRAMES):
+        phase = 2 * np.pi * at / FRAMES
+        place = np.array((0.6 * np.sin(3 * phase), 0.55 * np.sin(2 * phase + 1))) * half_view
+        distance = 10 * CAMERA.K[0, 0] / ((0.85 + 0.15 * np.sin(5 * phase)) * SIZE[1])
+        middle = np.array(BOARD.squares) / 2 + 1
+        pose = seen_from(distance, 25 + 12 * np.sin(4 * phase), 360 * 7 * at / FRAMES, middle, place, 0)
+        pictures.append(np.dstack([lens.picture(sheet, pose, UNIT_PX, seed=at)] * 3))
+    return pictures
+
+
+@pytest.fixture(scope="module")
+def board_clip(pictures: list[Image], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("board") / "board.mp4"
+    with Recorder(path, SIZE, 30) as recorder:
+        for picture in pictures:
+            recorder.write(picture)
+    return path
+
+
+def test_a_clip_gives_a_camera_file(run, board_clip: Path, tmp_path: Path) -> None:
+    path = tmp_path / "camera.json"
+    outcome = run("calibrate", "--camera", board_clip, "--out", path)
+    assert outcome.status == 0
+    camera = read_camera_file(path)
+    assert camera.size == SIZE
+    assert camera.K[0, 0] == pytest.approx(430, rel=0.01)
+    assert camera.K[:2, 2] == pytest.approx(CAMERA.K[:2, 2], abs=3)
+    content = json.loads(path.read_text())
+    assert content["rms_px"] < 0.3
+    assert 0 < content["sigma"]["f_px"][0] < 4.3
+    assert any("±" in line and line.startswith("f ") for line in outcome.out)
+    assert any(str(path) in line for line in outcome.out)
+    again = run("calibrate", "--camera", board_clip, "--out", path)
+    assert again.status == 2
+    assert "exists" in again.err[0]
+
+
+def test_a_clip_without_a_board_is_one_line(run, film, tmp_path: Path) -> None:
+    outcome = run("calibrate", "--camera", film.path, "--out", tmp_path / "camera.json")
+    assert outcome.status == 2
+    (line,) = [line for line in outcome.err if line.startswith("ashe-live:")]
+    assert "no calibration board" in line
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["missing.mp4", "garbage.mp4", "empty.mp4"])
+def test_what_is_no_clip_is_one_line(run, tmp_path: Path, name: str) -> None:
+    (tmp_path / "garbage.mp4").write_bytes(b"no clip" * 99)
+    (tmp_path / "empty.mp4").touch()
+    outcome = run("calibrate", "--camera", tmp_path / name, "--out", tmp_path / "camera.json")
+    assert outcome.status == 2
+    assert len(outcome.err) == 1
+    assert not (tmp_path / "camera.json").exists()
+
+
+class FakeWebcam:
+    """A camera before which the board is moved for ever."""
+
+    is_live, is_photo, note, fps, name, size = True, False, None, 30.0, "camera 0", SIZE
+
+    def __init__(self, pictures: list[Image]) -> None:
+        self._pictures = pictures
+        self.reads = 0
+
+    def read(self) -> Frame:
+        self.reads += 1
+        return Frame(self._pictures[(self.reads - 1) % FRAMES], self.reads - 1, self.reads / 30)
+
+    def __enter__(self) -> "FakeWebcam":
+        return self
+
+    def __exit__(self, *_error: object) -> None: ...
+
+
+def test_a_live_camera_ends_when_it_is_known(
+    run: Callable, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    webcam = FakeWebcam(pictures)
+    monkeypatch.setattr(calibrate, "WebcamSource", lambda camera, size: webcam)  # noqa: ARG005
+    outcome = run("calibrate", "--camera", "0", "--headless", "--out", tmp_path / "camera.json")
+    assert outcome.status == 0
+    assert webcam.reads <= 2 * FRAMES
+    assert read_camera_file(tmp_path / "camera.json").K[0, 0] == pytest.approx(430, rel=0.01)
