@@ -39,6 +39,7 @@ class MarkerPose:
     side_m: float  # black square's side
     reprojection_rms_px: float  # of the chosen one of IPPE's two solutions
     other_rms_px: float | None  # of the one not chosen; None when there is only one
+    covariance: Float | None = None  # (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v
 
     def __post_init__(self) -> None:
         set_frozen(
@@ -46,6 +47,8 @@ class MarkerPose:
             T_cam_marker=frozen_floats(self.T_cam_marker, (4, 4), "T_cam_marker"),
             corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
         )
+        if self.covariance is not None:
+            set_frozen(self, covariance=frozen_floats(self.covariance, (6, 6), "covariance"))
         if not (math.isfinite(self.side_m) and self.side_m > 0):
             raise ValueError(f"a marker's side of {self.side_m} m is not positive")
 

@@ -1,0 +1,94 @@
+"""The pose that explains weighted points best: Levenberg and Marquardt with the exact Jacobian, and its covariance.
+
+A step turns the points about the marker's origin and moves them, both along the camera's axes: R' = exp(w) R, t' = t + v.
+"""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ashe_live.core.arrays import Float
+
+STEPS = 8
+# A step that moves no point by more than this many standard deviations ends it.
+SMALL_STEP = 1e-3
+FIRST_DAMPING, EASED, TIGHTENED = 1e-4, 0.1, 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """A pose with what it leaves unexplained."""
+
+    R: Float  # (3, 3) camera from marker
+    t: Float  # (3,) metres
+    rms_px: float  # root mean square distance of the points
+    cost: float  # squared distance in standard deviations, summed
+    covariance: Float  # (6, 6) of (w, v), rad and metres: see the module
+
+
+def solution_of(
+    R: ArrayLike, t: ArrayLike, points: Float, pixels: Float, information: Float, K: Float
+) -> Solution | None:
+    """The pose with its errors on `pixels` (n, 2), ideal, of `points` (n, 3) in the marker frame; None behind the camera.
+
+    `information` (2n, 2n) is the inverse covariance of the pixels.
+    """
+    R, t = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64).reshape(3)
+    turned = points @ R.T
+    in_camera = turned + t
+    if not (np.isfinite(in_camera).all() and (in_camera[:, 2] > 0).all()):
+        return None
+    error = (in_camera / in_camera[:, 2:]) @ K[:2].T - pixels
+    cost = float(error.ravel() @ information @ error.ravel())
+    jacobian = _jacobian(turned, in_camera, K)
+    hessian = jacobian.T @ information @ jacobian
+    # What noise does not explain (curled paper, a wrong lens) makes the pose less sure.
+    excess = max(1.0, cost / max(1, 2 * len(points) - 6))
+    return Solution(R, t, math.sqrt(float((error**2).sum() / len(points))), cost, excess * _inverse(hessian))
+
+
+def refined_solution(start: Solution, points: Float, pixels: Float, information: Float, K: Float) -> Solution:
+    """The solution with the least cost near `start`; see solution_of for the arguments."""
+    best, damping = start, FIRST_DAMPING
+    for _ in range(STEPS):
+        turned = points @ best.R.T
+        in_camera = turned + best.t
+        error = ((in_camera / in_camera[:, 2:]) @ K[:2].T - pixels).ravel()
+        jacobian = _jacobian(turned, in_camera, K)
+        weighted = jacobian.T @ information
+        hessian = weighted @ jacobian
+        try:
+            step = np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), -weighted @ error)
+        except np.linalg.LinAlgError:
+            return best
+        tried = solution_of(cv2.Rodrigues(step[:3])[0] @ best.R, best.t + step[3:], points, pixels, information, K)
+        if tried is None or not tried.cost <= best.cost:
+            damping *= TIGHTENED
+            continue
+        best, damping = tried, damping * EASED
+        if step @ hessian @ step < SMALL_STEP**2:
+            break
+    return best
+
+
+def _jacobian(turned: Float, in_camera: Float, K: Float) -> Float:
+    """(2n, 6) of the pixels by (w, v)."""
+    x, y, z = in_camera.T
+    by_point = np.empty((len(z), 2, 3))
+    by_point[:, :, :2] = K[:2, :2] / z[:, None, None]
+    by_point[:, :, 2] = -(np.column_stack([x, y]) @ K[:2, :2].T) / (z * z)[:, None]
+    # A turn w moves a turned point p by w x p.
+    cross = np.zeros((len(z), 3, 3))
+    cross[:, 0, 1], cross[:, 0, 2] = turned[:, 2], -turned[:, 1]
+    cross[:, 1, 0], cross[:, 1, 2] = -turned[:, 2], turned[:, 0]
+    cross[:, 2, 0], cross[:, 2, 1] = turned[:, 1], -turned[:, 0]
+    return np.concatenate([by_point @ cross, by_point], axis=2).reshape(-1, 6)
+
+
+def _inverse(hessian: Float) -> Float:
+    """Scaled to a unit diagonal first, as radians and metres may lie far apart."""
+    scale = 1 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
+    return np.asarray(scale[:, None] * np.linalg.pinv(scale[:, None] * hessian * scale, hermitian=True) * scale)
