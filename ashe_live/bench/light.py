@@ -15,8 +15,10 @@ from ashe_live.bench.light_clips import ClipResult, estimate_clip, read_clips
 from ashe_live.bench.light_results import CaseResult, Summary, case_result, grouped, stage_times, summarise
 from ashe_live.bench.light_tables import light_console, print_clips, print_preset
 from ashe_live.bench.light_targets import Verdict, verdicts
+from ashe_live.bench.light_trade import COST, print_trade, sweep
 from ashe_live.bench.light_truth import error_on_true_masks_deg, mask_overlaps
 from ashe_live.bench.machine import machine_json, versions_json
+from ashe_live.bench.plots import SUFFIXES, check_can_draw, draw_trade
 from ashe_live.core.contract import Json
 from ashe_live.core.output_files import cannot_write, check_output, write_json
 from ashe_live.core.quality import QUALITIES
@@ -28,6 +30,7 @@ SCHEMA = 2
 RESULTS = "results.json"
 QUICK_PRESETS = ("balanced",)
 QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4
+TRADE, SWEEP_EVERY = "trade", 3
 TRUE_MASK_FITS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}
 
 
@@ -40,22 +43,33 @@ class LightBench:
     presets: Sequence[str] = tuple(QUALITIES)
     quick: bool = False  # a few scenes of each category, a few frames of each clip
     limit: int | None = None  # the first so many scenes of each folder
+    sweeps: bool = False  # also draws the trade of error against time, on some scenes of each category
     console: Console = field(default_factory=light_console)
 
     def run(self, out: Path | None = None, overwrite: bool = False) -> Json:
-        """Measures, prints, and writes results.json into the folder `out`; returns its content.
+        """Measures, prints, and writes results.json and trade.svg and .png into the folder `out`; returns the former.
 
-        Raises UserError for an unknown estimator or preset, an unreadable folder, or an unwritable `out`.
+        Raises UserError for an unknown estimator or preset, an unreadable folder, an unwritable `out`, or when there is
+        something to draw but no Matplotlib.
         """
+        draws = self.sweeps and out is not None
+        if draws:
+            check_can_draw()
         if out is not None:
-            _check_folder(out, (RESULTS,), overwrite)
-        record = self._measured()
+            _check_folder(out, (RESULTS, *(TRADE + suffix for suffix in SUFFIXES if draws)), overwrite)
+        estimators = {preset: make_estimator(self.estimator, preset) for preset in self.presets}
+        record = self._measured(estimators)
+        points = sweep(thinned(self.cases(), SWEEP_EVERY), estimators, self.console) if self.sweeps else []
+        if points:
+            print_trade(self.console, points)
+        record["trade"] = [asdict(point) for point in points]
         if out is not None:
             write_json(out / RESULTS, record)
+        if out is not None and draws:
+            draw_trade(points, "Light estimation: error against time", COST, _note(record), out / TRADE)
         return record
 
-    def _measured(self) -> Json:
-        estimators = {preset: make_estimator(self.estimator, preset) for preset in self.presets}
+    def _measured(self, estimators: Mapping[str, Estimator]) -> Json:
         results = self._results(estimators)
         clips = self._clip_results(estimators)
         presets: dict[str, Json] = {}
@@ -127,6 +141,13 @@ def thinned(cases: Sequence[Case], every: int) -> list[Case]:
             kept.append(case)
         seen[case.category] += 1
     return kept
+
+
+def _note(record: Json) -> str:
+    machine, versions = record["machine"], record["versions"]
+    libraries = ", ".join(f"{name} {versions[name]}" for name in ("python", "opencv", "numpy"))
+    scenes = f"every {SWEEP_EVERY}rd scene of {', '.join(record['scenes'])}"
+    return f"{record['date'][:10]}; {machine['cpus']} cores, {machine['processor']}; {libraries}; {scenes}"
 
 
 def _known(cases: Sequence[Case]) -> list[Case]:

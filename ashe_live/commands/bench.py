@@ -2,6 +2,7 @@
 
 import argparse
 
+from ashe_live.cli import DEFAULT_ESTIMATOR
 from ashe_live.core.quality import QUALITIES
 from ashe_live.errors import ExitStatus, UserError
 
@@ -26,7 +27,13 @@ def _viewer(options: argparse.Namespace) -> None:
 def _light(options: argparse.Namespace) -> None:
     from ashe_live.bench.light import QUICK_PRESETS, LightBench
 
-    presets = QUICK_PRESETS if options.quick else tuple(QUALITIES)
-    LightBench(options.scenes, options.estimator, presets, options.quick, options.limit).run(
-        options.out, options.overwrite
+    has_presets = options.estimator == DEFAULT_ESTIMATOR
+    bench = LightBench(
+        options.scenes,
+        options.estimator,
+        QUICK_PRESETS if options.quick or not has_presets else tuple(QUALITIES),
+        options.quick,
+        options.limit,
+        sweeps=has_presets and not options.quick,
     )
+    bench.run(options.out, options.overwrite)

@@ -73,3 +73,15 @@ def test_a_thinned_set_keeps_every_category(plain_scenes):
 def test_an_unknown_estimator_is_refused_before_anything_runs(plain_scenes):
     with pytest.raises(UserError, match="paper"):
         LightBench([plain_scenes], "no such").run()
+
+
+def test_the_trade_is_drawn_beside_the_results(plain_scenes, tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib", reason="only needed for plots")
+    monkeypatch.setattr("ashe_live.bench.light_trade.VARIATIONS", ())
+    bench = LightBench([plain_scenes], presets=("fast", "accurate"), sweeps=True)
+    record = bench.run(tmp_path)
+    assert [(point["name"], point["is_preset"]) for point in record["trade"]] == [("fast", True), ("accurate", True)]
+    assert {path.name for path in tmp_path.iterdir() if path.is_file()} == {"results.json", "trade.svg", "trade.png"}
+    (tmp_path / "results.json").unlink()
+    with pytest.raises(UserError, match=r"trade\.svg"):
+        bench.run(tmp_path)
