@@ -8,5 +8,5 @@ in vec3 position;
 out float occlusion;
 
 void main() {
-    occlusion = weight * (1.0 - lit_fraction(position));
+    occlusion = weight * (1.0 - lit_past(0, 0, position));
 }

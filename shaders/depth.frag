@@ -1,4 +1,27 @@
-// Depth only.
+// Depth only; none in a surface's holes, and in a share of the texels that is as large as the light it lets through.
 #version 330 core
 
-void main() {}
+uniform float base_alpha;
+uniform float alpha_cutoff;
+#ifdef BASE_MAP
+uniform sampler2D base_map;
+in vec2 uv;
+#endif
+
+void main() {
+#if defined(CUT_OUT) || defined(BLEND)
+    float alpha = base_alpha;
+#ifdef BASE_MAP
+    alpha *= texture(base_map, uv).a;
+#endif
+#ifdef CUT_OUT
+    if (alpha < alpha_cutoff) discard;
+#else
+    // Bayer's ordered 4 x 4 pattern; the shadow's filter makes one tone of it.
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    ivec2 flip = at ^ at.yy * ivec2(1, 0);
+    int rank = (flip.x & 1) << 3 | (at.y & 1) << 2 | (flip.x & 2) | (at.y & 2) >> 1;
+    if (alpha < (float(rank) + 0.5) / 16.0) discard;
+#endif
+#endif
+}

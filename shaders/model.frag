@@ -1,36 +1,137 @@
-// Matt surfaces under a sky, a sun, and the light that the ground sends back; encoded once, last.
+// A surface under a sky, suns, and the light that the ground sends back; encoded once, last.
+// Each macro stands for something that the material or the scene has.
 #version 330 core
 #include "srgb.glsl"
 #include "shadow.glsl"
+#ifdef GLOSSY
+#include "brdf.glsl"
+#endif
 
-uniform sampler2D base_texture;  // decoded to linear by the sampler
 uniform vec4 base_colour;
 uniform vec3 sky;  // irradiance on level ground over pi, linear RGB
-uniform vec3 sun;  // the same across its direction; zero without a light
-uniform vec3 to_light;
 uniform vec3 ground_bounce;
-uniform float exposure;
-uniform float shadow_texel_m;
+uniform vec3 eye;  // metres, marker frame
+uniform vec3 exposure;  // what white of radiance 1 becomes in the picture
+#if LIGHTS > 0
+uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
+#endif
+uniform float metallic;
+uniform float roughness;
+uniform float normal_scale;
+uniform float occlusion_strength;
+uniform vec3 emissive;
+uniform float alpha_cutoff;
 
 in vec3 position;
 in vec3 normal;
+#ifdef HAS_MAPS
 in vec2 uv;
+#endif
+#ifdef VERTEX_COLOURS
 in vec4 colour;
+#endif
+#ifdef BASE_MAP
+uniform sampler2D base_map;  // decoded to linear by the sampler, as is the emissive map
+#endif
+#ifdef METALLIC_ROUGHNESS_MAP
+uniform sampler2D metallic_roughness_map;
+#endif
+#ifdef NORMAL_MAP
+uniform sampler2D normal_map;
+#endif
+#ifdef OCCLUSION_MAP
+uniform sampler2D occlusion_map;
+#endif
+#ifdef EMISSIVE_MAP
+uniform sampler2D emissive_map;
+#endif
 out vec4 encoded;
 
-void main() {
-    vec4 albedo = base_colour * colour * texture(base_texture, uv);
-    if (albedo.a < 0.5) discard;
+vec3 surface_normal() {
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
-    float upward = 0.5 + 0.5 * n.z;
-    vec3 irradiance = sky * upward + ground_bounce * (1.0 - upward);
-    float cosine = dot(n, to_light);
-    if (cosine > 0.0 && sun != vec3(0.0)) {
-        // A tap t texels aside compares with a depth t tan(theta) off; moving along the normal by t sin(theta)
-        // makes up for exactly that on a plane, at every slope.
-        float reach = 1.5 * float(PCF_RADIUS + 1) * shadow_texel_m;
-        float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
-        irradiance += sun * cosine * lit_fraction(position + n * (reach * sine) + to_light * (0.5 * shadow_texel_m));
+#ifdef NORMAL_MAP
+    // The tangent frame from the coordinates' own slopes: Schueler, "Followup: normal mapping without precomputed
+    // tangents", 2013.
+    vec3 across = cross(dFdy(position), n);
+    vec3 along = cross(n, dFdx(position));
+    vec2 du = dFdx(uv);
+    vec2 dv = dFdy(uv);
+    vec3 tangent = across * du.x + along * dv.x;
+    vec3 bitangent = across * du.y + along * dv.y;
+    float size2 = max(dot(tangent, tangent), dot(bitangent, bitangent));
+    vec3 bump = texture(normal_map, uv).xyz * (255.0 / 127.0) - (128.0 / 127.0);
+    if (size2 > 0.0) {
+        vec2 slope = bump.xy * normal_scale * inversesqrt(size2);
+        n = normalize(tangent * slope.x + bitangent * slope.y + n * max(bump.z, 0.05));
     }
-    encoded = vec4(srgb_from_linear(albedo.rgb * irradiance * exposure), 1.0);
+#endif
+    return n;
+}
+
+// Light from all around, over pi, on a surface or from a direction: the sky above, the ground below.
+vec3 ambient(vec3 direction) {
+    float upward = 0.5 + 0.5 * direction.z;
+    return sky * upward + ground_bounce * (1.0 - upward);
+}
+
+void main() {
+    vec4 base = base_colour;
+#ifdef VERTEX_COLOURS
+    base *= colour;
+#endif
+#ifdef BASE_MAP
+    base *= texture(base_map, uv);
+#endif
+#ifdef CUT_OUT
+    if (base.a < alpha_cutoff) discard;
+#endif
+    vec3 n = surface_normal();
+    float open = 1.0;
+#ifdef OCCLUSION_MAP
+    open += occlusion_strength * (texture(occlusion_map, uv).r - 1.0);
+#endif
+    vec3 diffuse = ambient(n) * open;
+    vec3 mirrored = vec3(0.0);
+    vec3 albedo = base.rgb;
+#ifdef GLOSSY
+    float metal = metallic;
+    float rough = roughness;
+#ifdef METALLIC_ROUGHNESS_MAP
+    vec2 mapped = texture(metallic_roughness_map, uv).bg;
+    metal *= mapped.x;
+    rough = max(rough * mapped.y, 0.06);
+#endif
+    vec3 f0 = mix(vec3(0.04), base.rgb, metal);
+    albedo *= 1.0 - metal;
+    vec3 to_eye = normalize(eye - position);
+    float n_v = max(dot(n, to_eye), 1e-3);
+    vec2 share = mirrored_share(rough, n_v);
+    mirrored = (f0 * share.x + share.y) * ambient(reflect(-to_eye, n)) * open;
+#endif
+#if LIGHTS > 0
+    for (int light = 0; light < LIGHTS; ++light) {
+        float cosine = dot(n, to_light[light]);
+        if (cosine <= 0.0) continue;
+        vec3 direct = sun[light] * cosine * shadow(light, position, n);
+        diffuse += direct;
+#ifdef GLOSSY
+        vec3 between = normalize(to_eye + to_light[light]);
+        float v_h = max(dot(to_eye, between), 0.0);
+        mirrored += direct * ggx(max(dot(n, between), 0.0), n_v, cosine, rough * rough) * fresnel(f0, v_h);
+#endif
+    }
+#endif
+    vec3 glow = mirrored;
+#ifdef EMITS
+#ifdef EMISSIVE_MAP
+    glow += emissive * texture(emissive_map, uv).rgb;
+#else
+    glow += emissive;
+#endif
+#endif
+#ifdef BLEND
+    encoded = vec4(srgb_from_linear((albedo * diffuse * base.a + glow) * exposure), base.a);
+#else
+    encoded = vec4(srgb_from_linear((albedo * diffuse + glow) * exposure), 1.0);
+#endif
 }

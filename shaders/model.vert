@@ -5,18 +5,26 @@ uniform mat4 clip_from_marker;
 
 in vec3 in_position;
 in vec3 in_normal;
+#ifdef HAS_MAPS
 in vec2 in_uv;
+out vec2 uv;
+#endif
+#ifdef VERTEX_COLOURS
 in vec4 in_colour;
+out vec4 colour;
+#endif
 
 out vec3 position;  // metres, marker frame
 out vec3 normal;
-out vec2 uv;
-out vec4 colour;
 
 void main() {
     position = in_position;
     normal = in_normal;
+#ifdef HAS_MAPS
     uv = in_uv;
+#endif
+#ifdef VERTEX_COLOURS
     colour = in_colour;
+#endif
     gl_Position = clip_from_marker * vec4(in_position, 1.0);
 }

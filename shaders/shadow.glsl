@@ -1,22 +1,71 @@
-// Percentage-closer filtering of the light's depth map.
-// Reeves, Salesin, Cook, "Rendering antialiased shadows with depth maps", SIGGRAPH 1987.
+// What share of a sun's light reaches a point, from the depths that the sun sees: a tile of one texture for each
+// caster and light. LIGHTS may be 0; CASTERS is 1 (the model) or 2 (and the real object).
+//
+// BLOCKER_TAPS 0: percentage-closer filtering with PCF_RADIUS, 1 or more (Reeves, Salesin, Cook, "Rendering
+// antialiased shadows with depth maps", SIGGRAPH 1987). Else SOFT_TAPS over the penumbra that the sun's angular size
+// makes (Fernando, "Percentage-closer soft shadows", SIGGRAPH 2005; here of a directional light, so that the search
+// is as wide as the sun looks from the receiver).
+#if LIGHTS > 0
+#define MAPS (LIGHTS * CASTERS)
 
-uniform sampler2DShadow shadow_map;  // compares and interpolates between four texels
-uniform mat4 shadow_from_marker;  // to the depth map's coordinates and depth, all in [0, 1]
-uniform float shadow_map_size;  // texels a side
+uniform sampler2DShadow shadow_maps;  // compares and interpolates between four texels
+uniform sampler2D shadow_depths;  // the same texture, as it is
+uniform vec2 shadow_texture_size;  // texels
+uniform float shadow_map_size;  // texels a side of a tile
+uniform vec2 shadow_tile[MAPS];  // lower left corners, texels
+uniform mat4 shadow_from_marker[MAPS];  // to a tile's coordinates and depth, all in [0, 1]
+uniform vec3 shadow_extent[MAPS];  // what that 1 is in metres
+uniform vec3 to_light[LIGHTS];
+uniform float tan_half_size[LIGHTS];  // of the sun's angular diameter
 
+// From a tile's texels to the texture's coordinates; its border is empty, so that what lies beyond is lit.
+vec2 in_texture(int map, vec2 texel) {
+    return (shadow_tile[map] + clamp(texel, 0.5, shadow_map_size - 0.5)) / shadow_texture_size;
+}
+
+#if BLOCKER_TAPS > 0
+const float GOLDEN_ANGLE = 2.39996323;
+
+// Point k of n on the unit disc, evenly spread (Vogel 1979).
+vec2 on_disc(int k, int n) {
+    float angle = float(k) * GOLDEN_ANGLE;
+    return sqrt((float(k) + 0.5) / float(n)) * vec2(cos(angle), sin(angle));
+}
+
+float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
+    vec2 texels_per_m = shadow_map_size / shadow_extent[map].xy;
+    vec2 centre = at.xy * shadow_map_size;
+    // Turned by a noise that stands still on the receiver (Jimenez 2014's, of the map's texels): no bands.
+    float turn = 6.2831853 * fract(52.9829189 * fract(dot(floor(centre), vec2(0.06711056, 0.00583715))));
+    mat2 turned = mat2(cos(turn), sin(turn), -sin(turn), cos(turn));
+    vec2 search = max(vec2(1.5), at.z * shadow_extent[map].z * tan_half * texels_per_m);
+    float depths = 0.0;
+    float blockers = 0.0;
+    for (int k = 0; k < BLOCKER_TAPS; ++k) {
+        vec2 aside = turned * on_disc(k, BLOCKER_TAPS) * search;
+        float depth = texture(shadow_depths, in_texture(map, centre + aside)).r;
+        float blocks = step(depth, min(at.z + dot(slope, aside), 0.99999));
+        depths += blocks * depth;
+        blockers += blocks;
+    }
+    float distance = (at.z - depths / max(blockers, 1.0)) * shadow_extent[map].z;
+    vec2 radius = max(vec2(0.75), distance * tan_half * texels_per_m);
+    float lit = 0.0;
+    for (int k = 0; k < SOFT_TAPS; ++k) {
+        vec2 aside = turned * on_disc(k, SOFT_TAPS) * radius;
+        lit += texture(shadow_maps, vec3(in_texture(map, centre + aside), clamp(at.z + dot(slope, aside), 0.0, 1.0)));
+    }
+    return blockers > 0.0 ? lit / float(SOFT_TAPS) : 1.0;
+}
+#else
 // Along one axis the interpolated taps -r..r together weigh 2 r + 2 texels by 1-f, 1, ..., 1, f. Pairs of those are one
 // tap each, set between its two texels by their weights: (r + 1)^2 taps give exactly what (2 r + 1)^2 would.
-// Returns the weight and the place after the first texel of pair k; PCF_RADIUS is 1 or more.
+// Returns the weight and the place after the first texel of pair k.
 vec2 tap_pair(int k, float f) {
     return k == 0 ? vec2(2.0 - f, 1.0 / (2.0 - f)) : k == PCF_RADIUS ? vec2(1.0 + f, f / (1.0 + f)) : vec2(2.0, 0.5);
 }
 
-// Share of the light that reaches a point of the marker frame, in [0, 1].
-float lit_fraction(vec3 position) {
-    vec3 at = (shadow_from_marker * vec4(position, 1.0)).xyz;
-    // The map ends behind the model, and the ground goes on: what lies behind it all is compared at its end.
-    float depth = clamp(at.z, 0.0, 1.0);
+float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
     vec2 texels = at.xy * shadow_map_size - 0.5;
     vec2 first = floor(texels);
     vec2 f = texels - first;
@@ -25,9 +74,44 @@ float lit_fraction(vec3 position) {
         vec2 y = tap_pair(row, f.y);
         for (int column = 0; column <= PCF_RADIUS; ++column) {
             vec2 x = tap_pair(column, f.x);
-            vec2 tap = first + vec2(2 * column, 2 * row) - float(PCF_RADIUS) + vec2(x.y, y.y) + 0.5;
-            lit += x.x * y.x * texture(shadow_map, vec3(tap / shadow_map_size, depth));
+            vec2 aside = vec2(2 * column, 2 * row) - float(PCF_RADIUS) + vec2(x.y, y.y);
+            float depth = clamp(at.z + dot(slope, aside - f), 0.0, 1.0);
+            lit += x.x * y.x * texture(shadow_maps, vec3(in_texture(map, first + aside + 0.5), depth));
         }
     }
     return lit / float((2 * PCF_RADIUS + 1) * (2 * PCF_RADIUS + 1));
 }
+#endif
+
+// Share of a light that a caster (0: the model, 1: the real object) lets through to a point that is not on it.
+float lit_past(int caster, int light, vec3 position) {
+    int map = caster * LIGHTS + light;
+    // The map ends behind the caster, and the ground goes on: what lies behind it all is behind its end.
+    return lit_fraction(map, tan_half_size[light], (shadow_from_marker[map] * vec4(position, 1.0)).xyz, vec2(0.0));
+}
+
+// The same for a point on the caster's own surface, `normal` pointing to the side of the light.
+float lit_past_itself(int caster, int light, vec3 position, vec3 normal) {
+    int map = caster * LIGHTS + light;
+    vec2 texel = shadow_extent[map].xy / shadow_map_size;
+    float cosine = dot(normal, to_light[light]);
+    float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
+    // Taps aside compare with the surface's own depth there: its plane's slope, in depth a texel. What rounding and
+    // curvature leave, a step along the normal makes up for, at every slope: t tan(theta) of depth is t sin(theta).
+    vec3 step_aside = (1.5 * sine * normal + 0.5 * to_light[light]) * max(texel.x, texel.y);
+    vec3 at = (shadow_from_marker[map] * vec4(position + step_aside, 1.0)).xyz;
+    vec3 facing = (mat3(shadow_from_marker[map]) * normal) * shadow_extent[map] * shadow_extent[map];
+    vec2 slope = -facing.xy / min(facing.z, -1e-6) / shadow_map_size;
+    float steepest = 30.0 * max(texel.x, texel.y) / shadow_extent[map].z;
+    return lit_fraction(map, tan_half_size[light], at, clamp(slope, -steepest, steepest));
+}
+
+// Share of a light that reaches a point on the model.
+float shadow(int light, vec3 position, vec3 normal) {
+    float lit = lit_past_itself(0, light, position, normal);
+#if CASTERS > 1
+    lit *= lit_past(1, light, position);
+#endif
+    return lit;
+}
+#endif

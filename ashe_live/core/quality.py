@@ -16,8 +16,10 @@ class TrackingPreset:
 class RenderPreset:
     """How much work the renderer spends on a frame."""
 
-    shadow_map_size: int  # texels a side
-    pcf_radius: int  # (2 r + 1)^2 filter taps
+    shadow_map_size: int  # texels a side, for each caster and light
+    pcf_radius: int  # (2 r + 1)^2 filter taps where the penumbra is not searched for
+    blocker_taps: int  # to find how wide the penumbra is; 0: shadows of one softness
+    soft_taps: int  # over the penumbra
     msaa_samples: int  # 0: none
 
 
@@ -30,8 +32,8 @@ class Quality:
     render: RenderPreset
 
 
-FAST = Quality("fast", TrackingPreset(640, 16, False), RenderPreset(512, 1, 0))
-BALANCED = Quality("balanced", TrackingPreset(960, 32, True), RenderPreset(1024, 1, 4))
-ACCURATE = Quality("accurate", TrackingPreset(1920, 64, True), RenderPreset(2048, 2, 8))
+FAST = Quality("fast", TrackingPreset(640, 16, False), RenderPreset(512, 1, 0, 0, 0))
+BALANCED = Quality("balanced", TrackingPreset(960, 32, True), RenderPreset(1024, 1, 8, 16, 4))
+ACCURATE = Quality("accurate", TrackingPreset(1920, 64, True), RenderPreset(2048, 2, 16, 32, 8))
 
 QUALITIES: dict[str, Quality] = {quality.name: quality for quality in (FAST, BALANCED, ACCURATE)}

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image, frozen_view, set_frozen
+from ashe_live.core.arrays import Float, frozen_view, set_frozen
+from ashe_live.models.material import Material
 
 Float32 = NDArray[np.float32]
 Indices = NDArray[np.uint32]
-LinearRGBA = tuple[float, float, float, float]
-WHITE: LinearRGBA = (1.0, 1.0, 1.0, 1.0)
+PLAIN = Material()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,9 +23,7 @@ class Mesh:
     triangles: Indices  # (m, 3) indices of vertices
     uvs: Float32 | None = None  # (n, 2) texture coordinates, origin at the picture's bottom left
     colours: Float32 | None = None  # (n, 4) linear RGBA, a factor
-    base_colour: LinearRGBA = WHITE  # linear RGBA, a factor
-    base_texture: Image | None = None  # (h, w, 4) uint8 sRGB with alpha, top row first, a factor; needs uvs
-    double_sided: bool = True  # False: the side that normals point away from is never seen
+    material: Material = PLAIN
 
     def __post_init__(self) -> None:
         count = len(self.vertices)
@@ -39,9 +37,8 @@ class Mesh:
             set_frozen(self, uvs=_checked(self.uvs, np.float32, (count, 2), "uvs"))
         if self.colours is not None:
             set_frozen(self, colours=_checked(self.colours, np.float32, (count, 4), "colours"))
-        if self.base_texture is not None:
-            shape = (*self.base_texture.shape[:2], 4)
-            set_frozen(self, base_texture=_checked(self.base_texture, np.uint8, shape, "base_texture"))
+        if self.uvs is None and self.material.maps:
+            raise ValueError("a material with maps on a mesh without texture coordinates")
         if len(self.triangles) == 0:
             raise ValueError("a mesh without triangles")
         if int(self.triangles.max()) >= count:

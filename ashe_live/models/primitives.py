@@ -5,7 +5,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ashe_live.models.mesh import WHITE, LinearRGBA, Mesh
+from ashe_live.models.material import WHITE, LinearRGBA, Material
+from ashe_live.models.mesh import Mesh
 from ashe_live.models.shading_normals import corner_normals
 
 
@@ -44,6 +45,5 @@ def _faceted(vertices: ArrayLike, triangles: list[tuple[int, int, int]], colour:
         vertices=points[indices.ravel()],
         normals=corner_normals(points, indices),
         triangles=np.arange(indices.size, dtype=np.uint32).reshape(-1, 3),
-        base_colour=colour,
-        double_sided=False,
+        material=Material(base_colour=colour, double_sided=False),
     )

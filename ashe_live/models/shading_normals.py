@@ -8,6 +8,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.models.mesh import Float32, Indices
 
 CREASE_RAD = math.radians(40)
+CLOSED_WITHIN = 1e-4  # of the area
 
 
 def face_normals(vertices: Float32, triangles: Indices) -> Float:
@@ -45,3 +46,15 @@ def corner_normals(vertices: Float32, triangles: Indices) -> Float32:
     normals = np.empty_like(total)
     normals[order] = total
     return unit_rows(normals).astype(np.float32)
+
+
+def is_inside_out(vertices: Float32, triangles: Indices) -> bool:
+    """True for a closed surface whose triangles face inwards; never for one that is open.
+
+    By Gauss's theorem a closed surface's area vectors add up to nothing, and their flux of p / 3 is its volume.
+    """
+    faces = face_normals(vertices, triangles)
+    area = np.linalg.norm(faces, axis=1).sum()
+    is_closed = np.linalg.norm(faces.sum(axis=0)) < CLOSED_WITHIN * area
+    corner = vertices[triangles[:, 0]].astype(np.float64)
+    return bool(is_closed and np.einsum("ij,ij->", faces, corner - corner.mean(axis=0)) < 0)

@@ -12,28 +12,31 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.quality import RenderPreset
 from ashe_live.render.geometry import GpuModel
-from ashe_live.render.programs import build_program, set_uniforms
-from ashe_live.render.shadow_map import ShadowMap
+from ashe_live.render.lighting import Sun
+from ashe_live.render.programs import Programs, set_uniforms
+from ashe_live.render.shadow_maps import ShadowMaps
 
 DIRECTIONS = 24
-DEPTH_MAP_SIZE = 128
+DEPTHS = RenderPreset(shadow_map_size=128, pcf_radius=1, blocker_taps=0, soft_taps=0, msaa_samples=0)
 PATCH_SIZE = 64  # texels a side
 BLUR_TEXELS = 1.5  # what separates the directions' single shadows is smoothed away
 REACH_HEIGHTS = 0.5  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
+NO_LIGHT = (0.0, 0.0, 0.0)
 FADE = 0.3  # share of the patch's side along which the darkening ends
 
 
 class ContactPatch:
     """A texture of the hidden share of the sky on the ground around one model."""
 
-    def __init__(self, ctx: moderngl.Context, depth_program: moderngl.Program) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self.bounds: Float = np.zeros((2, 2))  # smallest and largest x, y; metres, marker frame
         self._ctx = ctx
-        self._program = build_program(ctx, "contact", pcf_radius=1)
+        self._depth_map = ShadowMaps(ctx, DEPTHS)
+        self._program = programs.get("contact", **self._depth_map.constants | {"lights": 1, "casters": 1})
         self._rectangle = ctx.vertex_array(self._program, [])
-        self._depth_map = ShadowMap(ctx, depth_program, DEPTH_MAP_SIZE, pcf_radius=1)
         self._texture = ctx.texture((PATCH_SIZE, PATCH_SIZE), 1, dtype="f2")
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = ctx.framebuffer([self._texture])
@@ -49,8 +52,8 @@ class ContactPatch:
         self._framebuffer.clear()
         set_uniforms(self._program, weight=1.0 / DIRECTIONS, patch_bounds=tuple(self.bounds.ravel()))
         for direction in sky_directions(DIRECTIONS):
-            self._depth_map.render(model, direction)
-            self._depth_map.bind(self._program, 0)
+            self._depth_map.render((model,), (Sun(direction, NO_LIGHT, NO_LIGHT, 0.0),))
+            self._depth_map.bind(self._program)
             self._framebuffer.use()
             self._ctx.enable_only(moderngl.BLEND)
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE
@@ -72,7 +75,7 @@ class ContactPatch:
     def release(self) -> None:
         self.forget()
         self._depth_map.release()
-        for held in (self._framebuffer, self._texture, self._rectangle, self._program):
+        for held in (self._framebuffer, self._texture, self._rectangle):
             held.release()
 
 

@@ -1,74 +1,129 @@
-"""A model on the graphics card."""
+"""A model on the graphics card, brought there in steps that are small enough for one picture each."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import moderngl
 import numpy as np
 
-from ashe_live.core.arrays import Float
-from ashe_live.models.mesh import LinearRGBA, Mesh
+from ashe_live.core.arrays import Float, Image
+from ashe_live.models.material import SRGB_MAPS, Alpha
+from ashe_live.models.mesh import Mesh
 from ashe_live.models.placement import PlacedModel
+from ashe_live.render.programs import Programs, set_uniforms
 
-GL_SRGB8_ALPHA8 = 0x8C43
-WHITE_TEXEL = np.full((1, 1, 4), 255, dtype=np.uint8)
+GL_RGBA8, GL_SRGB8_ALPHA8 = 0x8058, 0x8C43
+STEP_BYTES = 1 << 20  # about what a software rasteriser's memory takes in a millisecond
 
 
-@dataclass(frozen=True, slots=True, eq=False)
 class GpuPart:
-    """One mesh in buffers: position 3f, normal 3f, uv 2f, colour 4f."""
+    """One mesh in buffers: position 3f, normal 3f, and where it has them uv 2f and colour 4f."""
 
-    vertices: moderngl.Buffer
-    indices: moderngl.Buffer
-    texture: moderngl.Texture
-    base_colour: LinearRGBA
-    double_sided: bool
-    shaded: moderngl.VertexArray
-    depth_only: moderngl.VertexArray
+    def __init__(self, ctx: moderngl.Context, mesh: Mesh) -> None:
+        self.mesh = mesh
+        self.material = mesh.material
+        self.centre: Float = mesh.vertices.mean(axis=0, dtype=np.float64)  # (3,) metres, marker frame
+        self.maps: dict[str, moderngl.Texture] = {}
+        columns = {
+            "in_position": mesh.vertices,
+            "in_normal": mesh.normals,
+            "in_uv": mesh.uvs,
+            "in_colour": mesh.colours,
+        }
+        present = {name: values for name, values in columns.items() if values is not None}
+        self._widths = {name: values.shape[1] for name, values in present.items()}
+        self._ctx = ctx
+        self._vertices = ctx.buffer(np.hstack(list(present.values())))
+        self._indices = ctx.buffer(mesh.triangles)
+        self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
+
+    def draw(self, program: moderngl.Program) -> None:
+        """Gives `program` what it reads of a vertex; its uniforms are the caller's."""
+        array = self._arrays.get(program)
+        if array is None:
+            # What a program does not read is skipped over.
+            read = {name: isinstance(program.get(name, None), moderngl.Attribute) for name in self._widths}
+            formats = [f"{width}f" if read[name] else f"{4 * width}x" for name, width in self._widths.items()]
+            names = [name for name in self._widths if read[name]]
+            array = self._ctx.vertex_array(program, [(self._vertices, " ".join(formats), *names)], self._indices)
+            self._arrays[program] = array
+        array.render()
+
+    def release(self) -> None:
+        for array in self._arrays.values():
+            array.release()
+        self._arrays.clear()
+        self._vertices.release()
+        self._indices.release()
 
 
 class GpuModel:
-    """A placed model's buffers and textures, for the program that shades it and the one that fills depth maps."""
+    """A placed model's buffers and textures; of no use before every step of `upload` was taken."""
 
-    def __init__(
-        self, ctx: moderngl.Context, placed: PlacedModel, shading: moderngl.Program, depth: moderngl.Program
-    ) -> None:
+    def __init__(self, ctx: moderngl.Context, placed: PlacedModel, programs: Programs) -> None:
         self.placed = placed
         self.points: Float = np.concatenate([part.vertices for part in placed.model.parts]).astype(np.float64)
-        self.parts = tuple(_upload(ctx, part, shading, depth) for part in placed.model.parts)
+        self.parts: list[GpuPart] = []
+        self._ctx = ctx
+        self._programs = programs
+        self._textures: dict[tuple[int, bool], moderngl.Texture] = {}
 
-    def render_depth(self) -> None:
+    def upload(self) -> Iterator[None]:
+        """One step of at most STEP_BYTES or one texture's mipmaps at a time."""
+        for mesh in self.placed.model.parts:
+            part = GpuPart(self._ctx, mesh)
+            self.parts.append(part)
+            yield
+            for name, texels in mesh.material.maps.items():
+                # A picture that several parts use is one array.
+                key = id(texels), name in SRGB_MAPS
+                if key not in self._textures:
+                    yield from self._fill(key, texels)
+                part.maps[name] = self._textures[key]
+
+    def finish(self) -> "GpuModel":
+        """The same, with all steps taken at once."""
+        for _ in self.upload():
+            pass
+        return self
+
+    def render_depth(self, clip_from_marker: Float) -> None:
+        """Into the depth buffer that is bound; where a surface has holes or lets light through, in part."""
         for part in self.parts:
-            part.depth_only.render()
+            material = part.material
+            constants = {}
+            if material.alpha is not Alpha.OPAQUE:
+                constants = {material.alpha.name: 1, **{name: 1 for name in part.maps if name == "base_map"}}
+            program = self._programs.get("depth", **constants)
+            if "base_map" in constants:
+                part.maps["base_map"].use(0)
+            set_uniforms(
+                program,
+                clip_from_marker=clip_from_marker,
+                base_map=0,
+                base_alpha=material.base_colour[3],
+                alpha_cutoff=material.alpha_cutoff,
+            )
+            part.draw(program)
 
     def release(self) -> None:
         for part in self.parts:
-            for held in (part.shaded, part.depth_only, part.vertices, part.indices, part.texture):
-                held.release()
+            part.release()
+        for texture in self._textures.values():
+            texture.release()
+        self.parts.clear()
+        self._textures.clear()
 
-
-def _upload(ctx: moderngl.Context, mesh: Mesh, shading: moderngl.Program, depth: moderngl.Program) -> GpuPart:
-    count = len(mesh.vertices)
-    uvs = mesh.uvs if mesh.uvs is not None else np.zeros((count, 2), np.float32)
-    colours = mesh.colours if mesh.colours is not None else np.ones((count, 4), np.float32)
-    vertices = ctx.buffer(np.hstack([mesh.vertices, mesh.normals, uvs, colours]).astype(np.float32))
-    indices = ctx.buffer(mesh.triangles)
-    shaded_layout = (vertices, "3f 3f 2f 4f", "in_position", "in_normal", "in_uv", "in_colour")
-    return GpuPart(
-        vertices,
-        indices,
-        _texture(ctx, mesh),
-        mesh.base_colour,
-        mesh.double_sided,
-        ctx.vertex_array(shading, [shaded_layout], indices),
-        ctx.vertex_array(depth, [(vertices, "3f 36x", "in_position")], indices),
-    )
-
-
-def _texture(ctx: moderngl.Context, mesh: Mesh) -> moderngl.Texture:
-    texels = mesh.base_texture if mesh.base_texture is not None else WHITE_TEXEL
-    height, width = texels.shape[:2]
-    texture = ctx.texture((width, height), 4, np.ascontiguousarray(texels[::-1]), internal_format=GL_SRGB8_ALPHA8)
-    if min(width, height) > 1:
-        texture.build_mipmaps()
-        texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
-    return texture
+    def _fill(self, key: tuple[int, bool], texels: Image) -> Iterator[None]:
+        height, width = texels.shape[:2]
+        internal_format = GL_SRGB8_ALPHA8 if key[1] else GL_RGBA8
+        texture = self._ctx.texture((width, height), 4, internal_format=internal_format)
+        self._textures[key] = texture
+        rows = max(1, STEP_BYTES // (4 * width))
+        for bottom in range(0, height, rows):
+            band = texels[::-1][bottom : bottom + rows]
+            texture.write(np.ascontiguousarray(band), viewport=(0, bottom, width, len(band)))
+            yield
+        if max(width, height) > 1:
+            texture.build_mipmaps()
+            texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+            yield

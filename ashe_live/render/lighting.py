@@ -1,5 +1,6 @@
-"""How a light estimate shades: sky and sun, balanced as the real shadow was measured."""
+"""How a light estimate shades: sky and suns, balanced as the real shadows were measured."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,39 +10,73 @@ from ashe_live.core.types import DirectionalLight
 
 RGB = tuple[float, float, float]
 
+MAX_LIGHTS = 4
 # Shadowed over lit ground where it was not measured: a clear noon's sky gives about this share.
 ASSUMED_SHADOW_RATIO = 0.4
+SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
 # A sun this low lights level ground too little to be balanced by its strength alone.
 MIN_BALANCED_SINE = 0.2
 # What ordinary ground sends back of the light that falls on it.
 GROUND_ALBEDO = 0.35
-OVERHEAD: Float = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sun:
+    """One directional light. Units as in Lighting."""
+
+    to_light: Float  # (3,) unit, marker frame, above the horizon
+    ground_share: RGB  # of the light on level ground: what its shadow takes away
+    irradiance: RGB  # across its direction
+    angular_size_rad: float  # diameter
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lighting:
     """Irradiances over pi, in units of what fully lit level ground gets: white there has radiance 1."""
 
-    to_light: Float  # (3,) unit, marker frame
-    has_sun: bool
-    sky: RGB  # on level ground; the same as the shadow's ratio where there is a sun
-    sun: RGB  # across its direction
+    suns: tuple[Sun, ...]  # strongest first, MAX_LIGHTS at most
+    sky: RGB  # on level ground; with the suns' shares it makes 1
     bounce: RGB  # from the ground, on a surface that faces it
 
+    def uniforms(self) -> dict[str, Float | RGB]:
+        """What shaders call sky and suns; those of the suns are arrays of LIGHTS."""
+        return {
+            "sky": self.sky,
+            "ground_bounce": self.bounce,
+            "to_light": np.array([sun.to_light for sun in self.suns]),
+            "sun": np.array([sun.irradiance for sun in self.suns]),
+            "sun_on_ground": np.array([sun.ground_share for sun in self.suns]),
+        }
 
-def lighting_of(light: DirectionalLight | None) -> Lighting:
-    """Sky and sun from the shadow's ratio r: the sky gives r of level ground's light, the sun 1 - r.
 
-    Without a light, or with one below the horizon, the sky gives all: no sun is invented.
+def lighting_of(lights: tuple[DirectionalLight, ...], ambient_rgb_ratio: Float | None = None) -> Lighting:
+    """Sky and suns from the shadows' ratios: a light whose shadow has the ratio r gives 1 - r of level ground's light.
+
+    Where ratios and ambient (3,) contradict each other, the ambient holds and the suns share the rest. Lights below
+    the horizon give nothing; without any the sky gives all: no sun is invented.
     """
-    if light is None or light.to_light_marker[2] <= 0:
-        return Lighting(OVERHEAD, False, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), _rgb(np.full(3, GROUND_ALBEDO)))
-    measured = light.shadow_rgb_ratio
-    ratio = np.full(3, ASSUMED_SHADOW_RATIO) if measured is None else np.clip(measured, 0.0, 1.0)
-    sine = float(light.to_light_marker[2])
-    sun = (1 - ratio) / max(sine, MIN_BALANCED_SINE)
-    level = ratio + sun * sine
-    return Lighting(light.to_light_marker, True, _rgb(ratio), _rgb(sun), _rgb(GROUND_ALBEDO * level))
+    lights = tuple(light for light in lights if light.to_light_marker[2] > 0)[:MAX_LIGHTS]
+    if not lights:
+        return Lighting((), (1.0, 1.0, 1.0), _rgb(np.full(3, GROUND_ALBEDO)))
+    shares = np.array([_ground_share(light, len(lights)) for light in lights])
+    total = shares.sum(axis=0)
+    sky = np.clip(1 - total if ambient_rgb_ratio is None else ambient_rgb_ratio, 0.0, 1.0)
+    shares *= np.divide(1 - sky, total, out=np.zeros(3), where=total > 0)
+    sines = np.array([light.to_light_marker[2] for light in lights])
+    across = shares / np.maximum(sines, MIN_BALANCED_SINE)[:, None]
+    level = sky + sines @ across
+    suns = tuple(
+        Sun(light.to_light_marker, _rgb(share), _rgb(irradiance), light.angular_size_rad or SUN_ANGULAR_SIZE_RAD)
+        for light, share, irradiance in zip(lights, shares, across, strict=True)
+    )
+    return Lighting(suns, _rgb(sky), _rgb(GROUND_ALBEDO * level))
+
+
+def _ground_share(light: DirectionalLight, count: int) -> Float:
+    """(3,) of the light on level ground that one of `count` lights gives."""
+    if light.shadow_rgb_ratio is None:
+        return np.full(3, (1 - ASSUMED_SHADOW_RATIO) / count)
+    return 1 - np.clip(light.shadow_rgb_ratio, 0.0, 1.0)
 
 
 def _rgb(values: Float) -> RGB:

@@ -1,41 +1,94 @@
-"""The model itself: matt, under sky and sun, shadowing itself."""
+"""The model itself, each part by the shader variant that computes what its material has and nothing else."""
 
 import moderngl
+import numpy as np
 
+from ashe_live.models.material import BLACK, Alpha, Material
 from ashe_live.render.framing import Framing
-from ashe_live.render.geometry import GpuModel
-from ashe_live.render.lighting import Lighting
-from ashe_live.render.programs import build_program, set_uniforms
-from ashe_live.render.shadow_map import ShadowMap
+from ashe_live.render.geometry import GpuModel, GpuPart
+from ashe_live.render.lighting import RGB, Lighting
+from ashe_live.render.programs import Programs, set_uniforms
+from ashe_live.render.shadow_maps import ShadowMaps
 
 # White, fully lit, comes out a little below the display's white, as paper in a well exposed photo does.
 EXPOSURE = 0.8
+# A dielectric's highlight at this roughness is broader and fainter than its own shading.
+MATT_ROUGHNESS = 0.9
+# A lobe narrower than this is a point that flickers between pixels.
+MIN_ROUGHNESS = 0.06
 
 
 class ModelPass:
-    def __init__(self, ctx: moderngl.Context, pcf_radius: int) -> None:
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
-        self.program = build_program(ctx, "model", pcf_radius=pcf_radius)
+        self._programs = programs
 
-    def draw(self, model: GpuModel, framing: Framing, lighting: Lighting, shadow: ShadowMap) -> None:
-        shadow.bind(self.program, 1)
-        set_uniforms(
-            self.program,
-            clip_from_marker=framing.clip_from_marker,
-            base_texture=0,
-            sky=lighting.sky,
-            sun=lighting.sun,
-            to_light=tuple(lighting.to_light),
-            ground_bounce=lighting.bounce,
-            exposure=EXPOSURE,
-            shadow_texel_m=shadow.texel_m,
-        )
+    def draw_opaque(self, model: GpuModel, framing: Framing, lighting: Lighting, shadows: ShadowMaps, exposure: RGB) -> None:
+        """Whatever hides what is behind it. `exposure`: what white of radiance 1 becomes in the picture, linear RGB."""
         for part in model.parts:
-            faces = 0 if part.double_sided else moderngl.CULL_FACE
-            self._ctx.enable_only(moderngl.DEPTH_TEST | faces)
-            part.texture.use(0)
-            set_uniforms(self.program, base_colour=part.base_colour)
-            part.shaded.render()
+            if part.material.alpha is not Alpha.BLEND:
+                faces = 0 if part.material.double_sided else moderngl.CULL_FACE
+                self._ctx.enable_only(moderngl.DEPTH_TEST | faces)
+                self._draw(part, framing, lighting, shadows, exposure)
 
-    def release(self) -> None:
-        self.program.release()
+    def draw_blended(self, model: GpuModel, framing: Framing, lighting: Lighting, shadows: ShadowMaps, exposure: RGB) -> None:
+        """What lets through what is behind it, after all of that is drawn: far before near, backs before fronts."""
+        blended = [part for part in model.parts if part.material.alpha is Alpha.BLEND]
+        if not blended:
+            return
+        blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - framing.eye_marker)))
+        self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.CULL_FACE)
+        self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        for part in blended:
+            for culled in ("front", "back") if part.material.double_sided else ("back",):
+                self._ctx.cull_face = culled
+                self._draw(part, framing, lighting, shadows, exposure)
+        self._ctx.cull_face = "back"
+
+    def _draw(self, part: GpuPart, framing: Framing, lighting: Lighting, shadows: ShadowMaps, exposure: RGB) -> None:
+        material = part.material
+        program = self._programs.get("model", **shading_constants(part), **shadows.constants)
+        shadows.bind(program)
+        for unit, (name, texture) in enumerate(part.maps.items()):
+            texture.use(unit)
+            set_uniforms(program, **{name: unit})
+        set_uniforms(
+            program,
+            clip_from_marker=framing.clip_from_marker,
+            eye=tuple(framing.eye_marker),
+            exposure=exposure,
+            base_colour=material.base_colour,
+            metallic=material.metallic,
+            roughness=max(material.roughness, MIN_ROUGHNESS),
+            normal_scale=material.normal_scale,
+            occlusion_strength=material.occlusion_strength,
+            emissive=material.emissive,
+            alpha_cutoff=material.alpha_cutoff,
+            **lighting.uniforms(),
+        )
+        part.draw(program)
+
+
+def shading_constants(part: GpuPart) -> dict[str, int]:
+    """What the part's shader variant computes, as macros."""
+    material, mesh = part.material, part.mesh
+    found = dict.fromkeys(part.maps, 1)
+    if material.alpha is not Alpha.OPAQUE:
+        found[material.alpha.name] = 1
+    if mesh.colours is not None:
+        found["vertex_colours"] = 1
+    if material.emissive == BLACK:
+        found.pop("emissive_map", None)
+    else:
+        found["emits"] = 1
+    if not is_matt(material):
+        found["glossy"] = 1
+    if part.maps:
+        found["has_maps"] = 1
+    return found
+
+
+def is_matt(material: Material) -> bool:
+    """Whether its own shading is all there is to see of it."""
+    has_metal = material.metallic > 0 or material.metallic_roughness_map is not None
+    return not has_metal and material.roughness >= MATT_ROUGHNESS

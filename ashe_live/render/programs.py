@@ -9,6 +9,26 @@ import numpy as np
 from ashe_live.core.resources import resource
 
 
+class Programs:
+    """Each variant of a program, built when it is first asked for: what a picture does not need is not in it."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._built: dict[tuple[str, tuple[tuple[str, float], ...]], moderngl.Program] = {}
+
+    def get(self, name: str, **constants: float) -> moderngl.Program:
+        """As build_program; the same program for the same constants."""
+        key = name, tuple(sorted(constants.items()))
+        if key not in self._built:
+            self._built[key] = build_program(self._ctx, name, **constants)
+        return self._built[key]
+
+    def release(self) -> None:
+        for program in self._built.values():
+            program.release()
+        self._built.clear()
+
+
 def build_program(ctx: moderngl.Context, name: str, **constants: float) -> moderngl.Program:
     """The program of `shaders/<name>.vert` and `.frag`; `constants` become macros in upper case."""
     defines = "".join(f"#define {key.upper()} {value}\n" for key, value in constants.items())
@@ -32,7 +52,7 @@ def shader_source(file_name: str, defines: str = "") -> str:
 
 
 def set_uniforms(program: moderngl.Program, **values: Any) -> None:
-    """Sets uniforms by name: numbers, tuples, or matrices (4, 4) for column vectors.
+    """Sets uniforms by name: numbers, tuples, matrices ([n,] 4, 4) for column vectors, other arrays as they are.
 
     What a compiler has found to be unused is left out, as each driver decides that for itself.
     """
@@ -40,7 +60,8 @@ def set_uniforms(program: moderngl.Program, **values: Any) -> None:
         uniform = program.get(name, None)
         if isinstance(uniform, moderngl.Uniform):
             if isinstance(value, np.ndarray):
-                uniform.write(np.ascontiguousarray(value.T, dtype=np.float32))
+                by_columns = value.swapaxes(-1, -2) if value.shape[-2:] == (4, 4) else value
+                uniform.write(np.ascontiguousarray(by_columns, dtype=np.float32))
             else:
                 uniform.value = value
 

@@ -5,19 +5,21 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import RenderPreset
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
+from ashe_live.render.caster import RealObject
 from ashe_live.render.contact import ContactPatch
 from ashe_live.render.framing import Framing, box_corners, framing, letterbox
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.lighting import Lighting, lighting_of
-from ashe_live.render.model_pass import ModelPass
+from ashe_live.render.model_pass import EXPOSURE, ModelPass
 from ashe_live.render.overlays import OverlayPass
-from ashe_live.render.programs import build_program
+from ashe_live.render.programs import Programs
 from ashe_live.render.scene import Scene
-from ashe_live.render.shadow_map import ShadowMap
+from ashe_live.render.shadow_maps import ShadowMaps, same_objects
 from ashe_live.render.surface import Surface
 from ashe_live.render.video import Video
 
@@ -34,11 +36,15 @@ class Renderer:
         self.video = Video(ctx)
         self.overlays = OverlayPass(ctx)
         self._arrow = LightArrow(ctx)
-        self._depth_program = build_program(ctx, "depth")
-        self._contact = ContactPatch(ctx, self._depth_program)
+        self._programs = Programs(ctx)
+        self._contact = ContactPatch(ctx, self._programs)
+        self._model_pass = ModelPass(ctx, self._programs)
+        self._catcher = ShadowCatcher(ctx, self._programs)
+        self._shadows = ShadowMaps(ctx, preset)
         self._model: GpuModel | None = None
+        self._real: RealObject | None = None
+        self._lighting: tuple[tuple[object, ...], Lighting] | None = None
         self._surface = Surface(ctx, size, preset.msaa_samples)
-        self._build_passes()
 
     @property
     def size(self) -> Size:
@@ -46,8 +52,8 @@ class Renderer:
 
     @property
     def shadow_map_renders(self) -> int:
-        """How often the shadow map was drawn since the preset was set."""
-        return self._shadow.renders
+        """How often the shadow maps were drawn since the preset was set."""
+        return self._shadows.renders
 
     @property
     def gl_renderer(self) -> str:
@@ -67,8 +73,9 @@ class Renderer:
         if preset == self._preset:
             return
         self._preset = preset
-        self._release_passes()
-        self._build_passes()
+        self._catcher.forget()
+        self._shadows.release()
+        self._shadows = ShadowMaps(self._ctx, preset)
         self.resize(self.size)
 
     def resize(self, size: Size) -> None:
@@ -82,6 +89,7 @@ class Renderer:
     def render(self, scene: Scene) -> None:
         """Draws the scene into the renderer's own framebuffer."""
         self._follow_model(scene.model)
+        self._follow_real_object(scene.caster)
         if scene.tracked is None:
             self._surface.colour.clear()
         else:
@@ -107,65 +115,71 @@ class Renderer:
 
     def release(self) -> None:
         """Gives every object back to OpenGL; the renderer is of no use afterwards."""
-        self._release_passes()
+        self._follow_model(None)
+        self._follow_real_object(None)
         self._ctx.detect_framebuffer(0).use()
-        for held in (self.video, self.overlays, self._arrow, self._contact, self._surface, self._depth_program):
+        for held in (self.video, self.overlays, self._arrow, self._contact, self._shadows, self._surface):
             held.release()
+        self._programs.release()
 
     def _draw_model(self, model: GpuModel, scene: Scene) -> None:
         assert scene.tracked is not None
         assert scene.tracked.marker is not None
-        lighting = lighting_of(scene.light)
+        lighting = self._lighting_of(scene)
         self._contact.render(model)
-        self._shadow.render(model, lighting.to_light)
-        self._catcher.fit(model, lighting, self._shadow, self._contact)
-        arrow = None
-        if scene.shows_light and scene.light is not None:
-            arrow = arrow_placement(model.placed.bounds, scene.light.to_light_marker)
+        self._shadows.render((model,) if self._real is None else (model, self._real), lighting.suns)
+        self._catcher.fit(model, lighting, self._shadows, self._contact)
+        arrows = []
+        if scene.shows_light:
+            arrows = [arrow_placement(model.placed.bounds, light.to_light_marker) for light in scene.lights]
         viewport = letterbox(scene.tracked.frame.size, self.size)
-        points = self._drawn_points(model, arrow)
+        points = self._drawn_points(model, arrows)
         frame = framing(scene.tracked.camera, scene.tracked.marker.T_cam_marker, points, viewport)
         if frame is not None:
-            self._draw_framed(model, frame, lighting, arrow)
+            self._draw_framed(model, frame, lighting, arrows)
 
-    def _draw_framed(self, model: GpuModel, frame: Framing, lighting: Lighting, arrow: Float | None) -> None:
+    def _draw_framed(self, model: GpuModel, frame: Framing, lighting: Lighting, arrows: list[Float]) -> None:
         """Works within the framing's region only: a software rasteriser pays for every pixel."""
+        exposure = (EXPOSURE, EXPOSURE, EXPOSURE)
         with self._surface.drawing(frame.region) as multisampled:
             self._ctx.viewport = frame.viewport
             if multisampled:
                 self.video.draw()
-            self._ctx.enable_only(moderngl.DEPTH_TEST)
             self._ctx.viewport = frame.viewport
-            self._model_pass.draw(model, frame, lighting, self._shadow)
-            if arrow is not None:
+            if self._real is not None:
+                self._real.draw(frame, self.video, lighting, self._shadows)
+            self._model_pass.draw_opaque(model, frame, lighting, self._shadows, exposure)
+            for arrow in arrows:
                 self._arrow.draw(frame, arrow)
-            self._catcher.draw(frame, self.video, lighting, self._shadow, self._contact)
+            self._catcher.draw(frame, self.video, lighting, self._shadows, self._contact)
+            self._model_pass.draw_blended(model, frame, lighting, self._shadows, exposure)
 
-    def _drawn_points(self, model: GpuModel, arrow: Float | None) -> Float:
+    def _drawn_points(self, model: GpuModel, arrows: list[Float]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""
-        points = [box_corners(model.placed.bounds), self._catcher.polygon]
-        if arrow is not None:
-            points.append(arrow_extent(arrow))
-        return np.concatenate(points)
+        return np.concatenate(
+            [box_corners(model.placed.bounds), self._catcher.polygon, *(arrow_extent(arrow) for arrow in arrows)]
+        )
+
+    def _lighting_of(self, scene: Scene) -> Lighting:
+        """The same object for the same light."""
+        known = (*scene.lights, scene.ambient_rgb_ratio)
+        if self._lighting is None or not same_objects(self._lighting[0], known):
+            self._lighting = known, lighting_of(scene.lights, scene.ambient_rgb_ratio)
+        return self._lighting[1]
 
     def _follow_model(self, placed: PlacedModel | None) -> None:
         if self._model is not None and self._model.placed is not placed:
-            for holder in (self._shadow, self._catcher, self._contact):
+            for holder in (self._shadows, self._catcher, self._contact):
                 holder.forget()
             self._model.release()
             self._model = None
         if self._model is None and placed is not None:
-            self._model = GpuModel(self._ctx, placed, self._model_pass.program, self._depth_program)
+            self._model = GpuModel(self._ctx, placed, self._programs).finish()
 
-    def _build_passes(self) -> None:
-        """What depends on the preset."""
-        radius = self._preset.pcf_radius
-        self._shadow = ShadowMap(self._ctx, self._depth_program, self._preset.shadow_map_size, radius)
-        self._catcher = ShadowCatcher(self._ctx, radius)
-        self._model_pass = ModelPass(self._ctx, radius)
-
-    def _release_passes(self) -> None:
-        # The model's vertex arrays belong to the program that shades it.
-        self._follow_model(None)
-        for held in (self._shadow, self._catcher, self._model_pass):
-            held.release()
+    def _follow_real_object(self, proxy: Proxy | None) -> None:
+        if self._real is not None and self._real.proxy is not proxy:
+            self._shadows.forget()
+            self._real.release()
+            self._real = None
+        if self._real is None and proxy is not None:
+            self._real = RealObject(self._ctx, self._programs, proxy)

@@ -1,6 +1,7 @@
 """Turns the session's state into scenes: the bare picture, and the one with the heads-up display over it."""
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -29,8 +30,18 @@ TINT = 0.6
 
 def bare_scene(session: Session) -> Scene:
     """Video, model and light, as recordings and snapshots want them."""
-    light = session.estimate.light if session.estimate is not None else None
-    return Scene(session.tracked, session.model, light, session.show_light)
+    estimate = session.estimate
+    if estimate is None:
+        return Scene(session.tracked, session.model, shows_light=session.show_light)
+    return Scene(
+        session.tracked,
+        session.model,
+        estimate.lights,
+        session.show_light,
+        caster=estimate.caster,
+        ambient_rgb_ratio=estimate.ambient_rgb_ratio,
+        ground_rgb=estimate.ground_rgb,
+    )
 
 
 class Display:
@@ -58,9 +69,8 @@ class Display:
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
         if session.show_help:  # alone, as a small window has no room for more
             text = HudText(help=help_rows())
-        bare = bare_scene(session)
         overlays = (*self._masks(session, size), *self._hud.overlays(text, size, content_scale))
-        return Scene(bare.tracked, bare.model, bare.light, bare.shows_light, overlays)
+        return replace(bare_scene(session), overlays=overlays)
 
     def _steady_readings(
         self, fps: float | None, tracked: TrackedFrame | None, now_s: float

@@ -7,7 +7,7 @@ import trimesh
 from PIL import Image
 
 from ashe_live.errors import UserError
-from ashe_live.models import loading
+from ashe_live.models import limits, loading
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.shading_normals import face_normals
@@ -108,17 +108,17 @@ def _textured(folder: Path, size: tuple[int, int]) -> Path:
 
 def test_texture_and_factor_arrive(tmp_path: Path) -> None:
     part = load_model_file(_textured(tmp_path, (8, 4))).parts[0]
-    assert part.base_texture is not None
+    assert part.material.base_map is not None
     assert part.uvs is not None
-    assert part.base_texture.shape == (4, 8, 4)
-    assert tuple(part.base_texture[0, 0]) == (255, 0, 0, 255)
-    assert part.base_colour == pytest.approx((128 / 255, 1, 1, 1), abs=1e-6)
+    assert part.material.base_map.shape == (4, 8, 4)
+    assert tuple(part.material.base_map[0, 0]) == (255, 0, 0, 255)
+    assert part.material.base_colour == pytest.approx((128 / 255, 1, 1, 1), abs=1e-6)
 
 
 def test_large_texture_is_reduced(tmp_path: Path) -> None:
     part = load_model_file(_textured(tmp_path, (4096, 1024))).parts[0]
-    assert part.base_texture is not None
-    assert part.base_texture.shape == (512, 2048, 4)
+    assert part.material.base_map is not None
+    assert part.material.base_map.shape == (512, 2048, 4)
 
 
 def test_vertex_colours_of_ply_are_decoded_to_linear(tmp_path: Path) -> None:
@@ -131,7 +131,7 @@ def test_vertex_colours_of_ply_are_decoded_to_linear(tmp_path: Path) -> None:
 
 
 def test_obj_reads_its_texture_beside_it(tmp_path: Path) -> None:
-    assert _obj_with_texture(tmp_path, "red.png").base_texture is not None
+    assert _obj_with_texture(tmp_path, "red.png").material.base_map is not None
 
 
 @pytest.mark.parametrize("name", ["../secret.png", "/etc/hostname"])
@@ -214,7 +214,7 @@ def test_truncated_model_is_refused(tmp_path: Path) -> None:
 
 def test_limits_hold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = _exported(tmp_path / "box.stl")
-    monkeypatch.setattr(loading, "MAX_TRIANGLES", 11)
+    monkeypatch.setattr(limits, "MAX_TRIANGLES", 11)
     with pytest.raises(UserError, match="12 triangles"):
         load_model_file(path)
     monkeypatch.setattr(loading, "MAX_FILE_BYTES", 100)

@@ -7,6 +7,7 @@ import pytest
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project
+from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import box
 from ashe_live.render.lighting import GROUND_ALBEDO, MIN_BALANCED_SINE, lighting_of
@@ -33,14 +34,14 @@ def test_lit_faces_of_a_convex_box_have_one_shade(make_renderer, stage, quality:
     renderer = make_renderer(QUALITIES[quality].render)
     tracked = stage.tracked(90, stage.pose(-80, 35, 0.25))
     light = stage.light(-105, elevation_deg, (0.3, 0.3, 0.3))
-    renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), light))
+    renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), (light,)))
     picture = renderer.read_bgr()
-    lighting = lighting_of(light)
+    lighting = lighting_of((light,))
     for corners, normal in ((TOP, (0.0, 0.0, 1.0)), (FRONT, (0.0, -1.0, 0.0))):
         pixels = _face(picture, tracked, corners)
         assert len(pixels) > 500
         upward = 0.5 + 0.5 * normal[2]
-        sunlight = lighting.sun[0] * max(0.0, float(np.dot(normal, light.to_light_marker)))
+        sunlight = lighting.suns[0].irradiance[0] * max(0.0, float(np.dot(normal, light.to_light_marker)))
         radiance = EXPOSURE * (lighting.sky[0] * upward + lighting.bounce[0] * (1 - upward) + sunlight)
         np.testing.assert_allclose(pixels, 255 * srgb_from_linear(min(radiance, 1.0)), atol=1.01)
 
@@ -50,7 +51,7 @@ def test_face_turned_away_gets_no_sun(make_renderer, stage) -> None:
     tracked = stage.tracked(90, stage.pose(-80, 35, 0.25))
     shades = []
     for azimuth_deg in (-90, 90):
-        renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), stage.light(azimuth_deg, 40)))
+        renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), (stage.light(azimuth_deg, 40),)))
         shades.append(np.median(_face(renderer.read_bgr(), tracked, FRONT)))
     assert shades[0] > shades[1] + 50
 
@@ -62,7 +63,7 @@ def test_model_shadows_itself(make_renderer, stage) -> None:
     renderer = make_renderer()
     tracked = stage.tracked(90, stage.pose(-90, 70, 0.3))
     light = stage.light(180, 60, (0.3, 0.3, 0.3))  # the roof's shadow falls 0.026 towards +x
-    renderer.render(Scene(tracked, stage.placed(floor, roof), light))
+    renderer.render(Scene(tracked, stage.placed(floor, roof), (light,)))
     picture = renderer.read_bgr()
     (shaded, lit), expected = (
         [
@@ -78,27 +79,26 @@ def test_model_shadows_itself(make_renderer, stage) -> None:
 def test_lit_level_white_has_radiance_one(stage) -> None:
     for elevation_deg in (15, 40, 90):
         light = stage.light(30, elevation_deg, (0.2, 0.3, 0.4))
-        lighting = lighting_of(light)
-        level = np.array(lighting.sky) + np.array(lighting.sun) * light.to_light_marker[2]
+        lighting = lighting_of((light,))
+        level = np.array(lighting.sky) + np.array(lighting.suns[0].irradiance) * light.to_light_marker[2]
         np.testing.assert_allclose(level, 1.0, atol=1e-9)
         np.testing.assert_allclose(lighting.bounce, GROUND_ALBEDO, atol=1e-9)
 
 
 def test_no_sun_is_invented_and_a_low_one_is_bounded(stage) -> None:
-    for light in (None, stage.light(10, 0), stage.light(10, -30)):
-        lighting = lighting_of(light)
-        assert not lighting.has_sun
-        assert lighting.sun == (0.0, 0.0, 0.0)
+    for lights in ((), (stage.light(10, 0),), (stage.light(10, -30),)):
+        lighting = lighting_of(lights)
+        assert not lighting.suns
         assert lighting.sky == (1.0, 1.0, 1.0)
-    assert max(lighting_of(stage.light(10, 0.01, (0.0, 0.0, 0.0))).sun) <= 1 / MIN_BALANCED_SINE
-    assert lighting_of(stage.light(10, 40, (1.4, -0.1, 0.5))).sky == (1.0, 0.0, 0.5)
+    assert max(lighting_of((stage.light(10, 0.01, (0.0, 0.0, 0.0)),)).suns[0].irradiance) <= 1 / MIN_BALANCED_SINE
+    assert lighting_of((stage.light(10, 40, (1.4, -0.1, 0.5)),)).sky == (1.0, 0.0, 0.5)
 
 
-def _sheet(**fields) -> Mesh:
+def _sheet(material: Material) -> Mesh:
     corners = np.float32([(-0.03, -0.03, 0.01), (0.03, -0.03, 0.01), (0.03, 0.03, 0.01), (-0.03, 0.03, 0.01)])
     normals = np.tile(np.float32((0, 0, 1)), (4, 1))
     uvs = np.float32([(0, 0), (1, 0), (1, 1), (0, 1)])
-    return Mesh(corners, normals, np.array([(0, 1, 2), (0, 2, 3)]), uvs=uvs, **fields)
+    return Mesh(corners, normals, np.array([(0, 1, 2), (0, 2, 3)]), uvs=uvs, material=material)
 
 
 def test_texture_lies_as_its_coordinates_say_and_is_decoded_once(make_renderer, stage) -> None:
@@ -110,7 +110,7 @@ def test_texture_lies_as_its_coordinates_say_and_is_decoded_once(make_renderer, 
     texels = texels.repeat(8, axis=0).repeat(8, axis=1)
     tracked = stage.tracked(20, stage.pose(-90, 60, 0.25))
     renderer = make_renderer()
-    renderer.render(Scene(tracked, stage.placed(_sheet(base_texture=texels))))
+    renderer.render(Scene(tracked, stage.placed(_sheet(Material(base_map=texels)))))
     picture = renderer.read_bgr()
     seen = {}
     for name, x, y in (("tl", -0.015, 0.015), ("tr", 0.015, 0.015), ("bl", -0.015, -0.015), ("br", 0.015, -0.015)):
@@ -128,7 +128,7 @@ def test_transparent_texels_show_the_video(make_renderer, stage) -> None:
     texels = np.zeros((2, 2, 4), dtype=np.uint8)
     tracked = stage.tracked(20, stage.pose(-90, 60, 0.25, target=(0, 0, 0.01)))
     renderer = make_renderer()
-    renderer.render(Scene(tracked, stage.placed(_sheet(base_texture=texels))))
+    renderer.render(Scene(tracked, stage.placed(_sheet(Material(base_map=texels, alpha=Alpha.CUT_OUT)))))
     assert renderer.read_bgr().max() <= 20
 
 
@@ -136,5 +136,5 @@ def test_back_of_a_double_sided_sheet_is_seen_and_of_a_single_sided_one_not(make
     tracked = stage.tracked(20, stage.pose(-90, -60, 0.25))
     renderer = make_renderer()
     for double_sided in (True, False):
-        renderer.render(Scene(tracked, stage.placed(_sheet(double_sided=double_sided))))
+        renderer.render(Scene(tracked, stage.placed(_sheet(Material(double_sided=double_sided)))))
         assert (renderer.read_bgr().max() > 60) == double_sided

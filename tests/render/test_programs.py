@@ -17,14 +17,17 @@ def test_every_pass_has_a_pair_of_shaders() -> None:
 def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> None:
     for suffix in (".vert", ".frag"):
         assert shader_source(name + suffix).startswith("#version 330 core\n")
-    build_program(ctx, name, pcf_radius=1, contact_fade=0.3).release()
+    for lights, casters, blocker_taps in ((0, 1, 0), (1, 1, 0), (1, 2, 8), (4, 2, 16)):
+        constants = {"lights": lights, "casters": casters, "blocker_taps": blocker_taps, "soft_taps": 16}
+        if name != "contact" or lights:
+            build_program(ctx, name, pcf_radius=1, contact_fade=0.3, **constants).release()
 
 
 def test_include_and_constants_stand_after_the_version() -> None:
     lines = shader_source("model.frag", "#define PCF_RADIUS 2\n").splitlines()
     assert lines[:2] == ["#version 330 core", "#define PCF_RADIUS 2"]
     assert not any(line.startswith("#include") for line in lines)
-    assert any("float lit_fraction(vec3" in line for line in lines)
+    assert any("float shadow(int light, vec3 position, vec3 normal)" in line for line in lines)
 
 
 def test_missing_opengl_ends_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:

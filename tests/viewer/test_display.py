@@ -30,8 +30,8 @@ def test_recordings_carry_no_text(session):
     assert bare_scene(session).overlays == ()
 
 
-def test_the_light_is_that_of_the_estimate(session):
-    assert bare_scene(session).light is session.estimate.light
+def test_the_lights_are_those_of_the_estimate(session):
+    assert bare_scene(session).lights is session.estimate.lights
 
 
 @pytest.mark.parametrize(

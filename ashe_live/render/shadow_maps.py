@@ -1,0 +1,178 @@
+"""Depth as the suns see it: one map for each caster and light, drawn anew only when one of them changes.
+
+Lance Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978. A map's frustum encloses its caster alone
+and depends on caster and light alone: it is as tight as can be, and the shadow's edges stand still on the ground while
+the camera moves.
+"""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.quality import RenderPreset
+from ashe_live.core.transforms import light_view, orthographic, transform_points
+from ashe_live.render.lighting import Sun
+from ashe_live.render.programs import set_uniforms
+
+# A side never narrower than this share of the longest: a flat model seen edge on still has a map.
+MIN_EXTENT_RATIO = 1e-3
+UNIT_FROM_CLIP: Float = np.array([[0.5, 0, 0, 0.5], [0, 0.5, 0, 0.5], [0, 0, 0.5, 0.5], [0, 0, 0, 1]])
+# Texture units that no other pass binds.
+COMPARING_UNIT, DEPTH_UNIT = 8, 9
+
+
+class Caster(Protocol):
+    """What casts shadows; the same object casts the same ones."""
+
+    @property
+    def points(self) -> Float: ...  # (n, 3) metres, marker frame; its hull encloses the caster
+
+    def render_depth(self, clip_from_marker: Float) -> None: ...
+
+
+class ShadowMaps:
+    """Tiles of `preset.shadow_map_size` texels a side in one texture, in the order of casters, then lights."""
+
+    def __init__(self, ctx: moderngl.Context, preset: RenderPreset) -> None:
+        self.renders = 0
+        self.texel_m = 0.0  # the largest side of a texel across a light, metres
+        self._ctx = ctx
+        self._preset = preset
+        # Empty texels at a tile's border: what lies outside it is lit.
+        self._margin = preset.pcf_radius + 2
+        self._depths = ctx.sampler(repeat_x=False, repeat_y=False, filter=(moderngl.NEAREST, moderngl.NEAREST))
+        self._depths.compare_func = ""
+        self._texture: moderngl.Texture | None = None
+        self._framebuffer: moderngl.Framebuffer | None = None
+        self._content: tuple[tuple[Caster, ...], bytes] | None = None
+        self._uniforms: dict[str, Float] = {}
+        self._counts = (0, 0)
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """What a shader that includes shadow.glsl is built with."""
+        lights, casters = self._counts
+        preset = self._preset
+        return {
+            "lights": lights,
+            "casters": casters,
+            "pcf_radius": preset.pcf_radius,
+            "blocker_taps": preset.blocker_taps,
+            "soft_taps": preset.soft_taps,
+        }
+
+    @property
+    def blur_texels(self) -> int:
+        """How far the filter blurs a hard edge, at most; the penumbra comes on top."""
+        return 2 * (self._preset.pcf_radius + 1)
+
+    def render(self, casters: Sequence[Caster], suns: Sequence[Sun]) -> None:
+        """Draws the maps of one or two casters (the model first), unless they hold that already."""
+        lights = np.array([[*sun.to_light, sun.angular_size_rad] for sun in suns]).tobytes()
+        if self._content is not None and self._content[1] == lights and same_objects(self._content[0], casters):
+            return
+        self._content = tuple(casters), lights
+        self._counts = len(suns), len(casters)
+        self.renders += 1
+        if not suns:
+            return
+        size = self._preset.shadow_map_size
+        tiles = _tiles(len(suns) * len(casters)) * size
+        self._allocate(tiles.max(axis=0) + size)
+        assert self._framebuffer is not None
+        fits = [_fitted(caster.points, sun.to_light, size, self._margin) for caster in casters for sun in suns]
+        self._framebuffer.viewport = (0, 0, *self._framebuffer.size)
+        self._framebuffer.clear(depth=1.0)
+        self._framebuffer.use()
+        self._ctx.enable_only(moderngl.DEPTH_TEST)
+        for number, ((clip_from_marker, _), corner) in enumerate(zip(fits, tiles, strict=True)):
+            self._ctx.viewport = (int(corner[0]), int(corner[1]), size, size)
+            casters[number // len(suns)].render_depth(clip_from_marker)
+        extents = np.array([extent for _, extent in fits])
+        self.texel_m = float(extents[:, :2].max()) / size
+        self._uniforms = {
+            "shadow_texture_size": np.array(self._framebuffer.size, dtype=np.float64),
+            "shadow_tile": tiles.astype(np.float64),
+            "shadow_from_marker": np.array([UNIT_FROM_CLIP @ clip_from_marker for clip_from_marker, _ in fits]),
+            "shadow_extent": extents,
+            "to_light": np.array([sun.to_light for sun in suns]),
+            "tan_half_size": np.array([np.tan(sun.angular_size_rad / 2) for sun in suns]),
+        }
+
+    def bind(self, program: moderngl.Program) -> None:
+        """Gives `program`, built with `constants`, what shadow.glsl reads."""
+        if self._texture is None or not self._uniforms:
+            return
+        self._texture.use(COMPARING_UNIT)
+        self._texture.use(DEPTH_UNIT)
+        self._depths.use(DEPTH_UNIT)
+        set_uniforms(
+            program,
+            shadow_maps=COMPARING_UNIT,
+            shadow_depths=DEPTH_UNIT,
+            shadow_map_size=float(self._preset.shadow_map_size),
+            **self._uniforms,
+        )
+
+    def forget(self) -> None:
+        """Drops the references to what was drawn last."""
+        self._content = None
+
+    def release(self) -> None:
+        self.forget()
+        self._release_texture()
+        self._depths.release()
+
+    def _allocate(self, size: Float) -> None:
+        wanted = (int(size[0]), int(size[1]))
+        if self._texture is not None and self._texture.size == wanted:
+            return
+        self._release_texture()
+        self._texture = self._ctx.depth_texture(wanted)
+        self._texture.compare_func = "<="
+        self._texture.filter = moderngl.LINEAR, moderngl.LINEAR
+        self._texture.repeat_x = self._texture.repeat_y = False
+        self._framebuffer = self._ctx.framebuffer(depth_attachment=self._texture)
+
+    def _release_texture(self) -> None:
+        if self._texture is not None and self._framebuffer is not None:
+            self._framebuffer.release()
+            self._texture.release()
+        self._texture = self._framebuffer = None
+
+
+def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:
+    return len(some) == len(others) and all(a is b for a, b in zip(some, others, strict=True))
+
+
+def _tiles(count: int) -> Float:
+    """(count, 2) columns and rows of a nearly square arrangement."""
+    columns = int(np.ceil(np.sqrt(count)))
+    return np.array([(number % columns, number // columns) for number in range(count)])
+
+
+def _fitted(points: Float, to_light: Float, size: int, margin: int) -> tuple[Float, Float]:
+    """(4, 4) light's clip space from the marker frame, as tight as the margin (in texels) allows, and its (3,) extent.
+
+    The extent is in whole multiples of a sixteenth of itself's power of two, and the box's corner on the texels' grid:
+    a caster that changes a little keeps its texels where they were.
+    """
+    view = light_view(to_light)
+    seen = transform_points(view, points)
+    lower, upper = seen.min(axis=0), seen.max(axis=0)
+    extent = np.maximum(upper - lower, MIN_EXTENT_RATIO * (upper - lower).max())
+    texel = _rounded_up(extent[:2] / (size - 2 * margin - 1))
+    corner = np.floor(((lower + upper)[:2] - size * texel) / 2 / texel) * texel
+    middle, depth = (lower + upper)[2] / 2, 1.01 * extent[2]
+    box_lower = np.array([*corner, middle - depth / 2])
+    box_extent = np.array([*(size * texel), depth])
+    return orthographic(box_lower, box_lower + box_extent) @ view, box_extent
+
+
+def _rounded_up(lengths: Float) -> Float:
+    """To five significant bits: at most 1/16 more."""
+    unit = 2.0 ** (np.floor(np.log2(lengths)) - 4)
+    return np.asarray(np.ceil(lengths / unit) * unit)

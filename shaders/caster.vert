@@ -1,0 +1,13 @@
+// The real object's stand-in in the camera's view.
+#version 330 core
+
+uniform mat4 clip_from_marker;
+
+in vec3 in_position;
+
+out vec3 position;  // metres, marker frame
+
+void main() {
+    position = in_position;
+    gl_Position = clip_from_marker * vec4(in_position, 1.0);
+}
