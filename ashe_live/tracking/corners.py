@@ -35,11 +35,15 @@ MIN_RISE = 12 / 255
 # What counts as one edge: so far to each side of the steepest place.
 MIN_SPREAD_PX = 2.0
 SHIFTS = 4
+# Of a side's samples, how many must show an edge.
+MIN_SEEN = 0.4
 # Points farther than this from the line do not count (Tukey's biweight).
 OUTLIER_PX = 1.5
 # An edge's points are never taken to be more certain than this.
 MIN_SIGMA_PX = 0.01
 
+# Light where there is no picture.
+OUTSIDE = -1e3
 LINEAR: Light = LINEAR_FROM_SRGB_8BIT.astype(np.float32)
 
 # Each corner's neighbours along the outline; np.roll would take ten times as long, and this runs in every frame.
@@ -75,8 +79,28 @@ def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: flo
 
     `samples` is how many places of each edge are measured. Where no edge is to be seen, a side stays as it was.
     """
-    fitted = fitted_square(linear_light(grey), corners_px, samples, off_by_px)
+    if not is_front_of_square(corners_px):
+        return corners_px
+    (left, top), (right, bottom) = region_around(corners_px, 2 * off_by_px + MIN_REACH_PX, REACH_RATIO, grey.shape)
+    if right - left < 2 or bottom - top < 2:
+        return corners_px
+    light = linear_light(grey[top:bottom, left:right])
+    fitted = fitted_square(light, corners_px, samples, off_by_px, origin_px=(left, top))
     return corners_px if fitted is None else fitted.corners_px
+
+
+def region_around(
+    corners_px: Float, margin_px: float, margin_ratio: float, shape: tuple[int, ...]
+) -> tuple[tuple[int, int], tuple[int, int]]:
+    """Left and top, right and bottom (excluded) of the corners' box within a picture of `shape` (h, w, ...).
+
+    It is grown on each side by `margin_px` and by `margin_ratio` of its longer side; it may be empty.
+    """
+    lower, upper = corners_px.min(axis=0), corners_px.max(axis=0)
+    margin = margin_px + margin_ratio * float((upper - lower).max())
+    left, top = np.floor(lower - margin).clip(0, shape[1::-1]).astype(int)
+    right, bottom = np.ceil(upper + margin + 1).clip(0, shape[1::-1]).astype(int)
+    return (int(left), int(top)), (int(right), int(bottom))
 
 
 def linear_light(grey: Image) -> Light:
@@ -124,13 +148,13 @@ class _View:
     origin_px: Float
 
     def at(self, points_px: Float) -> Float:
-        """Linear light at ideal pixels (..., 2), interpolated."""
+        """Linear light at ideal pixels (..., 2), interpolated; negative where the picture has ended."""
         flat = points_px.reshape(-1, 2)
         if self.camera is not None:
             flat = source_from_ideal(self.camera, flat)
         # OpenCV's remap wants fewer than 32768 rows or columns.
         x, y = (flat - self.origin_px).astype(np.float32).T.reshape(2, -1, points_px.shape[-2])
-        values = cv2.remap(self.light, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        values = cv2.remap(self.light, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=OUTSIDE)
         return values.reshape(points_px.shape[:-1]).astype(np.float64)
 
 
@@ -171,15 +195,16 @@ def _edge_offsets(
         total = weights.sum(axis=2)
         offsets = (weights * centres[:, None]).sum(axis=2) / np.maximum(total, 1e-9)
     dark = values.min(axis=2)
-    return offsets, (np.sqrt(dark + total) - np.sqrt(dark) >= MIN_RISE).astype(np.float64)
+    rise = np.sqrt((dark + total).clip(0)) - np.sqrt(dark.clip(0))
+    return offsets, ((dark >= 0) & (rise >= MIN_RISE)).astype(np.float64)
 
 
 def _robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Float) -> tuple[Float, Float]:
     """Each side's offset at places 0 and 1 (4, 2), and the covariances (4, 2, 2) of these, in px and px^2.
 
-    Least squares reweighted with Tukey's biweight. A side with fewer than half of its samples stays: both are 0.
+    Least squares reweighted with Tukey's biweight. A side of which too little is seen stays: both are 0.
     """
-    seen = weights.sum(axis=1) >= len(places) / 2
+    seen = weights.sum(axis=1) >= MIN_SEEN * len(places)
     # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
     at_start, slope = _medians(offsets, weights > 0), np.zeros(4)
     for scale in (8.0, 4.0, 2.0, 1.0):
@@ -206,11 +231,11 @@ def _robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Flo
 
 def _information(outwards: Float, covariances: Float) -> Float:
     """(8, 8) of the corners: each side measures its two ends along its normal."""
-    information = np.zeros((8, 8))
-    for side, (normal, inverse) in enumerate(zip(outwards, np.linalg.inv(covariances), strict=True)):
-        ends = [2 * side, 2 * side + 1, 2 * NEXT[side], 2 * NEXT[side] + 1]
-        information[np.ix_(ends, ends)] += np.kron(inverse, np.outer(normal, normal))
-    return information
+    by_corners = np.zeros((4, 2, 8))
+    for side in range(4):
+        by_corners[side, 0, 2 * side : 2 * side + 2] = outwards[side]
+        by_corners[side, 1, 2 * NEXT[side] : 2 * NEXT[side] + 2] = outwards[side]
+    return np.asarray((by_corners.transpose(0, 2, 1) @ np.linalg.inv(covariances) @ by_corners).sum(axis=0))
 
 
 def _medians(values: Float, counts: Mask) -> Float:

@@ -1,12 +1,18 @@
-"""Markers whose cells spell a number: ArUco and AprilTag, found by OpenCV's detector."""
+"""Markers whose cells spell a number: ArUco and AprilTag, found by OpenCV's detector and read by `cells`."""
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.tracking.quads import MIN_SIDE_PX
+from ashe_live.tracking.cells import CellReader
+from ashe_live.tracking.corners import is_front_of_square, refined_corners, side_lengths_px
+from ashe_live.tracking.quads import MIN_SIDE_PX, dark_quads, without_repeats
 
-THRESHOLD_WINDOW_PX = 23
+# Of the detector's adaptive threshold: one window finds most of what three find, in a third of the time.
+QUICK_WINDOWS_PX, THOROUGH_WINDOWS_PX = (23, 23), (3, 23)
+EDGE_SAMPLES = 12
+# From here on coarse corners suffice for a first look.
+SURE_SIDE_PX = 25.0
 
 # OpenCV has some names twice, in upper and in lower case, for one dictionary.
 DICTIONARIES: dict[str, int] = {
@@ -26,9 +32,9 @@ class DictionaryMarker:
         self.spec = spec
         self.marker_id = marker_id
         self._dictionary = cv2.aruco.getPredefinedDictionary(dictionary)
+        if marker_id < self.count:
+            self._reader = CellReader(self._dictionary, marker_id)
         self._parameters = cv2.aruco.DetectorParameters()
-        # One window finds what the default three find, in a third of the time.
-        self._parameters.adaptiveThreshWinSizeMin = self._parameters.adaptiveThreshWinSizeMax = THRESHOLD_WINDOW_PX
         # The tracker refines at full resolution.
         self._parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
         self._detector = cv2.aruco.ArucoDetector(self._dictionary, self._parameters)
@@ -38,15 +44,25 @@ class DictionaryMarker:
         """How many markers its dictionary has."""
         return len(self._dictionary.bytesList)
 
-    def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX) -> Float | None:
-        """See Marker.find; of several with this number, the largest."""
+    def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
+        """See Marker.find; the largest first."""
         self._parameters.minMarkerPerimeterRate = min(4 * min_side_px / max(grey.shape), 1.0)
+        windows = THOROUGH_WINDOWS_PX if thorough else QUICK_WINDOWS_PX
+        self._parameters.adaptiveThreshWinSizeMin, self._parameters.adaptiveThreshWinSizeMax = windows
         self._detector.setDetectorParameters(self._parameters)
-        quads, ids, _ = self._detector.detectMarkers(grey)
-        if ids is None:
-            return None
-        same = [quad.reshape(4, 2) for quad, number in zip(quads, ids.ravel(), strict=True) if number == self.marker_id]
-        return np.asarray(max(same, key=cv2.contourArea), dtype=np.float64) if same else None
+        quads, ids, rejected = self._detector.detectMarkers(grey)
+        numbers = () if ids is None else ids.ravel()
+        found = [_corners(quad) for quad, number in zip(quads, numbers, strict=True) if number == self.marker_id]
+        if thorough or not found:
+            doubtful = [_corners(quad) for quad in rejected]
+            if thorough:
+                doubtful += dark_quads(grey, min_side_px)
+            found += [corners for quad in doubtful if (corners := self._read(grey, quad)) is not None]
+        return without_repeats(sorted(found, key=_area, reverse=True))
+
+    def likeness(self, grey: Image, corners_px: Float) -> float:
+        """See Marker.likeness."""
+        return self._reader.likeness(grey, corners_px)
 
     def bitmap(self, side_px: int) -> Image:
         """See Marker.bitmap; one pixel a cell is the least."""
@@ -54,3 +70,23 @@ class DictionaryMarker:
         if side_px < cells:
             raise ValueError(f"{side_px} pixels cannot show {cells} cells")
         return np.asarray(cv2.aruco.generateImageMarker(self._dictionary, self.marker_id, side_px), dtype=np.uint8)
+
+    def _read(self, grey: Image, quad: Float) -> Float | None:
+        """The corners in the print's order, if the quadrilateral shows the marker."""
+        # Coarse corners of a small marker are off by a cell: they are refined before they are believed.
+        if not is_front_of_square(quad):
+            return None
+        if side_lengths_px(quad).min() >= SURE_SIDE_PX and not self._reader.may_be(grey, quad):
+            return None
+        corners = refined_corners(grey, quad, EDGE_SAMPLES)
+        turns = self._reader.turns(grey, corners)
+        # Turned counter-clockwise, the print's top-left corner lies `turns` places before the quad's first one.
+        return None if turns is None else np.roll(corners, turns, axis=0)
+
+
+def _corners(quad: Float) -> Float:
+    return np.asarray(quad, dtype=np.float64).reshape(4, 2)
+
+
+def _area(corners_px: Float) -> float:
+    return float(cv2.contourArea(corners_px.astype(np.float32)))

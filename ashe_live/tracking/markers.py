@@ -20,12 +20,16 @@ class Marker(Protocol):
     def spec(self) -> str:
         """What `parse_marker` made it from."""
 
-    def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX) -> Float | None:
-        """Corners (4, 2) in pixels of `grey` (h, w), good to a pixel or two; None when the marker is not in it.
+    def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
+        """Corners (4, 2) in pixels of `grey` (h, w), good to a pixel or two, of every one in it, the likeliest first.
 
-        Order: top-left, top-right, bottom-right, bottom-left of the upright print. Of several, the best match.
-        What is smaller than `min_side_px` is passed over: most of the time goes into telling small things apart.
+        Order: top-left, top-right, bottom-right, bottom-left of the upright print. What is smaller than `min_side_px`
+        is passed over: most of the time goes into telling small things apart. `thorough` takes a few times as long and
+        finds also what blur or shadows half hide.
         """
+
+    def likeness(self, grey: Image, corners_px: Float) -> float:
+        """Correlation in [-1, 1] of what is within `corners_px` (4, 2), in the print's order, with the print."""
 
     def bitmap(self, side_px: int) -> Image:
         """(side_px, side_px) grey picture of the black square as printed. Raises ValueError when too small."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.tracking.corners import refined_corners
-from ashe_live.tracking.quads import MIN_SIDE_PX, dark_quads
+from ashe_live.tracking.quads import MIN_SIDE_PX, dark_quads, without_repeats
 
 # Side of the square, in samples, at which candidate and pattern are compared.
 SAMPLES = 32
@@ -35,20 +35,30 @@ class PatternMarker:
         self._print = print_grey
         samples = cv2.resize(print_grey, (SAMPLES, SAMPLES), interpolation=cv2.INTER_AREA).astype(np.float64)
         self._inside = _inside_of_border(samples)
+        # A pattern file is a picture that someone took: its content may lie a sample off.
+        self._grown = slice(self._inside.start - 1, self._inside.stop + 1)
         content = samples[self._inside, self._inside].astype(np.float32)
         # Item k is the content turned counter-clockwise by k quarter turns.
         self._turned = [np.rot90(content, turns).copy() for turns in range(4)]
         if max(_correlation(content, turned) for turned in self._turned[1:]) > MAX_SELF_CORRELATION:
             raise ValueError("it looks the same when it is turned")
 
-    def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX) -> Float | None:
-        """See Marker.find; of several, the one that correlates best."""
-        best: tuple[float, Float] | None = None
+    def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
+        """See Marker.find; the one that correlates best first."""
+        found = []
         for quad in dark_quads(grey, min_side_px):
             correlation, corners = self._compare(grey, quad)
-            if correlation >= MIN_CORRELATION and (best is None or correlation > best[0]):
-                best = correlation, corners
-        return None if best is None else best[1]
+            if correlation >= MIN_CORRELATION:
+                found.append((correlation, corners))
+        found.sort(key=lambda one: one[0], reverse=True)
+        return without_repeats([corners for _, corners in found])
+
+    def likeness(self, grey: Image, corners_px: Float) -> float:
+        """See Marker.likeness."""
+        samples = _rectified(grey, corners_px)
+        if not self._has_dark_border(samples, COARSE_BORDER_LEVEL):
+            return -1.0
+        return _correlation(samples[self._grown, self._grown].astype(np.float32), self._turned[0])
 
     def bitmap(self, side_px: int) -> Image:
         """See Marker.bitmap."""
@@ -66,9 +76,7 @@ class PatternMarker:
         samples = _rectified(grey, corners)
         if not self._has_dark_border(samples, BORDER_LEVEL):
             return -1.0, quad
-        # A pattern file is a picture that someone took: its content may lie a sample off.
-        grown = slice(self._inside.start - 1, self._inside.stop + 1)
-        seen = samples[grown, grown].astype(np.float32)
+        seen = samples[self._grown, self._grown].astype(np.float32)
         correlations = [_correlation(seen, turned) for turned in self._turned]
         turns = int(np.argmax(correlations))
         # Turned counter-clockwise, the print's top-left corner lies `turns` places before the quad's first one.

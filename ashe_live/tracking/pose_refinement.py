@@ -1,6 +1,6 @@
 """The pose that explains weighted points best: Levenberg and Marquardt with the exact Jacobian, and its covariance.
 
-A step turns the points about the marker's origin and moves them, both along the camera's axes: R' = exp(w) R, t' = t + v.
+A step turns the points about the marker's origin and moves them, along the camera's axes: R' = exp(w) R, t' = t + v.
 """
 
 import math
@@ -32,7 +32,7 @@ class Solution:
 def solution_of(
     R: ArrayLike, t: ArrayLike, points: Float, pixels: Float, information: Float, K: Float
 ) -> Solution | None:
-    """The pose with its errors on `pixels` (n, 2), ideal, of `points` (n, 3) in the marker frame; None behind the camera.
+    """The pose with its errors on ideal `pixels` (n, 2) of `points` (n, 3) in the marker frame; None behind the camera.
 
     `information` (2n, 2n) is the inverse covariance of the pixels.
     """

@@ -48,3 +48,13 @@ def _quad(outline: NDArray[Any], min_side_px: float) -> Float | None:
         return None
     # The picture's y points down, so a positive area is clockwise to the eye.
     return corners if cv2.contourArea(corners.astype(np.float32), oriented=True) > 0 else corners[::-1].copy()
+
+
+def without_repeats(quads: list[Float]) -> list[Float]:
+    """`quads` without those that lie where an earlier one does."""
+    kept: list[Float] = []
+    for quad in quads:
+        centre = quad.mean(axis=0)
+        if all(np.abs(other.mean(axis=0) - centre).max() > np.ptp(other, axis=0).max() / 4 for other in kept):
+            kept.append(quad)
+    return kept

@@ -103,12 +103,12 @@ class Tracker:
     def _find(self, grey: Image, scale: float, min_side_px: float) -> Float | None:
         """Corners (4, 2) in pixels of `grey`: searched at `scale`, smaller sides passed over, refined without it."""
         if scale == 1:
-            corners = self.marker.find(grey, min_side_px)
+            corners = next(iter(self.marker.find(grey, min_side_px)), None)
         else:
             height, width = grey.shape
             small_size = max(1, round(width * scale)), max(1, round(height * scale))
             small = np.asarray(cv2.resize(grey, small_size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-            corners = self.marker.find(small, min_side_px * scale)
+            corners = next(iter(self.marker.find(small, min_side_px * scale)), None)
             if corners is not None:
                 corners = (corners + 0.5) * (np.array((width, height)) / small_size) - 0.5
         if corners is None:
