@@ -54,14 +54,15 @@ def shader_source(file_name: str, defines: str = "") -> str:
 def set_uniforms(program: moderngl.Program, **values: Any) -> None:
     """Sets uniforms by name: numbers, tuples, matrices ([n,] 4, 4) for column vectors, other arrays as they are.
 
-    What a compiler has found to be unused is left out, as each driver decides that for itself.
+    What a compiler has found to be unused, an array's end too, is left out, as each driver decides that for itself.
     """
     for name, value in values.items():
         uniform = program.get(name, None)
         if isinstance(uniform, moderngl.Uniform):
             if isinstance(value, np.ndarray):
                 by_columns = value.swapaxes(-1, -2) if value.shape[-2:] == (4, 4) else value
-                uniform.write(np.ascontiguousarray(by_columns, dtype=np.float32))
+                used = 4 * uniform.dimension * uniform.array_length
+                uniform.write(np.ascontiguousarray(by_columns, dtype=np.float32).tobytes()[:used])
             else:
                 uniform.value = value
 
