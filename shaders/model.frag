@@ -3,9 +3,6 @@
 #version 330 core
 #include "srgb.glsl"
 #include "shadow.glsl"
-#ifdef GLOSSY
-#include "brdf.glsl"
-#endif
 
 uniform vec4 base_colour;
 uniform vec3 sky;  // irradiance on level ground over pi, linear RGB
@@ -21,6 +18,13 @@ uniform float normal_scale;
 uniform float occlusion_strength;
 uniform vec3 emissive;
 uniform float alpha_cutoff;
+
+#ifdef GLOSSY
+#include "brdf.glsl"
+#endif
+#ifdef MIRRORS
+#include "environment.glsl"
+#endif
 
 in vec3 position;
 in vec3 normal;
@@ -106,7 +110,13 @@ void main() {
     vec3 to_eye = normalize(eye - position);
     float n_v = max(dot(n, to_eye), 1e-3);
     vec2 share = mirrored_share(rough, n_v);
-    mirrored = (f0 * share.x + share.y) * ambient(reflect(-to_eye, n)) * open;
+    vec3 mirror = reflect(-to_eye, n);
+#ifdef MIRRORS
+    mirrored = surrounding_radiance(position, mirror, rough * rough);
+#else
+    mirrored = ambient(mirror);
+#endif
+    mirrored *= (f0 * share.x + share.y) * open;
 #endif
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {

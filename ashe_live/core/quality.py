@@ -21,6 +21,7 @@ class RenderPreset:
     blocker_taps: int  # to find how wide the penumbra is; 0: shadows of one softness
     soft_taps: int  # over the penumbra
     msaa_samples: int  # 0: none
+    environment_size: int  # texels a side of what polished surfaces mirror, a power of two
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +33,8 @@ class Quality:
     render: RenderPreset
 
 
-FAST = Quality("fast", TrackingPreset(640, 16, False), RenderPreset(512, 1, 0, 0, 0))
-BALANCED = Quality("balanced", TrackingPreset(960, 32, True), RenderPreset(1024, 1, 8, 16, 4))
-ACCURATE = Quality("accurate", TrackingPreset(1920, 64, True), RenderPreset(2048, 2, 16, 32, 8))
+FAST = Quality("fast", TrackingPreset(640, 16, False), RenderPreset(512, 1, 0, 0, 0, 32))
+BALANCED = Quality("balanced", TrackingPreset(960, 32, True), RenderPreset(1024, 1, 8, 16, 4, 64))
+ACCURATE = Quality("accurate", TrackingPreset(1920, 64, True), RenderPreset(2048, 2, 16, 32, 8, 256))
 
 QUALITIES: dict[str, Quality] = {quality.name: quality for quality in (FAST, BALANCED, ACCURATE)}

@@ -15,6 +15,10 @@ LinearRGB = tuple[float, float, float]
 LinearRGBA = tuple[float, float, float, float]
 WHITE: LinearRGBA = (1.0, 1.0, 1.0, 1.0)
 BLACK: LinearRGB = (0.0, 0.0, 0.0)
+# A dielectric's highlight at this roughness is broader and fainter than its own shading.
+MATT_ROUGHNESS = 0.9
+# Rougher than this a dielectric blurs what it mirrors to a tone.
+MIRROR_ROUGHNESS = 0.5
 
 
 class Alpha(Enum):
@@ -60,6 +64,16 @@ class Material:
     def maps(self) -> dict[str, Image]:
         """The maps that there are, by their fields' names."""
         return {name: texels for name in MAPS if (texels := getattr(self, name)) is not None}
+
+    @property
+    def is_matt(self) -> bool:
+        """Its own shading is all there is to see of it."""
+        return self.metallic == 0 and self.roughness >= MATT_ROUGHNESS and self.metallic_roughness_map is None
+
+    @property
+    def is_mirror(self) -> bool:
+        """What surrounds it is seen in it."""
+        return self.metallic > 0 or self.roughness < MIRROR_ROUGHNESS or self.metallic_roughness_map is not None
 
     def without_maps(self) -> "Material":
         """For a mesh without texture coordinates."""

@@ -19,7 +19,9 @@ from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
 
 DIRECTIONS = 24
-DEPTHS = RenderPreset(shadow_map_size=128, pcf_radius=1, blocker_taps=0, soft_taps=0, msaa_samples=0)
+DEPTHS = RenderPreset(
+    shadow_map_size=128, pcf_radius=1, blocker_taps=0, soft_taps=0, msaa_samples=0, environment_size=0
+)
 PATCH_SIZE = 64  # texels a side
 BLUR_TEXELS = 1.5  # what separates the directions' single shadows is smoothed away
 REACH_HEIGHTS = 0.5  # how far the patch goes beyond the model's bounds, in heights of the model

@@ -62,6 +62,7 @@ class GpuModel:
     def __init__(self, ctx: moderngl.Context, placed: PlacedModel, programs: Programs) -> None:
         self.placed = placed
         self.points: Float = np.concatenate([part.vertices for part in placed.model.parts]).astype(np.float64)
+        self.mirrors = any(part.material.is_mirror for part in placed.model.parts)
         self.parts: list[GpuPart] = []
         self._ctx = ctx
         self._programs = programs

@@ -1,9 +1,12 @@
 """The model itself, each part by the shader variant that computes what its material has and nothing else."""
 
+from dataclasses import dataclass
+
 import moderngl
 import numpy as np
 
-from ashe_live.models.material import BLACK, Alpha, Material
+from ashe_live.models.material import BLACK, Alpha
+from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing
 from ashe_live.render.geometry import GpuModel, GpuPart
 from ashe_live.render.lighting import RGB, Lighting
@@ -12,10 +15,19 @@ from ashe_live.render.shadow_maps import ShadowMaps
 
 # White, fully lit, comes out a little below the display's white, as paper in a well exposed photo does.
 EXPOSURE = 0.8
-# A dielectric's highlight at this roughness is broader and fainter than its own shading.
-MATT_ROUGHNESS = 0.9
 # A lobe narrower than this is a point that flickers between pixels.
 MIN_ROUGHNESS = 0.06
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """What every part of the model is seen with."""
+
+    framing: Framing
+    lighting: Lighting
+    shadows: ShadowMaps
+    exposure: RGB  # what white of radiance 1 becomes in the picture, linear RGB
+    environment: Environment | None  # None for a model that mirrors nothing
 
 
 class ModelPass:
@@ -23,40 +35,42 @@ class ModelPass:
         self._ctx = ctx
         self._programs = programs
 
-    def draw_opaque(self, model: GpuModel, framing: Framing, lighting: Lighting, shadows: ShadowMaps, exposure: RGB) -> None:
-        """Whatever hides what is behind it. `exposure`: what white of radiance 1 becomes in the picture, linear RGB."""
+    def draw_opaque(self, model: GpuModel, view: View) -> None:
+        """Whatever hides what is behind it."""
         for part in model.parts:
             if part.material.alpha is not Alpha.BLEND:
                 faces = 0 if part.material.double_sided else moderngl.CULL_FACE
                 self._ctx.enable_only(moderngl.DEPTH_TEST | faces)
-                self._draw(part, framing, lighting, shadows, exposure)
+                self._draw(part, view)
 
-    def draw_blended(self, model: GpuModel, framing: Framing, lighting: Lighting, shadows: ShadowMaps, exposure: RGB) -> None:
+    def draw_blended(self, model: GpuModel, view: View) -> None:
         """What lets through what is behind it, after all of that is drawn: far before near, backs before fronts."""
         blended = [part for part in model.parts if part.material.alpha is Alpha.BLEND]
         if not blended:
             return
-        blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - framing.eye_marker)))
+        blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - view.framing.eye_marker)))
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.CULL_FACE)
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         for part in blended:
             for culled in ("front", "back") if part.material.double_sided else ("back",):
                 self._ctx.cull_face = culled
-                self._draw(part, framing, lighting, shadows, exposure)
+                self._draw(part, view)
         self._ctx.cull_face = "back"
 
-    def _draw(self, part: GpuPart, framing: Framing, lighting: Lighting, shadows: ShadowMaps, exposure: RGB) -> None:
+    def _draw(self, part: GpuPart, view: View) -> None:
         material = part.material
-        program = self._programs.get("model", **shading_constants(part), **shadows.constants)
-        shadows.bind(program)
+        program = self._programs.get("model", **shading_constants(part), **view.shadows.constants)
+        view.shadows.bind(program)
+        if view.environment is not None:
+            view.environment.bind(program)
         for unit, (name, texture) in enumerate(part.maps.items()):
             texture.use(unit)
             set_uniforms(program, **{name: unit})
         set_uniforms(
             program,
-            clip_from_marker=framing.clip_from_marker,
-            eye=tuple(framing.eye_marker),
-            exposure=exposure,
+            clip_from_marker=view.framing.clip_from_marker,
+            eye=tuple(view.framing.eye_marker),
+            exposure=view.exposure,
             base_colour=material.base_colour,
             metallic=material.metallic,
             roughness=max(material.roughness, MIN_ROUGHNESS),
@@ -64,7 +78,7 @@ class ModelPass:
             occlusion_strength=material.occlusion_strength,
             emissive=material.emissive,
             alpha_cutoff=material.alpha_cutoff,
-            **lighting.uniforms(),
+            **view.lighting.uniforms(),
         )
         part.draw(program)
 
@@ -81,14 +95,10 @@ def shading_constants(part: GpuPart) -> dict[str, int]:
         found.pop("emissive_map", None)
     else:
         found["emits"] = 1
-    if not is_matt(material):
+    if not material.is_matt:
         found["glossy"] = 1
+    if material.is_mirror:
+        found["mirrors"] = 1
     if part.maps:
         found["has_maps"] = 1
     return found
-
-
-def is_matt(material: Material) -> bool:
-    """Whether its own shading is all there is to see of it."""
-    has_metal = material.metallic > 0 or material.metallic_roughness_map is not None
-    return not has_metal and material.roughness >= MATT_ROUGHNESS

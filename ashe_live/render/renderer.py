@@ -11,11 +11,12 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.caster import RealObject
 from ashe_live.render.contact import ContactPatch
+from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing, box_corners, framing, letterbox
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.lighting import Lighting, lighting_of
-from ashe_live.render.model_pass import EXPOSURE, ModelPass
+from ashe_live.render.model_pass import EXPOSURE, ModelPass, View
 from ashe_live.render.overlays import OverlayPass
 from ashe_live.render.programs import Programs
 from ashe_live.render.scene import Scene
@@ -37,6 +38,7 @@ class Renderer:
         self.overlays = OverlayPass(ctx)
         self._arrow = LightArrow(ctx)
         self._programs = Programs(ctx)
+        self._environment: Environment | None = None
         self._contact = ContactPatch(ctx, self._programs)
         self._model_pass = ModelPass(ctx, self._programs)
         self._catcher = ShadowCatcher(ctx, self._programs)
@@ -76,6 +78,7 @@ class Renderer:
         self._catcher.forget()
         self._shadows.release()
         self._shadows = ShadowMaps(self._ctx, preset)
+        self._release_environment()
         self.resize(self.size)
 
     def resize(self, size: Size) -> None:
@@ -120,6 +123,7 @@ class Renderer:
         self._ctx.detect_framebuffer(0).use()
         for held in (self.video, self.overlays, self._arrow, self._contact, self._shadows, self._surface):
             held.release()
+        self._release_environment()
         self._programs.release()
 
     def _draw_model(self, model: GpuModel, scene: Scene) -> None:
@@ -136,11 +140,18 @@ class Renderer:
         points = self._drawn_points(model, arrows)
         frame = framing(scene.tracked.camera, scene.tracked.marker.T_cam_marker, points, viewport)
         if frame is not None:
-            self._draw_framed(model, frame, lighting, arrows)
+            self._draw_framed(model, frame, lighting, self._environment_of(model, scene), arrows)
 
-    def _draw_framed(self, model: GpuModel, frame: Framing, lighting: Lighting, arrows: list[Float]) -> None:
+    def _draw_framed(
+        self,
+        model: GpuModel,
+        frame: Framing,
+        lighting: Lighting,
+        environment: Environment | None,
+        arrows: list[Float],
+    ) -> None:
         """Works within the framing's region only: a software rasteriser pays for every pixel."""
-        exposure = (EXPOSURE, EXPOSURE, EXPOSURE)
+        view = View(frame, lighting, self._shadows, (EXPOSURE, EXPOSURE, EXPOSURE), environment)
         with self._surface.drawing(frame.region) as multisampled:
             self._ctx.viewport = frame.viewport
             if multisampled:
@@ -148,11 +159,11 @@ class Renderer:
             self._ctx.viewport = frame.viewport
             if self._real is not None:
                 self._real.draw(frame, self.video, lighting, self._shadows)
-            self._model_pass.draw_opaque(model, frame, lighting, self._shadows, exposure)
+            self._model_pass.draw_opaque(model, view)
             for arrow in arrows:
                 self._arrow.draw(frame, arrow)
             self._catcher.draw(frame, self.video, lighting, self._shadows, self._contact)
-            self._model_pass.draw_blended(model, frame, lighting, self._shadows, exposure)
+            self._model_pass.draw_blended(model, view)
 
     def _drawn_points(self, model: GpuModel, arrows: list[Float]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""
@@ -166,6 +177,21 @@ class Renderer:
         if self._lighting is None or not same_objects(self._lighting[0], known):
             self._lighting = known, lighting_of(scene.lights, scene.ambient_rgb_ratio)
         return self._lighting[1]
+
+    def _environment_of(self, model: GpuModel, scene: Scene) -> Environment | None:
+        """None for a model that mirrors nothing."""
+        seen = scene.surroundings or scene.tracked
+        if seen is None or not model.mirrors:
+            return None
+        if self._environment is None:
+            self._environment = Environment(self._ctx, self._preset.environment_size)
+        self._environment.show(seen, scene.ground_rgb)
+        return self._environment
+
+    def _release_environment(self) -> None:
+        if self._environment is not None:
+            self._environment.release()
+            self._environment = None
 
     def _follow_model(self, placed: PlacedModel | None) -> None:
         if self._model is not None and self._model.placed is not placed:

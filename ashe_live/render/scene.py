@@ -42,3 +42,4 @@ class Scene:
     caster: Proxy | None = None  # the real object
     ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that no light reaches over lit ground
     ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the picture
+    surroundings: TrackedFrame | None = None  # with a marker: what polished surfaces mirror; None: `tracked`

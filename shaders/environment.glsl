@@ -1,0 +1,25 @@
+// What comes from a direction, blurred as a surface's roughness does: the ground that the picture shows, at the place
+// where the ray meets it, and the sky. The maps' layouts are those of render/surroundings.py.
+
+uniform sampler2D ground_map;  // linear RGB of the picture
+uniform sampler2D sky_map;  // a factor of the mean sky
+uniform float half_radius_m;
+uniform float environment_size;  // texels a side
+
+// Radiance from the unit direction `towards`, seen from `from`, within a lobe of about `alpha` radians.
+vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
+    float down = max(-towards.z, 0.02);
+    float distance = max(from.z, 0.0) / down;
+    vec2 meets = from.xy + towards.xy * distance;
+    float far = length(meets) + half_radius_m;
+    // One texel of the map in metres there, and the lobe's mean width on the ground.
+    float texel_m = 2.0 * far * far / (half_radius_m * environment_size);
+    float lobe_m = alpha * distance * inversesqrt(down);
+    vec3 ground = textureLod(ground_map, 0.5 + 0.5 * meets / far, log2(lobe_m / texel_m + 1e-3)).rgb / exposure;
+    float up = max(towards.z, 0.0);
+    // A texel of the sky's map is 4 / size radians in its middle, half of it at the horizon.
+    vec2 at = 0.5 + 0.5 * normalize(towards.xy + vec2(1e-6, 0.0)) * sqrt((1.0 - up) / (1.0 + up));
+    vec3 above = sky * textureLod(sky_map, at, log2(0.25 * alpha * environment_size)).rgb;
+    float width = max(alpha, 0.01);
+    return mix(ground, above, smoothstep(-width, width, towards.z));
+}
