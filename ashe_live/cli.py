@@ -52,6 +52,7 @@ def build_parser() -> argparse.ArgumentParser:
     estimate.add_argument(
         "--repeat", type=_count, metavar="N", help="warm up once, then give the median times of N runs"
     )
+    estimate.add_argument("--debug", type=Path, metavar="DIR", help="write a sheet of each estimate's steps there")
     estimate.add_argument("--estimate-at", type=_index, metavar="FRAME", help=ESTIMATE_AT_HELP)
     _add_scene_options(estimate)
     _add_quality_options(estimate)

@@ -20,7 +20,7 @@ from ashe_live.bench.light_truth import error_on_true_masks_deg, mask_overlaps
 from ashe_live.bench.machine import machine_json, versions_json
 from ashe_live.bench.plots import SUFFIXES, check_can_draw, draw_trade
 from ashe_live.core.contract import Json
-from ashe_live.core.output_files import cannot_write, check_output, write_json
+from ashe_live.core.output_files import check_output, make_folder, write_json
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimator import Estimator, make_estimator
@@ -170,9 +170,6 @@ def _preset_json(
 
 def _check_folder(folder: Path, names: Sequence[str], overwrite: bool) -> None:
     """Makes the folder, so that nothing is measured in vain; raises UserError when a file of `names` is there."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise cannot_write(folder, error) from error
+    make_folder(folder)
     for name in names:
         check_output(folder / name, overwrite)

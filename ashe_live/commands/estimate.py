@@ -4,18 +4,25 @@ import argparse
 import dataclasses
 import math
 import statistics
+import sys
 from collections.abc import Mapping
+from datetime import datetime
 from pathlib import Path
 
+from ashe_live.capture.contact_sheet import contact_sheet
+from ashe_live.capture.snapshot import write_png
 from ashe_live.capture.sources import Source, open_source
-from ashe_live.commands.setup import camera_chooser, make_tracker
+from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
 from ashe_live.core.contract import FileRecord
+from ashe_live.core.output_files import make_folder, unused_name
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.light.debug_view import debug_pictures
 from ashe_live.light.estimator import Estimator, make_estimator
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker
 
+STEP_WIDTH_PX = 480
 WORST_FIRST = (
     ExitStatus.WRONG_USE,
     ExitStatus.NO_MARKER,
@@ -25,7 +32,9 @@ WORST_FIRST = (
 
 
 def run(options: argparse.Namespace) -> int:
-    estimator = make_estimator(options.estimator)
+    if options.debug is not None:
+        make_folder(options.debug)
+    estimator = make_estimator(options.estimator, quality_of(options).name)
     camera_for = camera_chooser(options)
     statuses = set()
     for path in options.files:
@@ -46,6 +55,9 @@ def _record(path: Path, tracker: Tracker, estimator: Estimator, options: argpars
     if tracked.marker is None:
         return dataclasses.replace(record, timing_ms={"detect": tracked.detect_ms, "total": tracked.detect_ms})
     estimate, timing_ms = _timed(tracker, tracked, estimator, options.repeat)
+    if options.debug is not None:
+        sheet = _write_steps(options.debug, path, tracked, estimate)
+        print(f"{path}: steps in {sheet}", file=sys.stderr)
     return dataclasses.replace(record, estimate=estimate, timing_ms=timing_ms)
 
 
@@ -73,6 +85,17 @@ def usable_frame(source: Source, tracker: Tracker, estimate_at: int | None) -> T
     if answer is None:
         raise UserError(f"{source.name} has no readable picture", "copy or record it again")
     return answer
+
+
+def _write_steps(folder: Path, file: Path, tracked: TrackedFrame, estimate: LightEstimate) -> Path:
+    """One sheet with all steps of an estimate, under a name that is not taken yet. Raises UserError."""
+    pictures = debug_pictures(tracked, estimate)
+    sheet = contact_sheet(
+        [picture.image_bgr for picture in pictures], [picture.title for picture in pictures], 4, STEP_WIDTH_PX
+    )
+    path = unused_name(folder, file.stem, ".png", datetime.now())
+    write_png(path, sheet)
+    return path
 
 
 def _timed(

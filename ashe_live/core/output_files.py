@@ -21,6 +21,14 @@ def check_output(path: Path, overwrite: bool) -> None:
         raise UserError(f"{path} exists already", "choose another name or give --overwrite")
 
 
+def make_folder(folder: Path) -> None:
+    """The folder and what is above it, if they are not there yet. Raises UserError when that fails."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise cannot_write(folder, error) from error
+
+
 def cannot_write(path: Path, error: Exception) -> UserError:
     """What to raise when writing `path` failed."""
     reason = getattr(error, "strerror", None) or str(error)

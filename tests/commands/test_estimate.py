@@ -1,5 +1,6 @@
 """`ashe-live estimate`: one line a file, whatever the file; the exit status; the contract."""
 
+import cv2
 import jsonschema
 import numpy as np
 import pytest
@@ -136,3 +137,22 @@ def test_repeat_gives_medians_of_the_same_answer(run, files):
     (record,) = run("estimate", "--json", *KNOWN, "--repeat", 3, files["photo"]).records
     assert record["timing_ms"]["fit"] == 1.0
     assert record["timing_ms"]["segment"] is None
+
+
+def test_the_steps_of_every_estimate_are_kept_on_sheets_of_their_own(run, files, tmp_path):
+    folder = tmp_path / "new" / "steps"
+    for runs in (1, 2):
+        outcome = run("estimate", "--json", *KNOWN, "--debug", folder, files["photo"], files["empty_table"])
+        assert outcome.status == 3
+        assert len(outcome.records) == 2
+        sheets = list(folder.iterdir())
+        assert len(sheets) == runs  # none without a marker
+        assert all(cv2.imread(str(sheet)).shape[1] > 1000 for sheet in sheets)
+    assert any(str(sheet) in outcome.err[0] for sheet in sheets)
+
+
+def test_steps_that_cannot_be_kept_are_refused_before_anything_is_estimated(run, files):
+    outcome = run("estimate", *KNOWN, "--debug", files["photo"], files["photo"])
+    assert outcome.status == 2
+    assert outcome.out == []
+    assert "cannot write" in outcome.err[0]

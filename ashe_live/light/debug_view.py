@@ -1,0 +1,257 @@
+"""An estimate step by step, as pictures for a person: what the estimator took for what, and how well it explains that.
+
+Nothing here is needed to estimate. The estimator's own pure stages are run once more for what an estimate does not
+carry.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from PIL import Image as PillowImage
+from PIL import ImageDraw, ImageFont
+
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import angles_from_direction, direction_from_angles, project, tangent_basis
+from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground
+from ashe_live.light.log_colour import linear_rgb, log_opponent
+from ashe_live.light.proxy import _View
+
+Bgr = tuple[int, int, int]
+
+# Told apart also by the colour-blind (Okabe and Ito's sky blue, orange, vermilion and bluish green).
+OBJECT_BGR: Bgr = (233, 180, 86)
+SHADOW_BGR: Bgr = (0, 159, 230)
+UNEXPLAINED_BGR: Bgr = (0, 94, 213)
+UNSEEN_BGR: Bgr = (115, 158, 0)
+PAPER_BGR: Bgr = (28, 24, 22)
+INK_BGR: Bgr = (235, 235, 235)
+FAINT_BGR: Bgr = (120, 112, 106)
+TINT = 0.6
+COARSE_WIDTH_PX = 320
+SUBPIXEL_BITS = 4
+# Squared radii, in sigmas, of the ellipses that hold a 2D normal distribution's sample with probability 0.68 and 0.95.
+ELLIPSES = (-2 * math.log(1 - 0.68), -2 * math.log(1 - 0.95))
+
+
+@dataclass(frozen=True, slots=True)
+class DebugPicture:
+    """One step."""
+
+    title: str
+    image_bgr: Image  # (h, w, 3)
+
+
+def debug_pictures(tracked: TrackedFrame, estimate: LightEstimate, width_px: int = 640) -> list[DebugPicture]:
+    """The steps of `estimate`, made from `tracked`, in the order in which they are taken; what was not made is missing.
+
+    Raises ValueError when the frame has no marker.
+    """
+    if tracked.marker is None:
+        raise ValueError("a frame without a marker has no marker frame to answer in")
+    view = _View.of(tracked, width_px)
+    photo, camera, T_cam_marker = view.image_bgr, view.camera, view.T_cam_marker
+    pictures = [DebugPicture("photo", photo), *_ground_pictures(tracked, estimate)]
+    if estimate.object_mask is not None or estimate.shadow_mask is not None:
+        pictures.append(DebugPicture("object and shadow", with_masks(photo, estimate)))
+        pictures.append(DebugPicture("their outlines and hulls", _with_hulls(photo, estimate)))
+    if estimate.caster is not None:
+        fitted = with_body(photo, camera, T_cam_marker, estimate.caster, estimate.lights)
+        pictures.append(DebugPicture(f"fitted {estimate.caster.family} and its shadow", fitted))
+        rest = _with_residual(photo, view, estimate, estimate.caster)
+        pictures.append(DebugPicture("red: not explained, green: not seen", rest))
+    camera_marker = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
+    rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_marker)
+    said = "; ".join(map(_said_of, estimate.lights)) or f"none: {estimate.reason}"
+    pictures.append(DebugPicture(said, _centred(rose, photo.shape)))
+    return pictures
+
+
+def _ground_pictures(tracked: TrackedFrame, estimate: LightEstimate) -> list[DebugPicture]:
+    """The lit ground as the estimator modelled it, which is at the masks' size, and how the picture differs."""
+    masks = [mask for mask in (estimate.object_mask, estimate.shadow_mask) if mask is not None]
+    view = _View.of(tracked, masks[0].shape[1] if masks else COARSE_WIDTH_PX)
+    ground = fit_lit_ground(view.image_bgr, view.is_ground, GroundSteps())
+    if ground is None:
+        return []
+    lit = lit_ground_rgb(view.image_bgr, ground, view.is_ground)
+    ratio = LINEAR_FROM_SRGB_8BIT[view.image_bgr[:, :, ::-1]] / lit
+    return [DebugPicture("lit ground", _encoded(lit)), DebugPicture("ratio to lit ground", _encoded(ratio))]
+
+
+def undistorted(tracked: TrackedFrame, width_px: int) -> tuple[Image, Camera]:
+    """The frame of a marker at `width_px`, if it is wider, and its camera, both without distortion."""
+    view = _View.of(tracked, width_px)
+    return view.image_bgr, view.camera
+
+
+def lit_ground_rgb(image_bgr: Image, ground: LitGround, is_ground: Mask) -> Float:
+    """(h, w, 3) linear RGB: the ground's nearest colour everywhere, as if nothing stood or fell on it."""
+    field = log_opponent(image_bgr) - ground.colours
+    squared = ((ground.colours[:, :, None] - ground.centres) ** 2).sum(axis=3)
+    # What is explained badly tells nothing about the paint below.
+    nearest = np.where(is_ground & (squared.min(axis=2) < 0.1), squared.argmin(axis=2), ground.weights.argmax())
+    return np.maximum(linear_rgb(ground.centres[nearest] + field), 1e-4)
+
+
+def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
+    """The picture, the estimate's masks stretched over it."""
+    for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
+        if mask is not None:
+            picture_bgr = _tinted(picture_bgr, _enlarged(mask, picture_bgr.shape), colour)
+    return picture_bgr
+
+
+def with_body(
+    picture_bgr: Image, camera: Camera, T_cam_marker: Float, body: Proxy, lights: Sequence[DirectionalLight]
+) -> Image:
+    """The picture with the outlines of a body and of its shadows; `camera` is of its size, without distortion."""
+    picture = picture_bgr.copy()
+    for light in lights:
+        _draw_outline(picture, shadow_outline(camera, T_cam_marker, body, light), SHADOW_BGR)
+    _draw_outline(picture, outline(camera, T_cam_marker, body.points_marker()), OBJECT_BGR)
+    return picture
+
+
+def outline(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float | None:
+    """(m, 2) pixels: the convex hull of the points that are before the camera; None with fewer than three."""
+    pixels = project(camera, T_cam_marker, points_marker)
+    pixels = pixels[np.isfinite(pixels).all(axis=1) & (np.abs(pixels) < 1e4).all(axis=1)]
+    if len(pixels) < 3:
+        return None
+    return np.asarray(cv2.convexHull(pixels.astype(np.float32))[:, 0], dtype=np.float64)
+
+
+def shadow_outline(camera: Camera, T_cam_marker: Float, body: Proxy, light: DirectionalLight) -> Float | None:
+    """(m, 2) pixels: the hull of a convex body's shadow on the marker plane; None when it falls on none of it."""
+    to_light, points = light.to_light_marker, body.points_marker()
+    if to_light[2] <= 1e-3:
+        return None
+    return outline(camera, T_cam_marker, points - points[:, 2:] / to_light[2] * to_light)
+
+
+def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: Float | None = None) -> Image:
+    """(size, size, 3): the sky from above, zenith in the centre, horizon at the rim, the marker's x right and y up.
+
+    Each light with its ellipses of 68 and 95 %; with `camera_marker` (3,), a triangle shows where one looks from.
+    """
+    font_px = max(9.0, size_px / 26)
+    radius = size_px / 2 - 1.6 * font_px
+    sheet = PillowImage.new("RGB", (size_px, size_px), PAPER_BGR[::-1])
+    draw = ImageDraw.Draw(sheet)
+    font = ImageFont.load_default(font_px)
+    faint, centre, line = FAINT_BGR[::-1], size_px / 2, max(1, size_px // 240)
+
+    def at(direction: Float) -> tuple[float, float]:
+        azimuth, elevation = angles_from_direction(direction)
+        length = radius * (1 - elevation / (math.pi / 2))
+        return centre + length * math.cos(azimuth), centre - length * math.sin(azimuth)
+
+    for elevation_deg in (0, 30, 60):
+        ring = radius * (1 - elevation_deg / 90)
+        draw.circle((centre, centre), ring, outline=faint)
+        draw.text((centre + 2, centre - ring), f"{elevation_deg}°", faint, font, anchor="la")
+    for azimuth_deg in range(0, 360, 90):
+        rim = direction_from_angles(math.radians(azimuth_deg), 0.0)
+        draw.line((centre, centre, *at(rim)), faint)
+        label = centre + (radius + 0.8 * font_px) * rim[0], centre - (radius + 0.8 * font_px) * rim[1]
+        draw.text(label, f"{azimuth_deg}°", faint, font, anchor="mm")
+    if camera_marker is not None:
+        draw.regular_polygon((*at(camera_marker), 0.6 * font_px), 3, fill=faint)
+    for light in lights:
+        draw.line((centre, centre, *at(light.to_light_marker)), INK_BGR[::-1], line)
+        draw.circle(at(light.to_light_marker), 1.5 * line, fill=INK_BGR[::-1])
+        for squared in ELLIPSES if light.covariance_rad2 is not None else ():
+            points = [at(direction) for direction in _ellipse(light, squared)]
+            draw.line([*points, points[0]], SHADOW_BGR[::-1], line)
+    return np.ascontiguousarray(np.asarray(sheet)[:, :, ::-1])
+
+
+def _centred(picture_bgr: Image, shape: tuple[int, ...]) -> Image:
+    """On a sheet of `shape`, so that all steps have one."""
+    top, left = (shape[0] - picture_bgr.shape[0]) // 2, (shape[1] - picture_bgr.shape[1]) // 2
+    bottom, right = shape[0] - picture_bgr.shape[0] - top, shape[1] - picture_bgr.shape[1] - left
+    framed = cv2.copyMakeBorder(picture_bgr, top, bottom, left, right, cv2.BORDER_CONSTANT, value=PAPER_BGR)
+    return np.asarray(framed, dtype=np.uint8)
+
+
+def _said_of(light: DirectionalLight) -> str:
+    sigma = "" if light.sigma_rad is None else f" ±{math.degrees(light.sigma_rad):.1f}°"
+    confidence = "" if light.confidence is None else f", P {light.confidence:.2f}"
+    return f"azimuth {light.azimuth_deg:.0f}°, elevation {light.elevation_deg:.0f}°{sigma}{confidence}"
+
+
+def _ellipse(light: DirectionalLight, squared_sigmas: float, around: int = 72) -> list[Float]:
+    """Directions at that Mahalanobis distance from the light's."""
+    assert light.covariance_rad2 is not None
+    variances, axes = np.linalg.eigh(light.covariance_rad2)
+    angles = np.arange(around) * (2 * math.pi / around)
+    offsets = np.column_stack([np.cos(angles), np.sin(angles)]) * np.sqrt(np.maximum(variances, 0) * squared_sigmas)
+    directions = []
+    for offset in offsets @ axes.T:
+        # Not past the nadir, where "farther" would come back up.
+        length = min(float(np.hypot(*offset)), math.pi / 2)
+        along = offset @ tangent_basis(light.to_light_marker) / max(float(np.hypot(*offset)), 1e-12)
+        directions.append(math.cos(length) * light.to_light_marker + math.sin(length) * along)
+    return directions
+
+
+def _with_hulls(picture_bgr: Image, estimate: LightEstimate) -> Image:
+    picture = picture_bgr.copy()
+    for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
+        if mask is not None and mask.any():
+            inside = _enlarged(mask, picture.shape).astype(np.uint8)
+            contours, _ = cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+            cv2.drawContours(picture, contours, -1, colour, 1)
+            _draw_outline(picture, cv2.convexHull(np.concatenate(contours))[:, 0].astype(np.float64), colour)
+    return picture
+
+
+def _with_residual(photo: Image, view: _View, estimate: LightEstimate, body: Proxy) -> Image:
+    """Where masks go beyond the body and its shadows, and where those should be seen and are not."""
+    camera, T_cam_marker = view.camera, view.T_cam_marker
+    outlines = [outline(camera, T_cam_marker, body.points_marker())]
+    outlines += [shadow_outline(camera, T_cam_marker, body, light) for light in estimate.lights]
+    modelled, masked = np.zeros(photo.shape[:2], np.uint8), np.zeros(photo.shape[:2], bool)
+    for points in outlines:
+        if points is not None:
+            cv2.fillConvexPoly(modelled, _fixed_point(points), 1, shift=SUBPIXEL_BITS)
+    for mask in (estimate.object_mask, estimate.shadow_mask):
+        if mask is not None:
+            masked |= _enlarged(mask, photo.shape)
+    known = modelled.astype(bool)
+    return _tinted(_tinted(photo, masked & ~known, UNEXPLAINED_BGR), known & ~masked & view.is_ground, UNSEEN_BGR)
+
+
+def _draw_outline(picture_bgr: Image, points: Float | None, colour: Bgr) -> None:
+    """A closed line, dark at its rim so that it shows on any ground."""
+    if points is not None:
+        line = max(1, picture_bgr.shape[1] // 320)
+        for width, ink in ((line + 2, PAPER_BGR), (line, colour)):
+            cv2.polylines(picture_bgr, [_fixed_point(points)], True, ink, width, cv2.LINE_AA, SUBPIXEL_BITS)
+
+
+def _fixed_point(points: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.int32]]:
+    return np.asarray(np.round(points * 2**SUBPIXEL_BITS), dtype=np.int32)
+
+
+def _tinted(picture_bgr: Image, inside: Mask, colour: Bgr) -> Image:
+    blended = cv2.addWeighted(picture_bgr, 1 - TINT, np.full_like(picture_bgr, colour), TINT, 0)
+    return np.where(inside[:, :, None], blended, picture_bgr).astype(np.uint8)
+
+
+def _enlarged(mask: Mask, shape: tuple[int, ...]) -> Mask:
+    """`mask` of any size, stretched over a picture of `shape`."""
+    size = shape[1], shape[0]
+    return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST).astype(bool)
+
+
+def _encoded(linear: Float) -> Image:
+    """(h, w, 3) sRGB BGR of linear RGB."""
+    return np.ascontiguousarray((255 * srgb_from_linear(np.clip(linear, 0, 1)) + 0.5).astype(np.uint8)[:, :, ::-1])
