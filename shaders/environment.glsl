@@ -5,6 +5,20 @@ uniform sampler2D ground_map;  // linear RGB of the picture
 uniform sampler2D sky_map;  // a factor of the mean sky
 uniform float half_radius_m;
 uniform float environment_size;  // texels a side
+#if LIGHTS > 0
+uniform vec3 sun_on_ground[LIGHTS];  // share of the light on level ground
+#endif
+
+// What the model's own shadows leave of the light on the ground.
+vec3 ground_light(vec2 at) {
+    vec3 left = vec3(1.0);
+#if LIGHTS > 0
+    for (int light = 0; light < LIGHTS; ++light) {
+        left -= sun_on_ground[light] * (1.0 - lit_past(0, light, vec3(at, 0.0)));
+    }
+#endif
+    return left;
+}
 
 // Radiance from the unit direction `towards`, seen from `from`, within a lobe of about `alpha` radians.
 vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
@@ -16,6 +30,8 @@ vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
     float texel_m = 2.0 * far * far / (half_radius_m * environment_size);
     float lobe_m = alpha * distance * inversesqrt(down);
     vec3 ground = textureLod(ground_map, 0.5 + 0.5 * meets / far, log2(lobe_m / texel_m + 1e-3)).rgb / exposure;
+    // A wide lobe sees the shadow's edge as a gradient, which its own shading has already.
+    ground *= mix(ground_light(meets), vec3(1.0), min(2.0 * alpha, 1.0));
     float up = max(towards.z, 0.0);
     // A texel of the sky's map is 4 / size radians in its middle, half of it at the horizon.
     vec2 at = 0.5 + 0.5 * normalize(towards.xy + vec2(1e-6, 0.0)) * sqrt((1.0 - up) / (1.0 + up));

@@ -16,8 +16,9 @@ ASSUMED_SHADOW_RATIO = 0.4
 SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
 # A sun this low lights level ground too little to be balanced by its strength alone.
 MIN_BALANCED_SINE = 0.2
-# What ordinary ground sends back of the light that falls on it.
+# What ordinary ground sends back of the light that falls on it, and what any ground may.
 GROUND_ALBEDO = 0.35
+MAX_ALBEDO = 0.9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,15 +50,21 @@ class Lighting:
         }
 
 
-def lighting_of(lights: tuple[DirectionalLight, ...], ambient_rgb_ratio: Float | None = None) -> Lighting:
+def lighting_of(
+    lights: tuple[DirectionalLight, ...],
+    ambient_rgb_ratio: Float | None = None,
+    ground_albedo: Float | None = None,
+) -> Lighting:
     """Sky and suns from the shadows' ratios: a light whose shadow has the ratio r gives 1 - r of level ground's light.
 
     Where ratios and ambient (3,) contradict each other, the ambient holds and the suns share the rest. Lights below
-    the horizon give nothing; without any the sky gives all: no sun is invented.
+    the horizon give nothing; without any the sky gives all: no sun is invented. What a surface gets from below is the
+    ground's own light, of its own colour (3,).
     """
+    albedo = np.full(3, GROUND_ALBEDO) if ground_albedo is None else np.clip(ground_albedo, 0.0, MAX_ALBEDO)
     lights = tuple(light for light in lights if light.to_light_marker[2] > 0)[:MAX_LIGHTS]
     if not lights:
-        return Lighting((), (1.0, 1.0, 1.0), _rgb(np.full(3, GROUND_ALBEDO)))
+        return Lighting((), (1.0, 1.0, 1.0), _rgb(albedo))
     shares = np.array([_ground_share(light, len(lights)) for light in lights])
     total = shares.sum(axis=0)
     sky = np.clip(1 - total if ambient_rgb_ratio is None else ambient_rgb_ratio, 0.0, 1.0)
@@ -69,7 +76,7 @@ def lighting_of(lights: tuple[DirectionalLight, ...], ambient_rgb_ratio: Float |
         Sun(light.to_light_marker, _rgb(share), _rgb(irradiance), light.angular_size_rad or SUN_ANGULAR_SIZE_RAD)
         for light, share, irradiance in zip(lights, shares, across, strict=True)
     )
-    return Lighting(suns, _rgb(sky), _rgb(GROUND_ALBEDO * level))
+    return Lighting(suns, _rgb(sky), _rgb(albedo * level))
 
 
 def _ground_share(light: DirectionalLight, count: int) -> Float:

@@ -173,9 +173,10 @@ class Renderer:
 
     def _lighting_of(self, scene: Scene) -> Lighting:
         """The same object for the same light."""
-        known = (*scene.lights, scene.ambient_rgb_ratio)
+        known = (*scene.lights, scene.ambient_rgb_ratio, scene.ground_rgb)
         if self._lighting is None or not same_objects(self._lighting[0], known):
-            self._lighting = known, lighting_of(scene.lights, scene.ambient_rgb_ratio)
+            albedo = None if scene.ground_rgb is None else scene.ground_rgb / EXPOSURE
+            self._lighting = known, lighting_of(scene.lights, scene.ambient_rgb_ratio, albedo)
         return self._lighting[1]
 
     def _environment_of(self, model: GpuModel, scene: Scene) -> Environment | None:

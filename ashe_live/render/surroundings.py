@@ -68,9 +68,9 @@ def _ground(
     is_ahead = transform_points(T_cam_marker, points)[:, 2] > 1e-6
     pixels = np.full((len(points), 2), -1e6)
     pixels[is_ahead] = project(tracked.camera, T_cam_marker, points[is_ahead])
-    share = (pixels + 0.5) / tracked.frame.size
-    seen = _read(linear, share).reshape(size, size, 3)
-    inside = np.clip(np.minimum(share, 1 - share).min(axis=1) / FEATHER, 0, 1).reshape(size, size, 1)
+    share = ((pixels + 0.5) / tracked.frame.size).reshape(size, size, 2)
+    seen = _read(linear, share)
+    inside = np.clip(np.minimum(share, 1 - share).min(axis=2, keepdims=True) / FEATHER, 0, 1)
     mean = (seen * inside).sum(axis=(0, 1)) / max(float(inside.sum()), 1e-9) if ground_rgb is None else ground_rgb
     return np.asarray(seen * inside + mean * (1 - inside), dtype=np.float32)
 
@@ -85,7 +85,7 @@ def _sky(tracked: TrackedFrame, linear: Picture, size: int) -> Picture:
     x, y, z = np.moveaxis(seen_from_camera, 2, 0)
     wrapped = 0.5 + 0.5 * np.dstack([x, y]) / (1 + np.abs(z))[..., None]
     pattern = np.asarray(cv2.resize(linear, PATTERN_SIZE, interpolation=cv2.INTER_AREA), dtype=np.float32)
-    sky = _read(pattern, wrapped.reshape(-1, 2)).reshape(size, size, 3) + 1e-3
+    sky = _read(pattern, wrapped) + 1e-3
     height = directions[..., 2:]
     # The map's areas in solid angle, times the cosine to level ground.
     weight = np.where(square < 1, height * (2 / (1 + square)) ** 2, 0.0)
@@ -105,12 +105,11 @@ def _square(size: int) -> Float:
 
 
 def _read(picture: Picture, share: Float) -> Picture:
-    """(n, 3) at places (n, 2) in shares of width and height, (0, 0) the top left corner; beyond it its border."""
+    """(h, w, 3) at places (h, w, 2) in shares of width and height, (0, 0) the top left corner; beyond it its border."""
     height, width = picture.shape[:2]
     places = (np.clip(share, -1, 2) * (width, height) - 0.5).astype(np.float32)
-    x, y = (np.ascontiguousarray(column)[None] for column in places.T)
-    read = cv2.remap(picture, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return np.asarray(read[0], dtype=np.float32)
+    read = cv2.remap(picture, places[..., 0], places[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return np.asarray(read, dtype=np.float32)
 
 
 def blurred_levels(picture: Picture) -> list[Picture]:
