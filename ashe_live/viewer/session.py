@@ -43,6 +43,7 @@ class Session:
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
         self.estimated_from: TrackedFrame | None = None
+        self.surroundings: TrackedFrame | None = None  # what polished surfaces mirror; with a marker
         self.show_light = False
         self.show_masks = False
         self.show_help = False
@@ -88,6 +89,8 @@ class Session:
     def take(self, tracked: TrackedFrame, now_s: float) -> None:
         """Shows `tracked` from now on; estimates from it when the policy wants that."""
         self.tracked = tracked
+        if self.surroundings is None and tracked.marker is not None:
+            self.surroundings = tracked
         is_steady = self._steadiness.add(tracked.marker)
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
@@ -146,4 +149,5 @@ class Session:
             return None
         if outcome is not None:
             self.estimate, self.estimated_from = outcome, self._frozen
+            self.surroundings = self._frozen
         return outcome
