@@ -3,29 +3,17 @@
 import math
 from dataclasses import replace
 
-import cv2
-import numpy as np
-
-from ashe_live.core.arrays import Image, Mask
 from ashe_live.core.camera import Size
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.viewer.controls import help_rows
+from ashe_live.viewer.estimate_inset import inset_overlays
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
 
 # Numbers that change with every frame stay that long: to be read, and as drawing text takes as long as tracking.
 READINGS_SHOWN_FOR_S = 0.5
-INSET_WIDTH = 0.32  # of the window's
-INSET_MARGIN_PX = 8
-# Else a picture of the video on the video cannot be told from it.
-INSET_BORDER_PX = 2
-INSET_BORDER_BGR = (242, 246, 246)
-# Told apart also by the colour-blind (Okabe and Ito's sky blue and orange).
-OBJECT_BGR = (233, 180, 86)
-SHADOW_BGR = (0, 159, 230)
-TINT = 0.6
 
 
 def bare_scene(session: Session) -> Scene:
@@ -49,7 +37,7 @@ class Display:
 
     def __init__(self) -> None:
         self._hud = Hud()
-        self._inset: tuple[LightEstimate, Size, Overlay] | None = None
+        self._inset: tuple[LightEstimate, Size, tuple[Overlay, ...]] | None = None
         self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
         self._read_s = -math.inf
 
@@ -87,34 +75,9 @@ class Display:
         if not session.show_masks or estimate is None or frozen is None:
             return ()
         if self._inset is None or self._inset[0] is not estimate or self._inset[1] != size:
-            self._inset = estimate, size, _inset(estimate, frozen, size)
-        return (self._inset[2],)
+            self._inset = estimate, size, inset_overlays(estimate, frozen, size)
+        return self._inset[2]
 
 
 def _has_marker(tracked: TrackedFrame | None) -> bool | None:
     return None if tracked is None else tracked.marker is not None
-
-
-def _inset(estimate: LightEstimate, frozen: TrackedFrame, size: Size) -> Overlay:
-    """Bottom right: the frozen frame with what the estimator took for object and shadow."""
-    width, height = frozen.frame.size
-    shown_width = max(1, round(INSET_WIDTH * size[0]))
-    shown_size = (shown_width, max(1, round(shown_width * height / width)))
-    picture = np.asarray(cv2.resize(frozen.frame.image_bgr, shown_size, interpolation=cv2.INTER_AREA), np.uint8)
-    for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
-        if mask is not None:
-            picture = _tinted(picture, mask, colour)
-    edge = INSET_BORDER_PX
-    framed = cv2.copyMakeBorder(picture, edge, edge, edge, edge, cv2.BORDER_CONSTANT, value=INSET_BORDER_BGR)
-    rgba = np.asarray(cv2.cvtColor(framed, cv2.COLOR_BGR2RGBA), np.uint8)
-    height, width = rgba.shape[:2]
-    return Overlay(rgba, size[0] - width - INSET_MARGIN_PX, size[1] - height - INSET_MARGIN_PX)
-
-
-def _tinted(picture_bgr: Image, mask: Mask, colour_bgr: tuple[int, int, int]) -> Image:
-    """`mask` of any size, stretched over the picture."""
-    height, width = picture_bgr.shape[:2]
-    inside = cv2.resize(mask.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST).astype(bool)
-    tint = np.full_like(picture_bgr, colour_bgr)
-    blended = cv2.addWeighted(picture_bgr, 1 - TINT, tint, TINT, 0)
-    return np.where(inside[:, :, None], blended, picture_bgr).astype(np.uint8)
