@@ -35,6 +35,7 @@ INK_BGR: Bgr = (235, 235, 235)
 FAINT_BGR: Bgr = (120, 112, 106)
 TINT = 0.6
 COARSE_WIDTH_PX = 320
+LEAST_LABELLED_PX = 80  # radius of a rose with room for elevations
 SUBPIXEL_BITS = 4
 # Squared radii, in sigmas, of the ellipses that hold a 2D normal distribution's sample with probability 0.68 and 0.95.
 ELLIPSES = (-2 * math.log(1 - 0.68), -2 * math.log(1 - 0.95))
@@ -142,7 +143,7 @@ def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: 
     Each light with its ellipses of 68 and 95 %; with `camera_marker` (3,), a triangle shows where one looks from.
     """
     font_px = max(9.0, size_px / 26)
-    radius = size_px / 2 - 1.6 * font_px
+    radius = size_px / 2 - 2.2 * font_px
     sheet = PillowImage.new("RGB", (size_px, size_px), PAPER_BGR[::-1])
     draw = ImageDraw.Draw(sheet)
     font = ImageFont.load_default(font_px)
@@ -156,11 +157,12 @@ def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: 
     for elevation_deg in (0, 30, 60):
         ring = radius * (1 - elevation_deg / 90)
         draw.circle((centre, centre), ring, outline=faint)
-        draw.text((centre + 2, centre - ring), f"{elevation_deg}°", faint, font, anchor="la")
+        if radius > LEAST_LABELLED_PX:
+            draw.text((centre + 2, centre - ring), f"{elevation_deg}°", faint, font, anchor="la")
     for azimuth_deg in range(0, 360, 90):
         rim = direction_from_angles(math.radians(azimuth_deg), 0.0)
         draw.line((centre, centre, *at(rim)), faint)
-        label = centre + (radius + 0.8 * font_px) * rim[0], centre - (radius + 0.8 * font_px) * rim[1]
+        label = centre + (radius + 1.2 * font_px) * rim[0], centre - (radius + 1.2 * font_px) * rim[1]
         draw.text(label, f"{azimuth_deg}°", faint, font, anchor="mm")
     if camera_marker is not None:
         draw.regular_polygon((*at(camera_marker), 0.6 * font_px), 3, fill=faint)
