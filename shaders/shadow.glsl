@@ -24,38 +24,45 @@ vec2 in_texture(int map, vec2 texel) {
 }
 
 #if BLOCKER_TAPS > 0
-const float GOLDEN_ANGLE = 2.39996323;
+// By the golden angle: points at the square roots of equal steps spread evenly on a disc (Vogel 1979).
+const mat2 GOLDEN_TURN = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
 
-// Point k of n on the unit disc, evenly spread (Vogel 1979).
-vec2 on_disc(int k, int n) {
-    float angle = float(k) * GOLDEN_ANGLE;
-    return sqrt((float(k) + 0.5) / float(n)) * vec2(cos(angle), sin(angle));
+// A direction on the half circle for each texel of a map: noise that stands still on the receiver instead of bands
+// (the hash is Jimenez's of 2014).
+vec2 first_ray(vec2 texel) {
+    float t = 2.0 * fract(52.9829189 * fract(dot(floor(texel), vec2(0.06711056, 0.00583715)))) - 1.0;
+    return vec2(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
 }
 
 float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
     vec2 texels_per_m = shadow_map_size / shadow_extent[map].xy;
     vec2 centre = at.xy * shadow_map_size;
-    // Turned by a noise that stands still on the receiver (Jimenez 2014's, of the map's texels): no bands.
-    float turn = 6.2831853 * fract(52.9829189 * fract(dot(floor(centre), vec2(0.06711056, 0.00583715))));
-    mat2 turned = mat2(cos(turn), sin(turn), -sin(turn), cos(turn));
     vec2 search = max(vec2(1.5), at.z * shadow_extent[map].z * tan_half * texels_per_m);
+    bool is_near = all(lessThan(abs(centre - 0.5 * shadow_map_size), 0.5 * shadow_map_size + search));
+    vec2 ray = first_ray(centre);
+    vec2 start = ray;
     float depths = 0.0;
     float blockers = 0.0;
-    for (int k = 0; k < BLOCKER_TAPS; ++k) {
-        vec2 aside = turned * on_disc(k, BLOCKER_TAPS) * search;
+    // What ends a loop early also spares a software rasteriser its work, which a branch does not.
+    for (int k = 0; k < (is_near ? BLOCKER_TAPS : 0); ++k) {
+        vec2 aside = ray * sqrt((float(k) + 0.5) / float(BLOCKER_TAPS)) * search;
         float depth = texture(shadow_depths, in_texture(map, centre + aside)).r;
         float blocks = step(depth, min(at.z + dot(slope, aside), 0.99999));
         depths += blocks * depth;
         blockers += blocks;
+        ray = GOLDEN_TURN * ray;
     }
     float distance = (at.z - depths / max(blockers, 1.0)) * shadow_extent[map].z;
     vec2 radius = max(vec2(0.75), distance * tan_half * texels_per_m);
+    bool is_penumbra = blockers > 0.0 && blockers < float(BLOCKER_TAPS);
     float lit = 0.0;
-    for (int k = 0; k < SOFT_TAPS; ++k) {
-        vec2 aside = turned * on_disc(k, SOFT_TAPS) * radius;
+    ray = start;
+    for (int k = 0; k < (is_penumbra ? SOFT_TAPS : 0); ++k) {
+        vec2 aside = ray * sqrt((float(k) + 0.5) / float(SOFT_TAPS)) * radius;
         lit += texture(shadow_maps, vec3(in_texture(map, centre + aside), clamp(at.z + dot(slope, aside), 0.0, 1.0)));
+        ray = GOLDEN_TURN * ray;
     }
-    return blockers > 0.0 ? lit / float(SOFT_TAPS) : 1.0;
+    return is_penumbra ? lit / float(SOFT_TAPS) : 1.0 - step(0.5, blockers);
 }
 #else
 // Along one axis the interpolated taps -r..r together weigh 2 r + 2 texels by 1-f, 1, ..., 1, f. Pairs of those are one

@@ -25,6 +25,13 @@ def rigid(R: ArrayLike, t: ArrayLike) -> Float:
     return T
 
 
+def translated_and_scaled(offset: ArrayLike, scale: ArrayLike) -> Float:
+    """(4, 4) that maps x to `scale * (x + offset)`, both (3,)."""
+    matrix = np.diag([*np.asarray(scale, dtype=np.float64), 1.0])
+    matrix[:3, 3] = matrix.diagonal()[:3] * np.asarray(offset, dtype=np.float64)
+    return matrix
+
+
 def inverse_rigid(T_a_b: Float) -> Float:
     """`T_b_a`, without the rounding of a general inverse."""
     R = T_a_b[:3, :3].T

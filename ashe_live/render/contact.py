@@ -20,7 +20,14 @@ from ashe_live.render.shadow_maps import ShadowMaps
 
 DIRECTIONS = 24
 DEPTHS = RenderPreset(
-    shadow_map_size=128, pcf_radius=1, blocker_taps=0, soft_taps=0, msaa_samples=0, environment_size=0
+    shadow_map_size=128,
+    ground_shadow_size=0,
+    blocker_taps=0,
+    soft_taps=0,
+    soft_on_model=False,
+    pcf_radius=1,
+    msaa_samples=0,
+    environment_size=0,
 )
 PATCH_SIZE = 64  # texels a side
 BLUR_TEXELS = 1.5  # what separates the directions' single shadows is smoothed away

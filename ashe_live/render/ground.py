@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.render.contact import FADE, ContactPatch
 from ashe_live.render.framing import Framing
 from ashe_live.render.geometry import GpuModel
+from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lighting import Lighting, Sun
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
@@ -44,12 +45,18 @@ class ShadowCatcher:
         self._outline = (model, lighting)
 
     def draw(
-        self, framing: Framing, video: Video, lighting: Lighting, shadows: ShadowMaps, contact: ContactPatch
+        self,
+        framing: Framing,
+        video: Video,
+        lighting: Lighting,
+        shadows: GroundShadows,
+        casters: int,
+        contact: ContactPatch,
     ) -> None:
         """Draws behind the model's depth; nothing where the camera is below the plane."""
         if framing.eye_marker[2] <= 0 or self._buffer is None:
             return
-        program = self._programs.get("catcher", contact_fade=FADE, **shadows.constants)
+        program = self._programs.get("catcher", contact_fade=FADE, lights=len(lighting.suns), casters=casters)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         # Behind a model that is flat on the ground.
         self._ctx.polygon_offset = 1.0, 1.0

@@ -15,6 +15,7 @@ from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing, box_corners, framing, letterbox
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
+from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lighting import Lighting, lighting_of
 from ashe_live.render.model_pass import EXPOSURE, ModelPass, View
 from ashe_live.render.overlays import OverlayPass
@@ -43,6 +44,7 @@ class Renderer:
         self._model_pass = ModelPass(ctx, self._programs)
         self._catcher = ShadowCatcher(ctx, self._programs)
         self._shadows = ShadowMaps(ctx, preset)
+        self._ground_shadows = GroundShadows(ctx, self._programs, preset)
         self._model: GpuModel | None = None
         self._real: RealObject | None = None
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
@@ -77,7 +79,9 @@ class Renderer:
         self._preset = preset
         self._catcher.forget()
         self._shadows.release()
+        self._ground_shadows.release()
         self._shadows = ShadowMaps(self._ctx, preset)
+        self._ground_shadows = GroundShadows(self._ctx, self._programs, preset)
         self._release_environment()
         self.resize(self.size)
 
@@ -121,7 +125,15 @@ class Renderer:
         self._follow_model(None)
         self._follow_real_object(None)
         self._ctx.detect_framebuffer(0).use()
-        for held in (self.video, self.overlays, self._arrow, self._contact, self._shadows, self._surface):
+        for held in (
+            self.video,
+            self.overlays,
+            self._arrow,
+            self._contact,
+            self._shadows,
+            self._ground_shadows,
+            self._surface,
+        ):
             held.release()
         self._release_environment()
         self._programs.release()
@@ -132,6 +144,7 @@ class Renderer:
         lighting = self._lighting_of(scene)
         self._contact.render(model)
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting.suns)
+        self._ground_shadows.render(self._shadows, lighting.suns)
         self._catcher.fit(model, lighting, self._shadows, self._contact)
         arrows = []
         if scene.shows_light:
@@ -162,7 +175,8 @@ class Renderer:
             self._model_pass.draw_opaque(model, view)
             for arrow in arrows:
                 self._arrow.draw(frame, arrow)
-            self._catcher.draw(frame, self.video, lighting, self._shadows, self._contact)
+            casters = 1 if self._real is None else 2
+            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, self._contact)
             self._model_pass.draw_blended(model, view)
 
     def _drawn_points(self, model: GpuModel, arrows: list[Float]) -> Float:

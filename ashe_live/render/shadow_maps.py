@@ -6,6 +6,7 @@ the camera moves.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import moderngl
@@ -13,13 +14,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.quality import RenderPreset
-from ashe_live.core.transforms import light_view, orthographic, transform_points
+from ashe_live.core.transforms import light_view, orthographic, transform_points, translated_and_scaled
 from ashe_live.render.lighting import Sun
 from ashe_live.render.programs import set_uniforms
 
 # A side never narrower than this share of the longest: a flat model seen edge on still has a map.
 MIN_EXTENT_RATIO = 1e-3
-UNIT_FROM_CLIP: Float = np.array([[0.5, 0, 0, 0.5], [0, 0.5, 0, 0.5], [0, 0, 0.5, 0.5], [0, 0, 0, 1]])
+CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
+UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))
 # Texture units that no other pass binds.
 COMPARING_UNIT, DEPTH_UNIT = 8, 9
 
@@ -31,6 +33,15 @@ class Caster(Protocol):
     def points(self) -> Float: ...  # (n, 3) metres, marker frame; its hull encloses the caster
 
     def render_depth(self, clip_from_marker: Float) -> None: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LightBox:
+    """What one map shows of one light's view."""
+
+    unit_from_marker: Float  # (4, 4) to the map's coordinates and depth, all in [0, 1]
+    extent: Float  # (3,) metres across and along the light
+    highest_m: float  # of the caster above the marker plane
 
 
 class ShadowMaps:
@@ -50,6 +61,7 @@ class ShadowMaps:
         self._content: tuple[tuple[Caster, ...], bytes] | None = None
         self._uniforms: dict[str, Float] = {}
         self._counts = (0, 0)
+        self.boxes: tuple[LightBox, ...] = ()
 
     @property
     def constants(self) -> dict[str, float]:
@@ -60,7 +72,7 @@ class ShadowMaps:
             "lights": lights,
             "casters": casters,
             "pcf_radius": preset.pcf_radius,
-            "blocker_taps": preset.blocker_taps,
+            "blocker_taps": preset.blocker_taps if preset.soft_on_model else 0,
             "soft_taps": preset.soft_taps,
         }
 
@@ -80,23 +92,25 @@ class ShadowMaps:
         if not suns:
             return
         size = self._preset.shadow_map_size
-        tiles = _tiles(len(suns) * len(casters)) * size
+        tiles = tile_corners(len(suns) * len(casters)) * size
         self._allocate(tiles.max(axis=0) + size)
         assert self._framebuffer is not None
-        fits = [_fitted(caster.points, sun.to_light, size, self._margin) for caster in casters for sun in suns]
+        self.boxes = tuple(
+            _fitted(caster.points, sun.to_light, size, self._margin) for caster in casters for sun in suns
+        )
         self._framebuffer.viewport = (0, 0, *self._framebuffer.size)
         self._framebuffer.clear(depth=1.0)
         self._framebuffer.use()
         self._ctx.enable_only(moderngl.DEPTH_TEST)
-        for number, ((clip_from_marker, _), corner) in enumerate(zip(fits, tiles, strict=True)):
+        for number, (box, corner) in enumerate(zip(self.boxes, tiles, strict=True)):
             self._ctx.viewport = (int(corner[0]), int(corner[1]), size, size)
-            casters[number // len(suns)].render_depth(clip_from_marker)
-        extents = np.array([extent for _, extent in fits])
+            casters[number // len(suns)].render_depth(CLIP_FROM_UNIT @ box.unit_from_marker)
+        extents = np.array([box.extent for box in self.boxes])
         self.texel_m = float(extents[:, :2].max()) / size
         self._uniforms = {
             "shadow_texture_size": np.array(self._framebuffer.size, dtype=np.float64),
             "shadow_tile": tiles.astype(np.float64),
-            "shadow_from_marker": np.array([UNIT_FROM_CLIP @ clip_from_marker for clip_from_marker, _ in fits]),
+            "shadow_from_marker": np.array([box.unit_from_marker for box in self.boxes]),
             "shadow_extent": extents,
             "to_light": np.array([sun.to_light for sun in suns]),
             "tan_half_size": np.array([np.tan(sun.angular_size_rad / 2) for sun in suns]),
@@ -148,14 +162,14 @@ def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:
     return len(some) == len(others) and all(a is b for a, b in zip(some, others, strict=True))
 
 
-def _tiles(count: int) -> Float:
+def tile_corners(count: int) -> Float:
     """(count, 2) columns and rows of a nearly square arrangement."""
     columns = int(np.ceil(np.sqrt(count)))
     return np.array([(number % columns, number // columns) for number in range(count)])
 
 
-def _fitted(points: Float, to_light: Float, size: int, margin: int) -> tuple[Float, Float]:
-    """(4, 4) light's clip space from the marker frame, as tight as the margin (in texels) allows, and its (3,) extent.
+def _fitted(points: Float, to_light: Float, size: int, margin: int) -> LightBox:
+    """As tight as the margin (in texels) allows.
 
     The extent is in whole multiples of a sixteenth of itself's power of two, and the box's corner on the texels' grid:
     a caster that changes a little keeps its texels where they were.
@@ -169,7 +183,8 @@ def _fitted(points: Float, to_light: Float, size: int, margin: int) -> tuple[Flo
     middle, depth = (lower + upper)[2] / 2, 1.01 * extent[2]
     box_lower = np.array([*corner, middle - depth / 2])
     box_extent = np.array([*(size * texel), depth])
-    return orthographic(box_lower, box_lower + box_extent) @ view, box_extent
+    clip_from_marker = orthographic(box_lower, box_lower + box_extent) @ view
+    return LightBox(UNIT_FROM_CLIP @ clip_from_marker, box_extent, float(points[:, 2].max()))
 
 
 def _rounded_up(lengths: Float) -> Float:

@@ -1,0 +1,121 @@
+"""The shadows on the ground, filtered once: they depend on casters and suns alone, so a frame only looks them up.
+
+Each caster and light has a tile that shows the ground as that light sees it: as fine as its depth map where the ground
+is seen at a grazing angle, too.
+"""
+
+import math
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.quality import RenderPreset
+from ashe_live.core.transforms import translated_and_scaled
+from ashe_live.render.lighting import Sun
+from ashe_live.render.programs import Programs, set_uniforms
+from ashe_live.render.shadow_maps import ShadowMaps, tile_corners
+
+UNIT = 3  # of the texture
+# A penumbra wider than this share of the caster's width is cut off.
+WIDEST_PENUMBRA = 0.5
+
+
+class GroundShadows:
+    """Tiles of `preset.ground_shadow_size` texels a side in one texture, in the order of the depth maps'."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs, preset: RenderPreset) -> None:
+        self._ctx = ctx
+        self._programs = programs
+        self._preset = preset
+        self._size = preset.ground_shadow_size
+        self._texture: moderngl.Texture | None = None
+        self._framebuffer: moderngl.Framebuffer | None = None
+        self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
+        self._drawn = 0
+        self._uniforms: dict[str, Float] = {}
+
+    def render(self, shadows: ShadowMaps, suns: tuple[Sun, ...]) -> None:
+        """Filters the depth maps, unless that is done."""
+        if self._drawn == shadows.renders or not suns:
+            return
+        self._drawn = shadows.renders
+        boxes = shadows.boxes
+        corners = tile_corners(len(boxes)) * self._size
+        self._allocate(corners.max(axis=0) + self._size)
+        assert self._framebuffer is not None
+        program = self._programs.get("ground_shadow", **shadows.constants | {"blocker_taps": self._preset.blocker_taps})
+        if self._rectangle is None or self._rectangle[0] is not program:
+            self._release_rectangle()
+            self._rectangle = program, self._ctx.vertex_array(program, [])
+        shadows.bind(program)
+        self._framebuffer.use()
+        self._ctx.enable_only(moderngl.NOTHING)
+        tiles_from_marker = []
+        for number, (box, corner) in enumerate(zip(boxes, corners, strict=True)):
+            caster, light = divmod(number, len(suns))
+            tile_from_marker = box.unit_from_marker.copy()
+            # Wider by the penumbra, and by two texels that are lit.
+            beyond = np.minimum(_penumbra_m(box.highest_m, suns[light]) / box.extent[:2], WIDEST_PENUMBRA)
+            beyond = (beyond + 2 / self._size) / (1 - 4 / self._size)
+            tile_from_marker = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1)) @ tile_from_marker
+            self._ctx.viewport = (int(corner[0]), int(corner[1]), self._size, self._size)
+            ground = _ground_from_tile(tile_from_marker, suns[light].to_light)
+            set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
+            self._rectangle[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+            tiles_from_marker.append(tile_from_marker)
+        texture_size = np.array(self._framebuffer.size, dtype=np.float64)
+        into_texture = [
+            translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1)) @ tile_from_marker
+            for corner, tile_from_marker in zip(corners, tiles_from_marker, strict=True)
+        ]
+        self._uniforms = {
+            "ground_shadow_from_marker": np.array(into_texture),
+            "ground_shadow_lower": (corners + 0.5) / texture_size,
+            "ground_shadow_upper": (corners + self._size - 0.5) / texture_size,
+        }
+
+    def bind(self, program: moderngl.Program) -> None:
+        if self._texture is not None:
+            self._texture.use(UNIT)
+            set_uniforms(program, ground_shadows=UNIT, **self._uniforms)
+
+    def forget(self) -> None:
+        """Draws anew next time."""
+        self._drawn = 0
+
+    def release(self) -> None:
+        self._release_rectangle()
+        self._release_texture()
+
+    def _allocate(self, size: Float) -> None:
+        wanted = (int(size[0]), int(size[1]))
+        if self._texture is not None and self._texture.size == wanted:
+            return
+        self._release_texture()
+        self._texture = self._ctx.texture(wanted, 1, dtype="f2")
+        self._framebuffer = self._ctx.framebuffer([self._texture])
+
+    def _release_texture(self) -> None:
+        if self._texture is not None and self._framebuffer is not None:
+            self._framebuffer.release()
+            self._texture.release()
+        self._texture = self._framebuffer = None
+
+    def _release_rectangle(self) -> None:
+        if self._rectangle is not None:
+            self._rectangle[1].release()
+        self._rectangle = None
+
+
+def _penumbra_m(height_m: float, sun: Sun) -> float:
+    """Half its width across the light, of what stands `height_m` above the ground."""
+    return math.tan(sun.angular_size_rad / 2) * height_m / float(sun.to_light[2])
+
+
+def _ground_from_tile(tile_from_marker: Float, to_light: Float) -> Float:
+    """(4, 4): from a tile's coordinates to where the light's ray there meets the marker plane."""
+    start = np.linalg.inv(tile_from_marker)
+    along = np.eye(4)
+    along[:3, 2] -= to_light / to_light[2]
+    return np.asarray(along @ start)

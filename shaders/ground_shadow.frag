@@ -1,0 +1,13 @@
+// What share of one sun's light one caster lets through to the ground.
+#version 330 core
+#include "shadow.glsl"
+
+uniform int caster;
+uniform int light;
+
+in vec3 position;
+out float lit;
+
+void main() {
+    lit = lit_past(caster, light, position);
+}

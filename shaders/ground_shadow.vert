@@ -1,0 +1,12 @@
+// A tile of the ground as a sun sees it.
+#version 330 core
+
+uniform mat4 marker_from_tile;  // of one sun and caster: where its rays meet the marker plane
+
+out vec3 position;  // metres, marker frame
+
+void main() {
+    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
+    position = (marker_from_tile * vec4(corner, 0.0, 1.0)).xyz;
+    gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
+}
