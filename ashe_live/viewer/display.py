@@ -20,7 +20,9 @@ def bare_scene(session: Session) -> Scene:
     """Video, model and light, as recordings and snapshots want them."""
     estimate = session.estimate
     if estimate is None:
-        return Scene(session.tracked, session.model, shows_light=session.show_light)
+        return Scene(
+            session.tracked, session.model, shows_light=session.show_light, surroundings=session.surroundings
+        )
     return Scene(
         session.tracked,
         session.model,
@@ -29,6 +31,7 @@ def bare_scene(session: Session) -> Scene:
         caster=estimate.caster,
         ambient_rgb_ratio=estimate.ambient_rgb_ratio,
         ground_rgb=estimate.ground_rgb,
+        surroundings=session.surroundings,
     )
 
 
