@@ -11,6 +11,7 @@ from ashe_live.bench.light_results import ALL, GOOD_DEG, CaseResult, Summary
 from ashe_live.bench.light_targets import DEG, MS, Verdict
 
 PIPE_WIDTH = 120
+WORST = 10
 
 
 def light_console() -> Console:
@@ -32,6 +33,7 @@ def print_preset(
     console.print(_shares_of_stages(name, summaries))
     console.print(_honesty(name, summaries))
     console.print(_times(name, stages, summaries[ALL]))
+    console.print(_worst(name, results))
     _print_reasons(console, results)
     console.print(_targets(name, verdicts))
 
@@ -101,6 +103,19 @@ def _targets(name: str, verdicts: Iterable[Verdict]) -> Table:
         mark = "[green]met[/]" if verdict.is_met else "[red]missed[/]"
         by = verdict.missed_by or ""
         table.add_row(verdict.group, verdict.figure, measured, _bounds(verdict), alone, mark, by)
+    return table
+
+
+def _worst(name: str, results: Sequence[CaseResult]) -> Table:
+    """Where to look first."""
+    columns = ("error", "σ", "confidence", "on true masks", "IoU object", "IoU shadow")
+    table = _table(f"{name}: the largest errors", ("case", "caster"), columns)
+    wrong = [result for result in results if result.error_deg is not None]
+    for result in sorted(wrong, key=lambda result: -(result.error_deg or 0.0))[:WORST]:
+        degrees = (_degrees(value) for value in (result.error_deg, result.sigma_deg))
+        overlaps = map(_fraction, (result.object_iou, result.shadow_iou))
+        confidence, alone = _fraction(result.confidence), _degrees(result.true_masks_deg)
+        table.add_row(f"{result.folder}/{result.case}", result.caster or "-", *degrees, confidence, alone, *overlaps)
     return table
 
 
