@@ -100,7 +100,8 @@ def show_in_window(view: View) -> int:
         pipeline = Pipeline(view.source, view.tracker, options.loop)
         stack.callback(pipeline.close)
         pipeline.start()
-        renderer = Renderer(window.context, quality_of(options).render, window.framebuffer_size)
+        preset = quality_of(options).render
+        renderer = Renderer(window.context, preset, window.framebuffer_size, switches_at_once=False)
         recorder = None
         if options.out is not None:
             recorder = Recorder(options.out, view.source.size, pipeline.fps, options.overwrite)

@@ -2,10 +2,11 @@
 
 Ambient occlusion by its definition: the mean of the shadows that many lights spread over the sky would cast, each
 with the weight of its cosine (Langer and Buelthoff, "Depth discrimination from shading under diffuse lighting", 2000).
-Drawn once a model.
+Drawn once a model, a direction at a time.
 """
 
 import math
+from collections.abc import Iterator
 
 import cv2
 import moderngl
@@ -40,49 +41,44 @@ FADE = 0.3  # share of the patch's side along which the darkening ends
 class ContactPatch:
     """A texture of the hidden share of the sky on the ground around one model."""
 
-    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
-        self.bounds: Float = np.zeros((2, 2))  # smallest and largest x, y; metres, marker frame
+    def __init__(self, ctx: moderngl.Context, programs: Programs, model: GpuModel) -> None:
+        lower, upper = model.placed.bounds
+        reach = REACH_HEIGHTS * max(upper[2], MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
+        self.bounds: Float = np.array(
+            [lower[:2] - reach, upper[:2] + reach]
+        )  # least, largest x, y; metres, marker frame
         self._ctx = ctx
+        self._model = model
         self._depth_map = ShadowMaps(ctx, DEPTHS)
         self._program = programs.get("contact", **self._depth_map.constants | {"lights": 1, "casters": 1})
         self._rectangle = ctx.vertex_array(self._program, [])
         self._texture = ctx.texture((PATCH_SIZE, PATCH_SIZE), 1, dtype="f2")
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = ctx.framebuffer([self._texture])
-        self._model: GpuModel | None = None
 
-    def render(self, model: GpuModel) -> None:
-        """Draws the patch, unless it holds this model already."""
-        if model is self._model:
-            return
-        lower, upper = model.placed.bounds
-        reach = REACH_HEIGHTS * max(upper[2], MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
-        self.bounds = np.array([lower[:2] - reach, upper[:2] + reach])
+    def draw(self) -> Iterator[None]:
+        """Draws the patch of a model that is uploaded, a direction each step."""
         self._framebuffer.clear()
-        set_uniforms(self._program, weight=1.0 / DIRECTIONS, patch_bounds=tuple(self.bounds.ravel()))
         for direction in sky_directions(DIRECTIONS):
-            self._depth_map.render((model,), (Sun(direction, NO_LIGHT, NO_LIGHT, 0.0),))
+            self._depth_map.render((self._model,), (Sun(direction, NO_LIGHT, NO_LIGHT, 0.0),))
             self._depth_map.bind(self._program)
+            # The program is everyone's: between two steps another patch may have used it.
+            set_uniforms(self._program, weight=1.0 / DIRECTIONS, patch_bounds=tuple(self.bounds.ravel()))
             self._framebuffer.use()
             self._ctx.enable_only(moderngl.BLEND)
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE
             self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
-        self._depth_map.forget()
+            yield
+        self._depth_map.release()
         occlusion = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE)
         smooth = cv2.GaussianBlur(occlusion.astype(np.float32), (0, 0), BLUR_TEXELS)
         self._texture.write(np.ascontiguousarray(smooth, dtype=np.float16))
-        self._model = model
 
     def bind(self, program: moderngl.Program, unit: int) -> None:
         self._texture.use(unit)
         set_uniforms(program, contact=unit, patch_bounds=tuple(self.bounds.ravel()))
 
-    def forget(self) -> None:
-        """Drops the reference to the model that was drawn last."""
-        self._model = None
-
     def release(self) -> None:
-        self.forget()
         self._depth_map.release()
         for held in (self._framebuffer, self._texture, self._rectangle):
             held.release()

@@ -81,12 +81,6 @@ class GpuModel:
                     yield from self._fill(key, texels)
                 part.maps[name] = self._textures[key]
 
-    def finish(self) -> "GpuModel":
-        """The same, with all steps taken at once."""
-        for _ in self.upload():
-            pass
-        return self
-
     def render_depth(self, clip_from_marker: Float) -> None:
         """Into the depth buffer that is bound; where a surface has holes or lets light through, in part."""
         for part in self.parts:

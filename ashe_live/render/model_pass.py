@@ -1,10 +1,12 @@
 """The model itself, each part by the shader variant that computes what its material has and nothing else."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import moderngl
 import numpy as np
 
+from ashe_live.core.arrays import Float
 from ashe_live.models.material import BLACK, Alpha
 from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing
@@ -15,6 +17,7 @@ from ashe_live.render.shadow_maps import ShadowMaps
 
 # White, fully lit, comes out a little below the display's white, as paper in a well exposed photo does.
 EXPOSURE = 0.8
+NOWHERE: Float = np.zeros((4, 4))
 # A lobe narrower than this is a point that flickers between pixels.
 MIN_ROUGHNESS = 0.06
 
@@ -34,6 +37,21 @@ class ModelPass:
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
         self._programs = programs
+
+    def build_for(self, model: GpuModel, shadows: ShadowMaps) -> Iterator[None]:
+        """Has the driver compile the model's shader variants, one each step, into the framebuffer that is bound then.
+
+        A software rasteriser takes 100 ms for one that this machine has never drawn (later ones come from its disk).
+        """
+        seen: set[moderngl.Program] = set()
+        for part in model.parts:
+            program = self._program_of(part, shadows)
+            if program not in seen:
+                seen.add(program)
+                set_uniforms(program, clip_from_marker=NOWHERE)
+                self._ctx.enable_only(moderngl.DEPTH_TEST)
+                part.draw(program)
+                yield
 
     def draw_opaque(self, model: GpuModel, view: View) -> None:
         """Whatever hides what is behind it."""
@@ -59,7 +77,7 @@ class ModelPass:
 
     def _draw(self, part: GpuPart, view: View) -> None:
         material = part.material
-        program = self._programs.get("model", **shading_constants(part), **view.shadows.constants)
+        program = self._program_of(part, view.shadows)
         view.shadows.bind(program)
         if view.environment is not None:
             view.environment.bind(program)
@@ -81,6 +99,9 @@ class ModelPass:
             **view.lighting.uniforms(),
         )
         part.draw(program)
+
+    def _program_of(self, part: GpuPart, shadows: ShadowMaps) -> moderngl.Program:
+        return self._programs.get("model", **shading_constants(part), **shadows.constants)
 
 
 def shading_constants(part: GpuPart) -> dict[str, int]:

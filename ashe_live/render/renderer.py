@@ -1,5 +1,7 @@
 """Draws a scene: video, model, the shadow it casts on the video, the light's arrow, overlays."""
 
+from collections.abc import Iterator
+
 import moderngl
 import numpy as np
 
@@ -10,7 +12,6 @@ from ashe_live.core.quality import RenderPreset
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.caster import RealObject
-from ashe_live.render.contact import ContactPatch
 from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing, box_corners, framing, letterbox
 from ashe_live.render.geometry import GpuModel
@@ -19,6 +20,7 @@ from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lighting import Lighting, lighting_of
 from ashe_live.render.model_pass import EXPOSURE, ModelPass, View
 from ashe_live.render.overlays import OverlayPass
+from ashe_live.render.prepared import ModelSwitch, PreparedModel
 from ashe_live.render.programs import Programs
 from ashe_live.render.scene import Scene
 from ashe_live.render.shadow_maps import ShadowMaps, same_objects
@@ -32,20 +34,20 @@ class Renderer:
     Every call belongs to the thread that made `ctx`, with `ctx` current.
     """
 
-    def __init__(self, ctx: moderngl.Context, preset: RenderPreset, size: Size) -> None:
+    def __init__(self, ctx: moderngl.Context, preset: RenderPreset, size: Size, switches_at_once: bool = True) -> None:
+        """`switches_at_once`: a new model is in the very next picture, however long that takes; else soon."""
         self._ctx = ctx
         self._preset = preset
         self.video = Video(ctx)
         self.overlays = OverlayPass(ctx)
         self._arrow = LightArrow(ctx)
         self._programs = Programs(ctx)
-        self._environment: Environment | None = None
-        self._contact = ContactPatch(ctx, self._programs)
+        self._environment = Environment(ctx, preset.environment_size)
         self._model_pass = ModelPass(ctx, self._programs)
         self._catcher = ShadowCatcher(ctx, self._programs)
         self._shadows = ShadowMaps(ctx, preset)
         self._ground_shadows = GroundShadows(ctx, self._programs, preset)
-        self._model: GpuModel | None = None
+        self._models = ModelSwitch(ctx, self._programs, self._build_shaders, switches_at_once)
         self._real: RealObject | None = None
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
         self._surface = Surface(ctx, size, preset.msaa_samples)
@@ -82,7 +84,8 @@ class Renderer:
         self._ground_shadows.release()
         self._shadows = ShadowMaps(self._ctx, preset)
         self._ground_shadows = GroundShadows(self._ctx, self._programs, preset)
-        self._release_environment()
+        self._environment.release()
+        self._environment = Environment(self._ctx, preset.environment_size)
         self.resize(self.size)
 
     def resize(self, size: Size) -> None:
@@ -103,8 +106,8 @@ class Renderer:
             viewport = letterbox(scene.tracked.frame.size, self.size)
             self.video.show(scene.tracked, viewport)
             self.video.copy_or_draw(self._surface.colour, viewport)
-            if self._model is not None and scene.tracked.marker is not None:
-                self._draw_model(self._model, scene)
+            if self._models.shown is not None and scene.tracked.marker is not None:
+                self._draw_model(self._models.shown, scene)
         self._surface.colour.use()
         self.overlays.draw(scene.overlays, self.size)
 
@@ -129,23 +132,22 @@ class Renderer:
             self.video,
             self.overlays,
             self._arrow,
-            self._contact,
             self._shadows,
             self._ground_shadows,
             self._surface,
         ):
             held.release()
-        self._release_environment()
+        self._environment.release()
         self._programs.release()
 
-    def _draw_model(self, model: GpuModel, scene: Scene) -> None:
+    def _draw_model(self, prepared: PreparedModel, scene: Scene) -> None:
         assert scene.tracked is not None
         assert scene.tracked.marker is not None
         lighting = self._lighting_of(scene)
-        self._contact.render(model)
+        model = prepared.model
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting.suns)
         self._ground_shadows.render(self._shadows, lighting.suns)
-        self._catcher.fit(model, lighting, self._shadows, self._contact)
+        self._catcher.fit(model, lighting, self._shadows, prepared.contact)
         arrows = []
         if scene.shows_light:
             arrows = [arrow_placement(model.placed.bounds, light.to_light_marker) for light in scene.lights]
@@ -153,11 +155,11 @@ class Renderer:
         points = self._drawn_points(model, arrows)
         frame = framing(scene.tracked.camera, scene.tracked.marker.T_cam_marker, points, viewport)
         if frame is not None:
-            self._draw_framed(model, frame, lighting, self._environment_of(model, scene), arrows)
+            self._draw_framed(prepared, frame, lighting, self._environment_of(model, scene), arrows)
 
     def _draw_framed(
         self,
-        model: GpuModel,
+        prepared: PreparedModel,
         frame: Framing,
         lighting: Lighting,
         environment: Environment | None,
@@ -172,12 +174,12 @@ class Renderer:
             self._ctx.viewport = frame.viewport
             if self._real is not None:
                 self._real.draw(frame, self.video, lighting, self._shadows)
-            self._model_pass.draw_opaque(model, view)
+            self._model_pass.draw_opaque(prepared.model, view)
             for arrow in arrows:
                 self._arrow.draw(frame, arrow)
             casters = 1 if self._real is None else 2
-            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, self._contact)
-            self._model_pass.draw_blended(model, view)
+            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, prepared.contact)
+            self._model_pass.draw_blended(prepared.model, view)
 
     def _drawn_points(self, model: GpuModel, arrows: list[Float]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""
@@ -198,24 +200,22 @@ class Renderer:
         seen = scene.surroundings or scene.tracked
         if seen is None or not model.mirrors:
             return None
-        if self._environment is None:
-            self._environment = Environment(self._ctx, self._preset.environment_size)
         self._environment.show(seen, scene.ground_rgb)
         return self._environment
 
-    def _release_environment(self) -> None:
-        if self._environment is not None:
-            self._environment.release()
-            self._environment = None
-
     def _follow_model(self, placed: PlacedModel | None) -> None:
-        if self._model is not None and self._model.placed is not placed:
-            for holder in (self._shadows, self._catcher, self._contact):
+        if self._models.follow(placed):
+            for holder in (self._shadows, self._catcher):
                 holder.forget()
-            self._model.release()
-            self._model = None
-        if self._model is None and placed is not None:
-            self._model = GpuModel(self._ctx, placed, self._programs).finish()
+
+    def _build_shaders(self, model: GpuModel) -> Iterator[None]:
+        """As far as they can be known before the model is drawn."""
+        building = self._model_pass.build_for(model, self._shadows)
+        while True:
+            with self._surface.drawing((0, 0, 1, 1)):
+                if next(building, building) is building:
+                    return
+            yield
 
     def _follow_real_object(self, proxy: Proxy | None) -> None:
         if self._real is not None and self._real.proxy is not proxy:

@@ -1,0 +1,90 @@
+"""A model made ready to be drawn: uploaded, its contact with the ground drawn, its shaders built.
+
+All of it takes several pictures' time, so that it is done a little with each while the model before is still shown.
+"""
+
+import itertools
+import time
+from collections.abc import Callable, Iterator
+
+import moderngl
+
+from ashe_live.models.placement import PlacedModel
+from ashe_live.render.contact import ContactPatch
+from ashe_live.render.geometry import GpuModel
+from ashe_live.render.programs import Programs
+
+# Of each picture's time; a step that was begun is finished, and takes a few more.
+BUDGET_S = 0.003
+
+
+LastSteps = Callable[[GpuModel], Iterator[None]]
+
+
+class PreparedModel:
+    """Of no use before `advance` or `finish` said so."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs, placed: PlacedModel, last_steps: LastSteps) -> None:
+        self.placed = placed
+        self.model = GpuModel(ctx, placed, programs)
+        self.contact = ContactPatch(ctx, programs, self.model)
+        self._ctx = ctx
+        self._steps = itertools.chain(self.model.upload(), self.contact.draw(), last_steps(self.model))
+
+    def advance(self) -> bool:
+        """Goes on for about BUDGET_S; True when the model can be drawn."""
+        begun_s = time.perf_counter()
+        for _ in self._steps:
+            # What is only queued would all fall into one picture's time.
+            self._ctx.finish()
+            if time.perf_counter() - begun_s > BUDGET_S:
+                return False
+        return True
+
+    def finish(self) -> None:
+        """All at once."""
+        for _ in self._steps:
+            pass
+
+    def release(self) -> None:
+        self.contact.release()
+        self.model.release()
+
+
+class ModelSwitch:
+    """The model that is shown, and the one that will be."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs, last_steps: LastSteps, at_once: bool) -> None:
+        self.shown: PreparedModel | None = None
+        self._coming: PreparedModel | None = None
+        self._ctx = ctx
+        self._programs = programs
+        self._last_steps = last_steps
+        self._at_once = at_once
+
+    def follow(self, placed: PlacedModel | None) -> bool:
+        """Shows `placed` as soon as it is ready, which is at once when there is nothing to show until then.
+
+        True when another model, or none, is shown than before.
+        """
+        if self._coming is not None and self._coming.placed is not placed:
+            self._coming.release()
+            self._coming = None
+        if placed is None:
+            return self._show(None)
+        if self.shown is not None and self.shown.placed is placed:
+            return False
+        if self._coming is None:
+            self._coming = PreparedModel(self._ctx, self._programs, placed, self._last_steps)
+        if self._at_once or self.shown is None:
+            self._coming.finish()
+        elif not self._coming.advance():
+            return False
+        self._coming, ready = None, self._coming
+        return self._show(ready)
+
+    def _show(self, ready: PreparedModel | None) -> bool:
+        former, self.shown = self.shown, ready
+        if former is not None:
+            former.release()
+        return former is not ready
