@@ -7,7 +7,7 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.models.material import BLACK, Alpha
+from ashe_live.models.material import BLACK, Alpha, Material
 from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing
 from ashe_live.render.geometry import GpuModel, GpuPart
@@ -38,27 +38,23 @@ class ModelPass:
         self._ctx = ctx
         self._programs = programs
 
-    def build_for(self, model: GpuModel, shadows: ShadowMaps) -> Iterator[None]:
+    def build_for(self, model: GpuModel, shadows: ShadowMaps, environment: Environment) -> Iterator[None]:
         """Has the driver compile the model's shader variants, one each step, into the framebuffer that is bound then.
 
         A software rasteriser takes 100 ms for one that this machine has never drawn (later ones come from its disk).
         """
-        seen: set[moderngl.Program] = set()
         for part in model.parts:
-            program = self._program_of(part, shadows)
-            if program not in seen:
-                seen.add(program)
-                set_uniforms(program, clip_from_marker=NOWHERE)
-                self._ctx.enable_only(moderngl.DEPTH_TEST)
-                part.draw(program)
-                yield
+            program = self._bound_program(part, shadows, environment)
+            set_uniforms(program, clip_from_marker=NOWHERE)
+            self._ctx.enable_only(flags_of(part.material))
+            part.draw(program)
+            yield
 
     def draw_opaque(self, model: GpuModel, view: View) -> None:
         """Whatever hides what is behind it."""
         for part in model.parts:
             if part.material.alpha is not Alpha.BLEND:
-                faces = 0 if part.material.double_sided else moderngl.CULL_FACE
-                self._ctx.enable_only(moderngl.DEPTH_TEST | faces)
+                self._ctx.enable_only(flags_of(part.material))
                 self._draw(part, view)
 
     def draw_blended(self, model: GpuModel, view: View) -> None:
@@ -67,9 +63,9 @@ class ModelPass:
         if not blended:
             return
         blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - view.framing.eye_marker)))
-        self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND | moderngl.CULL_FACE)
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         for part in blended:
+            self._ctx.enable_only(flags_of(part.material))
             for culled in ("front", "back") if part.material.double_sided else ("back",):
                 self._ctx.cull_face = culled
                 self._draw(part, view)
@@ -77,13 +73,7 @@ class ModelPass:
 
     def _draw(self, part: GpuPart, view: View) -> None:
         material = part.material
-        program = self._program_of(part, view.shadows)
-        view.shadows.bind(program)
-        if view.environment is not None:
-            view.environment.bind(program)
-        for unit, (name, texture) in enumerate(part.maps.items()):
-            texture.use(unit)
-            set_uniforms(program, **{name: unit})
+        program = self._bound_program(part, view.shadows, view.environment)
         set_uniforms(
             program,
             clip_from_marker=view.framing.clip_from_marker,
@@ -100,8 +90,23 @@ class ModelPass:
         )
         part.draw(program)
 
-    def _program_of(self, part: GpuPart, shadows: ShadowMaps) -> moderngl.Program:
-        return self._programs.get("model", **shading_constants(part), **shadows.constants)
+    def _bound_program(self, part: GpuPart, shadows: ShadowMaps, environment: Environment | None) -> moderngl.Program:
+        """The part's shader variant with all that it samples: a driver may compile anew for another kind of texture."""
+        program = self._programs.get("model", **shading_constants(part), **shadows.constants)
+        shadows.bind(program)
+        if environment is not None:
+            environment.bind(program)
+        for unit, (name, texture) in enumerate(part.maps.items()):
+            texture.use(unit)
+            set_uniforms(program, **{name: unit})
+        return program
+
+
+def flags_of(material: Material) -> int:
+    """Of OpenGL, to draw such a surface. A blended one is drawn by the side."""
+    if material.alpha is Alpha.BLEND:
+        return moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND
+    return moderngl.DEPTH_TEST | (0 if material.double_sided else moderngl.CULL_FACE)
 
 
 def shading_constants(part: GpuPart) -> dict[str, int]:

@@ -210,7 +210,7 @@ class Renderer:
 
     def _build_shaders(self, model: GpuModel) -> Iterator[None]:
         """As far as they can be known before the model is drawn."""
-        building = self._model_pass.build_for(model, self._shadows)
+        building = self._model_pass.build_for(model, self._shadows, self._environment)
         while True:
             with self._surface.drawing((0, 0, 1, 1)):
                 if next(building, building) is building:
