@@ -27,6 +27,7 @@ class Camera:
     K: Float  # (3, 3) pixels, last row 0 0 1
     dist: Float  # (4, 5, 8, 12 or 14,) OpenCV's distortion coefficients
     source: CameraSource  # where the numbers come from
+    focal_sigma_px: float | None = None  # standard deviation of the focal length, where it was estimated
 
     def __post_init__(self) -> None:
         set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(self.dist, (-1,), "dist"))
@@ -38,11 +39,13 @@ class Camera:
             raise ValueError(f"dist has {len(self.dist)} coefficients, not one of {DISTORTION_LENGTHS}")
 
     @classmethod
-    def from_focal(cls, size: Size, focal_px: float, source: CameraSource = "flag") -> "Camera":
+    def from_focal(
+        cls, size: Size, focal_px: float, source: CameraSource = "flag", focal_sigma_px: float | None = None
+    ) -> "Camera":
         """Square pixels, principal point at the image's centre, no distortion."""
         width, height = size
         K = [[focal_px, 0, (width - 1) / 2], [0, focal_px, (height - 1) / 2], [0, 0, 1]]
-        return cls(size, np.array(K, dtype=np.float64), np.zeros(5), source)
+        return cls(size, np.array(K, dtype=np.float64), np.zeros(5), source, focal_sigma_px)
 
     @classmethod
     def from_hfov(cls, size: Size, hfov_deg: float, source: CameraSource = "flag") -> "Camera":
@@ -75,7 +78,8 @@ class Camera:
         K = self.K.copy()
         K[:2, :2] *= scales[:, None]
         K[:2, 2] = (self.K[:2, 2] + 0.5) * scales - 0.5
-        return Camera(size, K, self.dist, self.source)
+        sigma = None if self.focal_sigma_px is None else self.focal_sigma_px * float(scales[0])
+        return Camera(size, K, self.dist, self.source, sigma)
 
 
 def read_camera_file(path: Path) -> Camera:

@@ -25,6 +25,7 @@ def camera_json(camera: Camera) -> Json:
         "K": camera.K.tolist(),
         "dist": camera.dist.tolist(),
         "source": camera.source,
+        "focal_sigma_px": camera.focal_sigma_px,
     }
 
 

@@ -1,0 +1,109 @@
+"""Learns the focal length while a marker is tracked, where no calibration gave it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.types import TrackedFrame
+from ashe_live.tracking.focal_fit import fit_focal
+
+# As many views as a fit in a few milliseconds can bear, and as few as it can be trusted with.
+MOST_VIEWS = 64
+MIN_VIEWS = 10
+# A fit is made when the views have become so many times more, or, once they are thinned out, newer.
+GROWTH = 1.4
+# What makes a view differ from another by 1: place and size in sides' lengths of the picture's marker, and the turn.
+PLACE_SCALE = 0.1
+SIZE_SCALE = 0.05
+TURN_SCALE_RAD = math.radians(2.0)
+# When all places are taken, views must differ by so much more, and those that no longer do are dropped.
+THINNING = 1.3
+# Over the fit's own sigma: models are never the whole truth.
+CAUTION = 1.3
+SYSTEMATIC = 0.005
+# From here on a focal length is worth using instead of an assumed one, and is worth replacing by a surer one.
+KNOWN_SIGMA = 0.08
+MUCH_SURER = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class FocalEstimate:
+    """A focal length with how sure it is."""
+
+    size: Size
+    focal_px: float
+    sigma_px: float  # standard deviation, with what is systematic
+    views: int
+
+    @property
+    def relative_sigma(self) -> float:
+        return self.sigma_px / self.focal_px
+
+    def camera(self) -> Camera:
+        return Camera.from_focal(self.size, self.focal_px, "estimated", self.sigma_px)
+
+
+@dataclass(frozen=True, slots=True)
+class _View:
+    corners_px: Float  # (4, 2)
+    R: Float  # (3, 3) camera from marker
+
+    def distance(self, other: "_View") -> float:
+        sides = [float(np.linalg.norm(one.corners_px[0] - one.corners_px[2])) for one in (self, other)]
+        moved = np.linalg.norm(self.corners_px.mean(axis=0) - other.corners_px.mean(axis=0)) / max(sides)
+        resized = abs(math.log(sides[0] / sides[1]))
+        # Normals: a turn in the marker's own plane tells nothing new, but costs nothing either.
+        turned = math.acos(float(np.clip(self.R[:, 2] @ other.R[:, 2], -1, 1)))
+        return math.hypot(moved / PLACE_SCALE, resized / SIZE_SCALE, turned / TURN_SCALE_RAD)
+
+
+class FocalEstimator:
+    """Collects views of one marker that differ, and fits the focal length to them now and then."""
+
+    def __init__(self, size: Size) -> None:
+        self.estimate: FocalEstimate | None = None  # of the last fit, however unsure
+        self._size = size
+        self._views: list[_View] = []
+        self._spacing = 1.0
+        self._seen = 0  # different views, with those that were dropped
+        self._next_fit = MIN_VIEWS
+
+    def add(self, tracked: TrackedFrame) -> FocalEstimate | None:
+        """Takes what a frame showed; a new estimate when this led to one. Raises ValueError for another size."""
+        if tracked.frame.size != self._size:
+            raise ValueError(f"a frame of {tracked.frame.size} among frames of {self._size}")
+        if tracked.marker is None:
+            return None
+        view = _View(tracked.marker.corners_px, tracked.marker.T_cam_marker[:3, :3])
+        if any(view.distance(kept) < self._spacing for kept in self._views):
+            return None
+        self._views.append(view)
+        self._seen += 1
+        if len(self._views) > MOST_VIEWS:
+            self._thin_out()
+        if self._seen < self._next_fit:
+            return None
+        self._next_fit = math.ceil(GROWTH * self._seen)
+        self.estimate = self._fitted(tracked.camera)
+        return self.estimate
+
+    def _thin_out(self) -> None:
+        while len(self._views) > 0.75 * MOST_VIEWS:
+            self._spacing *= THINNING
+            kept: list[_View] = []
+            for view in self._views:
+                if all(view.distance(other) >= self._spacing for other in kept):
+                    kept.append(view)
+            self._views = kept
+
+    def _fitted(self, camera: Camera) -> FocalEstimate | None:
+        corners = np.array([view.corners_px for view in self._views])
+        rotations = np.array([view.R for view in self._views])
+        fit = fit_focal(corners, rotations, float(camera.K[0, 0]), self._size)
+        if not (math.isfinite(fit.focal_px) and math.isfinite(fit.relative_sigma)):
+            return None
+        sigma = math.hypot(CAUTION * fit.relative_sigma, SYSTEMATIC) * fit.focal_px
+        return FocalEstimate(self._size, fit.focal_px, sigma, len(self._views))
