@@ -15,8 +15,6 @@ from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
 
-# White, fully lit, comes out a little below the display's white, as paper in a well exposed photo does.
-EXPOSURE = 0.8
 NOWHERE: Float = np.zeros((4, 4))
 # A lobe narrower than this is a point that flickers between pixels.
 MIN_ROUGHNESS = 0.06

@@ -9,6 +9,7 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import RenderPreset
+from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.caster import RealObject
@@ -17,8 +18,8 @@ from ashe_live.render.framing import Framing, box_corners, framing, letterbox
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
-from ashe_live.render.lighting import Lighting, lighting_of
-from ashe_live.render.model_pass import EXPOSURE, ModelPass, View
+from ashe_live.render.lighting import RGB, Lighting, lighting_of
+from ashe_live.render.model_pass import ModelPass, View
 from ashe_live.render.overlays import OverlayPass
 from ashe_live.render.prepared import ModelSwitch, PreparedModel
 from ashe_live.render.programs import Programs
@@ -26,6 +27,7 @@ from ashe_live.render.scene import Scene
 from ashe_live.render.shadow_maps import ShadowMaps, same_objects
 from ashe_live.render.surface import Surface
 from ashe_live.render.video import Video
+from ashe_live.render.video_look import white_of
 
 
 class Renderer:
@@ -49,6 +51,7 @@ class Renderer:
         self._ground_shadows = GroundShadows(ctx, self._programs, preset)
         self._models = ModelSwitch(ctx, self._programs, self._build_shaders, switches_at_once)
         self._real: RealObject | None = None
+        self._white: tuple[TrackedFrame, RGB] | None = None
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
         self._surface = Surface(ctx, size, preset.msaa_samples)
 
@@ -155,18 +158,20 @@ class Renderer:
         points = self._drawn_points(model, arrows)
         frame = framing(scene.tracked.camera, scene.tracked.marker.T_cam_marker, points, viewport)
         if frame is not None:
-            self._draw_framed(prepared, frame, lighting, self._environment_of(model, scene), arrows)
+            white, environment = self._white_of(scene.tracked), self._environment_of(model, scene)
+            self._draw_framed(prepared, frame, lighting, white, environment, arrows)
 
     def _draw_framed(
         self,
         prepared: PreparedModel,
         frame: Framing,
         lighting: Lighting,
+        white: RGB,
         environment: Environment | None,
         arrows: list[Float],
     ) -> None:
         """Works within the framing's region only: a software rasteriser pays for every pixel."""
-        view = View(frame, lighting, self._shadows, (EXPOSURE, EXPOSURE, EXPOSURE), environment)
+        view = View(frame, lighting, self._shadows, white, environment)
         with self._surface.drawing(frame.region) as multisampled:
             self._ctx.viewport = frame.viewport
             if multisampled:
@@ -191,9 +196,17 @@ class Renderer:
         """The same object for the same light."""
         known = (*scene.lights, scene.ambient_rgb_ratio, scene.ground_rgb)
         if self._lighting is None or not same_objects(self._lighting[0], known):
-            albedo = None if scene.ground_rgb is None else scene.ground_rgb / EXPOSURE
+            albedo = None
+            if scene.ground_rgb is not None and (measured_in := scene.surroundings or scene.tracked) is not None:
+                albedo = scene.ground_rgb / white_of(measured_in)
             self._lighting = known, lighting_of(scene.lights, scene.ambient_rgb_ratio, albedo)
         return self._lighting[1]
+
+    def _white_of(self, tracked: TrackedFrame) -> RGB:
+        """Measured once a frame: exposure and white balance follow the camera's."""
+        if self._white is None or self._white[0] is not tracked:
+            self._white = tracked, white_of(tracked)
+        return self._white[1]
 
     def _environment_of(self, model: GpuModel, scene: Scene) -> Environment | None:
         """None for a model that mirrors nothing."""

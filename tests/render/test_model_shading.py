@@ -11,8 +11,8 @@ from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import box
 from ashe_live.render.lighting import GROUND_ALBEDO, MIN_BALANCED_SINE, lighting_of
-from ashe_live.render.model_pass import EXPOSURE
 from ashe_live.render.scene import Scene
+from ashe_live.render.video_look import ASSUMED_WHITE as EXPOSURE
 
 SIDE = 0.06
 TOP = [(-0.03, -0.03, SIDE), (0.03, -0.03, SIDE), (0.03, 0.03, SIDE), (-0.03, 0.03, SIDE)]

@@ -1,0 +1,117 @@
+"""How far the pictures are from a path tracer's of the same scene in the same light (assets/reference)."""
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
+from ashe_live.core.contract import Json
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.quality import RenderPreset
+from ashe_live.core.transforms import direction_from_angles, project, rigid
+from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
+from ashe_live.models.catalogue import load_model
+from ashe_live.models.placement import placed_on_marker
+from ashe_live.render.renderer import Renderer
+from ashe_live.render.scene import Scene
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reference:
+    """One view with one model: the scene that is given, and what the path tracer makes of it."""
+
+    name: str
+    scene: Scene  # the picture without the model, and all that an estimate can know
+    expected: Image  # (h, w, 3) BGR, with the model
+    is_model: Mask  # (h, w)
+    shadow_brightness: float  # of shadowed over lit ground
+
+
+@dataclass(frozen=True, slots=True)
+class PictureError:
+    shadow_iou: float  # of the ground and object pixels that lost more than half of the sun's light
+    shadow_de: float  # mean CIE 1976 colour difference where the path tracer's shadow is
+    model_de: float  # mean CIE 1976 colour difference on the model
+
+    def to_json(self) -> Json:
+        return {"shadow_iou": self.shadow_iou, "shadow_de": self.shadow_de, "model_de": self.model_de}
+
+
+def read_references(folder: Path) -> list[Reference]:
+    """Every view and model of a folder that render_reference.py wrote."""
+    record = json.loads((folder / "reference.json").read_text(encoding="utf-8"))
+    return [_reference(folder, view, model) for view in record["views"] for model in view["models"]]
+
+
+def picture_error(ctx: moderngl.Context, reference: Reference, preset: RenderPreset) -> PictureError:
+    """Of the renderer's picture of the same scene."""
+    assert reference.scene.tracked is not None
+    bare = reference.scene.tracked.frame.image_bgr
+    renderer = Renderer(ctx, preset, reference.scene.tracked.frame.size)
+    renderer.render(reference.scene)
+    picture = renderer.read_bgr()
+    renderer.release()
+    kernel = np.ones((3, 3), np.uint8)
+    beside = cv2.dilate(reference.is_model.astype(np.uint8), kernel) == 0
+    within = cv2.erode(reference.is_model.astype(np.uint8), kernel) > 0
+    threshold = (1 + reference.shadow_brightness) / 2
+    ours, truth = (beside & (_darkening(image, bare) < threshold) for image in (picture, reference.expected))
+    difference = _colour_difference(picture, reference.expected)
+    return PictureError(
+        float((ours & truth).sum() / max(1, (ours | truth).sum())),
+        float(difference[truth].mean()),
+        float(difference[within].mean()),
+    )
+
+
+def _reference(folder: Path, view: Json, model: str) -> Reference:
+    name = view["name"]
+    bare = _read(folder / f"{name}.png")
+    side_m = view["marker_side_m"]
+    camera = Camera(tuple(view["size"]), np.array(view["K"]), np.zeros(5), "file")
+    T_cam_marker = rigid(view["R"], view["t"])
+    corners = side_m / 2 * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)])
+    marker = MarkerPose(T_cam_marker, project(camera, T_cam_marker, corners), side_m, 0.0, None)
+    light = DirectionalLight(
+        direction_from_angles(math.radians(view["azimuth_deg"]), math.radians(view["elevation_deg"])),
+        angular_size_rad=math.radians(view["angular_diameter_deg"]),
+        shadow_rgb_ratio=np.array(view["shadow_ratio"]),
+    )
+    x, y = view["caster"]["base_xy_m"]
+    discs = [(x, y, height, radius, 0.0) for radius, height in view["caster"]["profile_m"]]
+    scene = Scene(
+        TrackedFrame(Frame(bare, 0, 0.0), camera, marker),
+        placed_on_marker(load_model(model), side_m),
+        (light,),
+        caster=Proxy("lathe", np.array(discs)),
+        ground_rgb=np.median(LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3), axis=0),
+    )
+    is_model = _read(folder / f"{name}_{model}_mask.png")[..., 0] > 127
+    brightness = float(np.dot(view["shadow_ratio"], REC709_LUMINANCE))
+    return Reference(f"{name}, {model}", scene, _read(folder / f"{name}_{model}.png"), is_model, brightness)
+
+
+def _read(path: Path) -> Image:
+    image = cv2.imread(str(path))
+    if image is None:
+        raise FileNotFoundError(f"no picture at {path}")
+    return np.asarray(image, np.uint8)
+
+
+def _darkening(image: Image, bare: Image) -> Float:
+    """(h, w) brightness in linear light over that of the picture without the model."""
+    with_model, without = (LINEAR_FROM_SRGB_8BIT[each[..., ::-1]] @ REC709_LUMINANCE for each in (image, bare))
+    return np.asarray(with_model / np.maximum(without, 1e-3))
+
+
+def _colour_difference(a: Image, b: Image) -> Float:
+    """(h, w) Euclidean distance in CIE L*a*b*."""
+    labs = [cv2.cvtColor(each.astype(np.float32) / 255, cv2.COLOR_BGR2LAB) for each in (a, b)]
+    return np.asarray(np.linalg.norm(labs[0] - labs[1], axis=2), dtype=np.float64)

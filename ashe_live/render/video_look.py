@@ -1,0 +1,142 @@
+"""How the video renders the world: what the model must look like to have been filmed by the same camera.
+
+Everything is measured at the printed marker, of one frame: white paper around a black square with sharp edges.
+"""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
+from ashe_live.core.types import TrackedFrame
+from ashe_live.render.lighting import RGB
+
+PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
+# Where nothing can be measured: paper comes out a little below the display's white, as in a well exposed photo.
+ASSUMED_WHITE = 0.8
+MIN_CONTRAST = 1.6  # of paper over black ink
+RING_SIDES = (0.57, 0.62)  # from the marker's centre, in sides: on the paper's margin
+MIN_PAPER = 0.02  # its linear brightness in the picture: darker is no white
+AROUND = 12  # places along each of the square's edges
+REACH_PX, STEP_PX = 7.0, 0.25  # of a profile across an edge, to both sides
+BLUR_RANGE_PX = (0.0, 3.0)
+BOX_VARIANCE_PX2 = 1 / 12  # of a pixel, which the model's own pixels have too
+INTERPOLATION_VARIANCE_PX2 = 1 / 6  # of bilinear sampling, on average
+NOISE_WINDOW_PX = 160
+
+
+@dataclass(frozen=True, slots=True)
+class VideoLook:
+    """What one frame shows."""
+
+    white_rgb: RGB  # linear RGB in the picture of a fully lit, level, perfectly white surface
+    blur_sigma_px: float  # of the lens and the processing, beyond the pixel's own area; pixels of the video
+    noise_sigma: float  # standard deviation of the encoded values in [0, 1]
+
+
+def white_of(tracked: TrackedFrame) -> RGB:
+    """Linear RGB that white, fully lit, has in a frame with a marker; grey where the paper cannot be told."""
+    assert tracked.marker is not None
+    half = tracked.marker.side_m
+    along = np.linspace(-0.5, 0.5, AROUND)
+    ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in RING_SIDES for x in along])
+    inside = np.concatenate([[(0.45 * s, 0.9 * x), (0.9 * x, 0.45 * s)] for s in (-1, 1) for x in along])
+    paper, ink = (_linear_at(tracked, half * points) for points in (ring, inside))
+    grey = (ASSUMED_WHITE, ASSUMED_WHITE, ASSUMED_WHITE)
+    if len(paper) < AROUND or len(ink) < AROUND:
+        return grey
+    brightness = paper @ REC709_LUMINANCE
+    # Part of the paper may lie in a shadow.
+    lit = paper[brightness >= np.quantile(brightness, 0.6)]
+    if np.median(brightness) < max(MIN_CONTRAST * np.median(ink @ REC709_LUMINANCE), MIN_PAPER):
+        return grey
+    red, green, blue = (float(value) / PAPER_ALBEDO for value in lit.mean(axis=0))
+    return red, green, blue
+
+
+def look_of(tracked: TrackedFrame) -> VideoLook:
+    """White, blur and noise of a frame with a marker."""
+    assert tracked.marker is not None
+    grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
+    blur = edge_blur_px(grey, tracked.marker.corners_px)
+    centre = tracked.marker.corners_px.mean(axis=0)
+    return VideoLook(white_of(tracked), blur, noise_sigma(_window(grey, centre)) / 255)
+
+
+def edge_blur_px(grey: Image, corners_px: Float) -> float:
+    """Sigma of the blur, in pixels, of (h, w) uint8 at the black square with the corners (4, 2); 0 if not to be told.
+
+    Of a step blurred by a Gaussian, height over steepest slope is sqrt(2 pi) sigma. Profiles across the square's edges
+    are brought together at their middles, in linear light.
+    """
+    offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
+    starts, ends = corners_px, np.roll(corners_px, -1, axis=0)
+    places = np.linspace(0.15, 0.85, AROUND)
+    points = starts[:, None] + places[:, None] * (ends - starts)[:, None]
+    edge = (ends - starts) / np.maximum(np.linalg.norm(ends - starts, axis=1, keepdims=True), 1e-9)
+    outwards = np.column_stack([edge[:, 1], -edge[:, 0]])
+    outwards *= np.sign(np.einsum("ij,ij->i", outwards, starts - corners_px.mean(axis=0)))[:, None]
+    at = points[:, :, None] + offsets[:, None] * outwards[:, None, None]
+    at = at.reshape(-1, len(offsets), 2)
+    whole = ((at > 0) & (at < np.array(grey.shape[::-1]) - 1)).all(axis=(1, 2))
+    if whole.sum() < AROUND:
+        return 0.0
+    x, y = np.moveaxis(at[whole].astype(np.float32), 2, 0)
+    profiles = LINEAR_FROM_SRGB_8BIT[np.round(cv2.remap(grey, x, y, cv2.INTER_LINEAR)).astype(np.uint8)]
+    black, white = np.median(profiles[:, :4], axis=1), np.median(profiles[:, -4:], axis=1)
+    height = white - black
+    good = height > 0.5 * np.median(height)
+    if np.median(height) < 0.05 or good.sum() < AROUND:
+        return 0.0
+    steps = (profiles[good] - black[good, None]) / height[good, None]
+    middles = np.abs(steps - 0.5).argmin(axis=1)
+    reach = int(5 / STEP_PX)
+    near = (middles >= reach) & (middles < len(offsets) - reach)
+    if near.sum() < AROUND:
+        return 0.0
+    columns = middles[near, None] + np.arange(-reach, reach + 1)
+    step = np.take_along_axis(steps[near], columns, axis=1).mean(axis=0)
+    # Over half a pixel to both sides: what noise is left does not make the steepest slope steeper.
+    wide = int(0.5 / STEP_PX)
+    slope = float((step[2 * wide :] - step[: -2 * wide]).max()) / (2 * wide * STEP_PX)
+    variance = 1 / (2 * math.pi * max(slope, 1e-3) ** 2) - 4 * wide**2 * STEP_PX**2 / 12
+    variance -= BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2
+    return float(np.clip(math.sqrt(max(variance, 0.0)), *BLUR_RANGE_PX))
+
+
+def noise_sigma(grey: Image) -> float:
+    """Standard deviation of the noise of (h, w) uint8, whatever is in the picture as long as half of it is smooth.
+
+    Immerkaer, "Fast noise variance estimation", CVIU 1996, with the median in the place of the mean.
+    """
+    kernel = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
+    response = cv2.filter2D(grey, cv2.CV_32F, kernel)[1:-1, 1:-1]
+    return float(np.median(np.abs(response))) / (0.6745 * 6) if response.size else 0.0
+
+
+def _linear_at(tracked: TrackedFrame, ground: Float) -> Float:
+    """(m, 3) linear RGB of those places (n, 2) of the marker plane that the frame shows."""
+    assert tracked.marker is not None
+    camera = tracked.camera
+    T = tracked.marker.T_cam_marker
+    points = np.column_stack([ground, np.zeros(len(ground))])
+    if (points @ T[2, :3] + T[2, 3]).min() <= 0:
+        return np.zeros((0, 3))
+    pixels = cv2.projectPoints(points, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0].reshape(-1, 2)
+    column, row = np.round(pixels).T
+    width, height = tracked.frame.size
+    seen = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    bgr = tracked.frame.image_bgr[row[seen].astype(int), column[seen].astype(int)]
+    return LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]]
+
+
+def _window(grey: Image, centre: Float) -> Image:
+    """The part around `centre` that stands for the whole; all of a small picture."""
+    half = NOISE_WINDOW_PX // 2
+    column, row = (
+        int(np.clip(at, half, max(half, limit - half))) for at, limit in zip(centre, grey.shape[::-1], strict=True)
+    )
+    return grey[max(0, row - half) : row + half, max(0, column - half) : column + half]
