@@ -1,14 +1,20 @@
 """Where a model stands: over the marker's centre, on the ground, as large as the marker allows."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, frozen_floats, set_frozen
 from ashe_live.models.mesh import Model
 
 FOOTPRINT_SIDES = 1.0  # largest horizontal extent, in sides of the marker
 HEIGHT_SIDES = 1.2  # largest vertical extent, in sides of the marker
+
+# A larger cloud is enclosed by what of it is extreme in so many directions, widened by what a sphere loses by that.
+MAX_OUTLINE_POINTS = 1000
+WIDENED = 1.005
+POINTS_AT_ONCE = 16384
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -17,6 +23,10 @@ class PlacedModel:
 
     model: Model  # vertices in metres, marker frame, lowest at z = 0
     bounds: Float  # (2, 3) smallest and largest coordinates, metres, marker frame
+    outline: Float = field(init=False)  # (n, 3) metres, marker frame; its convex hull encloses the model
+
+    def __post_init__(self) -> None:
+        set_frozen(self, outline=frozen_floats(_outline(self.model), (-1, 3), "outline"))
 
 
 def placed_on_marker(model: Model, side_m: float) -> PlacedModel:
@@ -29,3 +39,32 @@ def placed_on_marker(model: Model, side_m: float) -> PlacedModel:
     offset = -scale * np.array([(lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2, lower[2]])
     moved = Model(model.name, tuple(part.moved(scale, offset) for part in model.parts))
     return PlacedModel(moved, moved.bounds)
+
+
+def _outline(model: Model) -> Float:
+    points = np.concatenate([part.vertices for part in model.parts])
+    if len(points) <= MAX_OUTLINE_POINTS:
+        return points.astype(np.float64)
+    # Across the extents, so that a flat model is looked at as closely as a ball.
+    extents = np.ptp(points, axis=0).astype(np.float64)
+    extents = np.maximum(extents, max(1e-6 * extents.max(), 1e-30))
+    directions = (_all_around(MAX_OUTLINE_POINTS) / extents).astype(np.float32)
+    reach = np.full(len(directions), -np.inf, np.float32)
+    extreme = np.zeros(len(directions), np.int64)
+    for first in range(0, len(points), POINTS_AT_ONCE):
+        along = directions @ points[first : first + POINTS_AT_ONCE].T
+        best = along.argmax(axis=1)
+        farther = along[np.arange(len(directions)), best] > reach
+        reach = np.where(farther, along[np.arange(len(directions)), best], reach)
+        extreme = np.where(farther, first + best, extreme)
+    found = points[np.unique(extreme)].astype(np.float64)
+    centre = (found.min(axis=0) + found.max(axis=0)) / 2
+    return np.asarray(centre + WIDENED * (found - centre))
+
+
+def _all_around(count: int) -> Float:
+    """(count, 3) unit vectors, evenly spread on a golden-angle spiral."""
+    z = 1 - (2 * np.arange(count) + 1) / count
+    azimuth = np.arange(count) * (math.pi * (3 - math.sqrt(5)))
+    flat = np.sqrt(1 - z**2)
+    return np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), z])

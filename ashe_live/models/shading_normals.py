@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.models.mesh import Float32, Indices
@@ -30,12 +31,13 @@ def corner_normals(vertices: Float32, triangles: Indices) -> Float32:
     """
     faces = face_normals(vertices, triangles)
     units = unit_rows(faces)
-    _, place = np.unique(vertices[triangles.ravel()], axis=0, return_inverse=True)
-    order = np.argsort(place.ravel(), kind="stable")
-    place, face = place.ravel()[order], order // 3
+    place = place_keys(vertices)[triangles.ravel()]
+    order = np.argsort(place, kind="stable")
+    place, face = place[order], order // 3
     total = faces[face].copy()
     smooth = math.cos(CREASE_RAD)
-    for step in range(1, int(np.bincount(place).max())):
+    _, crowds = np.unique(place, return_counts=True)
+    for step in range(1, int(crowds.max())):
         first, second = np.arange(len(place) - step), np.arange(step, len(place))
         meet = place[first] == place[second]
         first, second = first[meet], second[meet]
@@ -46,6 +48,21 @@ def corner_normals(vertices: Float32, triangles: Indices) -> Float32:
     normals = np.empty_like(total)
     normals[order] = total
     return unit_rows(normals).astype(np.float32)
+
+
+def place_keys(vertices: Float32) -> NDArray[np.uint64]:
+    """(n,) one number for each place: the same for the same place, another for another, but for odds of 2^-64.
+
+    Rows would be sorted without letting other threads run; numbers are not.
+    """
+    bits = (vertices + np.float32(0.0)).view(np.uint32).astype(np.uint64)  # there are two zeros
+    key = np.zeros(len(bits), np.uint64)
+    for column in bits.T:  # splitmix64: Steele, Lea, Flood, OOPSLA 2014
+        key = (key ^ column) + np.uint64(0x9E3779B97F4A7C15)
+        key = (key ^ (key >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        key = (key ^ (key >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        key ^= key >> np.uint64(31)
+    return key
 
 
 def is_inside_out(vertices: Float32, triangles: Indices) -> bool:

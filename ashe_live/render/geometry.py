@@ -1,5 +1,6 @@
 """A model on the graphics card, brought there in steps that are small enough for one picture each."""
 
+import itertools
 from collections.abc import Iterator
 
 import moderngl
@@ -16,7 +17,7 @@ STEP_BYTES = 1 << 20  # about what a software rasteriser's memory takes in a mil
 
 
 class GpuPart:
-    """One mesh in buffers: position 3f, normal 3f, and where it has them uv 2f and colour 4f."""
+    """One mesh in pieces of position 3f, normal 3f, and where it has them uv 2f and colour 4f."""
 
     def __init__(self, ctx: moderngl.Context, mesh: Mesh) -> None:
         self.mesh = mesh
@@ -29,31 +30,50 @@ class GpuPart:
             "in_uv": mesh.uvs,
             "in_colour": mesh.colours,
         }
-        present = {name: values for name, values in columns.items() if values is not None}
-        self._widths = {name: values.shape[1] for name, values in present.items()}
+        self._columns = {name: values for name, values in columns.items() if values is not None}
         self._ctx = ctx
-        self._vertices = ctx.buffer(np.hstack(list(present.values())))
-        self._indices = ctx.buffer(mesh.triangles)
-        self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
+        self._pieces: list[tuple[moderngl.Buffer, moderngl.Buffer]] = []
+        self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}
+
+    def upload(self) -> Iterator[None]:
+        """One step of about STEP_BYTES at most at a time: a driver may clear memory before it lends it."""
+        row_bytes = 4 * sum(values.shape[1] for values in self._columns.values())
+        triangles_at_once = max(1, STEP_BYTES // (3 * row_bytes))
+        triangles = self.mesh.triangles
+        is_small = len(self.mesh.vertices) * row_bytes <= STEP_BYTES and triangles.nbytes <= STEP_BYTES
+        at_once = len(triangles) if is_small else triangles_at_once
+        for first in range(0, len(triangles), at_once):
+            piece = triangles[first : first + at_once]
+            used, indices = (slice(None), piece) if is_small else np.unique(piece, return_inverse=True)
+            vertices = np.hstack([values[used] for values in self._columns.values()])
+            self._pieces.append((self._ctx.buffer(vertices), self._ctx.buffer(indices.astype(np.uint32))))
+            yield
 
     def draw(self, program: moderngl.Program) -> None:
         """Gives `program` what it reads of a vertex; its uniforms are the caller's."""
-        array = self._arrays.get(program)
-        if array is None:
-            # What a program does not read is skipped over.
-            read = {name: isinstance(program.get(name, None), moderngl.Attribute) for name in self._widths}
-            formats = [f"{width}f" if read[name] else f"{4 * width}x" for name, width in self._widths.items()]
-            names = [name for name in self._widths if read[name]]
-            array = self._ctx.vertex_array(program, [(self._vertices, " ".join(formats), *names)], self._indices)
-            self._arrays[program] = array
-        array.render()
+        if program not in self._arrays:
+            self._arrays[program] = [self._array(program, *piece) for piece in self._pieces]
+        for array in self._arrays[program]:
+            array.render()
 
     def release(self) -> None:
-        for array in self._arrays.values():
+        for array in itertools.chain.from_iterable(self._arrays.values()):
             array.release()
+        for buffer in itertools.chain.from_iterable(self._pieces):
+            buffer.release()
         self._arrays.clear()
-        self._vertices.release()
-        self._indices.release()
+        self._pieces.clear()
+
+    def _array(
+        self, program: moderngl.Program, vertices: moderngl.Buffer, indices: moderngl.Buffer
+    ) -> moderngl.VertexArray:
+        # What a program does not read is skipped over.
+        names, formats = [], []
+        for name, values in self._columns.items():
+            is_read = isinstance(program.get(name, None), moderngl.Attribute)
+            formats.append(f"{values.shape[1]}f" if is_read else f"{4 * values.shape[1]}x")
+            names += [name] if is_read else []
+        return self._ctx.vertex_array(program, [(vertices, " ".join(formats), *names)], indices)
 
 
 class GpuModel:
@@ -61,7 +81,7 @@ class GpuModel:
 
     def __init__(self, ctx: moderngl.Context, placed: PlacedModel, programs: Programs) -> None:
         self.placed = placed
-        self.points: Float = np.concatenate([part.vertices for part in placed.model.parts]).astype(np.float64)
+        self.points = placed.outline
         self.mirrors = any(part.material.is_mirror for part in placed.model.parts)
         self.parts: list[GpuPart] = []
         self._ctx = ctx
@@ -73,7 +93,7 @@ class GpuModel:
         for mesh in self.placed.model.parts:
             part = GpuPart(self._ctx, mesh)
             self.parts.append(part)
-            yield
+            yield from part.upload()
             for name, texels in mesh.material.maps.items():
                 # A picture that several parts use is one array.
                 key = id(texels), name in SRGB_MAPS
