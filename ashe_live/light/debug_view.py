@@ -21,7 +21,7 @@ from ashe_live.core.transforms import angles_from_direction, direction_from_angl
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground
 from ashe_live.light.log_colour import linear_rgb, log_opponent
-from ashe_live.light.proxy import _View
+from ashe_live.light.view import View
 
 Bgr = tuple[int, int, int]
 
@@ -35,6 +35,8 @@ INK_BGR: Bgr = (235, 235, 235)
 FAINT_BGR: Bgr = (120, 112, 106)
 TINT = 0.6
 COARSE_WIDTH_PX = 320
+SURPRISING = 12.0  # squared Mahalanobis distance from the lit ground's colours
+REACH_SHARE = 0.08  # of the picture's width: from how far around unlit areas are painted over
 LEAST_LABELLED_PX = 80  # radius of a rose with room for elevations
 SUBPIXEL_BITS = 4
 # Squared radii, in sigmas, of the ellipses that hold a 2D normal distribution's sample with probability 0.68 and 0.95.
@@ -56,7 +58,7 @@ def debug_pictures(tracked: TrackedFrame, estimate: LightEstimate, width_px: int
     """
     if tracked.marker is None:
         raise ValueError("a frame without a marker has no marker frame to answer in")
-    view = _View.of(tracked, width_px)
+    view = View.of(tracked, width_px)
     photo, camera, T_cam_marker = view.image_bgr, view.camera, view.T_cam_marker
     pictures = [DebugPicture("photo", photo), *_ground_pictures(tracked, estimate)]
     if estimate.object_mask is not None or estimate.shadow_mask is not None:
@@ -77,7 +79,7 @@ def debug_pictures(tracked: TrackedFrame, estimate: LightEstimate, width_px: int
 def _ground_pictures(tracked: TrackedFrame, estimate: LightEstimate) -> list[DebugPicture]:
     """The lit ground as the estimator modelled it, which is at the masks' size, and how the picture differs."""
     masks = [mask for mask in (estimate.object_mask, estimate.shadow_mask) if mask is not None]
-    view = _View.of(tracked, masks[0].shape[1] if masks else COARSE_WIDTH_PX)
+    view = View.of(tracked, masks[0].shape[1] if masks else COARSE_WIDTH_PX)
     ground = fit_lit_ground(view.image_bgr, view.is_ground, GroundSteps())
     if ground is None:
         return []
@@ -88,17 +90,18 @@ def _ground_pictures(tracked: TrackedFrame, estimate: LightEstimate) -> list[Deb
 
 def undistorted(tracked: TrackedFrame, width_px: int) -> tuple[Image, Camera]:
     """The frame of a marker at `width_px`, if it is wider, and its camera, both without distortion."""
-    view = _View.of(tracked, width_px)
+    view = View.of(tracked, width_px)
     return view.image_bgr, view.camera
 
 
 def lit_ground_rgb(image_bgr: Image, ground: LitGround, is_ground: Mask) -> Float:
-    """(h, w, 3) linear RGB: the ground's nearest colour everywhere, as if nothing stood or fell on it."""
+    """(h, w, 3) linear RGB: the picture as if nothing stood or fell on the ground, painted over from what is lit."""
+    is_lit = (is_ground & (ground.surprise < SURPRISING)).astype(np.float32)[:, :, None]
+    reach = (0, 0), REACH_SHARE * image_bgr.shape[1]
+    near = cv2.GaussianBlur(np.concatenate([ground.colours * is_lit, is_lit], axis=2), *reach)
+    around = near[:, :, :3] / np.maximum(near[:, :, 3:], 1e-6)
     field = log_opponent(image_bgr) - ground.colours
-    squared = ((ground.colours[:, :, None] - ground.centres) ** 2).sum(axis=3)
-    # What is explained badly tells nothing about the paint below.
-    nearest = np.where(is_ground & (squared.min(axis=2) < 0.1), squared.argmin(axis=2), ground.weights.argmax())
-    return np.maximum(linear_rgb(ground.centres[nearest] + field), 1e-4)
+    return np.maximum(linear_rgb(np.where(is_lit > 0, ground.colours, around) + field), 1e-4)
 
 
 def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
@@ -215,7 +218,7 @@ def _with_hulls(picture_bgr: Image, estimate: LightEstimate) -> Image:
     return picture
 
 
-def _with_residual(photo: Image, view: _View, estimate: LightEstimate, body: Proxy) -> Image:
+def _with_residual(photo: Image, view: View, estimate: LightEstimate, body: Proxy) -> Image:
     """Where masks go beyond the body and its shadows, and where those should be seen and are not."""
     camera, T_cam_marker = view.camera, view.T_cam_marker
     outlines = [outline(camera, T_cam_marker, body.points_marker())]

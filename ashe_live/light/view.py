@@ -1,0 +1,97 @@
+"""The frame at a working size, or a window of it, and where in it the ground is."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import project
+from ashe_live.core.types import TrackedFrame
+
+# The printed sheet is wider than the black square, and its own edge is neither object nor shadow.
+SHEET_SIDES = 1.45
+# Ground farther away than this many times the marker's distance is too coarse to tell anything.
+FARTHEST = 4.0
+
+Window = tuple[slice, slice]  # rows and columns
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class View:
+    """A picture without distortion and its camera."""
+
+    image_bgr: Image  # (h, w, 3)
+    camera: Camera  # of that size
+    T_cam_marker: Float  # (4, 4)
+    side_m: float  # of the marker
+    is_ground: Mask  # (h, w) where the marker's plane is seen, beside the sheet
+
+    @staticmethod
+    def of(tracked: TrackedFrame, width_px: int) -> "View":
+        """The frame scaled down to `width_px`, if it is wider, and freed from the lens's distortion."""
+        assert tracked.marker is not None
+        image, camera = _scaled(np.asarray(tracked.frame.image_bgr), tracked.camera, width_px)
+        if camera.is_distorted:
+            image = np.asarray(cv2.undistort(image, camera.K, camera.dist), dtype=np.uint8)
+            camera = Camera(camera.size, camera.K, np.zeros(5), camera.source)
+        return _made(image, camera, tracked.marker.T_cam_marker, tracked.marker.side_m)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        return self.camera.size
+
+    def scaled(self, width_px: int) -> "View":
+        """This view scaled down to `width_px`, if it is wider."""
+        if width_px >= self.size[0]:
+            return self
+        image, camera = _scaled(self.image_bgr, self.camera, width_px)
+        return _made(image, camera, self.T_cam_marker, self.side_m)
+
+    def cut(self, window: Window) -> "View":
+        """The part of the frame in `window`, seen by a camera whose principal point moves along."""
+        rows, columns = window
+        K = self.camera.K.copy()
+        K[:2, 2] -= columns.start, rows.start
+        size = columns.stop - columns.start, rows.stop - rows.start
+        camera = Camera(size, K, self.camera.dist, self.camera.source)
+        return View(self.image_bgr[window], camera, self.T_cam_marker, self.side_m, self.is_ground[window])
+
+
+def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]:
+    width, height = camera.size
+    scale = min(1.0, width_px / width)
+    size = max(1, round(width * scale)), max(1, round(height * scale))
+    if size != (width, height):
+        image = np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    return image, camera.resized(size)
+
+
+def _made(image: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> View:
+    return View(image, camera, T_cam_marker, side_m, _ground_mask(camera, T_cam_marker, side_m))
+
+
+def _ground_mask(camera: Camera, T_cam_marker: Float, side_m: float) -> Mask:
+    """(h, w): where the ray meets the marker's plane, not too far away, outside the printed sheet."""
+    width, height = camera.size
+    mask = _depth_of_plane(camera, T_cam_marker) < FARTHEST * float(np.linalg.norm(T_cam_marker[:3, 3]))
+    half = SHEET_SIDES * side_m / 2
+    square = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
+    outline = project(camera, T_cam_marker, square)
+    if np.isfinite(outline).all():
+        sheet = np.zeros((height, width), np.uint8)
+        cv2.fillConvexPoly(sheet, np.round(np.clip(outline, -1e6, 1e6) * 16).astype(np.int32), 1, shift=4)
+        mask &= sheet == 0
+    return mask
+
+
+def _depth_of_plane(camera: Camera, T_cam_marker: Float) -> Float:
+    """(h, w) metres along the optical axis to the marker's plane; inf where a pixel's ray does not meet it."""
+    width, height = camera.size
+    normal = T_cam_marker[:3, 2]
+    row = normal @ np.linalg.inv(camera.K)
+    facing = row[0] * np.arange(width) + (row[1] * np.arange(height) + row[2])[:, None]
+    offset = float(normal @ T_cam_marker[:3, 3])
+    meets = facing * np.sign(offset) > 1e-9
+    return np.where(meets, offset / np.where(meets, facing, 1.0), np.inf)
