@@ -136,7 +136,7 @@ def _paper_over(
     light = np.where(is_paper, colour, np.repeat(np.repeat(behind, rays, axis=0), rays, axis=1))
     if shadow:
         light = np.where(is_paper, _shadow_ratio(x / side_m, y / side_m) * light, light)
-    return light.reshape(height, rays, width, rays).mean(axis=(1, 3))
+    return np.asarray(light.reshape(height, rays, width, rays).mean(axis=(1, 3)))
 
 
 def _shadow_ratio(x: Float, y: Float) -> Float:

@@ -34,12 +34,14 @@ class Frame:
 class MarkerPose:
     """Where the marker stands in front of the camera, and how well that explains its corners."""
 
-    T_cam_marker: Float  # (4, 4) rigid
+    T_cam_marker: Float  # (4, 4) rigid; held still by the tracker's filter while the marker is
     corners_px: Float  # (4, 2) source pixels: top-left, top-right, bottom-right, bottom-left of the upright print
     side_m: float  # black square's side
     reprojection_rms_px: float  # of the chosen one of IPPE's two solutions
     other_rms_px: float | None  # of the one not chosen; None when there is only one
-    covariance: Float | None = None  # (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v
+    covariance: Float | None = None  # (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v; noise alone
+    unfiltered_T_cam_marker: Float | None = None  # (4, 4) from this frame alone; None: T_cam_marker is
+    bridged: bool = False  # the marker could not be read: its corners were followed from an earlier frame
 
     def __post_init__(self) -> None:
         set_frozen(
@@ -47,10 +49,17 @@ class MarkerPose:
             T_cam_marker=frozen_floats(self.T_cam_marker, (4, 4), "T_cam_marker"),
             corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
         )
-        if self.covariance is not None:
-            set_frozen(self, covariance=frozen_floats(self.covariance, (6, 6), "covariance"))
+        for name, shape in (("covariance", (6, 6)), ("unfiltered_T_cam_marker", (4, 4))):
+            value = getattr(self, name)
+            if value is not None:
+                set_frozen(self, **{name: frozen_floats(value, shape, name)})
         if not (math.isfinite(self.side_m) and self.side_m > 0):
             raise ValueError(f"a marker's side of {self.side_m} m is not positive")
+
+    @property
+    def measured_T_cam_marker(self) -> Float:
+        """(4, 4) as this frame alone has it."""
+        return self.T_cam_marker if self.unfiltered_T_cam_marker is None else self.unfiltered_T_cam_marker
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +70,7 @@ class TrackedFrame:
     camera: Camera  # of this frame's size
     marker: MarkerPose | None  # None: no marker in this frame
     detect_ms: float = 0.0
+    note: str | None = None  # for a person, e.g. that two equal markers are in view
 
     def __post_init__(self) -> None:
         if self.camera.size != self.frame.size:

@@ -38,7 +38,7 @@ class CellReader:
         read = self._read(grey, corners_px)
         if read is None:
             return None
-        correlations = self._prints @ read
+        correlations: Float = self._prints @ read
         turns = int(np.argmax(correlations[self._own]))
         own = correlations[self._own][turns]
         correlations[self._own] = -1
@@ -52,8 +52,10 @@ class CellReader:
 
     def likeness(self, grey: Image, corners_px: Float) -> float:
         """Correlation in [-1, 1] of the square with the marker, its corners in the print's order."""
-        read = self._read(grey, corners_px)
-        return -1.0 if read is None else float(self._prints[self._own.start] @ read)
+        inside = _cell_levels(grey, corners_px, self.cells + 2)[1:-1, 1:-1]
+        if np.ptp(inside) < MIN_CONTRAST:
+            return -1.0
+        return float(self._prints[self._own.start] @ _normalised(inside.reshape(1, -1))[0])
 
     def _read(self, grey: Image, corners_px: Float) -> Float | None:
         """The cells' light, normalised; None without contrast or without a dark border."""
@@ -63,7 +65,7 @@ class CellReader:
         dark, light = float(inside.min()), float(inside.max())
         if light - dark < MIN_CONTRAST or np.median(border) > dark + BORDER_LEVEL * (light - dark):
             return None
-        return _normalised(inside.reshape(1, -1))[0]
+        return np.asarray(_normalised(inside.reshape(1, -1))[0])
 
 
 def _cell_levels(grey: Image, corners_px: Float, cells: int) -> Float:
@@ -76,7 +78,7 @@ def _cell_levels(grey: Image, corners_px: Float, cells: int) -> Float:
         grey, (x / w).astype(np.float32), (y / w).astype(np.float32), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
     )
     k = len(PLACES)
-    return samples.astype(np.float64).reshape(cells, k, cells, k).mean(axis=(1, 3))
+    return np.asarray(samples.astype(np.float64).reshape(cells, k, cells, k).mean(axis=(1, 3)))
 
 
 def _normalised(rows: Float) -> Float:

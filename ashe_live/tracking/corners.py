@@ -28,12 +28,18 @@ ACROSS = 25
 # How far across, over the square's extent in that direction: within a border or margin of an eighth.
 REACH_RATIO = 0.08
 MIN_REACH_PX, LAST_REACH_PX = 2.0, 4.0
+MORE_SEARCHES = 3
 # Each search reaches this much less far than the one before: a few of the steps between its samples.
 NARROWING = 5.0
 # What an edge must rise from black to white, of the encoded picture's range (its curve taken for a square root).
 MIN_RISE = 12 / 255
-# What counts as one edge: so far to each side of the steepest place.
-MIN_SPREAD_PX = 2.0
+# What counts as one edge: so far to each side of the steepest place. As much as a sharp edge needs, less where a small
+# marker's cells lie close, and more where motion has blurred it: so many standard deviations of its rise.
+SHARP_SPREADS_PX, SPREAD_RATIO = (1.0, 2.0), 1 / 12
+WIDTHS = 2.2
+# How much wider an edge may be than its window before it is measured again, and the rises that are noise beside it.
+SLACK = 1.25
+NOISE_RISE = 0.15
 SHIFTS = 4
 # Of a side's samples, how many must show an edge.
 MIN_SEEN = 0.4
@@ -55,7 +61,8 @@ class FittedSquare:
     """A square's corners and how sure they are."""
 
     corners_px: Float  # (4, 2) ideal pixels, in the order that was asked for
-    information: Float  # (8, 8) inverse covariance of corners_px.ravel(), 1 / px^2
+    information: Float  # (8, 8) inverse covariance of corners_px.ravel(), 1 / px^2; noise alone
+    sides_seen: int = 4  # an unseen side is where it was guessed to be
 
 
 def side_lengths_px(corners_px: Float) -> Float:
@@ -128,11 +135,19 @@ def fitted_square(
     extents = abs(cv2.contourArea(corners_px.astype(np.float32))) / lengths
     reaches = np.maximum(REACH_RATIO * extents, max(MIN_REACH_PX, 1.5 * off_by_px))
     view = _View(light, camera, np.asarray(origin_px, dtype=np.float64))
-    fitted = _fitted(view, corners_px, samples, reaches)
+    sharp = np.clip(SPREAD_RATIO * extents, *SHARP_SPREADS_PX)
+    spreads = np.maximum(sharp, reaches / 4)
+    fitted, widths = _fitted(view, corners_px, samples, reaches, spreads)
     narrowed = reaches
-    while narrowed.max() > LAST_REACH_PX and is_front_of_square(fitted.corners_px):
-        narrowed = np.maximum(narrowed / NARROWING, np.minimum(reaches, LAST_REACH_PX))
-        fitted = _fitted(view, fitted.corners_px, samples, narrowed)
+    for _ in range(MORE_SEARCHES):
+        if not is_front_of_square(fitted.corners_px):
+            return None
+        wanted = np.clip(WIDTHS * widths, sharp, reaches)
+        last_reaches = np.minimum(reaches, np.maximum(LAST_REACH_PX, wanted))
+        if (narrowed <= last_reaches).all() and (wanted <= SLACK * spreads).all():
+            break
+        narrowed, spreads = np.maximum(narrowed / NARROWING, last_reaches), np.maximum(wanted, narrowed / NARROWING / 4)
+        fitted, widths = _fitted(view, fitted.corners_px, samples, narrowed, spreads)
     if not is_front_of_square(fitted.corners_px):
         return None
     astray = np.linalg.norm(fitted.corners_px - corners_px, axis=1).max() > 4 * reaches.max()
@@ -158,53 +173,59 @@ class _View:
         return values.reshape(points_px.shape[:-1]).astype(np.float64)
 
 
-def _fitted(view: _View, corners_px: Float, samples: int, reaches_px: Float) -> FittedSquare:
-    """The lines through the edges found within `reaches_px` (4,) of the sides, and where they meet."""
+def _fitted(
+    view: _View, corners_px: Float, samples: int, reaches_px: Float, spreads_px: Float
+) -> tuple[FittedSquare, Float]:
+    """The lines through the edges found within `reaches_px` (4,) of the sides, where they meet, and the edges' blur."""
     sides = corners_px[NEXT] - corners_px
     lengths = np.linalg.norm(sides, axis=1)
     along = sides / lengths[:, None]
     # Clockwise in the picture, so the outside is to the left of the way along a side.
     outwards = np.column_stack([along[:, 1], -along[:, 0]])
     places = np.linspace(ALONG_FROM, ALONG_TO, samples)
-    offsets, weights = _edge_offsets(view, corners_px, sides, outwards, places, reaches_px)
-    ends, covariances = _robust_lines(places, offsets, weights, lengths)
-    starts = corners_px + ends[:, :1] * outwards
-    directions = sides + (ends[:, 1:] - ends[:, :1]) * outwards
-    return FittedSquare(_meeting_points(starts, directions), _information(outwards, covariances))
-
-
-def _edge_offsets(
-    view: _View, corners_px: Float, sides: Float, outwards: Float, places: Float, reaches_px: Float
-) -> tuple[Float, Float]:
-    """How far outwards of each place the edge lies, in pixels, and whether there is one, as 0 or 1; both (4, samples).
-
-    The edge is the centre of gravity of the rise from black to white; a fall, as from paper to ground, is none.
-    """
     across = np.linspace(-1, 1, ACROSS) * reaches_px[:, None]
     on_side = corners_px[:, None] + places[:, None] * sides[:, None]
     values = view.at(on_side[:, :, None] + across[:, None, :, None] * outwards[:, None, None])
-    steps = np.diff(values, axis=2)
-    rises = steps.clip(0)
-    centres = (across[:, 1:] + across[:, :-1]) / 2
-    spreads = np.maximum(MIN_SPREAD_PX, reaches_px / 4)[:, None, None]
-    offsets = np.take_along_axis(centres, rises.argmax(axis=2), axis=1)
+    offsets, weights, widths = _edge_offsets(values, across, spreads_px)
+    seen = weights.sum(axis=1) >= MIN_SEEN * samples
+    ends, covariances = _robust_lines(places, offsets, weights, lengths, seen)
+    starts = corners_px + ends[:, :1] * outwards
+    directions = sides + (ends[:, 1:] - ends[:, :1]) * outwards
+    corners = _meeting_points(starts, directions)
+    return FittedSquare(corners, _information(outwards, covariances), int(seen.sum())), widths
+
+
+def _edge_offsets(values: Float, across: Float, spreads_px: Float) -> tuple[Float, Float, Float]:
+    """How far outwards the edge lies, in pixels, whether there is one, as 0 or 1, and each side's blur.
+
+    `values` (4, samples, ACROSS) is the light at the distances `across` (4, ACROSS) from the sides; the first two
+    results are (4, samples), the third is (4,) standard deviations in pixels. The edge is the centre of gravity of the
+    rise from black to white; a fall, as from paper to ground, is none.
+    """
+    rises = np.diff(values, axis=2).clip(0)
+    centres = ((across[:, 1:] + across[:, :-1]) / 2)[:, None]
+    offsets = np.take_along_axis(centres[:, 0], rises.argmax(axis=2), axis=1)
     # A mean shift from the steepest place: a window fixed there would pull the centre of gravity towards noise.
     for _ in range(SHIFTS):
-        away = (centres[:, None] - offsets[:, :, None]) / spreads
+        away = (centres - offsets[:, :, None]) / spreads_px[:, None, None]
         weights = rises * (1 - away**2).clip(0)
         total = weights.sum(axis=2)
-        offsets = (weights * centres[:, None]).sum(axis=2) / np.maximum(total, 1e-9)
+        offsets = (weights * centres).sum(axis=2) / np.maximum(total, 1e-9)
     dark = values.min(axis=2)
     rise = np.sqrt((dark + total).clip(0)) - np.sqrt(dark.clip(0))
-    return offsets, ((dark >= 0) & (rise >= MIN_RISE)).astype(np.float64)
+    weights = ((dark >= 0) & (rise >= MIN_RISE)).astype(np.float64)
+    steep = weights[:, :, None] * (rises - NOISE_RISE * rises.max(axis=2, keepdims=True)).clip(0)
+    mass = np.maximum(steep.sum(axis=2), 1e-9)
+    middle = (steep * centres).sum(axis=2) / mass
+    squared = (steep * (centres - middle[:, :, None]) ** 2).sum(axis=(1, 2)) / np.maximum(steep.sum(axis=(1, 2)), 1e-9)
+    return offsets, weights, np.sqrt(squared)
 
 
-def _robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Float) -> tuple[Float, Float]:
+def _robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Float, seen: Mask) -> tuple[Float, Float]:
     """Each side's offset at places 0 and 1 (4, 2), and the covariances (4, 2, 2) of these, in px and px^2.
 
-    Least squares reweighted with Tukey's biweight. A side of which too little is seen stays: both are 0.
+    Least squares reweighted with Tukey's biweight. A side that is not `seen` stays, with no certainty.
     """
-    seen = weights.sum(axis=1) >= MIN_SEEN * len(places)
     # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
     at_start, slope = _medians(offsets, weights > 0), np.zeros(4)
     for scale in (8.0, 4.0, 2.0, 1.0):
@@ -218,6 +239,10 @@ def _robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Flo
         slope = (kept * from_place * offsets).sum(axis=1) / moment
         at_start = offset - slope * place
     residuals = offsets - at_start[:, None] - slope[:, None] * places
+    # Curled paper bows an edge alike in every frame: that is no noise.
+    bow = from_place**2 - moment[:, None] / mass[:, None]
+    bowed = (kept * bow * residuals).sum(axis=1) / np.maximum((kept * bow**2).sum(axis=1), 1e-9)
+    residuals = residuals - bowed[:, None] * bow
     variance = (kept * residuals**2).sum(axis=1) / mass + MIN_SIGMA_PX**2
     # Samples less than a pixel apart see the same pixels.
     variance *= np.maximum(1, len(places) / ((ALONG_TO - ALONG_FROM) * lengths_px))

@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.tracking.cells import CellReader
@@ -84,7 +85,7 @@ class DictionaryMarker:
         return None if turns is None else np.roll(corners, turns, axis=0)
 
 
-def _corners(quad: Float) -> Float:
+def _corners(quad: ArrayLike) -> Float:
     return np.asarray(quad, dtype=np.float64).reshape(4, 2)
 
 

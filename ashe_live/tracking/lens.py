@@ -15,12 +15,11 @@ def ideal_from_source(camera: Camera, source_px: Float) -> Float:
     """(n, 2) ideal pixels of picture pixels (n, 2); NaN where the distortion cannot be inverted."""
     if not camera.is_distorted:
         return source_px
-    ideal = cv2.undistortPoints(
-        np.asarray(source_px, dtype=np.float64)[:, None], camera.K, camera.dist, None, None, camera.K, CRITERIA
-    )[:, 0]
+    points = np.asarray(source_px, dtype=np.float64)[:, None]
+    ideal = cv2.undistortPoints(points, camera.K, camera.dist, None, None, camera.K, CRITERIA)[:, 0].astype(np.float64)
     miss = np.linalg.norm(source_from_ideal(camera, ideal) - source_px, axis=1)
     ideal[~(miss <= MAX_MISS_PX)] = np.nan
-    return np.asarray(ideal, dtype=np.float64)
+    return ideal
 
 
 def source_from_ideal(camera: Camera, ideal_px: Float) -> Float:

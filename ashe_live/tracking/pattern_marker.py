@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.tracking.corners import refined_corners
-from ashe_live.tracking.quads import MIN_SIDE_PX, dark_quads, without_repeats
+from ashe_live.tracking.quads import MIN_SIDE_PX, SMALL_WINDOW_PX, dark_quads, without_repeats
 
 # Side of the square, in samples, at which candidate and pattern are compared.
 SAMPLES = 32
@@ -46,7 +46,10 @@ class PatternMarker:
     def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
         """See Marker.find; the one that correlates best first."""
         found = []
-        for quad in dark_quads(grey, min_side_px):
+        quads = dark_quads(grey, min_side_px)
+        if thorough:
+            quads += dark_quads(grey, min_side_px, SMALL_WINDOW_PX)
+        for quad in quads:
             correlation, corners = self._compare(grey, quad)
             if correlation >= MIN_CORRELATION:
                 found.append((correlation, corners))

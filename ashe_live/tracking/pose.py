@@ -4,14 +4,15 @@ Collins and Bartoli, "Infinitesimal plane-based pose estimation", IJCV 2014.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import rigid
+from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.corners import FittedSquare, is_front_of_square, side_lengths_px
 from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
@@ -24,6 +25,14 @@ NOISE_PX = 0.7
 CURL = 0.03
 # What corners of unknown origin may be off.
 CORNER_SIGMA_PX = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """A square in the picture, and where it lies in the frame whose pose is asked for."""
+
+    points: Float  # (4, 3) metres: top-left, top-right, bottom-right, bottom-left
+    square: FittedSquare
 
 
 def square_corners(side_m: float) -> Float:
@@ -43,30 +52,45 @@ def estimate_pose(
     if not is_front_of_square(corners_px):
         return None
     square = FittedSquare(ideal_from_source(camera, corners_px), np.eye(8) / CORNER_SIGMA_PX**2)
-    return pose_of_square(square, camera, side_m, previous, refines)
+    return pose_of_squares([Sighting(square_corners(side_m), square)], camera, side_m, previous, refines)
 
 
-def pose_of_square(
-    square: FittedSquare, camera: Camera, side_m: float, previous: MarkerPose | None = None, refines: bool = True
+def pose_of_squares(
+    sightings: Sequence[Sighting],
+    camera: Camera,
+    side_m: float,
+    previous: MarkerPose | None = None,
+    refines: bool = True,
 ) -> MarkerPose | None:
-    """See estimate_pose; the corners weigh as much as they are sure."""
-    if not is_front_of_square(square.corners_px):
+    """The pose of the frame in which all `sightings` lie; see estimate_pose. Corners weigh as much as they are sure."""
+    sightings = [one for one in sightings if is_front_of_square(one.square.corners_px)]
+    if not sightings:
         return None
-    points = square_corners(side_m)
-    solutions = _solutions(square, camera, side_m)
-    if refines:
-        solutions = [
-            refined_solution(one, points, square.corners_px, square.information, camera.K) for one in solutions
-        ]
-    solutions.sort(key=lambda solution: solution.rms_px)
+    points = np.concatenate([one.points for one in sightings])
+    pixels = np.concatenate([one.square.corners_px for one in sightings])
+    information = np.zeros((2 * len(pixels), 2 * len(pixels)))
+    for number, one in enumerate(sightings):
+        block = slice(8 * number, 8 * number + 8)
+        information[block, block] = one.square.information
+    largest = max(sightings, key=lambda one: float(side_lengths_px(one.square.corners_px).sum()))
+    starts = (solution_of(R, t, points, pixels, information, camera.K) for R, t in _ippe(largest, camera))
+    solutions = [one for one in starts if one is not None]
+    if refines or len(sightings) > 1:
+        solutions = [refined_solution(one, points, pixels, information, camera.K) for one in solutions]
     if not solutions:
         return None
-    if not _is_decisive(solutions, float(side_lengths_px(square.corners_px).mean())):
-        solutions.sort(key=_is_from_below if previous is None else _turn_from(previous.T_cam_marker[:3, :3]))
+    solutions.sort(key=lambda solution: solution.rms_px)
+    if not _is_decisive(solutions, math.sqrt(cv2.contourArea(cv2.convexHull(pixels.astype(np.float32))))):
+        solutions.sort(key=_is_from_below if previous is None else _turn_from(previous.measured_T_cam_marker))
     chosen, *others = solutions
+    T_cam_marker = rigid(chosen.R, chosen.t)
+    seen_whole = len(sightings) == 1 and largest.square.sides_seen == 4
+    corners_px = pixels if seen_whole else project(camera, T_cam_marker, square_corners(side_m))
+    if not np.isfinite(corners_px).all():
+        return None
     return MarkerPose(
-        T_cam_marker=rigid(chosen.R, chosen.t),
-        corners_px=source_from_ideal(camera, square.corners_px),
+        T_cam_marker=T_cam_marker,
+        corners_px=source_from_ideal(camera, corners_px),
         side_m=side_m,
         reprojection_rms_px=chosen.rms_px,
         other_rms_px=others[0].rms_px if others else None,
@@ -74,23 +98,23 @@ def pose_of_square(
     )
 
 
-def _solutions(square: FittedSquare, camera: Camera, side_m: float) -> list[Solution]:
-    """At most two, in front of the camera."""
+def _ippe(sighting: Sighting, camera: Camera) -> list[tuple[Float, Float]]:
+    """At most two rotations (3, 3) and translations (3,) of the sighting's frame, not necessarily in front."""
     # OpenCV's IPPE returns nonsense for a half turn, as of a print seen upside down or exactly from above. So it is
     # asked for a frame that lies near the camera's: from the corner that is upper left in the picture, y down, z away.
-    corners_px = square.corners_px
+    corners_px = sighting.square.corners_px
     quarters = int(np.argmin(corners_px.sum(axis=1)))
     lower_left_first = np.roll(corners_px, -quarters, axis=0)[::-1].copy()
-    R_asked_marker = np.diag((1.0, -1.0, -1.0)) @ _turned_about_z(quarters)
+    centre = sighting.points.mean(axis=0)
+    x, y = sighting.points[1] - sighting.points[0], sighting.points[0] - sighting.points[3]
+    side_m = float(np.linalg.norm(x))
+    R_square_whole = np.stack([x, y, np.cross(x, y) / side_m]) / side_m
+    R_asked_whole = np.diag((1.0, -1.0, -1.0)) @ _turned_about_z(quarters) @ R_square_whole
     _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
         square_corners(side_m), lower_left_first, camera.K, None, flags=cv2.SOLVEPNP_IPPE_SQUARE
     )
-    points = square_corners(side_m)
-    candidates = (
-        solution_of(cv2.Rodrigues(rvec)[0] @ R_asked_marker, tvec, points, corners_px, square.information, camera.K)
-        for rvec, tvec in zip(rvecs, tvecs, strict=True)
-    )
-    return [one for one in candidates if one is not None]
+    rotations = [cv2.Rodrigues(rvec)[0] @ R_asked_whole for rvec in rvecs]
+    return [(R, tvec.reshape(3) - R @ centre) for R, tvec in zip(rotations, tvecs, strict=True)]
 
 
 def _turned_about_z(quarters: int) -> Float:
@@ -110,6 +134,6 @@ def _is_from_below(solution: Solution) -> bool:
     return bool(solution.R[1, 2] > 0)
 
 
-def _turn_from(R_previous: Float) -> Callable[[Solution], float]:
+def _turn_from(T_previous: Float) -> Callable[[Solution], float]:
     """What grows with the angle between a solution's rotation and the previous one."""
-    return lambda solution: float(np.linalg.norm(solution.R - R_previous))
+    return lambda solution: float(np.linalg.norm(solution.R - T_previous[:3, :3]))

@@ -26,7 +26,7 @@ class Solution:
     t: Float  # (3,) metres
     rms_px: float  # root mean square distance of the points
     cost: float  # squared distance in standard deviations, summed
-    covariance: Float  # (6, 6) of (w, v), rad and metres: see the module
+    covariance: Float  # (6, 6) of (w, v), rad and metres: see the module; what noise alone does
 
 
 def solution_of(
@@ -44,10 +44,8 @@ def solution_of(
     error = (in_camera / in_camera[:, 2:]) @ K[:2].T - pixels
     cost = float(error.ravel() @ information @ error.ravel())
     jacobian = _jacobian(turned, in_camera, K)
-    hessian = jacobian.T @ information @ jacobian
-    # What noise does not explain (curled paper, a wrong lens) makes the pose less sure.
-    excess = max(1.0, cost / max(1, 2 * len(points) - 6))
-    return Solution(R, t, math.sqrt(float((error**2).sum() / len(points))), cost, excess * _inverse(hessian))
+    covariance = _inverse(jacobian.T @ information @ jacobian)
+    return Solution(R, t, math.sqrt(float((error**2).sum() / len(points))), cost, covariance)
 
 
 def refined_solution(start: Solution, points: Float, pixels: Float, information: Float, K: Float) -> Solution:

@@ -8,15 +8,16 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
 
-# Found on photos and renders: one threshold of this window and contrast finds all of their squares.
-WINDOW_PX = 51
+# Found on photos and renders: one threshold of this window and contrast finds all of their squares; the smaller window
+# finds small ones beside a shadow.
+WINDOW_PX, SMALL_WINDOW_PX = 51, 15
 DARKER_BY = 10
 MIN_SIDE_PX = 12
 # Of the perimeter: what a side may bulge before it counts as two.
 MAX_BULGE = 0.04
 
 
-def dark_quads(grey: Image, min_side_px: float = MIN_SIDE_PX) -> list[Float]:
+def dark_quads(grey: Image, min_side_px: float = MIN_SIDE_PX, window_px: int = WINDOW_PX) -> list[Float]:
     """Corners (4, 2), clockwise in the picture, of every convex dark quadrilateral in `grey` (h, w).
 
     Its longer extent in x or y is at least `min_side_px`, its shortest side half of that.
@@ -27,7 +28,7 @@ def dark_quads(grey: Image, min_side_px: float = MIN_SIDE_PX) -> list[Float]:
     if min(grey.shape) < min_side_px / 2:
         return []
     dark = cv2.adaptiveThreshold(
-        cv2.blur(grey, (3, 3)), 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, WINDOW_PX, DARKER_BY
+        cv2.blur(grey, (3, 3)), 255, cv2.ADAPTIVE_THRESH_MEAN_C, cv2.THRESH_BINARY_INV, window_px, DARKER_BY
     )
     outlines, hierarchy = cv2.findContours(dark, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_SIMPLE)
     if hierarchy is None:

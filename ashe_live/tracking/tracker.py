@@ -1,50 +1,81 @@
-"""Follows one marker from frame to frame."""
+"""Follows a marker, or a layout of several, from frame to frame."""
 
+import dataclasses
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.quality import TrackingPreset
+from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.tracking.corners import refined_corners, side_lengths_px
+from ashe_live.tracking.corners import FittedSquare
+from ashe_live.tracking.flow import flowed_corners
+from ashe_live.tracking.layout import Layout, members_of
+from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.markers import Marker
-from ashe_live.tracking.pose import estimate_pose
-from ashe_live.tracking.quads import MIN_SIDE_PX
+from ashe_live.tracking.pose import Sighting, pose_of_squares
+from ashe_live.tracking.pose_filter import PoseFilter
+from ashe_live.tracking.search import along_edges, anywhere, nearby, refined
 
 # After so long without the marker, its last pose says nothing about the next one.
 MEMORY_S = 0.5
-# The region searched first: the last corners' bounding box, grown on each side by this part of its longer side.
-REGION_MARGIN = 0.6
-# A larger marker is scaled down to this for the search in the region; it is refined at full resolution anyway.
-REGION_MARKER_PX = 96.0
-# Between two frames the marker does not become smaller than this part of itself.
-SMALLEST_NEAR = 0.6
-# At the scale of the search, how far a marker's coarse corners may be off.
-COARSE_PX = 1.0
+# So many frames in a row are bridged by optical flow, whose corners are good to this.
+BRIDGED_FRAMES = 5
+FLOW_SIGMA_PX = 1.0
+# A marker that stays away is searched thoroughly in these many frames, then in every so-manieth one.
+THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
+# Of a layout, so many of its markers are searched in one frame.
+SEARCHED_A_FRAME = 2
+# How often a frame is searched for a second marker like the one that is followed.
+CENSUS_EVERY_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Memory:
+    """What the next frame is compared with."""
+
+    time_s: float
+    image_bgr: Image
+    pose: MarkerPose
+    corners_px: dict[int, Float]  # by member, (4, 2) picture pixels
+    velocities_px_s: dict[int, Float]  # by member, (4, 2)
+    bridged: int  # frames in a row
 
 
 class Tracker:
     """Finds the marker in each frame and its pose, near its last place first. For use by one thread at a time."""
 
     def __init__(
-        self, marker: Marker, camera: Camera | Callable[[Size], Camera], side_m: float, preset: TrackingPreset
+        self, marker: Marker | Layout, camera: Camera | Callable[[Size], Camera], side_m: float, preset: TrackingPreset
     ) -> None:
-        """`camera` is scaled to the frames, or asked for by their size; `side_m` is the black square's side."""
+        """`camera` is scaled to the frames, or asked for by their size; `side_m` is a black square's side."""
         self.marker = marker
         self.side_m = side_m
         self.preset = preset
+        self._members = members_of(marker)
         self._camera = camera
         self._camera_now: Camera | None = None
-        self._last: tuple[float, MarkerPose] | None = None
+        self._filter = PoseFilter()
+        self.reset()
 
     def reset(self) -> None:
         """Forgets the last pose: after a rewind or a cut, the next frame has nothing to do with it."""
-        self._last = None
+        self._last: _Memory | None = None
+        self._lost_frames = 0
+        self._census_s: float | None = None
+        self._note: str | None = None
+        self._filter.reset()
+
+    def use_camera(self, camera: Camera) -> None:
+        """From now on `camera` explains frames of its size, until their size changes; the marker stays found."""
+        self._camera_now = camera
+        # What it holds was measured with another camera.
+        self._filter.reset()
 
     def track(self, frame: Frame) -> TrackedFrame:
         """`frame` with the pose measured in it, or with None when the marker is not in it or cannot be.
@@ -53,15 +84,19 @@ class Tracker:
         """
         start = time.perf_counter()
         camera = self._camera_for(frame.size)
-        previous = self._recent(frame.time_s)
-        pose = None
-        if previous is not None:
-            pose = self._pose(self._find_near(frame.image_bgr, previous.corners_px), camera, previous)
+        last = self._recent(frame.time_s)
+        squares = self._look(frame, camera, last)
+        pose = self._pose(squares, camera, last)
+        bridged = 0
+        if pose is None and last is not None and last.bridged < BRIDGED_FRAMES:
+            squares, bridged = self._flowed(frame.image_bgr, camera, last), last.bridged + 1
+            pose = self._pose(squares, camera, last)
         if pose is None:
-            pose = self._pose(self._find_anywhere(frame.image_bgr), camera, previous)
-        if pose is not None:
-            self._last = frame.time_s, pose
-        return TrackedFrame(frame, camera, pose, (time.perf_counter() - start) * 1e3)
+            self._lost_frames += 1
+        else:
+            pose = dataclasses.replace(self._held(pose, frame.time_s), bridged=bridged > 0)
+            self._remember(frame, camera, pose, squares, bridged, last)
+        return TrackedFrame(frame, camera, pose, (time.perf_counter() - start) * 1e3, self._note if pose else None)
 
     def _camera_for(self, size: Size) -> Camera:
         if self._camera_now is None or self._camera_now.size != size:
@@ -69,51 +104,110 @@ class Tracker:
             self._camera_now = _resized(self._camera, size) if isinstance(self._camera, Camera) else self._camera(size)
         return self._camera_now
 
-    def _recent(self, time_s: float) -> MarkerPose | None:
-        """The last pose, unless it is too old or from after `time_s`."""
-        if self._last is None or not 0 <= time_s - self._last[0] <= MEMORY_S:
-            return None
-        return self._last[1]
+    def _recent(self, time_s: float) -> _Memory | None:
+        """The last frame with a marker, unless it is too old or from after `time_s`."""
+        if self._last is None or not 0 <= time_s - self._last.time_s <= MEMORY_S:
+            self._last = None
+        return self._last
 
-    def _pose(self, corners_px: Float | None, camera: Camera, previous: MarkerPose | None) -> MarkerPose | None:
-        if corners_px is None:
-            return None
-        return estimate_pose(corners_px, camera, self.side_m, previous, self.preset.refines_pose)
+    def _look(self, frame: Frame, camera: Camera, last: _Memory | None) -> dict[int, FittedSquare]:
+        """The members seen in `frame`: along the edges expected there, else around their last place, else anywhere."""
+        image, samples = frame.image_bgr, self.preset.edge_samples
+        squares: dict[int, FittedSquare | None] = {}
+        if last is not None:
+            for number, expected_px in self._expected(camera, last, frame.time_s).items():
+                squares[number] = along_edges(self._members[number].marker, image, camera, expected_px, samples)
+            if not any(squares.values()):
+                for number, corners_px in last.corners_px.items():
+                    found = self._nearest(nearby(self._members[number].marker, image, corners_px), corners_px)
+                    squares[number] = None if found is None else refined(image, camera, found, samples)
+        if not any(squares.values()):
+            squares = self._search(image, camera, last)
+        elif self._census_s is None or not 0 <= frame.time_s - self._census_s < CENSUS_EVERY_S:
+            self._census_s = frame.time_s
+            self._count(anywhere(self._members[0].marker, image, self.preset.detection_width_px, thorough=False))
+        return {number: square for number, square in squares.items() if square is not None}
 
-    def _find_near(self, image_bgr: Image, corners_px: Float) -> Float | None:
-        """Source pixels of the corners (4, 2), looked for around `corners_px`."""
-        lower, upper = corners_px.min(axis=0), corners_px.max(axis=0)
-        extent = float((upper - lower).max())
-        height, width = image_bgr.shape[:2]
-        left, top = np.clip(lower - REGION_MARGIN * extent, 0, None).astype(int)
-        right, bottom = np.clip(upper + REGION_MARGIN * extent, None, (width, height)).astype(int)
-        if right - left < 2 or bottom - top < 2:
+    def _expected(self, camera: Camera, last: _Memory, time_s: float) -> dict[int, Float]:
+        """Each member's corners (4, 2), picture pixels, if it moves on as it did, or where the pose has it."""
+        expected = {
+            number: corners_px + (time_s - last.time_s) * last.velocities_px_s.get(number, np.zeros((4, 2)))
+            for number, corners_px in last.corners_px.items()
+        }
+        for number, member in enumerate(self._members):
+            if number not in expected:
+                ideal = project(camera, last.pose.measured_T_cam_marker, self.side_m * member.corners)
+                if np.isfinite(ideal).all():
+                    expected[number] = source_from_ideal(camera, ideal)
+        return expected
+
+    def _search(self, image: Image, camera: Camera, last: _Memory | None) -> dict[int, FittedSquare | None]:
+        """In the whole frame; of a layout, other markers in every frame."""
+        is_thorough = self._lost_frames < THOROUGH_FRAMES or self._lost_frames % THOROUGH_EVERY == 0
+        turn = self._lost_frames * SEARCHED_A_FRAME
+        for thorough in (False, True) if is_thorough else (False,):
+            for number in {(turn + next_one) % len(self._members) for next_one in range(SEARCHED_A_FRAME)}:
+                marker = self._members[number].marker
+                found = anywhere(marker, image, self.preset.detection_width_px, thorough)
+                last_px = None if last is None else last.corners_px.get(number)
+                chosen = self._nearest(found, last_px)
+                if chosen is not None:
+                    return {number: refined(image, camera, chosen, self.preset.edge_samples)}
+        return {}
+
+    def _nearest(self, found: list[Float], last_px: Float | None) -> Float | None:
+        """Of several equal markers the one that is tracked already, or else the likeliest."""
+        if not found:
             return None
-        grey = _grey(image_bgr[top:bottom, left:right])
-        corners = self._find(
-            grey, min(1.0, REGION_MARKER_PX / extent), SMALLEST_NEAR * side_lengths_px(corners_px).min()
+        self._count(found)
+        if last_px is None:
+            return found[0]
+        return min(found, key=lambda corners: float(np.linalg.norm(corners.mean(axis=0) - last_px.mean(axis=0))))
+
+    def _count(self, found: list[Float]) -> None:
+        several = f"{len(found)} equal markers in view: one of them is tracked, cover the others"
+        self._note = several if len(found) > 1 else None
+
+    def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: _Memory | None) -> MarkerPose | None:
+        sightings = [Sighting(self.side_m * self._members[number].corners, squares[number]) for number in squares]
+        previous = None if last is None else last.pose
+        return pose_of_squares(sightings, camera, self.side_m, previous, self.preset.refines_pose)
+
+    def _flowed(self, image: Image, camera: Camera, last: _Memory) -> dict[int, FittedSquare]:
+        squares = {}
+        for number, corners_px in last.corners_px.items():
+            moved_px = flowed_corners(last.image_bgr, image, corners_px)
+            if moved_px is not None:
+                squares[number] = FittedSquare(ideal_from_source(camera, moved_px), np.eye(8) / FLOW_SIGMA_PX**2)
+        return squares
+
+    def _held(self, pose: MarkerPose, time_s: float) -> MarkerPose:
+        assert pose.covariance is not None
+        preset = self.preset
+        held = self._filter.add(
+            pose.T_cam_marker, pose.covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
         )
-        return None if corners is None else corners + np.array((left, top))
+        return dataclasses.replace(pose, T_cam_marker=held, unfiltered_T_cam_marker=pose.T_cam_marker)
 
-    def _find_anywhere(self, image_bgr: Image) -> Float | None:
-        grey = _grey(image_bgr)
-        scale = min(1.0, self.preset.detection_width_px / grey.shape[1])
-        return self._find(grey, scale, MIN_SIDE_PX / scale)
-
-    def _find(self, grey: Image, scale: float, min_side_px: float) -> Float | None:
-        """Corners (4, 2) in pixels of `grey`: searched at `scale`, smaller sides passed over, refined without it."""
-        if scale == 1:
-            corners = next(iter(self.marker.find(grey, min_side_px)), None)
-        else:
-            height, width = grey.shape
-            small_size = max(1, round(width * scale)), max(1, round(height * scale))
-            small = np.asarray(cv2.resize(grey, small_size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-            corners = next(iter(self.marker.find(small, min_side_px * scale)), None)
-            if corners is not None:
-                corners = (corners + 0.5) * (np.array((width, height)) / small_size) - 0.5
-        if corners is None:
-            return None
-        return refined_corners(grey, corners, self.preset.edge_samples, off_by_px=COARSE_PX / scale)
+    def _remember(
+        self,
+        frame: Frame,
+        camera: Camera,
+        pose: MarkerPose,
+        squares: dict[int, FittedSquare],
+        bridged: int,
+        last: _Memory | None,
+    ) -> None:
+        corners_px = {number: source_from_ideal(camera, square.corners_px) for number, square in squares.items()}
+        if len(self._members) == 1:
+            corners_px = {0: pose.corners_px}
+        velocities = {}
+        if last is not None and frame.time_s > last.time_s:
+            elapsed_s = frame.time_s - last.time_s
+            for number in corners_px.keys() & last.corners_px.keys():
+                velocities[number] = (corners_px[number] - last.corners_px[number]) / elapsed_s
+        self._last = _Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, bridged)
+        self._lost_frames = 0
 
 
 def _resized(camera: Camera, size: Size) -> Camera:
@@ -123,7 +217,3 @@ def _resized(camera: Camera, size: Size) -> Camera:
         raise UserError(
             f"the camera does not fit the picture: {error}", "calibrate at the same aspect ratio"
         ) from error
-
-
-def _grey(image_bgr: Image) -> Image:
-    return np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8)

@@ -1,0 +1,55 @@
+"""Holds the pose still while the marker is, and lets it go at once when it moves.
+
+A one-euro filter on SE(3) (Casiez, Roussel and Vogel, CHI 2012: the cutoff rises with the motion), whose measure of
+motion is each pose's own covariance. The difference between measured and held pose is split along the covariance's
+principal axes; a part within `gate` standard deviations is noise and gets through slowly, the more of it lies beyond,
+the faster. So the held pose is never wrong by much more than the gate, which is what bounds its lag.
+"""
+
+import math
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import rigid
+
+# A pose held for longer says nothing about the next one.
+LONGEST_GAP_S = 0.5
+
+
+class PoseFilter:
+    """For one marker; feed it every measured pose in order."""
+
+    def __init__(self) -> None:
+        self._held: Float | None = None
+        self._time_s = 0.0
+
+    def reset(self) -> None:
+        """The next pose has nothing to do with the last one."""
+        self._held = None
+
+    def add(self, T: Float, covariance: Float, side_m: float, time_s: float, rest_s: float, gate: float) -> Float:
+        """The held pose (4, 4) after measuring `T` (4, 4) with its `covariance` (6, 6), as in MarkerPose.
+
+        `rest_s`: the time constant of averaging at rest; `gate`: how many standard deviations are noise.
+        """
+        elapsed_s = time_s - self._time_s
+        if self._held is None or not 0 < elapsed_s <= LONGEST_GAP_S or rest_s <= 0:
+            self._held, self._time_s = T, time_s
+            return T
+        # Radians become the metres that they move the marker's edge, so that the six axes can be compared.
+        units = np.array([side_m / 2] * 3 + [1.0] * 3)
+        turn = cv2.Rodrigues(T[:3, :3] @ self._held[:3, :3].T)[0].ravel()
+        difference = units * np.concatenate([turn, T[:3, 3] - self._held[:3, 3]])
+        variances, axes = np.linalg.eigh(units[:, None] * covariance * units)
+        parts = axes.T @ difference
+        # In standard deviations; noise within a direction that is known exactly cannot be told from motion.
+        excess = gate**2 * variances.clip(0) / np.maximum(parts**2, 1e-30)
+        gains = np.maximum(1 - math.exp(-elapsed_s / rest_s), 1 - excess)
+        step = (axes @ (gains * parts)) / units
+        R = cv2.Rodrigues(step[:3])[0] @ self._held[:3, :3]
+        # The product of many rotations drifts from being one.
+        R = cv2.Rodrigues(cv2.Rodrigues(R)[0])[0]
+        self._held, self._time_s = rigid(R, self._held[:3, 3] + step[3:]), time_s
+        return self._held

@@ -1,0 +1,112 @@
+"""Where in a frame the marker is: along its last edges, around its last place, or anywhere.
+
+Each costs more than the one before, and finds what that one lost.
+"""
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.tracking.corners import (
+    REACH_RATIO,
+    FittedSquare,
+    fitted_square,
+    is_front_of_square,
+    linear_light,
+    region_around,
+    side_lengths_px,
+)
+from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
+from ashe_live.tracking.markers import Marker
+from ashe_live.tracking.quads import MIN_SIDE_PX
+
+# What the edges of the last frame enclose must still look like the marker. Blur as wide as its cells leaves this much.
+MIN_LIKENESS = 0.55
+MIN_SIDES_SEEN = 3
+# The region searched: the last corners' bounding box, grown on each side by this part of its longer side.
+REGION_MARGIN = 0.6
+# The marker's size at which it is searched there: a larger one is scaled down, a smaller one up.
+LARGEST_PX, SMALLEST_PX = 96.0, 48.0
+MAX_ENLARGEMENT = 3.0
+# Between two frames the marker does not become smaller or larger than this part of itself.
+SMALLEST_NEAR, LARGEST_NEAR = 0.6, 1.7
+# The least side that a thorough search of the frame looks for, and how much wider than a quick one it looks.
+THOROUGH_SIDE_PX, THOROUGH_RATIO = 8.0, 2
+# At the scale of the search, how far a marker's coarse corners may be off.
+COARSE_PX = 1.0
+
+
+def along_edges(
+    marker: Marker, image_bgr: Image, camera: Camera, expected_px: Float, samples: int
+) -> FittedSquare | None:
+    """The marker whose corners (4, 2) are expected, in picture pixels, to within a tenth of its size."""
+    start, end = region_around(expected_px, 6, REACH_RATIO, image_bgr.shape)
+    if end[0] - start[0] < 2 or end[1] - start[1] < 2:
+        return None
+    grey = _grey(image_bgr[start[1] : end[1], start[0] : end[0]])
+    expected = ideal_from_source(camera, expected_px)
+    square = fitted_square(linear_light(grey), expected, samples, 1.0, camera, start)
+    if square is None or not (square.sides_seen == 4 or _leaves_frame(square, camera)):
+        return None
+    growth = side_lengths_px(square.corners_px) / side_lengths_px(expected)
+    if growth.min() < SMALLEST_NEAR or growth.max() > LARGEST_NEAR:
+        return None
+    is_it = marker.likeness(grey, source_from_ideal(camera, square.corners_px) - start) >= MIN_LIKENESS
+    return square if is_it else None
+
+
+def _leaves_frame(square: FittedSquare, camera: Camera) -> bool:
+    """Whether three sides are seen and the fourth may be beyond the frame: these three determine the pose, just."""
+    source = source_from_ideal(camera, square.corners_px)
+    is_outside = ((source < 0) | (source > np.subtract(camera.size, 1))).any(axis=1)
+    return square.sides_seen >= MIN_SIDES_SEEN and bool(is_outside.any())
+
+
+def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:
+    """Coarse corners (4, 2), picture pixels, of every such marker around `last_px` (4, 2)."""
+    (left, top), (right, bottom) = region_around(last_px, 4, REGION_MARGIN, image_bgr.shape)
+    if right - left < 2 or bottom - top < 2:
+        return []
+    extent = float(np.ptp(last_px, axis=0).max())
+    scale = min(LARGEST_PX / extent, 1.0) if extent > SMALLEST_PX else min(SMALLEST_PX / extent, MAX_ENLARGEMENT)
+    grey = _grey(image_bgr[top:bottom, left:right])
+    found = _found(marker, grey, scale, SMALLEST_NEAR * float(side_lengths_px(last_px).min()), True)
+    return [corners + np.array((left, top)) for corners in found]
+
+
+def anywhere(marker: Marker, image_bgr: Image, width_px: int, thorough: bool) -> list[Float]:
+    """Coarse corners (4, 2), picture pixels, of every such marker in the frame, searched at `width_px`."""
+    width = image_bgr.shape[1]
+    scale = min(1.0, (THOROUGH_RATIO if thorough else 1) * width_px / width)
+    return _found(marker, _grey(image_bgr), scale, (THOROUGH_SIDE_PX if thorough else MIN_SIDE_PX) / scale, thorough)
+
+
+def refined(image_bgr: Image, camera: Camera, coarse_px: Float, samples: int) -> FittedSquare | None:
+    """The square at coarse corners (4, 2), picture pixels, measured at full resolution."""
+    off_by_px = max(COARSE_PX, float(np.ptp(coarse_px, axis=0).max()) / LARGEST_PX)
+    start, end = region_around(coarse_px, 2 * off_by_px + 4, REACH_RATIO, image_bgr.shape)
+    if end[0] - start[0] < 2 or end[1] - start[1] < 2:
+        return None
+    light = linear_light(_grey(image_bgr[start[1] : end[1], start[0] : end[0]]))
+    ideal = ideal_from_source(camera, coarse_px)
+    square = fitted_square(light, ideal, samples, off_by_px, camera, start)
+    if square is None and is_front_of_square(ideal):
+        return FittedSquare(ideal, np.eye(8) / off_by_px**2)
+    return square
+
+
+def _found(marker: Marker, grey: Image, scale: float, min_side_px: float, thorough: bool) -> list[Float]:
+    """Searched at `scale`; all in pixels of `grey`."""
+    if scale == 1:
+        return marker.find(grey, min_side_px, thorough)
+    height, width = grey.shape
+    size = max(1, round(width * scale)), max(1, round(height * scale))
+    interpolation = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
+    scaled = np.asarray(cv2.resize(grey, size, interpolation=interpolation), dtype=np.uint8)
+    steps = np.array((width, height)) / size
+    return [(corners + 0.5) * steps - 0.5 for corners in marker.find(scaled, min_side_px * scale, thorough)]
+
+
+def _grey(image_bgr: Image) -> Image:
+    return np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
