@@ -1,7 +1,6 @@
 """An estimate step by step, as pictures for a person: what the estimator took for what, and how well it explains that.
 
-Nothing here is needed to estimate. The estimator's own pure stages are run once more for what an estimate does not
-carry.
+Nothing here is needed to estimate; what an estimate does not carry is computed once more by the estimator's stages.
 """
 
 import math
@@ -23,16 +22,11 @@ from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground
 from ashe_live.light.log_colour import linear_rgb, log_opponent
 from ashe_live.light.view import View
 
-Bgr = tuple[int, int, int]
-
 # Told apart also by the colour-blind (Okabe and Ito's sky blue, orange, vermilion and bluish green).
-OBJECT_BGR: Bgr = (233, 180, 86)
-SHADOW_BGR: Bgr = (0, 159, 230)
-UNEXPLAINED_BGR: Bgr = (0, 94, 213)
-UNSEEN_BGR: Bgr = (115, 158, 0)
-PAPER_BGR: Bgr = (28, 24, 22)
-INK_BGR: Bgr = (235, 235, 235)
-FAINT_BGR: Bgr = (120, 112, 106)
+OBJECT_BGR = (233, 180, 86)
+SHADOW_BGR = (0, 159, 230)
+UNEXPLAINED_BGR, UNSEEN_BGR = (0, 94, 213), (115, 158, 0)
+PAPER_BGR, INK_BGR, FAINT_BGR = (28, 24, 22), (235, 235, 235), (120, 112, 106)
 TINT = 0.6
 COARSE_WIDTH_PX = 320
 SURPRISING = 12.0  # squared Mahalanobis distance from the lit ground's colours
@@ -86,12 +80,6 @@ def _ground_pictures(tracked: TrackedFrame, estimate: LightEstimate) -> list[Deb
     lit = lit_ground_rgb(view.image_bgr, ground, view.is_ground)
     ratio = LINEAR_FROM_SRGB_8BIT[view.image_bgr[:, :, ::-1]] / lit
     return [DebugPicture("lit ground", _encoded(lit)), DebugPicture("ratio to lit ground", _encoded(ratio))]
-
-
-def undistorted(tracked: TrackedFrame, width_px: int) -> tuple[Image, Camera]:
-    """The frame of a marker at `width_px`, if it is wider, and its camera, both without distortion."""
-    view = View.of(tracked, width_px)
-    return view.image_bgr, view.camera
 
 
 def lit_ground_rgb(image_bgr: Image, ground: LitGround, is_ground: Mask) -> Float:
@@ -180,10 +168,11 @@ def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: 
 
 def _centred(picture_bgr: Image, shape: tuple[int, ...]) -> Image:
     """On a sheet of `shape`, so that all steps have one."""
-    top, left = (shape[0] - picture_bgr.shape[0]) // 2, (shape[1] - picture_bgr.shape[1]) // 2
-    bottom, right = shape[0] - picture_bgr.shape[0] - top, shape[1] - picture_bgr.shape[1] - left
-    framed = cv2.copyMakeBorder(picture_bgr, top, bottom, left, right, cv2.BORDER_CONSTANT, value=PAPER_BGR)
-    return np.asarray(framed, dtype=np.uint8)
+    sheet = np.full(shape, PAPER_BGR, np.uint8)
+    height, width = picture_bgr.shape[:2]
+    top, left = (shape[0] - height) // 2, (shape[1] - width) // 2
+    sheet[top : top + height, left : left + width] = picture_bgr
+    return sheet
 
 
 def _said_of(light: DirectionalLight) -> str:
@@ -234,7 +223,7 @@ def _with_residual(photo: Image, view: View, estimate: LightEstimate, body: Prox
     return _tinted(_tinted(photo, masked & ~known, UNEXPLAINED_BGR), known & ~masked & view.is_ground, UNSEEN_BGR)
 
 
-def _draw_outline(picture_bgr: Image, points: Float | None, colour: Bgr) -> None:
+def _draw_outline(picture_bgr: Image, points: Float | None, colour: tuple[int, int, int]) -> None:
     """A closed line, dark at its rim so that it shows on any ground."""
     if points is not None:
         line = max(1, picture_bgr.shape[1] // 320)
@@ -246,7 +235,7 @@ def _fixed_point(points: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.int32
     return np.asarray(np.round(points * 2**SUBPIXEL_BITS), dtype=np.int32)
 
 
-def _tinted(picture_bgr: Image, inside: Mask, colour: Bgr) -> Image:
+def _tinted(picture_bgr: Image, inside: Mask, colour: tuple[int, int, int]) -> Image:
     blended = cv2.addWeighted(picture_bgr, 1 - TINT, np.full_like(picture_bgr, colour), TINT, 0)
     return np.where(inside[:, :, None], blended, picture_bgr).astype(np.uint8)
 

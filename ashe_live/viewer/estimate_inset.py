@@ -7,7 +7,8 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.core.transforms import inverse_rigid
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.light.debug_view import light_rose, undistorted, with_body, with_masks
+from ashe_live.light.debug_view import light_rose, with_body, with_masks
+from ashe_live.light.view import View
 from ashe_live.render.scene import Overlay
 
 WIDTH = 0.32  # of the window's
@@ -25,9 +26,9 @@ def inset_overlays(estimate: LightEstimate, frozen: TrackedFrame, size: Size) ->
     T_cam_marker = frozen.marker.T_cam_marker
     # Masks and body belong to the picture without the lens's distortion.
     width = max(1, round(WIDTH * size[0]))
-    picture, camera = undistorted(frozen, width)
-    camera = camera.resized((width, max(1, round(width * picture.shape[0] / picture.shape[1]))))
-    picture = with_masks(np.asarray(cv2.resize(picture, camera.size), np.uint8), estimate)
+    view = View.of(frozen, width)
+    camera = view.camera.resized((width, max(1, round(width * view.size[1] / view.size[0]))))
+    picture = with_masks(np.asarray(cv2.resize(view.image_bgr, camera.size), np.uint8), estimate)
     if estimate.caster is not None:
         picture = with_body(picture, camera, T_cam_marker, estimate.caster, estimate.lights)
     inset = _at_bottom_right(picture, size, 0)
