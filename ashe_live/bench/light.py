@@ -60,15 +60,20 @@ class LightBench:
             _check_folder(out, (RESULTS, *(TRADE + suffix for suffix in SUFFIXES if draws)), overwrite)
         estimators = {preset: make_estimator(self.estimator, preset) for preset in self.presets}
         record = self._measured(estimators)
-        points = sweep(thinned(self.cases(), SWEEP_EVERY), estimators, self.console) if self.sweeps else []
-        if points:
-            print_trade(self.console, points)
+        if out is not None:
+            write_json(out / RESULTS, record)  # already here, as the sweep takes as long again
+        if self.sweeps:
+            self._sweep(estimators, record, out)
+        return record
+
+    def _sweep(self, estimators: Mapping[str, Estimator], record: Json, out: Path | None) -> None:
+        """Adds `trade` to the record, and draws it."""
+        points = sweep(thinned(self.cases(), SWEEP_EVERY), estimators, self.console)
+        print_trade(self.console, points)
         record["trade"] = [asdict(point) for point in points]
         if out is not None:
             write_json(out / RESULTS, record)
-        if out is not None and draws:
             draw_trade(points, "Light estimation: error against time", COST, _note(record), out / TRADE)
-        return record
 
     def _measured(self, estimators: Mapping[str, Estimator]) -> Json:
         results = self._results(estimators)
