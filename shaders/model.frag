@@ -140,8 +140,12 @@ void main() {
 #endif
 #endif
 #ifdef BLEND
-    encoded = vec4(srgb_from_linear((albedo * diffuse * base.a + glow) * exposure), base.a);
+    // The framebuffer blends what is encoded; what shines covers as much of it as it is bright.
+    vec3 shine = srgb_from_linear(glow * exposure);
+    float cover = 1.0 - (1.0 - base.a) * (1.0 - max(shine.r, max(shine.g, shine.b)));
+    encoded = vec4(srgb_from_linear((albedo * diffuse * base.a + glow) * exposure / max(cover, 1e-3)) * cover, cover);
 #else
-    encoded = vec4(srgb_from_linear((albedo * diffuse + glow) * exposure), 1.0);
+    // The picture's alpha is the share of the video in it.
+    encoded = vec4(srgb_from_linear((albedo * diffuse + glow) * exposure), 0.0);
 #endif
 }

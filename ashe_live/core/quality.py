@@ -25,6 +25,8 @@ class RenderPreset:
     soft_on_model: bool  # False: shadows on model and real object have one softness, of (2 r + 1)^2 taps
     pcf_radius: int  # that r
     msaa_samples: int  # 0: none
+    matches_blur: bool  # the model is blurred as the video is
+    matches_noise: bool  # and gets its noise
     environment_size: int  # texels a side of what polished surfaces mirror, a power of two
 
 
@@ -48,6 +50,8 @@ FAST = Quality(
         soft_on_model=False,
         pcf_radius=1,
         msaa_samples=0,
+        matches_blur=False,
+        matches_noise=False,
         environment_size=32,
     ),
 )
@@ -62,6 +66,8 @@ BALANCED = Quality(
         soft_on_model=True,
         pcf_radius=1,
         msaa_samples=4,
+        matches_blur=True,
+        matches_noise=True,
         environment_size=64,
     ),
 )
@@ -76,6 +82,8 @@ ACCURATE = Quality(
         soft_on_model=True,
         pcf_radius=2,
         msaa_samples=8,
+        matches_blur=True,
+        matches_noise=True,
         environment_size=128,
     ),
 )

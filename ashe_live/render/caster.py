@@ -37,7 +37,9 @@ class RealObject:
 
     def draw(self, framing: Framing, video: Video, lighting: Lighting, shadows: ShadowMaps) -> None:
         """Its depth, and in its place the video, darker where the model keeps a sun from it."""
-        program = self._programs.get("caster", **shadows.constants)
+        program = self._programs.get("caster", **shadows.constants | {"casters": 1})
+        if not shadows.model_shades_real:
+            program = self._programs.get("depth")
         video.bind(0)
         shadows.bind(program)
         set_uniforms(
@@ -50,7 +52,12 @@ class RealObject:
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         # Near and far enclose the model and its shadow; the object may stand before and behind both.
         self._ctx.enable_direct(GL_DEPTH_CLAMP)
+        framebuffer = self._ctx.fbo
+        framebuffer.color_mask = (shadows.model_shades_real,) * 4
+        framebuffer.use()
         self._array(program).render()
+        framebuffer.color_mask = (True,) * 4
+        framebuffer.use()
         self._ctx.disable_direct(GL_DEPTH_CLAMP)
 
     def release(self) -> None:

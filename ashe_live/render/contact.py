@@ -28,6 +28,8 @@ DEPTHS = RenderPreset(
     soft_on_model=False,
     pcf_radius=1,
     msaa_samples=0,
+    matches_blur=False,
+    matches_noise=False,
     environment_size=0,
 )
 PATCH_SIZE = 64  # texels a side

@@ -43,7 +43,7 @@ def framing(camera: Camera, T_cam_marker: Float, points_marker: Float, viewport:
     clip_from_marker = gl_projection(camera, near, far) @ T_gl_cam @ T_cam_marker
     region = viewport
     if depths.min() >= near:
-        region = _spanned(clip_from_marker, points_marker, viewport)
+        region = spanned(clip_from_marker, points_marker, viewport)
     if min(region[2:]) <= 0:
         return None
     return Framing(viewport, region, clip_from_marker, inverse_rigid(T_cam_marker)[:3, 3])
@@ -54,8 +54,8 @@ def box_corners(bounds: Float) -> Float:
     return np.array(list(itertools.product(*bounds.T)))
 
 
-def _spanned(clip_from_marker: Float, points: Float, viewport: Rectangle) -> Rectangle:
-    """The pixels of `viewport` that the points' convex hull can touch; empty outside it."""
+def spanned(clip_from_marker: Float, points: Float, viewport: Rectangle) -> Rectangle:
+    """The pixels of `viewport` that the hull of points in front of the camera can touch; empty outside it."""
     clip = np.column_stack([points, np.ones(len(points))]) @ clip_from_marker.T
     left, bottom, width, height = viewport
     pixels = (clip[:, :2] / clip[:, 3:] + 1) / 2 * (width, height)

@@ -44,7 +44,10 @@ class GroundShadows:
         corners = tile_corners(len(boxes)) * self._size
         self._allocate(corners.max(axis=0) + self._size)
         assert self._framebuffer is not None
-        program = self._programs.get("ground_shadow", **shadows.constants | {"blocker_taps": self._preset.blocker_taps})
+        program = self._programs.get(
+            "ground_shadow",
+            **shadows.constants | {"casters": shadows.caster_count, "blocker_taps": self._preset.blocker_taps},
+        )
         if self._rectangle is None or self._rectangle[0] is not program:
             self._release_rectangle()
             self._rectangle = program, self._ctx.vertex_array(program, [])

@@ -61,7 +61,9 @@ class ModelPass:
         if not blended:
             return
         blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - view.framing.eye_marker)))
-        self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        # Alpha is the share of the video in the picture.
+        blend = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE_MINUS_SRC_ALPHA
+        self._ctx.blend_func = blend  # type: ignore[assignment]  # moderngl's stub knows two of the four
         for part in blended:
             self._ctx.enable_only(flags_of(part.material))
             for culled in ("front", "back") if part.material.double_sided else ("back",):

@@ -12,9 +12,10 @@ from ashe_live.core.quality import RenderPreset
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
+from ashe_live.render.camera_match import CameraMatch
 from ashe_live.render.caster import RealObject
 from ashe_live.render.environment import Environment
-from ashe_live.render.framing import Framing, box_corners, framing, letterbox
+from ashe_live.render.framing import Framing, box_corners, framing, letterbox, spanned
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
@@ -27,7 +28,7 @@ from ashe_live.render.scene import Scene
 from ashe_live.render.shadow_maps import ShadowMaps, same_objects
 from ashe_live.render.surface import Surface
 from ashe_live.render.video import Video
-from ashe_live.render.video_look import white_of
+from ashe_live.render.video_look import VideoLook, look_of, white_of
 
 
 class Renderer:
@@ -43,6 +44,7 @@ class Renderer:
         self.video = Video(ctx)
         self.overlays = OverlayPass(ctx)
         self._arrow = LightArrow(ctx)
+        self._camera_match = CameraMatch(ctx)
         self._programs = Programs(ctx)
         self._environment = Environment(ctx, preset.environment_size)
         self._model_pass = ModelPass(ctx, self._programs)
@@ -51,7 +53,7 @@ class Renderer:
         self._ground_shadows = GroundShadows(ctx, self._programs, preset)
         self._models = ModelSwitch(ctx, self._programs, self._build_shaders, switches_at_once)
         self._real: RealObject | None = None
-        self._white: tuple[TrackedFrame, RGB] | None = None
+        self._look: tuple[TrackedFrame, VideoLook] | None = None
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
         self._surface = Surface(ctx, size, preset.msaa_samples)
 
@@ -87,6 +89,7 @@ class Renderer:
         self._ground_shadows.release()
         self._shadows = ShadowMaps(self._ctx, preset)
         self._ground_shadows = GroundShadows(self._ctx, self._programs, preset)
+        self._look = None
         self._environment.release()
         self._environment = Environment(self._ctx, preset.environment_size)
         self.resize(self.size)
@@ -135,6 +138,7 @@ class Renderer:
             self.video,
             self.overlays,
             self._arrow,
+            self._camera_match,
             self._shadows,
             self._ground_shadows,
             self._surface,
@@ -158,8 +162,9 @@ class Renderer:
         points = self._drawn_points(model, arrows)
         frame = framing(scene.tracked.camera, scene.tracked.marker.T_cam_marker, points, viewport)
         if frame is not None:
-            white, environment = self._white_of(scene.tracked), self._environment_of(model, scene)
-            self._draw_framed(prepared, frame, lighting, white, environment, arrows)
+            look, environment = self._look_of(scene.tracked), self._environment_of(model, scene)
+            self._draw_framed(prepared, frame, lighting, look.white_rgb, environment, arrows)
+            self._match_camera(model, frame, scene.tracked, look)
 
     def _draw_framed(
         self,
@@ -182,7 +187,7 @@ class Renderer:
             self._model_pass.draw_opaque(prepared.model, view)
             for arrow in arrows:
                 self._arrow.draw(frame, arrow)
-            casters = 1 if self._real is None else 2
+            casters = 2 if self._shadows.shadows_meet else 1
             self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, prepared.contact)
             self._model_pass.draw_blended(prepared.model, view)
 
@@ -202,11 +207,19 @@ class Renderer:
             self._lighting = known, lighting_of(scene.lights, scene.ambient_rgb_ratio, albedo)
         return self._lighting[1]
 
-    def _white_of(self, tracked: TrackedFrame) -> RGB:
+    def _match_camera(self, model: GpuModel, frame: Framing, tracked: TrackedFrame, look: VideoLook) -> None:
+        corners = box_corners(model.placed.bounds)
+        in_front = (corners @ frame.clip_from_marker[3, :3] + frame.clip_from_marker[3, 3]).min() > 0
+        region = spanned(frame.clip_from_marker, corners, frame.viewport) if in_front else frame.region
+        if min(region[2:]) > 0:
+            size = tracked.frame.size
+            self._camera_match.draw(self._surface.colour, region, frame.viewport, size, look, tracked.frame.index)
+
+    def _look_of(self, tracked: TrackedFrame) -> VideoLook:
         """Measured once a frame: exposure and white balance follow the camera's."""
-        if self._white is None or self._white[0] is not tracked:
-            self._white = tracked, white_of(tracked)
-        return self._white[1]
+        if self._look is None or self._look[0] is not tracked:
+            self._look = tracked, look_of(tracked, self._preset.matches_blur, self._preset.matches_noise)
+        return self._look[1]
 
     def _environment_of(self, model: GpuModel, scene: Scene) -> Environment | None:
         """None for a model that mirrors nothing."""

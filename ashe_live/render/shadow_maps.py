@@ -50,6 +50,10 @@ class ShadowMaps:
     def __init__(self, ctx: moderngl.Context, preset: RenderPreset) -> None:
         self.renders = 0
         self.texel_m = 0.0  # the largest side of a texel across a light, metres
+        self.boxes: tuple[LightBox, ...] = ()
+        self.caster_count = 0
+        # Whether it can be, by the boxes around model and real object.
+        self.shadows_meet = self.real_shades_model = self.model_shades_real = False
         self._ctx = ctx
         self._preset = preset
         # Empty texels at a tile's border: what lies outside it is lit.
@@ -58,19 +62,17 @@ class ShadowMaps:
         self._depths.compare_func = ""
         self._texture: moderngl.Texture | None = None
         self._framebuffer: moderngl.Framebuffer | None = None
+        self._light_count = 0
         self._content: tuple[tuple[Caster, ...], bytes] | None = None
         self._uniforms: dict[str, Float] = {}
-        self._counts = (0, 0)
-        self.boxes: tuple[LightBox, ...] = ()
 
     @property
     def constants(self) -> dict[str, float]:
-        """What a shader that includes shadow.glsl is built with."""
-        lights, casters = self._counts
+        """What a shader that includes shadow.glsl is built with, to be drawn on the model or the real object."""
         preset = self._preset
         return {
-            "lights": lights,
-            "casters": casters,
+            "lights": self._light_count,
+            "casters": 2 if self.real_shades_model else 1,
             "pcf_radius": preset.pcf_radius,
             "blocker_taps": preset.blocker_taps if preset.soft_on_model else 0,
             "soft_taps": preset.soft_taps,
@@ -87,7 +89,12 @@ class ShadowMaps:
         if self._content is not None and self._content[1] == lights and same_objects(self._content[0], casters):
             return
         self._content = tuple(casters), lights
-        self._counts = len(suns), len(casters)
+        self._light_count, self.caster_count = len(suns), len(casters)
+        model, *real = casters
+        pairs = [(_overlaps(other, model, sun), _overlaps(model, other, sun)) for other in real for sun in suns]
+        self.shadows_meet = any(onto_model[0] for onto_model, _ in pairs)
+        self.real_shades_model = any(onto_model[1] for onto_model, _ in pairs)
+        self.model_shades_real = any(onto_real[1] for _, onto_real in pairs)
         self.renders += 1
         if not suns:
             return
@@ -156,6 +163,18 @@ class ShadowMaps:
             self._framebuffer.release()
             self._texture.release()
         self._texture = self._framebuffer = None
+
+
+def _overlaps(caster: Caster, receiver: Caster, sun: Sun) -> tuple[bool, bool]:
+    """Whether their shadows may meet on the ground, and whether the caster may shade the receiver; by their boxes."""
+    view = light_view(sun.to_light)
+    seen, seen_receiver = (transform_points(view, each.points) for each in (caster, receiver))
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    receiver_low, receiver_high = seen_receiver.min(axis=0), seen_receiver.max(axis=0)
+    highest = max(caster.points[:, 2].max(), receiver.points[:, 2].max()) / sun.to_light[2]
+    wider = np.tan(sun.angular_size_rad / 2) * max(highest, high[2] - receiver_low[2])
+    meets = not ((low - 2 * wider > receiver_high) | (high + 2 * wider < receiver_low))[:2].any()
+    return bool(meets), bool(meets and high[2] > receiver_low[2])
 
 
 def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:

@@ -57,13 +57,16 @@ def white_of(tracked: TrackedFrame) -> RGB:
     return red, green, blue
 
 
-def look_of(tracked: TrackedFrame) -> VideoLook:
-    """White, blur and noise of a frame with a marker."""
+def look_of(tracked: TrackedFrame, blur: bool = True, noise: bool = True) -> VideoLook:
+    """White, blur and noise of a frame with a marker; 0 for what is not asked for."""
     assert tracked.marker is not None
+    white = white_of(tracked)
+    if not blur and not noise:
+        return VideoLook(white, 0.0, 0.0)
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
-    blur = edge_blur_px(grey, tracked.marker.corners_px)
-    centre = tracked.marker.corners_px.mean(axis=0)
-    return VideoLook(white_of(tracked), blur, noise_sigma(_window(grey, centre)) / 255)
+    corners = tracked.marker.corners_px
+    sigma_px = edge_blur_px(grey, corners) if blur else 0.0
+    return VideoLook(white, sigma_px, noise_sigma(_window(grey, corners.mean(axis=0))) / 255 if noise else 0.0)
 
 
 def edge_blur_px(grey: Image, corners_px: Float) -> float:

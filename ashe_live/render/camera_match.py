@@ -1,0 +1,85 @@
+"""Makes the model look as if the video's camera had filmed it: as blurred, as coarse and as noisy."""
+
+import math
+
+import moderngl
+
+from ashe_live.core.camera import Size
+from ashe_live.render.framing import Rectangle
+from ashe_live.render.programs import build_program, set_uniforms
+from ashe_live.render.video_look import BOX_VARIANCE_PX2, VideoLook
+
+LEAST_BLUR_PX = 0.15
+LEAST_NOISE = 0.25 / 255
+
+
+class CameraMatch:
+    """Works on a finished picture whose alpha tells the model from the video."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._program = build_program(ctx, "camera_match")
+        self._rectangle = ctx.vertex_array(self._program, [])
+        self._copy: moderngl.Texture | None = None
+        self._framebuffer: moderngl.Framebuffer | None = None
+
+    def draw(
+        self,
+        target: moderngl.Framebuffer,
+        region: Rectangle,
+        viewport: Rectangle,
+        video: Size,
+        look: VideoLook,
+        frame_index: int,
+    ) -> None:
+        """In `region` of `target`, a single-sample framebuffer whose `viewport` shows a video of the given size."""
+        scale = viewport[2] / video[0]
+        # A pixel of the video is a box of `scale` pixels, and the model's own pixels are boxes already.
+        variance = scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2) - BOX_VARIANCE_PX2
+        blur = math.sqrt(max(variance, 0.0)) if look.blur_sigma_px > 0 else 0.0
+        if blur < LEAST_BLUR_PX and look.noise_sigma < LEAST_NOISE:
+            return
+        left, bottom, width, height = region
+        reach = math.ceil(2 * blur) + 1
+        framebuffer = self._allocated(target.size)
+        framebuffer.scissor = (left - 2 * reach, bottom - 2 * reach, width + 4 * reach, height + 4 * reach)
+        self._ctx.copy_framebuffer(framebuffer, target)
+        assert self._copy is not None
+        self._copy.use(0)
+        # Binomial weights 1/4, 1/2, 1/4 at a distance d have the variance d^2 / 2.
+        step = math.sqrt(2) * blur
+        set_uniforms(
+            self._program,
+            picture=0,
+            blur_step=(step / target.size[0], step / target.size[1]),
+            noise_sigma=look.noise_sigma,
+            grain_px=(scale, viewport[3] / video[1]),
+            origin_px=(float(viewport[0]), float(viewport[1])),
+            seed=frame_index,
+        )
+        target.scissor = (left - reach, bottom - reach, width + 2 * reach, height + 2 * reach)
+        target.use()
+        self._ctx.viewport = (0, 0, *target.size)
+        self._ctx.enable_only(moderngl.NOTHING)
+        self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        target.scissor = (0, 0, *target.size)
+        target.use()
+
+    def release(self) -> None:
+        self._release_copy()
+        self._rectangle.release()
+        self._program.release()
+
+    def _allocated(self, size: Size) -> moderngl.Framebuffer:
+        if self._copy is None or self._framebuffer is None or self._copy.size != size:
+            self._release_copy()
+            self._copy = self._ctx.texture(size, 4)
+            self._copy.repeat_x = self._copy.repeat_y = False
+            self._framebuffer = self._ctx.framebuffer([self._copy])
+        return self._framebuffer
+
+    def _release_copy(self) -> None:
+        if self._copy is not None and self._framebuffer is not None:
+            self._framebuffer.release()
+            self._copy.release()
+        self._copy = self._framebuffer = None
