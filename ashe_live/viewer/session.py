@@ -64,6 +64,11 @@ class Session:
         return self._shelf.chosen_name
 
     @property
+    def model_progress(self) -> str | None:
+        """What is said while a model is awaited."""
+        return self._shelf.progress
+
+    @property
     def is_estimating(self) -> bool:
         return self._worker.busy
 

@@ -1,11 +1,16 @@
 """The models to choose from, loaded off the main thread so that no switch stalls the picture."""
 
+import time
 from concurrent.futures import Future
+from pathlib import Path
 from threading import Thread
 
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import PlacedModel, placed_on_marker
+
+# A line that comes and goes faster than it can be read only flickers.
+SILENT_S = 0.3
 
 
 class Shelf:
@@ -20,6 +25,7 @@ class Shelf:
         shipped = list(model_names())
         self.names = shipped if first_choice in shipped else [first_choice, *shipped]
         self._loading: dict[str, Future[PlacedModel]] = {}
+        self._begun_s: dict[str, float] = {}
         self._chosen = self._shown_at = self.names.index(first_choice)
         self._shown = self._load(first_choice).result()
         self._error: UserError | None = None
@@ -45,8 +51,19 @@ class Shelf:
             try:
                 self._shown, self._shown_at = loading.result(), self._chosen
             except UserError as error:
+                # Forgotten, so that a mended file can be chosen again.
+                del self._loading[self.chosen_name]
                 self._error, self._chosen = error, self._shown_at
         return self._shown
+
+    @property
+    def progress(self) -> str | None:
+        """What a person waits for, if that takes long enough to be said."""
+        loading = self._loading.get(self.chosen_name)
+        if loading is None or loading.done():
+            return None
+        waited_s = time.monotonic() - self._begun_s[self.chosen_name]
+        return None if waited_s < SILENT_S else f"loading {Path(self.chosen_name).name}: {waited_s:.0f} s"
 
     def take_error(self) -> UserError | None:
         error, self._error = self._error, None
@@ -54,7 +71,7 @@ class Shelf:
 
     def _load(self, name: str) -> Future[PlacedModel]:
         if name not in self._loading:
-            self._loading[name] = Future()
+            self._loading[name], self._begun_s[name] = Future(), time.monotonic()
             # A daemon, so that quitting does not wait for a huge file.
             Thread(target=self._read, args=(name, self._loading[name]), name="model", daemon=True).start()
         return self._loading[name]
@@ -62,5 +79,8 @@ class Shelf:
     def _read(self, name: str, loading: "Future[PlacedModel]") -> None:
         try:
             loading.set_result(placed_on_marker(load_model(name), self._marker_side_m))
-        except BaseException as error:  # whatever it is, whoever shows the model must hear of it
+        except UserError as error:
             loading.set_exception(error)
+        except BaseException as error:  # whatever it is, no model ends the viewer
+            reason = str(error) or type(error).__name__
+            loading.set_exception(UserError(f"cannot show the model {name} ({reason})", "choose another"))

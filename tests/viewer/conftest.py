@@ -105,6 +105,8 @@ class FakeWorker:
 class FakeShelf:
     """Four names, and nothing behind them."""
 
+    progress = None
+
     def __init__(self) -> None:
         self.names = ["cube", "lantern", "mug", "tree"]
         self.at = 0

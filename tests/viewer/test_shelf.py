@@ -54,6 +54,57 @@ def test_the_old_model_is_shown_until_the_new_one_is_there(monkeypatch):
     assert awaited(shelf) is not cube
 
 
+def test_who_waits_is_told_for_how_long(monkeypatch):
+    go_on = threading.Event()
+
+    def slowly(_name: str):
+        go_on.wait(PATIENCE_S)
+        return load_model("cube")
+
+    shelf = Shelf("cube", 0.08)
+    monkeypatch.setattr(shelf_module, "load_model", slowly)
+    monkeypatch.setattr(shelf_module, "SILENT_S", 0.0)
+    assert shelf.progress is None
+    shelf.choose(shelf.names.index("tree"))
+    shelf.model()
+    assert shelf.progress == "loading tree: 0 s"
+    go_on.set()
+    awaited(shelf)
+    assert shelf.progress is None
+
+
+@pytest.mark.parametrize("error", [MemoryError(), RecursionError("too deep"), ValueError("odd")])
+def test_nothing_that_a_model_does_ends_the_viewer(monkeypatch, error):
+    shelf = Shelf("cube", 0.08)
+
+    def failing(_name: str):
+        raise error
+
+    cube = shelf.model()
+    monkeypatch.setattr(shelf_module, "load_model", failing)
+    shelf.choose(shelf.names.index("tree"))
+    shelf.model()
+    assert awaited(shelf) is cube
+    assert "tree" in shelf.take_error().message
+
+
+def test_a_mended_file_can_be_chosen_again(monkeypatch):
+    shelf = Shelf("cube", 0.08)
+    cube = shelf.model()
+
+    def failing(_name: str):
+        raise UserError("tree.glb is torn", "mend it")
+
+    monkeypatch.setattr(shelf_module, "load_model", failing)
+    shelf.choose(shelf.names.index("tree"))
+    shelf.model()
+    awaited(shelf)
+    monkeypatch.setattr(shelf_module, "load_model", load_model)
+    shelf.choose(shelf.names.index("tree"))
+    shelf.model()
+    assert awaited(shelf) is not cube
+
+
 def test_a_model_that_fails_is_told_once_and_the_last_good_one_stays(monkeypatch):
     def failing(name: str):
         if name == "mug":
