@@ -19,10 +19,13 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.light.debug_view import debug_pictures
 from ashe_live.light.estimator import Estimator, make_estimator
+from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker
 
 STEP_WIDTH_PX = 480
+# Of a clip by an unknown camera: so much of it is watched for the focal length, before the frame is chosen.
+LEARNING_S = 10.0
 WORST_FIRST = (
     ExitStatus.WRONG_USE,
     ExitStatus.NO_MARKER,
@@ -48,6 +51,8 @@ def _record(path: Path, tracker: Tracker, estimator: Estimator, options: argpars
     record = FileRecord(str(path), options.quality, options.estimator)
     try:
         with open_source(path) as source:
+            if isinstance(tracker, FocalTracker):
+                learn_focal_length(source, tracker)
             tracked = usable_frame(source, tracker, options.estimate_at)
     except UserError as error:
         return dataclasses.replace(record, error=" ".join(str(error).split()))
@@ -59,6 +64,16 @@ def _record(path: Path, tracker: Tracker, estimator: Estimator, options: argpars
         sheet = _write_steps(options.debug, path, tracked, estimate)
         print(f"{path}: steps in {sheet}", file=sys.stderr)
     return dataclasses.replace(record, estimate=estimate, timing_ms=timing_ms)
+
+
+def learn_focal_length(source: Source, tracker: FocalTracker) -> None:
+    """Watches a clip's beginning, as far as it has something to tell, and goes back to its start."""
+    if source.is_photo:
+        return
+    while not tracker.is_sure and (frame := source.read()) is not None and frame.time_s <= LEARNING_S:
+        tracker.track(frame)
+    source.rewind()
+    tracker.reset()
 
 
 def usable_frame(source: Source, tracker: Tracker, estimate_at: int | None) -> TrackedFrame:

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
 from ashe_live.core.quality import BALANCED, QUALITIES, Quality
 from ashe_live.errors import UserError
+from ashe_live.tracking.focal_memory import FocalMemory
+from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.tracker import Tracker
 
@@ -19,24 +21,42 @@ def quality_of(options: argparse.Namespace) -> Quality:
 
 
 def camera_chooser(options: argparse.Namespace) -> CameraFor:
-    """The camera for frames of a size, from --camera-file, --focal-px or --hfov; says so when it has to assume."""
+    """The camera for frames of a size, from --camera-file, --focal-px or --hfov, or assumed."""
     if options.camera_file is not None:
         return _calibrated(read_camera_file(options.camera_file), str(options.camera_file))
     if options.focal_px is not None:
         return lambda size: Camera.from_focal(size, options.focal_px)
     if options.hfov is not None:
         return lambda size: Camera.from_hfov(size, options.hfov)
-    print(
-        f"ashe-live: the camera's field of view is not known, {ASSUMED_HFOV_DEG:g} degrees assumed; "
-        "--hfov, --focal-px or --camera-file make it right",
-        file=sys.stderr,
-    )
-    return lambda size: Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
+    return AssumedCamera()
 
 
-def make_tracker(options: argparse.Namespace, camera_for: CameraFor | None = None) -> Tracker:
+class AssumedCamera:
+    """A camera for frames of any size about which nothing is known; says so when it is first needed."""
+
+    def __init__(self) -> None:
+        self._is_said = False
+
+    def __call__(self, size: Size) -> Camera:
+        if not self._is_said:
+            self._is_said = True
+            print(
+                f"ashe-live: the camera's field of view is not known, {ASSUMED_HFOV_DEG:g} degrees assumed until the "
+                "marker, seen from several sides, tells it; --hfov, --focal-px or --camera-file make it right",
+                file=sys.stderr,
+            )
+        return Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
+
+
+def make_tracker(
+    options: argparse.Namespace, camera_for: CameraFor | None = None, memory: FocalMemory | None = None
+) -> Tracker:
+    """One that learns the focal length, recalled from and kept in `memory`, where nobody gave it."""
     marker = parse_marker(options.marker)
-    return Tracker(marker, camera_for or camera_chooser(options), options.marker_size, quality_of(options).tracking)
+    camera_for = camera_for or camera_chooser(options)
+    if isinstance(camera_for, AssumedCamera):
+        return FocalTracker(marker, camera_for, options.marker_size, quality_of(options).tracking, memory)
+    return Tracker(marker, camera_for, options.marker_size, quality_of(options).tracking)
 
 
 def _calibrated(camera: Camera, name: str) -> CameraFor:

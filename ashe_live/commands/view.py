@@ -28,7 +28,7 @@ from ashe_live.viewer.headless import Playback, play_headless
 from ashe_live.viewer.report import Report
 from ashe_live.viewer.session import EstimatePolicy, Session
 from ashe_live.viewer.shelf import Shelf
-from ashe_live.viewer.status import light_line
+from ashe_live.viewer.status import camera_line, light_line
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +152,9 @@ def _notices(view: View, session: Session, found: set[int]) -> Iterator[str]:
         yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
     elif session.last_notice is not None:
         yield session.last_notice
+    camera = camera_line(session.tracked)
+    if camera is not None and session.tracked is not None and session.tracked.camera.source == "estimated":
+        yield camera
 
 
 @contextlib.contextmanager

@@ -7,8 +7,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.transforms import project
+from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.tracking.focal_fit import fit_focal
+from ashe_live.tracking.lens import source_from_ideal
+from ashe_live.tracking.pose import square_corners
 
 # As many views as a fit in a few milliseconds can bear, and as few as it can be trusted with.
 MOST_VIEWS = 64
@@ -21,12 +24,16 @@ SIZE_SCALE = 0.05
 TURN_SCALE_RAD = math.radians(2.0)
 # When all places are taken, views must differ by so much more, and those that no longer do are dropped.
 THINNING = 1.3
+# What has been measured never fits a pose so well.
+LEAST_RESIDUAL_PX = 1e-4
 # Over the fit's own sigma: models are never the whole truth.
 CAUTION = 1.3
 SYSTEMATIC = 0.005
-# From here on a focal length is worth using instead of an assumed one, and is worth replacing by a surer one.
+# Relative sigmas: from here on a focal length is better than an assumed one; so much smaller a sigma is worth another
+# change of the camera; and from here on nothing more is to be learned.
 KNOWN_SIGMA = 0.08
-MUCH_SURER = 0.6
+MUCH_SURER = 0.7
+FOUND_SIGMA = 0.012
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +67,12 @@ class _View:
         return math.hypot(moved / PLACE_SCALE, resized / SIZE_SCALE, turned / TURN_SCALE_RAD)
 
 
+def _is_measured(marker: MarkerPose, camera: Camera) -> bool:
+    """False where the pose told the corners, as for a marker that is half out of the picture, or one of several."""
+    told = source_from_ideal(camera, project(camera, marker.measured_T_cam_marker, square_corners(marker.side_m)))
+    return bool(np.abs(told - marker.corners_px).max() > LEAST_RESIDUAL_PX)
+
+
 class FocalEstimator:
     """Collects views of one marker that differ, and fits the focal length to them now and then."""
 
@@ -75,9 +88,10 @@ class FocalEstimator:
         """Takes what a frame showed; a new estimate when this led to one. Raises ValueError for another size."""
         if tracked.frame.size != self._size:
             raise ValueError(f"a frame of {tracked.frame.size} among frames of {self._size}")
-        if tracked.marker is None:
+        marker = tracked.marker
+        if marker is None or marker.bridged or not _is_measured(marker, tracked.camera):
             return None
-        view = _View(tracked.marker.corners_px, tracked.marker.T_cam_marker[:3, :3])
+        view = _View(marker.corners_px, marker.measured_T_cam_marker[:3, :3])
         if any(view.distance(kept) < self._spacing for kept in self._views):
             return None
         self._views.append(view)

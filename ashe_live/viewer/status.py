@@ -37,19 +37,31 @@ def marker_line(tracked: TrackedFrame | None) -> str:
     return f"marker: {tracked.marker.reprojection_rms_px:.2f} px"
 
 
+def camera_line(tracked: TrackedFrame | None) -> str | None:
+    """What is known of the camera that nobody calibrated; None for one that is given."""
+    if tracked is None or tracked.camera.source not in ("assumed", "estimated"):
+        return None
+    camera = tracked.camera
+    if camera.focal_sigma_px is None:
+        return f"camera: {camera.hfov_deg:.0f}° wide, assumed until the marker is seen from several sides"
+    return f"camera: focal length {camera.K[0, 0]:.0f} ± {camera.focal_sigma_px:.0f} px, estimated from the marker"
+
+
 def status_lines(session: Session, fps: float | None, quality: str, measured: TrackedFrame | None = None) -> list[str]:
     """Top to bottom; without `fps` where there is no display to have a rate.
 
     The marker's numbers are those of `measured`, or else of the current frame.
     """
     rate = [] if fps is None else [f"{fps:.0f} fps"]
+    camera = camera_line(session.tracked)
     return [
         "   ".join([*rate, session.model_name, quality]),
         marker_line(measured or session.tracked),
+        *([] if camera is None else [camera]),
         light_line(session),
     ]
 
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:
     """What the source and the last command have to say."""
-    return [text for text in (source_status, session.notice(now_s)) if text]
+    return [text for text in (source_status, session.model_progress, session.notice(now_s)) if text]

@@ -1,15 +1,18 @@
 """What the session knows, says and asks the worker for."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.errors import UserError
 from ashe_live.light.worker_process import WorkerFailure
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.session import NOTICE_S, EstimatePolicy, Session
-from ashe_live.viewer.status import light_line, marker_line, source_lines, status_lines
+from ashe_live.viewer.status import camera_line, light_line, marker_line, source_lines, status_lines
 
 
 @pytest.fixture
@@ -175,6 +178,17 @@ def test_the_marker_line_tells_found_from_lost(fakes):
     lines = {marker_line(None), marker_line(fakes.tracked()), marker_line(fakes.tracked(has_marker=False))}
     assert len(lines) == 3
     assert "marker: 0.25 px" in lines
+
+
+def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):
+    given = fakes.tracked()
+    size = given.frame.size
+    assert camera_line(None) is None
+    assert camera_line(given) is None
+    assumed = dataclasses.replace(given, camera=Camera.from_hfov(size, 60, "assumed"))
+    assert "assumed" in camera_line(assumed)
+    estimated = dataclasses.replace(given, camera=Camera.from_focal(size, 612.3, "estimated", 17.4))
+    assert "612 ± 17 px" in camera_line(estimated)
 
 
 def test_no_status_line_is_empty(make):

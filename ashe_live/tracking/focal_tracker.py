@@ -1,0 +1,61 @@
+"""A tracker that learns its camera's focal length from the marker that it follows."""
+
+from collections.abc import Callable
+
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.quality import TrackingPreset
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.tracking.focal import FOUND_SIGMA, KNOWN_SIGMA, MUCH_SURER, FocalEstimate, FocalEstimator
+from ashe_live.tracking.focal_memory import FocalMemory
+from ashe_live.tracking.layout import Layout
+from ashe_live.tracking.markers import Marker
+from ashe_live.tracking.tracker import Tracker
+
+
+class FocalTracker(Tracker):
+    """Starts with an assumed camera, or a remembered one; changes it seldom: each change moves the model a little."""
+
+    def __init__(
+        self,
+        marker: Marker | Layout,
+        assumed: Callable[[Size], Camera],
+        side_m: float,
+        preset: TrackingPreset,
+        memory: FocalMemory | None = None,
+    ) -> None:
+        """As Tracker; `memory` is where this camera's focal length is recalled from and kept."""
+        super().__init__(marker, self._known_or_assumed, side_m, preset)
+        self._assumed = assumed
+        self._memory = memory
+        self._known: FocalEstimate | None = None
+        self._estimator: FocalEstimator | None = None
+
+    def track(self, frame: Frame) -> TrackedFrame:
+        """As Tracker.track; a focal length learned from this frame serves from the next one on."""
+        tracked = super().track(frame)
+        if not self.is_sure:
+            self._learn_from(tracked)
+        return tracked
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether the focal length is known so well that nothing more is learned."""
+        return self._known is not None and self._known.relative_sigma <= FOUND_SIGMA
+
+    def _known_or_assumed(self, size: Size) -> Camera:
+        """For frames of another size than before: nothing has been learned from them."""
+        self._known = None if self._memory is None else self._memory.recall(size)
+        self._estimator = FocalEstimator(size)
+        return self._assumed(size) if self._known is None else self._known.camera()
+
+    def _learn_from(self, tracked: TrackedFrame) -> None:
+        assert self._estimator is not None
+        new = self._estimator.add(tracked)
+        if new is None or new.relative_sigma > KNOWN_SIGMA:
+            return
+        if self._known is not None and new.relative_sigma > MUCH_SURER * self._known.relative_sigma:
+            return
+        self._known = new
+        self.use_camera(new.camera())
+        if self._memory is not None:
+            self._memory.keep(new)

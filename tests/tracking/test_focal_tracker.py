@@ -1,0 +1,86 @@
+"""A tracker that is told nothing about its camera: it learns, says so, and does not let go of the marker for it."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.known_clip import shipped_clip
+from ashe_live.core.camera import Camera
+from ashe_live.core.quality import BALANCED
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.tracking.focal import FocalEstimate
+from ashe_live.tracking.focal_memory import FocalMemory
+from ashe_live.tracking.focal_tracker import FocalTracker
+from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.pose import square_corners
+
+CLIP = shipped_clip()
+WRONG_HFOV_DEG = 75.0
+
+
+def tracker_with(memory: FocalMemory | None) -> FocalTracker:
+    def assumed(size: tuple[int, int]) -> Camera:
+        return Camera.from_hfov(size, WRONG_HFOV_DEG, "assumed")
+
+    return FocalTracker(parse_marker(CLIP.marker_spec), assumed, CLIP.marker_side_m, BALANCED.tracking, memory)
+
+
+def watched(tracker: FocalTracker) -> Iterator[TrackedFrame]:
+    with ClipSource(CLIP.path) as source:
+        while (frame := source.read()) is not None:
+            yield tracker.track(frame)
+
+
+@pytest.fixture(scope="module")
+def memory(tmp_path_factory: pytest.TempPathFactory) -> FocalMemory:
+    return FocalMemory("table", tmp_path_factory.mktemp("memory") / "focal_lengths.json")
+
+
+@pytest.fixture(scope="module")
+def frames(memory: FocalMemory) -> list[TrackedFrame]:
+    return list(watched(tracker_with(memory)))
+
+
+def test_it_begins_with_what_is_assumed_and_ends_with_what_is_true(frames: list[TrackedFrame]) -> None:
+    assert frames[0].camera.source == "assumed"
+    camera = frames[-1].camera
+    assert camera.source == "estimated"
+    assert camera.K[0, 0] == pytest.approx(CLIP.camera.K[0, 0], rel=0.03)
+    assert camera.focal_sigma_px is not None
+    assert abs(camera.K[0, 0] - CLIP.camera.K[0, 0]) < 2.5 * camera.focal_sigma_px
+
+
+def test_the_camera_changes_seldom_and_the_model_stays_on_the_marker(frames: list[TrackedFrame]) -> None:
+    changes = [at for at in range(1, len(frames)) if frames[at].camera is not frames[at - 1].camera]
+    assert 1 <= len(changes) <= 4
+    for at in changes:
+        tracked = frames[at]
+        assert tracked.marker is not None
+        drawn = project(tracked.camera, tracked.marker.T_cam_marker, square_corners(CLIP.marker_side_m))
+        assert np.abs(drawn - tracked.marker.corners_px).max() < 1.0
+
+
+def test_the_next_run_begins_with_what_this_one_learned(frames: list[TrackedFrame], memory: FocalMemory) -> None:
+    first = next(watched(tracker_with(memory))).camera
+    assert first.source == "estimated"
+    assert first.K[0, 0] == frames[-1].camera.K[0, 0]
+    assert first.focal_sigma_px == frames[-1].camera.focal_sigma_px
+
+
+def test_what_is_known_well_is_left_alone(tmp_path: Path) -> None:
+    memory = FocalMemory("table", tmp_path / "focal_lengths.json")
+    memory.keep(FocalEstimate(CLIP.camera.size, 700.0, 2.0, 60))
+    tracker = tracker_with(memory)
+    assert {tracked.camera.K[0, 0] for tracked in watched(tracker)} == {700.0}
+    assert tracker.is_sure
+
+
+def test_frames_of_another_size_begin_anew() -> None:
+    tracker = tracker_with(None)
+    for size in ((640, 480), (320, 240), (480, 640)):
+        camera = tracker.track(Frame(np.zeros((size[1], size[0], 3), np.uint8), 0, 0.0)).camera
+        assert (camera.size, camera.source) == (size, "assumed")
