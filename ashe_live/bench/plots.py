@@ -50,7 +50,7 @@ def pareto_front(points: Sequence[TradePoint], measure: str) -> list[TradePoint]
 def draw_trade(points: Sequence[TradePoint], title: str, cost_label: str, note: str, stem: Path) -> None:
     """Writes `stem`.svg and `stem`.png: a panel for each measure, cost on a logarithmic axis, presets named.
 
-    `note` (date, machine, versions) stands below. Raises ValueError without points, UserError without Matplotlib or
+    `note` (date, machine, versions) stands at the top. Raises ValueError without points, UserError without Matplotlib or
     when a file cannot be written; it replaces existing files, so ask check_output first.
     """
     if not points:
@@ -67,10 +67,10 @@ def draw_trade(points: Sequence[TradePoint], title: str, cost_label: str, note: 
         axes = figure.subplots(1, len(measures), squeeze=False)[0]
         for ax, measure in zip(axes, measures, strict=True):
             _draw_panel(ax, points, measure, cost_label)
-        figure.suptitle(title)
-        figure.supxlabel(note, fontsize="x-small", color="dimgray")
+        figure.suptitle(title, x=0.01, horizontalalignment="left")
+        figure.text(0.99, 0.98, note, fontsize="x-small", color="dimgray", ha="right", va="top")
         handles, labels = axes[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize="small")
+        figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
         for suffix in SUFFIXES:
             metadata = {"Date": None} if suffix == ".svg" else {"Software": None}
             with written_whole(stem.with_suffix(suffix)) as partial:
