@@ -50,8 +50,8 @@ def pareto_front(points: Sequence[TradePoint], measure: str) -> list[TradePoint]
 def draw_trade(points: Sequence[TradePoint], title: str, cost_label: str, note: str, stem: Path) -> None:
     """Writes `stem`.svg and `stem`.png: a panel for each measure, cost on a logarithmic axis, presets named.
 
-    `note` (date, machine, versions) stands at the top. Raises ValueError without points, UserError without Matplotlib or
-    when a file cannot be written; it replaces existing files, so ask check_output first.
+    `note` (date, machine, versions) stands at the top. Existing files are replaced: ask check_output first. Raises
+    ValueError without points, UserError without Matplotlib or when a file cannot be written.
     """
     if not points:
         raise ValueError("there is nothing to draw")
