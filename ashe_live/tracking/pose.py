@@ -16,7 +16,7 @@ from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.corners import FittedSquare, is_front_of_square, side_lengths_px
 from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
-from ashe_live.tracking.pose_refinement import Solution, refined_solution, solution_of
+from ashe_live.tracking.pose_refinement import Solution, covariance_of, refined_solution, solution_of
 
 # The smaller error alone decides when the other is so much larger: in ratio, and beyond what explains itself by noise
 # and by curled paper. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the error.
@@ -75,14 +75,22 @@ def pose_of_squares(
     largest = max(sightings, key=lambda one: float(side_lengths_px(one.square.corners_px).sum()))
     starts = (solution_of(R, t, points, pixels, information, camera.K) for R, t in _ippe(largest, camera))
     solutions = [one for one in starts if one is not None]
-    if refines or len(sightings) > 1:
-        solutions = [refined_solution(one, points, pixels, information, camera.K) for one in solutions]
     if not solutions:
         return None
+
+    def refined(solution: Solution) -> Solution:
+        return refined_solution(solution, points, pixels, information, camera.K)
+
+    refines = refines or len(sightings) > 1
+    # With a previous pose the choice is safe before refinement, which takes most of the time.
+    if refines and previous is None:
+        solutions = [refined(one) for one in solutions]
     solutions.sort(key=lambda solution: solution.rms_px)
     if not _is_decisive(solutions, math.sqrt(cv2.contourArea(cv2.convexHull(pixels.astype(np.float32))))):
         solutions.sort(key=_is_from_below if previous is None else _turn_from(previous.measured_T_cam_marker))
     chosen, *others = solutions
+    if refines and previous is not None:
+        chosen = refined(chosen)
     T_cam_marker = rigid(chosen.R, chosen.t)
     seen_whole = len(sightings) == 1 and largest.square.sides_seen == 4
     corners_px = pixels if seen_whole else project(camera, T_cam_marker, square_corners(side_m))
@@ -94,7 +102,7 @@ def pose_of_squares(
         side_m=side_m,
         reprojection_rms_px=chosen.rms_px,
         other_rms_px=others[0].rms_px if others else None,
-        covariance=chosen.covariance,
+        covariance=covariance_of(chosen, points, information, camera.K),
     )
 
 

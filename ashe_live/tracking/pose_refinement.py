@@ -26,7 +26,6 @@ class Solution:
     t: Float  # (3,) metres
     rms_px: float  # root mean square distance of the points
     cost: float  # squared distance in standard deviations, summed
-    covariance: Float  # (6, 6) of (w, v), rad and metres: see the module; what noise alone does
 
 
 def solution_of(
@@ -37,15 +36,19 @@ def solution_of(
     `information` (2n, 2n) is the inverse covariance of the pixels.
     """
     R, t = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64).reshape(3)
-    turned = points @ R.T
-    in_camera = turned + t
+    in_camera = points @ R.T + t
     if not (np.isfinite(in_camera).all() and (in_camera[:, 2] > 0).all()):
         return None
     error = (in_camera / in_camera[:, 2:]) @ K[:2].T - pixels
     cost = float(error.ravel() @ information @ error.ravel())
-    jacobian = _jacobian(turned, in_camera, K)
-    covariance = _inverse(jacobian.T @ information @ jacobian)
-    return Solution(R, t, math.sqrt(float((error**2).sum() / len(points))), cost, covariance)
+    return Solution(R, t, math.sqrt(float((error**2).sum() / len(points))), cost)
+
+
+def covariance_of(solution: Solution, points: Float, information: Float, K: Float) -> Float:
+    """(6, 6) of (w, v), rad and metres, see the module: what noise alone does to the pose."""
+    turned = points @ solution.R.T
+    jacobian = _jacobian(turned, turned + solution.t, K)
+    return _inverse(jacobian.T @ information @ jacobian)
 
 
 def refined_solution(start: Solution, points: Float, pixels: Float, information: Float, K: Float) -> Solution:
