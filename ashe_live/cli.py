@@ -65,6 +65,9 @@ def build_parser() -> argparse.ArgumentParser:
     )
     marker.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
+    cameras = commands.add_parser("cameras", help="the cameras that are connected, and their modes")
+    cameras.add_argument("--fast", action="store_true", help="names only: no camera is opened")
+
     board = commands.add_parser("board", help="a board to print, with which `calibrate` measures a camera")
     board.add_argument("--out", type=Path, required=True, metavar="FILE.pdf|png")
     board.add_argument("--square-mm", type=_positive, default=25.0, metavar="MM", help="a square's side (default 25)")

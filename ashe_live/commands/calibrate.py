@@ -37,6 +37,8 @@ class Guidance(Protocol):
 def run(options: argparse.Namespace) -> int:
     check_output(options.out, options.overwrite)
     with _opened(options) as source:
+        if source.note is not None:
+            print(f"ashe-live: {source.note}", file=sys.stderr)
         guide = CalibrationGuide(source.size)
         with _window(source) if source.is_live and not options.headless else _lines() as guidance:
             calibration = _collect(source, guide, guidance) or guide.calibration()

@@ -1,14 +1,20 @@
 """`ashe-live webcam`: a camera, a printed marker, a sunny table."""
 
 import argparse
+import sys
 
+from ashe_live.capture.cameras import connected, name_of
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.commands.setup import make_tracker
 from ashe_live.commands.view import View, check_outputs, show
+from ashe_live.tracking.focal_memory import FocalMemory
 
 
 def run(options: argparse.Namespace) -> int:
     check_outputs(options)
-    tracker = make_tracker(options)
     camera = int(options.camera) if options.camera.isdecimal() else options.camera
-    return show(View(WebcamSource(camera, options.size), tracker, options))
+    tracker = make_tracker(options, memory=FocalMemory(name_of(camera, connected())))
+    source = WebcamSource(camera, options.size)
+    if source.note is not None:
+        print(f"ashe-live: {source.note}", file=sys.stderr)
+    return show(View(source, tracker, options))

@@ -3,6 +3,7 @@
 import itertools
 import os
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,31 +15,53 @@ from ashe_live.capture.webcam import WebcamSource, camera_error
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 
+PATIENCE_S = 10.0
+
 
 class FakeCapture:
-    """Gives `count` pictures of `size` and then fails, as when the camera is pulled out."""
+    """Gives a picture whenever the test says `tick`, `count` in all, and then fails, as when the camera is pulled out.
+
+    Each picture's grey tells its number.
+    """
 
     def __init__(self, count: int, size: tuple[int, int] = (64, 48), opens: bool = True) -> None:
-        self.left = count
         self.size = size
         self.opens = opens
-        self.is_released = False
+        self.released = threading.Event()
+        self._left = count
+        self._changed = threading.Condition()
+        self._shown = 1  # the one that opening waits for
+        self._grabs = 0
+
+    def tick(self, pictures: int = 1) -> None:
+        """Shows so many pictures, and waits until each has been handed over."""
+        with self._changed:
+            self._shown += pictures
+            self._changed.notify_all()
+            # Who asks for one more has handed over all others.
+            assert self._changed.wait_for(lambda: self._grabs > self._shown or self.released.is_set(), PATIENCE_S)
 
     def isOpened(self) -> bool:
         return self.opens
 
     def grab(self) -> bool:
-        self.left -= 1
-        return self.left >= 0
+        with self._changed:
+            self._grabs += 1
+            self._changed.notify_all()
+            self._changed.wait_for(lambda: self._shown >= self._grabs or self._left == 0, PATIENCE_S)
+            self._left -= 1
+            return self._left >= 0
 
     def retrieve(self) -> tuple[bool, Image | None]:
-        return True, np.zeros((self.size[1], self.size[0], 3), np.uint8)
+        return True, np.full((self.size[1], self.size[0], 3), self._grabs - 1, np.uint8)
 
     def get(self, prop: int) -> float:  # noqa: ARG002
         return 0.0
 
     def release(self) -> None:
-        self.is_released = True
+        self.released.set()
+        with self._changed:
+            self._changed.notify_all()
 
 
 def one_after_another(*captures: FakeCapture) -> Callable[[int | str, tuple[int, int] | None], FakeCapture]:
@@ -52,31 +75,52 @@ def ticking(step_s: float = 0.1) -> Callable[[], float]:
 
 
 def test_frames_carry_the_time_at_which_they_arrived() -> None:
-    with WebcamSource(0, open_capture=one_after_another(FakeCapture(3)), clock_s=ticking()) as source:
-        frames = [source.read() for _ in range(3)]
-        assert source.size == (64, 48)
-        assert source.fps == 30.0, "a camera that does not tell its rate"
+    capture = FakeCapture(9)
+    source = WebcamSource(0, open_capture=one_after_another(capture), clock_s=ticking())
+    assert source.size == (64, 48)
+    assert source.fps == 30.0, "a camera that does not tell its rate"
+    assert source.note is None
+    frames = [source.read()]
+    for _ in range(2):
+        capture.tick()
+        frames.append(source.read())
     assert [frame.index for frame in frames] == [0, 1, 2]
     np.testing.assert_allclose([frame.time_s for frame in frames], [0.0, 0.1, 0.2])
+
+
+def test_who_comes_late_gets_the_newest_picture_and_no_older_one_after_it() -> None:
+    capture = FakeCapture(9)
+    source = WebcamSource(0, open_capture=one_after_another(capture), clock_s=ticking())
+    assert source.read().image_bgr[0, 0, 0] == 0
+    capture.tick(4)
+    late = source.read()
+    assert late.image_bgr[0, 0, 0] == 4
+    assert late.index == 1
+    assert late.time_s == pytest.approx(0.4)
+    capture.tick()
+    assert source.read().image_bgr[0, 0, 0] == 5
 
 
 def test_lost_camera_is_said_and_resumes_where_it_was() -> None:
     first, gone, closed, back = FakeCapture(2), FakeCapture(0), FakeCapture(0, opens=False), FakeCapture(5)
     source = WebcamSource(0, open_capture=one_after_another(first, gone, closed, back), clock_s=ticking())
     source.read()
+    first.tick()
     last = source.read()
     with pytest.raises(SourceLost, match="no more pictures"):
         source.read()
-    assert first.is_released, "or the system cannot give the device away again"
+    assert first.released.wait(PATIENCE_S), "or the system cannot give the device away again"
     with pytest.raises(SourceLost):
         source.read()
     assert [source.reopen() for _ in range(3)] == [False, False, True]
     frame = source.read()
     assert frame.index == last.index + 1
     assert frame.time_s > last.time_s
+    back.tick()
     source.close()
     source.close()
-    assert all(capture.is_released for capture in (gone, closed, back))
+    back.tick()
+    assert all(capture.released.wait(PATIENCE_S) for capture in (gone, closed, back))
 
 
 def test_reopening_asks_for_the_size_it_had_and_accepts_no_other() -> None:
@@ -94,12 +138,33 @@ def test_reopening_asks_for_the_size_it_had_and_accepts_no_other() -> None:
     assert asked == [(640, 480), (64, 48)]
 
 
+def test_a_size_that_the_camera_does_not_have_is_said() -> None:
+    source = WebcamSource(0, (1920, 1080), one_after_another(FakeCapture(9)))
+    assert source.note == "camera 0 has no pictures of 1920x1080: it gives 64x48"
+    assert WebcamSource(0, (64, 48), one_after_another(FakeCapture(9))).note is None
+
+
 def test_empty_picture_counts_as_lost() -> None:
     capture = FakeCapture(9)
     source = WebcamSource(0, open_capture=one_after_another(capture))
     source.read()
     capture.size = (0, 0)
+    capture.tick()
     with pytest.raises(SourceLost):
+        source.read()
+
+
+def test_what_goes_wrong_in_the_camera_s_thread_reaches_the_reader() -> None:
+    capture = FakeCapture(9)
+    source = WebcamSource(0, open_capture=one_after_another(capture))
+    source.read()
+
+    def retrieve() -> tuple[bool, Image | None]:
+        raise MemoryError
+
+    capture.retrieve = retrieve  # type: ignore[method-assign]
+    capture.tick()
+    with pytest.raises(MemoryError):
         source.read()
 
 
@@ -107,7 +172,7 @@ def test_empty_picture_counts_as_lost() -> None:
 def test_camera_without_pictures_is_a_user_error_and_released(capture: FakeCapture) -> None:
     with pytest.raises(UserError):
         WebcamSource(0, open_capture=one_after_another(capture))
-    assert capture.is_released
+    assert capture.released.wait(PATIENCE_S)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells why a camera fails")
