@@ -1,0 +1,89 @@
+"""Meshes that are not as they should be: a right model all the same, or one clear line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from ashe_live.errors import UserError
+from ashe_live.models.loading import load_model_file
+from ashe_live.models.mesh import Mesh
+from ashe_live.models.shading_normals import face_normals, place_keys
+
+
+def _volume(part: Mesh) -> float:
+    corner = part.vertices[part.triangles[:, 0]].astype(float)
+    return float(np.einsum("ij,ij->", face_normals(part.vertices, part.triangles), corner)) / 6
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".stl", ".ply", ".obj"])
+@pytest.mark.parametrize("with_normals", [True, False])
+def test_closed_model_that_is_inside_out_is_turned(tmp_path: Path, suffix: str, with_normals: bool) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    ball.invert()
+    path = tmp_path / f"ball{suffix}"
+    if suffix == ".stl":
+        ball.export(path)
+    else:
+        ball.export(path, **{"include_normals" if suffix in (".glb", ".obj") else "vertex_normal": with_normals})
+    part = load_model_file(path).parts[0]
+    assert _volume(part) > 4
+    assert (np.einsum("ij,ij->i", part.normals, part.vertices) > 0.9).all()
+
+
+def test_open_model_keeps_the_side_that_its_file_says(tmp_path: Path) -> None:
+    (tmp_path / "sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2\nf 1 4 3\n")
+    np.testing.assert_allclose(load_model_file(tmp_path / "sheet.obj").parts[0].normals, [(0, 0, -1)] * 6, atol=1e-6)
+
+
+def test_degenerate_triangles_are_left_out(tmp_path: Path) -> None:
+    (tmp_path / "some.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 2\nf 1 2 4\n")
+    part = load_model_file(tmp_path / "some.obj").parts[0]
+    assert len(part.triangles) == 1
+    np.testing.assert_allclose(part.normals, [(0, 0, 1)] * 3)
+    (tmp_path / "all.obj").write_text("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+    with pytest.raises(UserError, match="no triangles"):
+        load_model_file(tmp_path / "all.obj")
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "1e300"])
+def test_vertices_that_are_no_numbers_are_said(tmp_path: Path, value: str) -> None:
+    (tmp_path / "a.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
+        f"0 0 0\n1 0 0\n0 1 0\n0 0 {value}\n3 0 1 2\n3 0 1 3\n"
+    )
+    with pytest.raises(UserError, match=r"a\.ply"):
+        load_model_file(tmp_path / "a.ply")
+
+
+def test_normals_that_are_no_directions_are_computed_anew(tmp_path: Path) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=2)
+    for broken in (np.zeros((1, 3)), np.full((1, 3), np.nan)):
+        normals = np.array(ball.vertices)
+        normals[5] = broken
+        trimesh.Trimesh(ball.vertices, ball.faces, vertex_normals=normals, process=False).export(
+            tmp_path / "ball.glb", include_normals=True
+        )
+        part = load_model_file(tmp_path / "ball.glb").parts[0]
+        np.testing.assert_allclose(part.normals, part.vertices, atol=0.1)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".stl", ".ply"])
+def test_formats_without_materials_look_like_matt_plastic(tmp_path: Path, suffix: str) -> None:
+    trimesh.creation.box((1, 1, 1)).export(tmp_path / f"box{suffix}")
+    material = load_model_file(tmp_path / f"box{suffix}").parts[0].material
+    assert material.metallic == 0
+    assert 0.5 <= material.roughness <= 0.9
+    assert material.double_sided
+    assert min(material.base_colour[:3]) > 0.1
+
+
+def test_places_have_one_key_each() -> None:
+    points = np.random.default_rng(2).integers(-20, 20, (20_000, 3)).astype(np.float32)
+    points[points == 0] *= np.random.default_rng(3).choice([-1, 1], (points == 0).sum())  # zeros of both signs
+    _, by_key = np.unique(place_keys(points), return_inverse=True)
+    _, by_row = np.unique(points + 0.0, axis=0, return_inverse=True)
+    pairs = np.unique(np.column_stack([by_key.ravel(), by_row.ravel()]), axis=0)
+    assert len(pairs) == by_key.max() + 1 == by_row.max() + 1

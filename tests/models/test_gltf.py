@@ -1,0 +1,236 @@
+"""Everything that glTF's metallic-roughness materials say arrives, from wherever its textures lie."""
+
+import base64
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from ashe_live.errors import UserError
+from ashe_live.models import limits
+from ashe_live.models.loading import load_model_file
+from ashe_live.models.material import Alpha
+from tests.models.gltf_files import CORNERS, UVS, Document, png
+
+RED, GREEN = (255, 0, 0, 255), (0, 200, 0, 255)
+
+
+def test_every_number_and_map_arrives(tmp_path: Path) -> None:
+    document = Document()
+    maps = [document.embedded(png((10 * k, 20, 30, 255))) for k in range(5)]
+    document.quad(
+        material={
+            "pbrMetallicRoughness": {
+                "baseColorFactor": [1, 0.5, 0.25, 0.75],
+                "baseColorTexture": maps[0],
+                "metallicFactor": 0.3,
+                "roughnessFactor": 0.6,
+                "metallicRoughnessTexture": maps[1],
+            },
+            "normalTexture": {**maps[2], "scale": 0.7},
+            "occlusionTexture": {**maps[3], "strength": 0.4},
+            "emissiveFactor": [1, 0.5, 0],
+            "emissiveTexture": maps[4],
+            "alphaMode": "MASK",
+            "alphaCutoff": 0.35,
+            "doubleSided": True,
+            "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 3.0}},
+        },
+        TEXCOORD_0=document.accessor(UVS),
+    )
+    part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
+    material = part.material
+    assert material.base_colour == pytest.approx((1, 0.5, 0.25, 0.75), abs=1 / 255)
+    assert (material.metallic, material.roughness) == (0.3, 0.6)
+    assert (material.normal_scale, material.occlusion_strength, material.alpha_cutoff) == (0.7, 0.4, 0.35)
+    assert material.emissive == pytest.approx((3.0, 1.5, 0.0))
+    assert material.alpha is Alpha.CUT_OUT
+    assert material.double_sided
+    assert [texels[0, 0, 0] for texels in material.maps.values()] == [0, 10, 20, 30, 40]
+    np.testing.assert_allclose(part.uvs, np.column_stack([UVS[:, 0], 1 - UVS[:, 1]]))
+
+
+def test_what_is_not_said_has_gltfs_defaults(tmp_path: Path) -> None:
+    document = Document()
+    document.quad(material={})
+    material = load_model_file(document.save(tmp_path / "quad.glb")).parts[0].material
+    assert (material.metallic, material.roughness) == (1.0, 1.0)
+    assert material.base_colour == (1, 1, 1, 1)
+    assert material.emissive == (0, 0, 0)
+    assert material.alpha is Alpha.OPAQUE
+    assert not material.double_sided
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+def test_textures_come_from_wherever_they_lie(tmp_path: Path, suffix: str) -> None:
+    (tmp_path / "my picture.png").write_bytes(png(RED))
+    document = Document()
+    places = [
+        document.embedded(png(RED)),
+        document.texture({"uri": "data:image/png;base64," + base64.b64encode(png(RED)).decode()}),
+        document.texture({"uri": "my%20picture.png"}),
+    ]
+    for place in places:
+        document.quad(material={"pbrMetallicRoughness": {"baseColorTexture": place}}, TEXCOORD_0=document.accessor(UVS))
+    for part in load_model_file(document.save(tmp_path / f"quads{suffix}")).parts:
+        assert tuple(part.material.base_map[0, 0]) == RED
+
+
+@pytest.mark.parametrize("uri", ["../secret.png", "%2e%2e/secret.png", "/etc/hostname", "sub/../../secret.png"])
+def test_no_texture_comes_from_outside_the_folder(tmp_path: Path, uri: str) -> None:
+    (tmp_path / "secret.png").write_bytes(png(RED))
+    (tmp_path / "model").mkdir()
+    document = Document()
+    texture = document.texture({"uri": uri})
+    document.quad(material={"pbrMetallicRoughness": {"baseColorTexture": texture}}, TEXCOORD_0=document.accessor(UVS))
+    with pytest.raises(UserError, match="outside its own folder"):
+        load_model_file(document.save(tmp_path / "model" / "quad.glb"))
+
+
+@pytest.mark.parametrize("image", [{"uri": "missing.png"}, {"uri": "data:image/png;base64,AAAA"}])
+def test_texture_that_cannot_be_read_is_said(tmp_path: Path, image: dict) -> None:
+    document = Document()
+    document.quad(
+        material={"pbrMetallicRoughness": {"baseColorTexture": document.texture(image)}},
+        TEXCOORD_0=document.accessor(UVS),
+    )
+    with pytest.raises(UserError, match="baseColorTexture cannot be read"):
+        load_model_file(document.save(tmp_path / "quad.glb"))
+
+
+def test_truncated_picture_is_said(tmp_path: Path) -> None:
+    document = Document()
+    noise = Image.fromarray(np.random.default_rng(1).integers(0, 255, (64, 64, 3), dtype=np.uint8))
+    noise.save(tmp_path / "noise.png")
+    texture = document.embedded((tmp_path / "noise.png").read_bytes()[:3000])
+    document.quad(material={"pbrMetallicRoughness": {"baseColorTexture": texture}}, TEXCOORD_0=document.accessor(UVS))
+    with pytest.raises(UserError, match="malformed"):
+        load_model_file(document.save(tmp_path / "quad.glb"))
+
+
+def test_map_of_the_second_set_of_coordinates_is_laid_out_by_it_or_left_out(tmp_path: Path) -> None:
+    document = Document()
+    second = document.accessor(np.float32(UVS * 0.5))
+    picture = document.embedded(png(RED))
+    document.quad(material={"occlusionTexture": {**picture, "texCoord": 1}}, TEXCOORD_0=second, TEXCOORD_1=second)
+    document.quad(
+        material={
+            "pbrMetallicRoughness": {"baseColorTexture": picture},
+            "occlusionTexture": {**picture, "texCoord": 1},
+        },
+        TEXCOORD_0=document.accessor(UVS),
+        TEXCOORD_1=second,
+    )
+    parts = load_model_file(document.save(tmp_path / "quads.glb")).parts
+    alone, beside = sorted(parts, key=lambda part: part.material.base_map is not None)
+    assert alone.material.occlusion_map is not None
+    np.testing.assert_allclose(alone.uvs[:, 0], UVS[:, 0] * 0.5)
+    assert beside.material.occlusion_map is None
+    np.testing.assert_allclose(beside.uvs[:, 0], UVS[:, 0])
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_normalised_integers_are_shares_of_one(tmp_path: Path, kind: type) -> None:
+    largest = np.iinfo(kind).max
+    document = Document()
+    colours = np.array([(largest, 0, largest // 5, largest)] * 4, dtype=kind)
+    document.quad(
+        material={"pbrMetallicRoughness": {"baseColorTexture": document.embedded(png(GREEN))}},
+        TEXCOORD_0=document.accessor((UVS * largest).astype(kind), normalised=True),
+        COLOR_0=document.accessor(colours, normalised=True),
+    )
+    part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
+    np.testing.assert_allclose(part.uvs, np.column_stack([UVS[:, 0], 1 - UVS[:, 1]]), atol=1e-6)
+    np.testing.assert_allclose(part.colours, [(1, 0, 0.2, 1)] * 4, atol=1e-4)  # linear in glTF
+
+
+def test_vertex_colours_without_alpha_are_opaque(tmp_path: Path) -> None:
+    document = Document()
+    document.quad(COLOR_0=document.accessor(np.float32([(0.1, 0.2, 0.3)] * 4)))
+    part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
+    np.testing.assert_allclose(part.colours, [(0.1, 0.2, 0.3, 1)] * 4, atol=1e-6)
+
+
+def test_nodes_are_placed_turned_and_scaled_one_within_another(tmp_path: Path) -> None:
+    document = Document()
+    document.quad(node={"scale": [2, 3, 1], "rotation": [0, 0, np.sqrt(0.5), np.sqrt(0.5)]})
+    document.json["nodes"].append({"translation": [10, 0, 0], "scale": [1, 2, 1], "children": [0]})
+    document.json["scenes"][0]["nodes"] = [1]
+    part = load_model_file(document.save(tmp_path / "quad.glb")).parts[0]
+    x, y = CORNERS[:, 0] * 2, CORNERS[:, 1] * 3
+    expected = np.column_stack([10 - y, np.zeros(4), 2 * x])  # turned by 90 degrees about z, then y up to z up
+    np.testing.assert_allclose(np.sort(part.vertices, axis=0)[[0, -1]], np.sort(expected, axis=0)[[0, -1]], atol=1e-5)
+    np.testing.assert_allclose(np.abs(part.normals @ (0, 1, 0)), 1, atol=1e-6)
+
+
+def test_node_scaled_to_nothing_is_left_out(tmp_path: Path) -> None:
+    document = Document()
+    document.quad()
+    document.quad(node={"scale": [0, 0, 0]})
+    assert load_model_file(document.save(tmp_path / "quads.glb")).triangle_count == 2
+
+
+def test_picture_is_one_value_however_often_it_is_used(tmp_path: Path) -> None:
+    document = Document()
+    texture = document.embedded(png(RED))
+    for _ in range(2):
+        document.quad(
+            material={"pbrMetallicRoughness": {"baseColorTexture": texture}}, TEXCOORD_0=document.accessor(UVS)
+        )
+    first, second = load_model_file(document.save(tmp_path / "quads.glb")).parts
+    assert first.material.base_map.base is second.material.base_map.base
+
+
+def test_maps_without_coordinates_are_left_out(tmp_path: Path) -> None:
+    document = Document()
+    document.quad(material={"pbrMetallicRoughness": {"baseColorTexture": document.embedded(png(RED))}})
+    assert load_model_file(document.save(tmp_path / "quad.glb")).parts[0].material.maps == {}
+
+
+def test_geometry_that_cannot_be_decoded_is_refused(tmp_path: Path) -> None:
+    document = Document()
+    document.quad()
+    document.json["extensionsRequired"] = ["KHR_draco_mesh_compression"]
+    with pytest.raises(UserError, match="KHR_draco_mesh_compression"):
+        load_model_file(document.save(tmp_path / "quad.glb"))
+
+
+def test_more_than_the_limits_is_refused_before_it_is_allocated(tmp_path: Path, monkeypatch) -> None:
+    """Counts that the file claims; none of it exists."""
+    document = Document()
+    document.quad()
+    document.json["accessors"][-1]["count"] = 3 * (limits.MAX_TRIANGLES + 1)
+    with pytest.raises(UserError, match="2,000,001 triangles"):
+        load_model_file(document.save(tmp_path / "many.glb"))
+    document = Document()
+    document.quad()
+    document.json["accessors"].append({"componentType": 5126, "count": 10**12, "type": "VEC4"})
+    with pytest.raises(UserError, match="1,000,000,000,000 vertices"):
+        load_model_file(document.save(tmp_path / "bomb.glb"))
+    document = Document()
+    document.quad()
+    document.json["nodes"] += [{"mesh": 0}] * 10
+    document.json["scenes"][0]["nodes"] = list(range(11))
+    monkeypatch.setattr(limits, "MAX_TRIANGLES", 21)
+    with pytest.raises(UserError, match="22 triangles"):
+        load_model_file(document.save(tmp_path / "instances.glb"))
+
+
+def test_too_many_texels_are_refused(tmp_path: Path, monkeypatch) -> None:
+    document = Document()
+    document.quad(
+        material={"pbrMetallicRoughness": {"baseColorTexture": document.embedded(png(RED, (9000, 9000)))}},
+        TEXCOORD_0=document.accessor(UVS),
+    )
+    with pytest.raises(UserError, match="9000 x 9000 texels"):
+        load_model_file(document.save(tmp_path / "large.glb"))
+    document = Document()
+    for k in range(3):
+        document.quad(
+            material={"pbrMetallicRoughness": {"baseColorTexture": document.embedded(png((k, 0, 0, 255)))}},
+            TEXCOORD_0=document.accessor(UVS),
+        )
+    monkeypatch.setattr(limits, "MAX_MODEL_TEXELS", 40)
+    with pytest.raises(UserError, match="48 texels together"):
+        load_model_file(document.save(tmp_path / "many.glb"))
