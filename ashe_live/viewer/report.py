@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ashe_live.core.contract import SCHEMA, Json, estimate_json, marker_json
+from ashe_live.core.camera import Camera
+from ashe_live.core.contract import SCHEMA, Json, camera_json, estimate_json, marker_json
 from ashe_live.core.output_files import write_json
 from ashe_live.core.types import LightEstimate, TrackedFrame
 
@@ -29,9 +30,11 @@ class Report:
     estimates: list[Json] = field(default_factory=list)
     idle_ms: list[float] = field(default_factory=list)
     estimating_ms: list[float] = field(default_factory=list)
+    camera: Camera | None = None  # of the last frame: the surest, where it was estimated
 
     def add_frame(self, tracked: TrackedFrame, frame_ms: float, estimating: bool = False) -> None:
         """`frame_ms`: decoding, tracking and rendering of this frame, without recording it."""
+        self.camera = tracked.camera
         marker = marker_json(tracked.marker)
         self.frames.append(
             {
@@ -58,6 +61,7 @@ class Report:
             "summary": {
                 "frames": len(self.frames),
                 "found": sum(frame["found"] for frame in self.frames),
+                "camera": camera_json(self.camera) if self.camera else None,
                 "fps": len(self.frames) / total_s if total_s else None,
                 "frame_ms": {
                     "idle": frame_time_percentiles(self.idle_ms),

@@ -36,6 +36,7 @@ def test_an_empty_one_keeps_the_contract_too():
 def test_it_sums_up(report):
     summary = report.to_json()["summary"]
     assert (summary["frames"], summary["found"]) == (3, 2)
+    assert summary["camera"]["source"] == "flag"
     assert summary["fps"] == pytest.approx(50.0)
     assert summary["frame_ms"]["idle"]["p50"] == 15.0
     assert summary["frame_ms"]["estimating"] == {"p50": 30.0, "p95": 30.0, "p99": 30.0}
