@@ -32,7 +32,7 @@ SHAPE_MODES = np.array(
         np.outer(SADDLE, (0.0, 0.0, 0.5)),  # curled: two opposite corners up, two down
     ]
 )
-SHAPE_SIGMA = np.array([0.004, 0.004, 0.003, 0.003, 0.04])
+SHAPE_SIGMA = np.array([0.006, 0.006, 0.004, 0.004, 0.05])
 # Principal point off the picture's middle, over its width; displacement at the picture's corner, over its distance;
 # and how far bright paper eats into the black square.
 CENTRE_SIGMA = 0.02
