@@ -110,13 +110,15 @@ void main() {
     vec3 to_eye = normalize(eye - position);
     float n_v = max(dot(n, to_eye), 1e-3);
     vec2 share = mirrored_share(rough, n_v);
+    // What a rough surface reflects at the second try: Turquin, "Practical multiple scattering compensation", 2019.
+    vec3 again = 1.0 + f0 * (1.0 / (share.x + share.y) - 1.0);
     vec3 mirror = reflect(-to_eye, n);
 #ifdef MIRRORS
     mirrored = surrounding_radiance(position, mirror, rough * rough);
 #else
     mirrored = ambient(mirror);
 #endif
-    mirrored *= (f0 * share.x + share.y) * open;
+    mirrored *= (f0 * share.x + share.y) * again * open;
 #endif
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
@@ -127,7 +129,7 @@ void main() {
 #ifdef GLOSSY
         vec3 between = normalize(to_eye + to_light[light]);
         float v_h = max(dot(to_eye, between), 0.0);
-        mirrored += direct * ggx(max(dot(n, between), 0.0), n_v, cosine, rough * rough) * fresnel(f0, v_h);
+        mirrored += direct * again * ggx(max(dot(n, between), 0.0), n_v, cosine, rough * rough) * fresnel(f0, v_h);
 #endif
     }
 #endif

@@ -1,0 +1,262 @@
+"""Each property of a material does to the picture what its definition says."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
+from ashe_live.core.quality import FAST, QUALITIES
+from ashe_live.core.transforms import project
+from ashe_live.models.material import Alpha, Material
+from ashe_live.models.mesh import Mesh
+from ashe_live.render.lighting import lighting_of
+from ashe_live.render.scene import Scene
+from ashe_live.render.video_look import ASSUMED_WHITE
+
+HEIGHT_M = 0.01
+CORNERS = np.float32(
+    [(-0.03, -0.03, HEIGHT_M), (0.03, -0.03, HEIGHT_M), (0.03, 0.03, HEIGHT_M), (-0.03, 0.03, HEIGHT_M)]
+)
+UVS = np.float32([(0, 0), (1, 0), (1, 1), (0, 1)])
+TRIANGLES = np.array([(0, 1, 2), (0, 2, 3)])
+
+
+def _texels(*rgba: int) -> np.ndarray:
+    return np.full((4, 4, 4), rgba, dtype=np.uint8)
+
+
+def _sheet(material: Material, normal: tuple[float, ...] = (0, 0, 1), **fields) -> Mesh:
+    """A level square over the marker's centre."""
+    normals = np.tile(np.float32(normal) / np.float32(np.linalg.norm(normal)), (4, 1))
+    return Mesh(CORNERS, normals, TRIANGLES, uvs=UVS, material=material, **fields)
+
+
+def _ball(material: Material, radius_m: float = 0.03) -> Mesh:
+    polar, around = np.meshgrid(np.linspace(0, math.pi, 65), np.linspace(0, 2 * math.pi, 129), indexing="ij")
+    normals = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], -1)
+    row, column = np.mgrid[:64, :128].reshape(2, -1)
+    a = row * 129 + column
+    triangles = np.concatenate([np.stack([a, a + 129, a + 130], 1), np.stack([a, a + 130, a + 1], 1)])
+    normals = normals.reshape(-1, 3).astype(np.float32)
+    return Mesh(normals * radius_m + np.float32((0, 0, radius_m)), normals, triangles, material=material)
+
+
+class _Studio:
+    """Renders one mesh on a grey ground and reads single points of it, linear RGB."""
+
+    def __init__(self, make_renderer, stage, quality: str = "fast", grey: int = 100, elevation_deg: float = 60) -> None:
+        self.renderer = make_renderer(QUALITIES[quality].render)
+        self.tracked = stage.tracked(grey, stage.pose(-90, elevation_deg, 0.25))
+        self.stage = stage
+
+    def picture(self, mesh: Mesh, *lights) -> np.ndarray:
+        self.renderer.render(Scene(self.tracked, self.stage.placed(mesh), lights))
+        return self.renderer.read_bgr()[..., ::-1]
+
+    def at(self, picture: np.ndarray, point: tuple[float, ...]) -> np.ndarray:
+        column, row = np.round(project(self.tracked.camera, self.tracked.marker.T_cam_marker, [point])[0]).astype(int)
+        return linear_from_srgb(picture[row, column] / 255)
+
+    def middle(self, mesh: Mesh, *lights) -> np.ndarray:
+        return self.at(self.picture(mesh, *lights), (0.004, 0.004, HEIGHT_M))
+
+
+@pytest.fixture
+def studio(make_renderer, stage):
+    return _Studio(make_renderer, stage)
+
+
+def test_factors_and_maps_multiply(studio) -> None:
+    material = Material(base_colour=(0.5, 1.0, 0.25, 1.0), base_map=_texels(188, 188, 255, 255))
+    colours = np.tile(np.float32((1.0, 0.5, 1.0, 1.0)), (4, 1))
+    seen = studio.middle(_sheet(material, colours=colours))
+    np.testing.assert_allclose(seen / ASSUMED_WHITE, (0.25, 0.25, 0.25), atol=0.01)
+
+
+def test_emission_adds_to_what_is_reflected(studio) -> None:
+    dark = Material(base_colour=(0.2, 0.2, 0.2, 1.0))
+    seen = studio.middle(_sheet(replace(dark, emissive=(0.5, 0.2, 0.0), emissive_map=_texels(255, 188, 255, 255))))
+    np.testing.assert_allclose(seen / ASSUMED_WHITE, (0.7, 0.3, 0.2), atol=0.01)
+
+
+def test_emission_above_one_is_white_and_no_more(studio) -> None:
+    np.testing.assert_allclose(studio.middle(_sheet(Material(emissive=(40.0, 40.0, 40.0)))), 1.0)
+
+
+def test_occlusion_keeps_the_sky_away_and_not_the_sun(studio, stage) -> None:
+    light = stage.light(-90, 60, (0.4, 0.4, 0.4))
+    occluded = Material(occlusion_map=_texels(51, 0, 0, 255), occlusion_strength=0.5)
+    open_share = 1 + 0.5 * (0.2 - 1)
+    np.testing.assert_allclose(
+        studio.middle(_sheet(occluded), light) / ASSUMED_WHITE, 0.6 + 0.4 * open_share, atol=0.01
+    )
+    np.testing.assert_allclose(studio.middle(_sheet(occluded)) / ASSUMED_WHITE, open_share, atol=0.01)
+
+
+@pytest.mark.parametrize("tilt", [(0.3, 0.0), (-0.3, 0.0), (0.0, 0.3), (0.0, -0.3), (0.2, -0.2)])
+def test_normal_map_tilts_the_surface_as_a_tilted_normal_does(studio, stage, tilt: tuple[float, float]) -> None:
+    """The map's x is where u grows, its y where v grows upwards in the picture: here x and y of the marker."""
+    light = stage.light(30, 40, (0.1, 0.1, 0.1))
+    normal = np.array([*tilt, 1.0]) / np.linalg.norm([*tilt, 1.0])
+    red, green, blue = np.round(normal * 127 + 128).astype(int)
+    mapped = studio.middle(_sheet(Material(normal_map=_texels(red, green, blue, 255))), light)
+    tilted = studio.middle(_sheet(Material(), tuple(normal)), light)
+    np.testing.assert_allclose(mapped, tilted, atol=0.015)
+    assert np.abs(mapped - studio.middle(_sheet(Material()), light)).max() > 0.02
+
+
+def test_normal_map_may_be_flat_mirrored_or_without_coordinates(studio, stage) -> None:
+    light = stage.light(30, 40, (0.1, 0.1, 0.1))
+    plain = studio.middle(_sheet(Material()), light)
+    flat = Material(normal_map=_texels(128, 128, 255, 255))
+    np.testing.assert_allclose(studio.middle(_sheet(flat), light), plain, atol=0.01)
+    bumpy = Material(normal_map=_texels(200, 128, 228, 255))
+    np.testing.assert_allclose(studio.middle(_sheet(replace(bumpy, normal_scale=0.0)), light), plain, atol=0.01)
+    # All corners at one place of the map: no tangent can be told.
+    nowhere = replace(_sheet(bumpy), uvs=np.zeros((4, 2), np.float32))
+    np.testing.assert_allclose(studio.middle(nowhere, light), plain, atol=0.01)
+    mirrored = replace(_sheet(bumpy), uvs=UVS * np.float32((-1, 1)))
+    towards, away = studio.middle(_sheet(bumpy), light), studio.middle(mirrored, light)
+    assert (towards > plain + 0.02).all()
+    assert (away < plain - 0.02).all()
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_polished_metal_shows_the_ground_that_lies_before_it(make_renderer, stage, quality: str) -> None:
+    """Never black; its lower half is as bright as the ground, times what the metal reflects."""
+    for grey in (60, 140):
+        studio = _Studio(make_renderer, stage, quality, grey, elevation_deg=30)
+        picture = studio.picture(_ball(Material(base_colour=(0.9, 0.6, 0.3, 1.0), metallic=1.0, roughness=0.1)))
+        low = math.radians(-10)
+        point = (0.0, -0.03 * math.cos(low), 0.03 + 0.03 * math.sin(low))
+        expected = float(linear_from_srgb(grey / 255)) * np.array((0.9, 0.6, 0.3))
+        np.testing.assert_allclose(studio.at(picture, point), expected, rtol=0.12)
+
+
+def test_metal_mirrors_a_sky_as_bright_as_the_measured_one(make_renderer, stage) -> None:
+    """Rough metal that faces up averages it; in full shadow it is as bright as white paper there."""
+    studio = _Studio(make_renderer, stage)
+    rough = Material(metallic=1.0, roughness=1.0)
+    sky = np.array(lighting_of((stage.light(90, 20, (0.3, 0.4, 0.5)),)).sky)
+    # The sun is behind the sheet's tilt: only the sky is left.
+    turned = _sheet(rough, (0.0, -0.4, 1.0))
+    seen = studio.middle(turned, stage.light(90, 20, (0.3, 0.4, 0.5))) / ASSUMED_WHITE
+    assert (seen > 0.5 * sky).all()
+    assert (seen < 1.5 * sky).all()
+    assert seen[2] > seen[1] > seen[0]
+
+
+def test_highlight_stands_where_the_mirror_direction_says_and_widens_with_roughness(make_renderer, stage) -> None:
+    studio = _Studio(make_renderer, stage, "accurate", 20, elevation_deg=45)
+    light = stage.light(-60, 50, (0.5, 0.5, 0.5))
+    eye = -studio.tracked.marker.T_cam_marker[:3, :3].T @ studio.tracked.marker.T_cam_marker[:3, 3]
+    areas = []
+    for roughness in (0.15, 0.3, 0.45):
+        ball = _ball(Material(base_colour=(0.0, 0.0, 0.0, 1.0), roughness=roughness))
+        shine = linear_from_srgb(studio.picture(ball, light) / 255).mean(axis=2)
+        shine -= linear_from_srgb(studio.picture(ball) / 255).mean(axis=2)
+        rows, columns = np.nonzero(shine > 0.5 * shine.max())
+        centre = np.array([0, 0, 0.03])
+        between = light.to_light_marker + (eye - centre) / np.linalg.norm(eye - centre)
+        place = centre + 0.03 * between / np.linalg.norm(between)
+        expected = project(studio.tracked.camera, studio.tracked.marker.T_cam_marker, [place])[0]
+        assert math.dist((columns.mean(), rows.mean()), expected) < 4
+        areas.append(len(rows))
+    assert areas[0] < areas[1] < areas[2]
+
+
+@pytest.mark.parametrize("metallic", [0.0, 1.0])
+@pytest.mark.parametrize("roughness", [0.0, 0.2, 0.5, 0.8, 1.0])
+def test_no_material_sends_back_more_than_it_gets(make_renderer, stage, metallic: float, roughness: float) -> None:
+    """White, level, under an even light from everywhere: never above the white of fully lit paper by more than the
+    sky's pattern, never dark."""
+    studio = _Studio(make_renderer, stage, grey=round(255 * float(srgb_from_linear(ASSUMED_WHITE))))
+    seen = studio.middle(_sheet(Material(metallic=metallic, roughness=roughness))) / ASSUMED_WHITE
+    assert (seen < 1.25).all()
+    assert (seen > 0.7).all()
+
+
+def test_roughness_and_metal_come_from_the_maps_green_and_blue(studio, stage) -> None:
+    light = stage.light(-90, 60, (0.3, 0.3, 0.3))
+    for metallic, roughness in ((0.0, 0.5), (1.0, 0.3), (0.4, 0.8)):
+        texels = _texels(77, round(255 * roughness), round(255 * metallic), 255)
+        mapped = Material((0.6, 0.3, 0.1, 1.0), metallic=1.0, roughness=1.0, metallic_roughness_map=texels)
+        plain = replace(mapped, metallic=metallic, roughness=roughness, metallic_roughness_map=None)
+        np.testing.assert_allclose(studio.middle(_sheet(mapped), light), studio.middle(_sheet(plain), light), atol=0.03)
+
+
+def test_cut_out_has_holes_in_the_model_and_in_its_shadow(make_renderer, stage) -> None:
+    studio = _Studio(make_renderer, stage, elevation_deg=70)
+    texels = np.full((8, 8, 4), 255, dtype=np.uint8)
+    texels[:, 4:, 3] = 100  # the half at +x
+    lifted = replace(
+        _sheet(Material(base_map=texels, alpha=Alpha.CUT_OUT, alpha_cutoff=0.5)),
+        vertices=CORNERS + np.float32((0, 0, 0.02)),
+    )
+    light = stage.light(90, 45, (0.2, 0.2, 0.2))  # shadows fall 0.03 towards -y
+    for cutoff, half_is_open in ((0.5, True), (0.3, False)):
+        sheet = replace(lifted, material=replace(lifted.material, alpha_cutoff=cutoff))
+        picture = studio.picture(sheet, light)
+        ground = float(linear_from_srgb(100 / 255))
+        for x, is_open in ((-0.015, False), (0.015, half_is_open)):
+            np.testing.assert_allclose(
+                studio.at(picture, (x, -0.045, 0.0)), ground if is_open else 0.2 * ground, rtol=0.1
+            )
+            seen = studio.at(picture, (x, 0.01, 0.03))
+            assert (np.abs(seen - ASSUMED_WHITE) < 0.02).all() != is_open
+
+
+def test_alpha_is_ignored_by_what_is_opaque(studio) -> None:
+    see_through = _texels(255, 255, 255, 0)
+    np.testing.assert_allclose(studio.middle(_sheet(Material(base_map=see_through))) / ASSUMED_WHITE, 1.0, atol=0.01)
+
+
+def test_blended_surface_shows_what_is_behind_it_and_its_shadow_is_as_light(make_renderer, stage) -> None:
+    studio = _Studio(make_renderer, stage, "accurate", elevation_deg=70)
+    light = stage.light(90, 45, (0.2, 0.2, 0.2))
+    ground = float(linear_from_srgb(100 / 255))
+    lifted = CORNERS + np.float32((0, 0, 0.02))
+    reds, shadows = [], []
+    for alpha in (0.0, 0.25, 0.5, 0.75, 1.0):
+        material = Material(base_colour=(1.0, 0.0, 0.0, alpha), alpha=Alpha.BLEND)
+        picture = studio.picture(replace(_sheet(material), vertices=lifted), light)
+        reds.append(studio.at(picture, (0.0, 0.015, 0.03))[1])
+        patch = [studio.at(picture, (x, -0.045 + y, 0)).mean() for x in (-2e-3, 0, 2e-3) for y in (-2e-3, 0, 2e-3)]
+        shadows.append((1 - np.mean(patch) / ground) / 0.8)
+    np.testing.assert_allclose(reds[0], ground, rtol=0.1)  # nothing but the ground's green
+    np.testing.assert_allclose(reds[-1], 0.0, atol=0.005)
+    assert (np.diff(reds) < -0.005).all()
+    np.testing.assert_allclose(shadows, (0.0, 0.25, 0.5, 0.75, 1.0), atol=0.08)
+
+
+def test_near_blended_surface_covers_a_far_one_whatever_their_order(make_renderer, stage) -> None:
+    studio = _Studio(make_renderer, stage, elevation_deg=80)
+    red = _sheet(Material(base_colour=(1.0, 0.0, 0.0, 0.9), alpha=Alpha.BLEND))
+    blue = replace(
+        _sheet(Material(base_colour=(0.0, 0.0, 1.0, 0.9), alpha=Alpha.BLEND)),
+        vertices=CORNERS + np.float32((0, 0, 0.02)),
+    )
+    for parts in ((red, blue), (blue, red)):
+        studio.renderer.render(Scene(studio.tracked, stage.placed(*parts)))
+        seen = studio.at(studio.renderer.read_bgr()[..., ::-1], (0, 0, 0.03))
+        assert seen[2] > 5 * seen[0]
+
+
+@pytest.mark.parametrize("scale", [0.0625, 25.0])
+def test_markers_of_5_mm_and_2_m_look_alike_from_alike_distances(make_renderer, stage, scale: float) -> None:
+    """The usual marker has 80 mm; everything else in proportion."""
+    pictures = []
+    for factor in (1.0, scale):
+        pose = stage.pose(-60, 40, 0.25)
+        pose[:3, 3] *= factor
+        tracked = stage.tracked(stage.noise(4) // 4 + 90, pose)
+        tracked = replace(tracked, marker=replace(tracked.marker, side_m=0.08 * factor))
+        ball = _ball(Material(base_colour=(0.8, 0.7, 0.3, 1.0), metallic=1.0, roughness=0.3))
+        mesh = replace(ball, vertices=ball.vertices * np.float32(factor))
+        renderer = make_renderer(FAST.render)
+        renderer.render(Scene(tracked, stage.placed(mesh), (stage.light(20, 40, (0.3, 0.3, 0.3)),)))
+        pictures.append(renderer.read_bgr().astype(int))
+    differs = np.abs(pictures[0] - pictures[1]).max(axis=2) > 4
+    assert differs.mean() < 0.002
