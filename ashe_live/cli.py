@@ -95,6 +95,12 @@ def build_parser() -> argparse.ArgumentParser:
     light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
     light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
     light.add_argument("--limit", type=_count, metavar="N", help="the first N scenes of each folder only")
+    tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
+    tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
+    tracking.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the plots go")
+    tracking.add_argument("--overwrite", action="store_true", help="replace existing files there")
+    tracking.add_argument("--quick", action="store_true", help="fewer frames, and no trade of settings")
+    tracking.add_argument("--quality", choices=("fast", "balanced", "accurate"), default="balanced")
     return parser
 
 

@@ -52,9 +52,10 @@ class OpencvReference:
     def look(self, frame: Frame) -> Float | None:
         """See Contender."""
         quads, ids, _ = self._detector.detectMarkers(frame.image_bgr)
-        if ids is None or REFERENCE_ID not in ids:
+        at = np.flatnonzero(np.asarray([] if ids is None else ids) == REFERENCE_ID)
+        if not len(at):
             return None
-        corners = np.asarray(quads[list(ids.ravel()).index(REFERENCE_ID)], dtype=np.float64).reshape(4, 2)
+        corners = np.asarray(quads[at[0]], dtype=np.float64).reshape(4, 2)
         _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
             square_corners(SIDE_M), corners, self._camera.K, self._camera.dist, flags=cv2.SOLVEPNP_IPPE_SQUARE
         )

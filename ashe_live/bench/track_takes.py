@@ -7,7 +7,7 @@ from functools import partial
 import cv2
 import numpy as np
 
-from ashe_live.bench.track_frames import Flaws, ground, painted
+from ashe_live.bench.track_frames import CLEAN_CAMERA, Flaws, ground, painted
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
@@ -30,7 +30,7 @@ class Take:
     camera: Camera
     frames: int
     poses: Callable[[int], Sequence[Float]]  # of a frame: T_cam_marker (4, 4) over its exposure
-    flaws: Flaws = Flaws()
+    flaws: Flaws = CLEAN_CAMERA
 
     def film(self) -> Iterator[tuple[Frame, Float]]:
         """Each frame with its true T_cam_marker (4, 4)."""
@@ -66,7 +66,7 @@ def sliding(name: str, speed_m_s: float, frames: int, side_px: float = 100.0) ->
     return Take(name, SMALL, frames, partial(_sliding_poses, SMALL.K[0, 0] * SIDE_M / side_px, speed_m_s))
 
 
-def scattered(name: str, side_px: float, frames: int, flaws: Flaws = Flaws(), blur_px: float = 0.0) -> Take:
+def scattered(name: str, side_px: float, frames: int, flaws: Flaws = CLEAN_CAMERA, blur_px: float = 0.0) -> Take:
     """Every frame another place, turn and tilt up to 50 degrees, with motion blur of `blur_px` in any direction."""
     return Take(name, SMALL, frames, partial(_scattered_poses, side_px, blur_px), flaws)
 

@@ -8,7 +8,7 @@ from ashe_live.errors import ExitStatus, UserError
 
 
 def run(options: argparse.Namespace) -> int:
-    {"viewer": _viewer, "light": _light}[options.bench](options)
+    {"viewer": _viewer, "light": _light, "track": _track}[options.bench](options)
     return ExitStatus.ANSWERED
 
 
@@ -36,4 +36,11 @@ def _light(options: argparse.Namespace) -> None:
         options.limit,
         sweeps=has_presets and not options.quick,
     )
+    bench.run(options.out, options.overwrite)
+
+
+def _track(options: argparse.Namespace) -> None:
+    from ashe_live.bench.track import TrackBench
+
+    bench = TrackBench(QUALITIES[options.quality].tracking, options.real, options.quick)
     bench.run(options.out, options.overwrite)

@@ -1,0 +1,87 @@
+"""Real clips, without a truth: whether the marker is found throughout, whether its pose flips, how smoothly it goes."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from ashe_live.bench.cases import GROUND_TRUTH
+from ashe_live.capture.clip import ClipSource
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.quality import TrackingPreset
+from ashe_live.core.transforms import angle_between, project
+from ashe_live.core.types import MarkerPose
+from ashe_live.errors import UserError
+from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.pose import square_corners
+from ashe_live.tracking.tracker import Tracker
+
+
+@dataclass(frozen=True, slots=True)
+class ClipFigures:
+    """How the tracker followed one clip."""
+
+    name: str
+    frames: int
+    found_share: float
+    bridged: int  # frames
+    largest_turn_deg: float  # of the surface's normal, from one frame to the next
+    trembling_px: float  # see trembling_px
+    unfiltered_trembling_px: float
+    median_ms: float
+
+
+def follow_clips(folder: Path, preset: TrackingPreset) -> list[ClipFigures]:
+    """The clips that `folder`'s list names. Raises UserError when it cannot be read."""
+    path = folder / GROUND_TRUTH
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        marker, clips = content["marker"], content["clips"]
+        return [
+            _followed(folder / name, folder / marker["pattern_file"], marker["side_units"], clip["f_px"], preset)
+            for name, clip in clips.items()
+        ]
+    except OSError as error:
+        raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise UserError(f"{path} is no list of clips ({error})", "it needs `marker` and `clips`") from error
+
+
+def trembling_px(poses: Sequence[Float], camera: Camera, side_m: float) -> float:
+    """Median second difference of the corners where `poses` (4, 4) of consecutive frames project them.
+
+    A hand's motion hardly bends within three frames; a measurement's noise does, by sqrt(6) times itself.
+    """
+    corners = np.array([project(camera, T, square_corners(side_m)) for T in poses])
+    bends = corners[2:] - 2 * corners[1:-1] + corners[:-2]
+    return float(np.median(np.linalg.norm(bends, axis=2))) / math.sqrt(6) if len(bends) else 0.0
+
+
+def _followed(path: Path, pattern: Path, side_m: float, focal_px: float, preset: TrackingPreset) -> ClipFigures:
+    markers: list[MarkerPose | None] = []
+    times_ms = []
+    with ClipSource(path) as source:
+        camera = Camera.from_focal(source.size, focal_px)
+        tracker = Tracker(parse_marker(f"pattern:{pattern}"), camera, side_m, preset)
+        while (frame := source.read()) is not None:
+            tracked = tracker.track(frame)
+            markers.append(tracked.marker)
+            times_ms.append(tracked.detect_ms)
+    found = [marker for marker in markers if marker is not None]
+    normals = [marker.T_cam_marker[:3, 2] for marker in found]
+    turns = [angle_between(a, b) for a, b in pairwise(normals)]
+    return ClipFigures(
+        path.name,
+        len(markers),
+        len(found) / max(1, len(markers)),
+        sum(marker.bridged for marker in found),
+        math.degrees(max(turns, default=0.0)),
+        trembling_px([marker.T_cam_marker for marker in found], camera, side_m),
+        trembling_px([marker.measured_T_cam_marker for marker in found], camera, side_m),
+        float(np.median(times_ms)) if times_ms else 0.0,
+    )
