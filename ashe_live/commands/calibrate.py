@@ -58,9 +58,21 @@ def _opened(options: argparse.Namespace) -> Source:
 def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Calibration | None:
     """Reads to the end of a clip, or until a live camera is known; None when it ended before."""
     board = CalibrationBoard()
+    frame: Frame | None = None
     said: str | None = None
     with contextlib.suppress(KeyboardInterrupt):
-        while (frame := _next_frame(source)) is not None:
+        while True:
+            try:
+                new = source.read()
+            except SourceLost as lost:
+                if frame is not None and guidance.show(frame, None, guide, str(lost)):
+                    if not source.reopen():
+                        time.sleep(RECONNECT_EVERY_S)
+                    continue
+                return None
+            if new is None:
+                return None
+            frame = new
             if frame.size != guide.size:
                 raise UserError(f"the pictures change their size to {frame.size[0]}x{frame.size[1]}", "use one size")
             view = board.find(np.asarray(cv2.cvtColor(frame.image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8))
@@ -71,18 +83,8 @@ def _collect(source: Source, guide: CalibrationGuide, guidance: Guidance) -> Cal
                 except UserError as error:
                     said = str(error)
             if not guidance.show(frame, view, guide, said):
-                break
+                return None
     return None
-
-
-def _next_frame(source: Source) -> Frame | None:
-    try:
-        return source.read()
-    except SourceLost as lost:
-        print(f"ashe-live: {lost}", file=sys.stderr, flush=True)
-        while not source.reopen():
-            time.sleep(RECONNECT_EVERY_S)
-        return source.read()
 
 
 class _Lines:
@@ -93,7 +95,7 @@ class _Lines:
         self._task = progress.add_task("looking for the board", total=1.0, views=0)
 
     def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
-        wanted = "no board in view" if view is None else (said or guide.wanted() or "enough, but more does no harm")
+        wanted = said or (guide.wanted() or "enough, but more does no harm" if view is not None else "no board in view")
         self._progress.update(
             self._task, completed=guide.progress, views=len(guide.kept), description=f"frame {frame.index}: {wanted}"
         )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.sources import SourceLost
 from ashe_live.commands import calibrate
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, read_camera_file
@@ -94,10 +95,18 @@ class FakeWebcam:
     def __init__(self, pictures: list[Image]) -> None:
         self._pictures = pictures
         self.reads = 0
+        self.lost_at = {5, 6}
+        self.reopened = 0
 
     def read(self) -> Frame:
         self.reads += 1
+        if self.reads in self.lost_at:
+            raise SourceLost("camera 0 gives no more pictures", "plug it in again")
         return Frame(self._pictures[(self.reads - 1) % FRAMES], self.reads - 1, self.reads / 30)
+
+    def reopen(self) -> bool:
+        self.reopened += 1
+        return True
 
     def __enter__(self) -> "FakeWebcam":
         return self
@@ -105,7 +114,7 @@ class FakeWebcam:
     def __exit__(self, *_error: object) -> None: ...
 
 
-def test_a_live_camera_ends_when_it_is_known(
+def test_a_live_camera_ends_when_it_is_known_although_it_was_lost_in_between(
     run: Callable, pictures: list[Image], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     webcam = FakeWebcam(pictures)
@@ -113,4 +122,5 @@ def test_a_live_camera_ends_when_it_is_known(
     outcome = run("calibrate", "--camera", "0", "--headless", "--out", tmp_path / "camera.json")
     assert outcome.status == 0
     assert webcam.reads <= 2 * FRAMES
+    assert webcam.reopened == 2
     assert read_camera_file(tmp_path / "camera.json").K[0, 0] == pytest.approx(430, rel=0.01)
