@@ -15,6 +15,7 @@ from types import TracebackType
 from typing import Self
 
 from ashe_live.core.mailbox import LatestMailbox
+from ashe_live.core.pipes import send_value
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light import worker_process
 from ashe_live.light.estimator import ESTIMATORS, Estimator, make_estimator
@@ -139,7 +140,7 @@ class _Process:
 def _send(connection: Connection, tracked: TrackedFrame) -> None:
     # A broken pipe is met by the receiving thread as well, which tells.
     with suppress(OSError):
-        worker_process.send_frame(connection, tracked)
+        send_value(connection, tracked)
 
 
 def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:

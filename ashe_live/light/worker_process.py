@@ -1,13 +1,14 @@
 """The far side of the light worker: one process that estimates, one request after the other."""
 
 import os
-import pickle
 import signal
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
+
+from ashe_live.core.pipes import receive_value
 
 if TYPE_CHECKING:
     from ashe_live.core.types import LightEstimate, TrackedFrame
@@ -24,22 +25,6 @@ class WorkerFailure:
     message: str  # one line, for a person
 
 
-def send_frame(connection: Connection, tracked: "TrackedFrame") -> None:
-    """Writes the pixels into the pipe from where they lie: copying megabytes would hold the interpreter's lock."""
-    buffers: list[pickle.PickleBuffer] = []
-    head = pickle.dumps(tracked, protocol=5, buffer_callback=buffers.append)
-    connection.send((len(buffers), head))
-    for buffer in buffers:
-        connection.send_bytes(buffer.raw())
-
-
-def receive_frame(connection: Connection) -> "TrackedFrame":
-    """What `send_frame` sent; raises EOFError when the other side has gone."""
-    count, head = connection.recv()
-    tracked: TrackedFrame = pickle.loads(head, buffers=[connection.recv_bytes() for _ in range(count)])
-    return tracked
-
-
 def run(connection: Connection, make: "Callable[[], Estimator]") -> None:
     """Answers every tracked frame with a LightEstimate or a WorkerFailure, until the other side has gone."""
     # Ctrl-C in the terminal reaches every process; the viewer's main one decides what comes of it.
@@ -54,7 +39,7 @@ def run(connection: Connection, make: "Callable[[], Estimator]") -> None:
     # EOFError and BrokenPipeError: the viewer is gone, and nobody wants the answer.
     with suppress(EOFError, OSError):
         while True:
-            tracked = receive_frame(connection)
+            tracked = receive_value(connection)
             connection.send(_answer(estimator, tracked))
 
 

@@ -6,8 +6,9 @@ from pathlib import Path
 from threading import Thread
 
 from ashe_live.errors import UserError
-from ashe_live.models.catalogue import load_model, model_names
-from ashe_live.models.placement import PlacedModel, placed_on_marker
+from ashe_live.models.catalogue import model_names
+from ashe_live.models.placement import PlacedModel
+from ashe_live.viewer.model_reader import read_model
 
 # A line that comes and goes faster than it can be read only flickers.
 SILENT_S = 0.3
@@ -78,7 +79,7 @@ class Shelf:
 
     def _read(self, name: str, loading: "Future[PlacedModel]") -> None:
         try:
-            loading.set_result(placed_on_marker(load_model(name), self._marker_side_m))
+            loading.set_result(read_model(name, self._marker_side_m))
         except UserError as error:
             loading.set_exception(error)
         except BaseException as error:  # whatever it is, no model ends the viewer

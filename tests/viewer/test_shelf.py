@@ -5,8 +5,9 @@ import threading
 import pytest
 
 from ashe_live.errors import UserError
-from ashe_live.models.catalogue import load_model, model_names
+from ashe_live.models.catalogue import model_names
 from ashe_live.viewer import shelf as shelf_module
+from ashe_live.viewer.model_reader import read_model
 from ashe_live.viewer.shelf import Shelf
 
 PATIENCE_S = 20.0
@@ -40,12 +41,12 @@ def test_nothing_of_that_name_is_an_error_at_once():
 def test_the_old_model_is_shown_until_the_new_one_is_there(monkeypatch):
     go_on = threading.Event()
 
-    def slowly(name: str):
+    def slowly(name: str, side_m: float):
         if name != "cube":
             go_on.wait(PATIENCE_S)
-        return load_model(name)
+        return read_model(name, side_m)
 
-    monkeypatch.setattr(shelf_module, "load_model", slowly)
+    monkeypatch.setattr(shelf_module, "read_model", slowly)
     shelf = Shelf("cube", 0.08)
     cube = shelf.model()
     shelf.step(+1)
@@ -57,12 +58,12 @@ def test_the_old_model_is_shown_until_the_new_one_is_there(monkeypatch):
 def test_who_waits_is_told_for_how_long(monkeypatch):
     go_on = threading.Event()
 
-    def slowly(_name: str):
+    def slowly(_name: str, _side_m: float):
         go_on.wait(PATIENCE_S)
-        return load_model("cube")
+        return read_model("cube", 0.08)
 
     shelf = Shelf("cube", 0.08)
-    monkeypatch.setattr(shelf_module, "load_model", slowly)
+    monkeypatch.setattr(shelf_module, "read_model", slowly)
     monkeypatch.setattr(shelf_module, "SILENT_S", 0.0)
     assert shelf.progress is None
     shelf.choose(shelf.names.index("tree"))
@@ -77,11 +78,11 @@ def test_who_waits_is_told_for_how_long(monkeypatch):
 def test_nothing_that_a_model_does_ends_the_viewer(monkeypatch, error):
     shelf = Shelf("cube", 0.08)
 
-    def failing(_name: str):
+    def failing(_name: str, _side_m: float):
         raise error
 
     cube = shelf.model()
-    monkeypatch.setattr(shelf_module, "load_model", failing)
+    monkeypatch.setattr(shelf_module, "read_model", failing)
     shelf.choose(shelf.names.index("tree"))
     shelf.model()
     assert awaited(shelf) is cube
@@ -92,26 +93,26 @@ def test_a_mended_file_can_be_chosen_again(monkeypatch):
     shelf = Shelf("cube", 0.08)
     cube = shelf.model()
 
-    def failing(_name: str):
+    def failing(_name: str, _side_m: float):
         raise UserError("tree.glb is torn", "mend it")
 
-    monkeypatch.setattr(shelf_module, "load_model", failing)
+    monkeypatch.setattr(shelf_module, "read_model", failing)
     shelf.choose(shelf.names.index("tree"))
     shelf.model()
     awaited(shelf)
-    monkeypatch.setattr(shelf_module, "load_model", load_model)
+    monkeypatch.setattr(shelf_module, "read_model", read_model)
     shelf.choose(shelf.names.index("tree"))
     shelf.model()
     assert awaited(shelf) is not cube
 
 
 def test_a_model_that_fails_is_told_once_and_the_last_good_one_stays(monkeypatch):
-    def failing(name: str):
+    def failing(name: str, side_m: float):
         if name == "mug":
             raise UserError("mug.glb is damaged", "export it again")
-        return load_model(name)
+        return read_model(name, side_m)
 
-    monkeypatch.setattr(shelf_module, "load_model", failing)
+    monkeypatch.setattr(shelf_module, "read_model", failing)
     shelf = Shelf("cube", 0.08)
     shelf.choose(shelf.names.index("tree"))
     shelf.model()

@@ -1,0 +1,23 @@
+"""Large values between processes: arrays go through the pipe from where they lie.
+
+Copying megabytes, as `Connection.send` does, would hold the interpreter's lock and stall the picture.
+"""
+
+import pickle
+from multiprocessing.connection import Connection
+from typing import Any
+
+
+def send_value(connection: Connection, value: object) -> None:
+    """Raises OSError when the other side has gone."""
+    buffers: list[pickle.PickleBuffer] = []
+    head = pickle.dumps(value, protocol=5, buffer_callback=buffers.append)
+    connection.send((len(buffers), head))
+    for buffer in buffers:
+        connection.send_bytes(buffer.raw())
+
+
+def receive_value(connection: Connection) -> Any:
+    """What `send_value` sent, its arrays read-only; raises EOFError when the other side has gone."""
+    count, head = connection.recv()
+    return pickle.loads(head, buffers=[connection.recv_bytes() for _ in range(count)])
