@@ -20,6 +20,7 @@ DEFAULT_ESTIMATOR = "proxy"
 MARKER_HELP = (
     f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit) or image:FILE.png (default {DEFAULT_MARKER})"
 )
+MEMORY_FRAMES_HELP = "pictures with model switches over which memory is watched (default 1000)"
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
 
 
@@ -88,6 +89,11 @@ def build_parser() -> argparse.ArgumentParser:
     viewer.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures there")
     viewer.add_argument("--overwrite", action="store_true", help="replace an existing file")
     _add_quality_options(viewer, default="fast")
+    render = benches.add_parser("render", help="what pictures cost, and how far they are from a path tracer's")
+    render.add_argument("--frames", type=_count, default=100, metavar="N", help="frames of each loop (default 100)")
+    render.add_argument("--memory-frames", type=_count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
+    render.add_argument("--out", type=Path, metavar="DIR", help="where render.json and the plots go")
+    render.add_argument("--overwrite", action="store_true", help="replace existing files there")
     light = benches.add_parser("light", help="the estimators' errors on scenes whose light is known")
     light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
     light.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the plots go")

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
-import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image, Mask
@@ -19,6 +18,7 @@ from ashe_live.core.transforms import direction_from_angles, project, rigid
 from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
+from ashe_live.render.offscreen import Context
 from ashe_live.render.renderer import Renderer
 from ashe_live.render.scene import Scene
 
@@ -50,7 +50,7 @@ def read_references(folder: Path) -> list[Reference]:
     return [_reference(folder, view, model) for view in record["views"] for model in view["models"]]
 
 
-def picture_error(ctx: moderngl.Context, reference: Reference, preset: RenderPreset) -> PictureError:
+def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> PictureError:
     """Of the renderer's picture of the same scene."""
     assert reference.scene.tracked is not None
     bare = reference.scene.tracked.frame.image_bgr

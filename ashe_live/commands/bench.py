@@ -8,7 +8,7 @@ from ashe_live.errors import ExitStatus, UserError
 
 
 def run(options: argparse.Namespace) -> int:
-    {"viewer": _viewer, "light": _light, "track": _track}[options.bench](options)
+    {"viewer": _viewer, "render": _render, "light": _light, "track": _track}[options.bench](options)
     return ExitStatus.ANSWERED
 
 
@@ -22,6 +22,13 @@ def _viewer(options: argparse.Namespace) -> None:
     ViewerBench(shipped_clip(), quality, options.estimator, options.frames, options.size).run(
         options.out, options.overwrite
     )
+
+
+def _render(options: argparse.Namespace) -> None:
+    from ashe_live.bench.render import RenderBench
+    from ashe_live.capture.known_clip import shipped_clip
+
+    RenderBench(shipped_clip(), options.frames, max(10, options.memory_frames), options.out).run(options.overwrite)
 
 
 def _light(options: argparse.Namespace) -> None:

@@ -100,8 +100,7 @@ def _shadow_points(points: Float, sun: Sun, blur_m: float) -> Float:
     slope = min(flat / to_light[2], MAX_SHADOW_HEIGHTS) / flat if flat > 0 else 0.0
     shadows = points[:, :2] - slope * points[:, 2:] * to_light[:2]
     sine = max(float(to_light[2]), 1 / MAX_SHADOW_HEIGHTS)
-    highest = float(points[:, 2].max())
-    blur = (blur_m + math.tan(sun.angular_size_rad / 2) * highest / sine) / sine
+    blur = (blur_m + sun.penumbra_m(float(points[:, 2].max()))) / sine
     corners = blur * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     hull = cv2.convexHull(shadows.astype(np.float32)).reshape(-1, 2)
     return np.asarray(hull[:, None] + corners).reshape(-1, 2)

@@ -4,8 +4,6 @@ Each caster and light has a tile that shows the ground as that light sees it: as
 is seen at a grazing angle, too.
 """
 
-import math
-
 import moderngl
 import numpy as np
 
@@ -18,7 +16,7 @@ from ashe_live.render.shadow_maps import ShadowMaps, tile_corners
 
 UNIT = 3  # of the texture
 # A penumbra wider than this share of the caster's width is cut off.
-WIDEST_PENUMBRA = 0.5
+WIDEST_PENUMBRA = 1.0
 
 
 class GroundShadows:
@@ -59,7 +57,7 @@ class GroundShadows:
             caster, light = divmod(number, len(suns))
             tile_from_marker = box.unit_from_marker.copy()
             # Wider by the penumbra, and by two texels that are lit.
-            beyond = np.minimum(_penumbra_m(box.highest_m, suns[light]) / box.extent[:2], WIDEST_PENUMBRA)
+            beyond = np.minimum(suns[light].penumbra_m(1.1 * box.highest_m) / box.extent[:2], WIDEST_PENUMBRA)
             beyond = (beyond + 2 / self._size) / (1 - 4 / self._size)
             tile_from_marker = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1)) @ tile_from_marker
             self._ctx.viewport = (int(corner[0]), int(corner[1]), self._size, self._size)
@@ -109,11 +107,6 @@ class GroundShadows:
         if self._rectangle is not None:
             self._rectangle[1].release()
         self._rectangle = None
-
-
-def _penumbra_m(height_m: float, sun: Sun) -> float:
-    """Half its width across the light, of what stands `height_m` above the ground."""
-    return math.tan(sun.angular_size_rad / 2) * height_m / float(sun.to_light[2])
 
 
 def _ground_from_tile(tile_from_marker: Float, to_light: Float) -> Float:

@@ -17,6 +17,7 @@ SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
 # A sun this low lights level ground too little to be balanced by its strength alone.
 MIN_BALANCED_SINE = 0.2
 # What ordinary ground sends back of the light that falls on it, and what any ground may.
+LEAST_NEARER = 0.4  # of the light's elevation above its own radius; lower lights' penumbrae are cut off
 GROUND_ALBEDO = 0.35
 MAX_ALBEDO = 0.9
 
@@ -29,6 +30,14 @@ class Sun:
     ground_share: RGB  # of the light on level ground: what its shadow takes away
     irradiance: RGB  # across its direction
     angular_size_rad: float  # diameter
+
+    def penumbra_m(self, height_m: float) -> float:
+        """How far to the outside the ground's penumbra of a point `height_m` above it reaches; across the light."""
+        sine = float(self.to_light[2])
+        spread = math.tan(self.angular_size_rad / 2)
+        # Outwards it falls on ground that is farther away; under a light that reaches down to the horizon, for ever.
+        nearer = 1 - spread * math.sqrt(1 - min(sine, 1.0) ** 2) / sine
+        return spread * height_m / sine / max(nearer, LEAST_NEARER)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

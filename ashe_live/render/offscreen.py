@@ -1,12 +1,15 @@
 """An OpenGL context without a window, by EGL: what playing without a display and the tests draw with."""
 
+import gc
 from typing import Any
 
 import moderngl
 
 from ashe_live.errors import UserError
 
+Context = moderngl.Context
 GL_VERSION = 330
+GL_TYPES = (moderngl.Buffer, moderngl.Texture, moderngl.Renderbuffer, moderngl.Framebuffer, moderngl.VertexArray)
 STANDALONE: dict[str, Any] = {"standalone": True, "backend": "egl"}
 
 
@@ -28,3 +31,9 @@ def window_context() -> moderngl.Context:
         return moderngl.create_context(require=GL_VERSION)
     except Exception as error:  # moderngl raises ValueError, RuntimeError and bare Exception
         raise UserError(f"OpenGL 3.3 does not work here ({error})", "update the graphics driver") from error
+
+
+def live_gl_objects() -> int:
+    """Buffers, textures, framebuffers and the like that this process holds."""
+    gc.collect()
+    return sum(isinstance(thing, GL_TYPES) for thing in gc.get_objects())

@@ -1,0 +1,138 @@
+"""What a picture costs: its time on the processor and on the graphics card, and what stays behind of it."""
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.quality import RenderPreset
+from ashe_live.core.transforms import direction_from_angles, rigid
+from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
+from ashe_live.models.mesh import Mesh, Model
+from ashe_live.models.placement import PlacedModel, placed_on_marker
+from ashe_live.render.offscreen import Context, live_gl_objects
+from ashe_live.render.renderer import Renderer
+from ashe_live.render.scene import Scene
+
+WARM_UP_FRAMES = 3
+SIDE_M = 0.08
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """Milliseconds a picture."""
+
+    p50: float  # until it is drawn, by the clock
+    p99: float
+    gpu_p50: float | None  # by OpenGL's timer queries; None where it has none
+    gpu_p99: float | None
+
+
+def cost_of(ctx: Context, preset: RenderPreset, size: Size, scenes: Sequence[Scene], frames: int) -> Cost:
+    """Of `frames` pictures of `size`, the scenes in turns."""
+    renderer = Renderer(ctx, preset, size)
+    query = ctx.query(time=True)
+    wall_ms, gpu_ms = [], []
+    for number in range(WARM_UP_FRAMES + frames):
+        begun_s = time.perf_counter()
+        with query:
+            renderer.render(scenes[number % len(scenes)])
+        renderer.finish()
+        wall_ms.append((time.perf_counter() - begun_s) * 1e3)
+        gpu_ms.append(query.elapsed * 1e-6)
+    renderer.release()
+    p50, p99 = np.percentile(wall_ms[WARM_UP_FRAMES:], (50, 99))
+    gpu_p50, gpu_p99 = np.percentile(gpu_ms[WARM_UP_FRAMES:], (50, 99))
+    has_timer = gpu_p50 > 0
+    return Cost(float(p50), float(p99), float(gpu_p50) if has_timer else None, float(gpu_p99) if has_timer else None)
+
+
+def orbit(size: Size, model: PlacedModel | None, lights: tuple[DirectionalLight, ...], views: int = 8) -> list[Scene]:
+    """A camera that goes around the marker on grey ground, another frame in each view."""
+    camera = Camera.from_hfov(size, 55.0)
+    picture = np.full((size[1], size[0], 3), 150, dtype=np.uint8)
+    corners = np.zeros((4, 2))
+    scenes = []
+    for number in range(views):
+        outwards = direction_from_angles(2 * math.pi * number / views, math.radians(40))
+        right = np.cross(-outwards, (0, 0, 1)) / math.cos(math.radians(40))
+        R = np.array([right, np.cross(-outwards, right), -outwards])
+        pose = MarkerPose(rigid(R, -R @ (np.array((0, 0, 0.03)) + 0.4 * outwards)), corners, SIDE_M, 0.0, None)
+        scenes.append(Scene(TrackedFrame(Frame(picture.copy(), number, 0.0), camera, pose), model, lights))
+    return scenes
+
+
+def lights_around(count: int) -> tuple[DirectionalLight, ...]:
+    share = 0.6 / max(count, 1)
+    return tuple(
+        DirectionalLight(direction_from_angles(0.3 + 1.3 * number, 0.8), shadow_rgb_ratio=np.full(3, 1 - share))
+        for number in range(count)
+    )
+
+
+def round_model(triangles: int) -> PlacedModel:
+    """A vase of about that many triangles."""
+    around = max(3, round(math.sqrt(triangles / 2)))
+    rings = max(2, round(triangles / 2 / around) + 1)
+    height, angle = np.meshgrid(np.linspace(0, 1, rings), np.arange(around) * (2 * math.pi / around), indexing="ij")
+    radius = 0.3 + 0.12 * np.sin(7 * height)
+    outwards = np.stack([np.cos(angle), np.sin(angle), -0.84 * np.cos(7 * height)], axis=-1)
+    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
+    corner = np.arange((rings - 1) * around).reshape(-1, around)
+    right = np.roll(corner, -1, axis=1)
+    quads = np.stack([corner, right, right + around, corner, right + around, corner + around], axis=-1)
+    normals = outwards / np.linalg.norm(outwards, axis=-1, keepdims=True)
+    vertices = points.reshape(-1, 3).astype(np.float32)
+    mesh = Mesh(vertices, normals.reshape(-1, 3).astype(np.float32), quads.reshape(-1, 3).astype(np.uint32))
+    return placed_on_marker(Model("vase", (mesh,)), SIDE_M)
+
+
+def sweeps(base: RenderPreset) -> dict[str, list[tuple[float, RenderPreset, int, int]]]:
+    """By what is varied: its value, the preset, the number of lights and of triangles."""
+    return {
+        "triangles": [(count, base, 1, count) for count in (1_000, 10_000, 100_000, 1_000_000)],
+        "lights": [(count, base, count, 10_000) for count in range(5)],
+        "depth map": [(size, replace(base, shadow_map_size=size), 1, 10_000) for size in (512, 1024, 2048, 4096)],
+        "samples": [(count, replace(base, msaa_samples=count), 1, 10_000) for count in (0, 2, 4, 8)],
+    }
+
+
+def memory_growth(
+    ctx: Context,
+    preset: RenderPreset,
+    models: Sequence[PlacedModel],
+    scene: Callable[[int], Scene],
+    frames: int,
+) -> dict[str, float]:
+    """What the process holds (MiB) and how many OpenGL objects live, a fifth of the way and at the end.
+
+    The model changes with every tenth picture.
+    """
+    assert frames >= 10
+    first = scene(0)
+    assert first.tracked is not None
+    renderer = Renderer(ctx, preset, first.tracked.frame.size)
+    found: dict[str, float] = {}
+    for number in range(frames):
+        renderer.render(replace(scene(number), model=models[number // 10 % len(models)]))
+        renderer.finish()
+        if number in (frames // 5, frames - 1):
+            when = "end" if number == frames - 1 else "start"
+            found[f"{when}_gl_objects"] = live_gl_objects()
+            found[f"{when}_mib"] = _resident_mib()
+    renderer.release()
+    return found
+
+
+def _resident_mib() -> float:
+    """Of this process; on a software rasteriser this holds the graphics card's part, too."""
+    pages = Path("/proc/self/statm")
+    if pages.exists():
+        import resource
+
+        return int(pages.read_text().split()[1]) * resource.getpagesize() / 2**20
+    return math.nan

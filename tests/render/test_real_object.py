@@ -1,0 +1,111 @@
+"""Real and virtual share the light: what hides, shades and is shaded by what."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.quality import QUALITIES
+from ashe_live.core.transforms import project
+from ashe_live.models.primitives import box
+from ashe_live.render.caster import support_surface
+from ashe_live.render.lighting import lighting_of
+from ashe_live.render.scene import Scene
+from ashe_live.render.video_look import ASSUMED_WHITE
+
+RATIO = (0.3, 0.4, 0.5)
+GREY = 180
+PRESETS = [quality.render for quality in QUALITIES.values()]
+IDS = list(QUALITIES)
+
+
+def _proxy_box(x: float, y: float, half: float, height: float) -> Proxy:
+    corners = [(x + a, y + b, z, 0.0, 0.0) for a in (-half, half) for b in (-half, half) for z in (0.0, height)]
+    return Proxy("box", np.array(corners))
+
+
+def _pixel(picture: np.ndarray, tracked, point: tuple[float, ...]) -> np.ndarray:
+    (column, row), *_ = project(tracked.camera, tracked.marker.T_cam_marker, [point])
+    return picture[round(row), round(column), ::-1]
+
+
+def _volume(points: np.ndarray, triangles: np.ndarray) -> float:
+    """By the divergence theorem; positive for a closed surface whose triangles face outwards."""
+    a, b, c = (points[triangles[:, corner]] for corner in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def test_surface_of_a_box_is_the_box_and_that_of_a_ball_nearly_the_ball() -> None:
+    assert _volume(*support_surface(_proxy_box(0.1, -0.2, 0.03, 0.08))) == pytest.approx(0.06**2 * 0.08, rel=1e-9)
+    ball = Proxy("ball", np.array([(0.1, 0.0, 0.05, 0.05, 0.05)]))
+    assert _volume(*support_surface(ball)) == pytest.approx(4 / 3 * np.pi * 0.05**3, rel=0.02)
+    cup = Proxy("cup", np.array([(0, 0, 0, 0.03, 0), (0, 0, 0.1, 0.04, 0)]))
+    cone = np.pi * 0.1 / 3 * (0.03**2 + 0.03 * 0.04 + 0.04**2)
+    assert _volume(*support_surface(cup)) == pytest.approx(cone, rel=0.02)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_model_behind_the_object_is_hidden_by_it(make_renderer, stage, preset) -> None:
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(-90, 25, 0.5))
+    model = stage.placed(box((0.05, 0.03, 0.05), (0.0, 1.0, 0.0, 1.0)))
+    in_front = _proxy_box(0.0, -0.08, 0.02, 0.06)
+    behind = _proxy_box(0.0, 0.08, 0.02, 0.02)
+    point = (0.0, -0.015, 0.02)  # on the front of the model
+    for caster, seen in ((in_front, GREY), (behind, None)):
+        renderer.render(Scene(tracked, model, caster=caster))
+        red, green, blue = (int(value) for value in _pixel(renderer.read_bgr(), tracked, point))
+        assert (red, green, blue) == (seen,) * 3 if seen else green > red + 30
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_object_shades_the_model(make_renderer, stage, preset) -> None:
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(-90, 60, 0.4))
+    model = stage.placed(box((0.08, 0.04, 0.01)))
+    light = stage.light(180, 45, RATIO)  # the tall object at x = -0.1 throws its shadow up to x = 0.02
+    brightness = []
+    for caster in (None, _proxy_box(-0.1, 0.0, 0.02, 0.1)):
+        renderer.render(Scene(tracked, model, (light,), caster=caster))
+        picture = renderer.read_bgr()
+        brightness.append([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, (x, 0.0, 0.01))] for x in (-0.02, 0.03)])
+    np.testing.assert_allclose(brightness[0][0], ASSUMED_WHITE, rtol=0.02)
+    np.testing.assert_allclose(brightness[1][0], ASSUMED_WHITE * np.array(RATIO), rtol=0.03)
+    np.testing.assert_allclose(brightness[1][1], ASSUMED_WHITE, rtol=0.02)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_models_shadow_falls_on_the_object(make_renderer, stage, preset) -> None:
+    """Darker by what is left of the light on the side that it lights, and untouched above the shadow."""
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(125, 30, 0.5, target=(0.05, 0, 0.03)))
+    light = stage.light(180, 30, RATIO)
+    object_ = _proxy_box(0.1, 0.0, 0.03, 0.12)  # its lit side is at x = 0.07, where the shadow is 0.045 high
+    renderer.render(Scene(tracked, stage.placed(box((0.02, 0.05, 0.08))), (light,), caster=object_))
+    picture = renderer.read_bgr()
+    lighting = lighting_of((light,))
+    upright = (np.array(lighting.sky) + np.array(lighting.bounce)) / 2
+    sun = np.array(lighting.suns[0].irradiance) * np.cos(np.radians(30))
+    shaded = LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, (0.07, 0.015, 0.03))] / LINEAR_FROM_SRGB_8BIT[GREY]
+    np.testing.assert_allclose(shaded, upright / (upright + sun), rtol=0.03)
+    np.testing.assert_array_equal(_pixel(picture, tracked, (0.07, 0.0, 0.1)), GREY)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_ground_in_the_objects_shadow_is_not_darkened_again(make_renderer, stage, preset) -> None:
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(-90, 60, 0.5))
+    light = stage.light(180, 30, RATIO)
+    model = stage.placed(box((0.03, 0.06, 0.05)))  # its shadow ends at x = 0.1
+    object_ = _proxy_box(0.0, 0.06, 0.02, 0.08)  # its shadow covers y > 0.04
+    places = [(0.07, 0.02, 0.0), (0.07, 0.028, 0.0), (0.085, 0.05, 0.0)]
+    lone, shared = [], []
+    for caster, found in ((None, lone), (object_, shared)):
+        renderer.render(Scene(tracked, model, (light,), caster=caster))
+        found += [_pixel(renderer.read_bgr(), tracked, place).astype(int) for place in places]
+    assert (lone[0] < GREY - 30).all()
+    np.testing.assert_array_equal(shared[0], lone[0])
+    np.testing.assert_array_equal(shared[2], GREY)
+    overlap = _proxy_box(0.0, 0.0, 0.015, 0.05)  # the model's double: all of its shadow is there already
+    renderer.render(Scene(tracked, model, (light,), caster=overlap))
+    np.testing.assert_allclose(_pixel(renderer.read_bgr(), tracked, (0.07, 0.0, 0.0)), GREY, atol=1)

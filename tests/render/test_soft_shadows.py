@@ -1,0 +1,99 @@
+"""Penumbrae as wide as the light's angular size makes them, several lights, and edges that stand still."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.quality import QUALITIES
+from ashe_live.core.transforms import direction_from_angles, project
+from ashe_live.core.types import DirectionalLight
+from ashe_live.models.primitives import box
+from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD, lighting_of
+from ashe_live.render.scene import Scene
+
+HEIGHT = 0.06
+DARK = 0.2
+
+
+def _light(azimuth_deg: float, elevation_deg: float, size_deg: float | None, ratio: float = DARK) -> DirectionalLight:
+    return DirectionalLight(
+        direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg)),
+        angular_size_rad=None if size_deg is None else math.radians(size_deg),
+        shadow_rgb_ratio=np.full(3, ratio),
+    )
+
+
+def _along(picture: np.ndarray, tracked, xs: np.ndarray, y: float = 0.0) -> np.ndarray:
+    """Linear brightness over the lit ground's at places (x, y, 0), between pixels interpolated."""
+    points = np.column_stack([xs, np.full(len(xs), y), np.zeros(len(xs))])
+    columns, rows = project(tracked.camera, tracked.marker.T_cam_marker, points).T
+    grey = LINEAR_FROM_SRGB_8BIT[picture[..., 1]] / LINEAR_FROM_SRGB_8BIT[255]
+    left, top = np.floor(columns).astype(int), np.floor(rows).astype(int)
+    u, v = columns - left, rows - top
+    upper = grey[top, left] * (1 - u) + grey[top, left + 1] * u
+    lower = grey[top + 1, left] * (1 - u) + grey[top + 1, left + 1] * u
+    return upper * (1 - v) + lower * v
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize("size_deg", [4.0, 12.0])
+def test_penumbra_is_as_wide_as_the_light_looks(make_renderer, stage, quality: str, size_deg: float) -> None:
+    """A plate in the air, whose edge at x = 0.05 leaves a penumbra of half its height times the angle to each side."""
+    plate = box((0.1, 0.1, 0.002)).moved(1.0, np.array([0.0, 0.0, HEIGHT - 0.002]))
+    tracked = stage.tracked(255, stage.pose(0, 25, 0.35, target=(0.05, 0, 0)))
+    renderer = make_renderer(QUALITIES[quality].render)
+    # From 45 degrees the edge's shadow lies HEIGHT further on, and the penumbra is wider by 1 / sin, twice.
+    renderer.render(Scene(tracked, stage.placed(plate), (_light(180, 45, size_deg),)))
+    edge, half = 0.05 + HEIGHT, HEIGHT * math.tan(math.radians(size_deg / 2)) * 2
+    xs = edge + half * np.linspace(-1.6, 1.6, 33)
+    lit = (_along(renderer.read_bgr(), tracked, xs) - DARK) / (1 - DARK)
+    assert lit[0] < 0.03
+    assert lit[-1] > 0.97
+    # How high the edge stands over the sun's centre, in radii; then what a straight edge leaves free of a disc.
+    over = np.radians(45) - np.arctan2(HEIGHT, xs - 0.05)
+    t = np.clip(over / math.radians(size_deg / 2), -1, 1)
+    expected = 0.5 + (t * np.sqrt(1 - t**2) + np.arcsin(t)) / np.pi
+    assert np.abs(lit - expected).mean() < 0.03
+
+
+def test_light_of_unknown_size_is_as_wide_as_the_sun() -> None:
+    assert lighting_of((_light(0, 40, None),)).suns[0].angular_size_rad == SUN_ANGULAR_SIZE_RAD == math.radians(0.53)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_each_light_casts_its_own_shadow(make_renderer, stage, quality: str) -> None:
+    """Of four lights each takes its own share away, and where two are blocked, both."""
+    renderer = make_renderer(QUALITIES[quality].render)
+    tracked = stage.tracked(255, stage.pose(-90, 60, 0.6, target=(0, 0, 0)))
+    pole = stage.placed(box((0.03, 0.03, 0.06)))
+    lights = tuple(_light(90 * turn, 30, 0.5, 1 - share) for turn, share in enumerate((0.1, 0.15, 0.2, 0.25)))
+    renderer.render(Scene(tracked, pole, lights))
+    picture = renderer.read_bgr()
+    for turn, share in enumerate((0.1, 0.15, 0.2, 0.25)):
+        away = -direction_from_angles(math.pi / 2 * turn, 0.0)[:2] * 0.09
+        found = _along(picture, tracked, np.array([away[0]]), away[1])[0]
+        assert found == pytest.approx(1 - share, abs=0.012)
+    two = tuple(_light(azimuth_deg, 30, 0.5, 0.7) for azimuth_deg in (176, 184))
+    renderer.render(Scene(tracked, pole, two))
+    assert _along(renderer.read_bgr(), tracked, np.array([0.06]))[0] == pytest.approx(0.4, abs=0.012)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_shadows_edge_stands_still_while_the_camera_turns(make_renderer, stage, quality: str) -> None:
+    preset = QUALITIES[quality].render
+    renderer = make_renderer(preset)
+    pole = stage.placed(box((0.03, 0.03, 0.06)))
+    light = _light(180, 35, None)
+    xs = np.linspace(0.06, 0.14, 400)
+    edges = []
+    for azimuth_deg in range(-60, 61, 12):
+        tracked = stage.tracked(255, stage.pose(azimuth_deg, 65, 0.3, target=(0.09, 0, 0)))
+        renderer.render(Scene(tracked, pole, (light,)))
+        lit = _along(renderer.read_bgr(), tracked, xs)
+        edges.append(float(np.interp((1 + DARK) / 2, lit[100:300], xs[100:300])))
+    reach = 0.015 + 0.06 / math.tan(math.radians(35))
+    texel = 0.06 / preset.ground_shadow_size / math.sin(math.radians(35))
+    assert np.ptp(edges) < max(texel, 0.0002)
+    assert np.mean(edges) == pytest.approx(reach, abs=2 * texel)
