@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.mesh import Float32, Indices, Mesh
-from ashe_live.models.shading_normals import corner_normals, face_normals, is_inside_out, unit_rows
+from ashe_live.models.shading_normals import corner_normals, face_normals, is_inside_out, row_keys, unit_rows
 from ashe_live.models.surfaces import Surfaces
 
 
@@ -36,8 +36,9 @@ def placed_mesh(mesh: Any, T: Float, surfaces: Surfaces) -> Mesh | None:
             triangles = triangles[:, ::-1]
         normals = corner_normals(vertices, triangles)
         corners = triangles.ravel()
-        vertices, triangles = vertices[corners], np.arange(corners.size, dtype=np.uint32).reshape(-1, 3)
-        attributes = {name: values[corners] for name, values in attributes.items()}
+        kept, triangles = _welded(vertices[corners], normals, *(values[corners] for values in attributes.values()))
+        normals, vertices = normals[kept], vertices[corners[kept]]
+        attributes = {name: values[corners[kept]] for name, values in attributes.items()}
     else:
         triangles = _wound_like_normals(vertices, triangles, normals)
         if is_inside_out(vertices, triangles):
@@ -67,6 +68,16 @@ def _file_normals(mesh: Any, T: Float) -> Float32 | None:
     if not np.isfinite(moved).all() or not np.any(moved, axis=1).all():
         return None
     return unit_rows(moved).astype(np.float32)
+
+
+def _welded(places: Float32, normals: Float32, *attributes: Float32) -> tuple[NDArray[np.int64], Indices]:
+    """One vertex for all corners (3 m, any) of triangles that are alike in everything.
+
+    Returns the corners (k,) to keep, and triangles (m, 3) of indices to those.
+    """
+    keys = row_keys(np.hstack([places, np.round(normals, 3), *attributes]))
+    _, kept, indices = np.unique(keys, return_index=True, return_inverse=True)
+    return kept, indices.reshape(-1, 3).astype(np.uint32)
 
 
 def _wound_like_normals(vertices: Float32, triangles: Indices, normals: Float32) -> Indices:

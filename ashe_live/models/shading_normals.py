@@ -31,7 +31,7 @@ def corner_normals(vertices: Float32, triangles: Indices) -> Float32:
     """
     faces = face_normals(vertices, triangles)
     units = unit_rows(faces)
-    place = place_keys(vertices)[triangles.ravel()]
+    place = row_keys(vertices)[triangles.ravel()]
     order = np.argsort(place, kind="stable")
     place, face = place[order], order // 3
     total = faces[face].copy()
@@ -50,12 +50,12 @@ def corner_normals(vertices: Float32, triangles: Indices) -> Float32:
     return unit_rows(normals).astype(np.float32)
 
 
-def place_keys(vertices: Float32) -> NDArray[np.uint64]:
-    """(n,) one number for each place: the same for the same place, another for another, but for odds of 2^-64.
+def row_keys(rows: Float32) -> NDArray[np.uint64]:
+    """(n,) one number for each row (n, k): the same for the same row, another for another, but for odds of 2^-64.
 
     Rows would be sorted without letting other threads run; numbers are not.
     """
-    bits = (vertices + np.float32(0.0)).view(np.uint32).astype(np.uint64)  # there are two zeros
+    bits = (rows + np.float32(0.0)).view(np.uint32).astype(np.uint64)  # there are two zeros
     key = np.zeros(len(bits), np.uint64)
     for column in bits.T:  # splitmix64: Steele, Lea, Flood, OOPSLA 2014
         key = (key ^ column) + np.uint64(0x9E3779B97F4A7C15)

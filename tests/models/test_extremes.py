@@ -9,7 +9,7 @@ import trimesh
 from ashe_live.errors import UserError
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.mesh import Mesh
-from ashe_live.models.shading_normals import face_normals, place_keys
+from ashe_live.models.shading_normals import face_normals, row_keys
 
 
 def _volume(part: Mesh) -> float:
@@ -34,7 +34,7 @@ def test_closed_model_that_is_inside_out_is_turned(tmp_path: Path, suffix: str, 
 
 def test_open_model_keeps_the_side_that_its_file_says(tmp_path: Path) -> None:
     (tmp_path / "sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 3 2\nf 1 4 3\n")
-    np.testing.assert_allclose(load_model_file(tmp_path / "sheet.obj").parts[0].normals, [(0, 0, -1)] * 6, atol=1e-6)
+    np.testing.assert_allclose(load_model_file(tmp_path / "sheet.obj").parts[0].normals, [(0, 0, -1)] * 4, atol=1e-6)
 
 
 def test_degenerate_triangles_are_left_out(tmp_path: Path) -> None:
@@ -80,10 +80,19 @@ def test_formats_without_materials_look_like_matt_plastic(tmp_path: Path, suffix
     assert min(material.base_colour[:3]) > 0.1
 
 
+def test_corners_that_are_alike_are_one_vertex(tmp_path: Path) -> None:
+    """STL keeps three corners for each triangle: a smooth ball needs a sixth of them, a box's faces four each."""
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    ball.export(tmp_path / "ball.stl")
+    assert len(load_model_file(tmp_path / "ball.stl").parts[0].vertices) == len(ball.vertices)
+    trimesh.creation.box((1, 1, 1)).export(tmp_path / "box.stl")
+    assert len(load_model_file(tmp_path / "box.stl").parts[0].vertices) == 24
+
+
 def test_places_have_one_key_each() -> None:
     points = np.random.default_rng(2).integers(-20, 20, (20_000, 3)).astype(np.float32)
     points[points == 0] *= np.random.default_rng(3).choice([-1, 1], (points == 0).sum())  # zeros of both signs
-    _, by_key = np.unique(place_keys(points), return_inverse=True)
+    _, by_key = np.unique(row_keys(points), return_inverse=True)
     _, by_row = np.unique(points + 0.0, axis=0, return_inverse=True)
     pairs = np.unique(np.column_stack([by_key.ravel(), by_row.ravel()]), axis=0)
     assert len(pairs) == by_key.max() + 1 == by_row.max() + 1
