@@ -48,7 +48,7 @@ class ViewerBench:
 
     clip: KnownClip
     quality: Quality
-    estimator: str | Callable[[], Estimator]
+    estimator: str | Callable[[str], Estimator]
     frames: int  # in each run
     size: Size | None = None  # of the framebuffer; None: the clip's
 

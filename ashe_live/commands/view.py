@@ -74,6 +74,7 @@ def opened_session(view: View) -> Iterator[Session]:
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, view.true_to_light_marker)
         session.show_light = view.shows_light
+        session.light_preset = quality_of(options).name
         yield session
 
 

@@ -21,24 +21,27 @@ class Estimator(Protocol):
         ...
 
 
-def _proxy() -> Estimator:
-    from ashe_live.light.proxy import ProxyEstimator
+def _proxy(preset: str) -> Estimator:
+    from ashe_live.light.proxy import PRESETS, ProxyEstimator
 
-    return ProxyEstimator()
+    return ProxyEstimator(PRESETS[preset])
 
 
-def _paper() -> Estimator:
+def _paper(preset: str) -> Estimator:  # noqa: ARG001 - as published, it has one notch
     from ashe_live.light.paper import PaperEstimator
 
     return PaperEstimator()
 
 
-# Factories, as naming the estimators (in --help) must not load OpenCV.
-ESTIMATORS: Mapping[str, Callable[[], Estimator]] = {"proxy": _proxy, "paper": _paper}
+# Factories by name, of a preset's name, as naming the estimators (in --help) must not load OpenCV.
+ESTIMATORS: Mapping[str, Callable[[str], Estimator]] = {"proxy": _proxy, "paper": _paper}
 
 
-def make_estimator(name: str, preset: str = "balanced") -> Estimator:  # noqa: ARG001
-    """A new estimator by its name in ESTIMATORS; raises UserError for one that is not there."""
+def make_estimator(name: str, preset: str = "balanced") -> Estimator:
+    """A new estimator by its name in ESTIMATORS and by the name of a quality.
+
+    Raises UserError for an estimator that is not there.
+    """
     if name not in ESTIMATORS:
         raise UserError(f"there is no light estimator {name!r}", f"choose one of {', '.join(ESTIMATORS)}")
-    return ESTIMATORS[name]()
+    return ESTIMATORS[name](preset)

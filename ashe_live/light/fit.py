@@ -94,30 +94,34 @@ def fit_light(
     unreliable: Mask | None = None,
     edge_sigma_px: float = 0.5,
     preset: FitPreset = BALANCED,
+    either: Mask | None = None,
+    near: Float | None = None,
 ) -> Fit | FitFailure:
     """The lights that cast `shadows`, one mask each, off the one object `body`, which stands on the marker plane.
 
     Masks: (h, w) of the camera's size, bool, or float probabilities whose 0.5 level is the outline; of undistorted
     pixels. `unreliable`: (h, w) pixels of which nothing is known (the marker's print, other objects). `edge_sigma_px`:
-    how far the masks' edges typically are from the truth; 0.2 for perfect masks.
+    how far the masks' edges typically are from the truth; 0.2 for perfect masks. `either`: (h, w) pixels outside the
+    masks that belong to the object or to a shadow. `near`: (l, 2) displacements s to start from as well.
     Raises ValueError when shapes differ or there is no shadow mask.
     """
     shape = camera.size[::-1]
-    masks = [body, *shadows] if unreliable is None else [body, *shadows, unreliable]
+    masks = [mask for mask in (body, *shadows, unreliable, either) if mask is not None]
     if not shadows or any(mask.shape != shape for mask in masks):
         raise ValueError(f"a fit needs an object and shadows of shape {shape}, not {[mask.shape for mask in masks]}")
-    outlines = observe_outlines(body, shadows, unreliable, preset.directions, edge_sigma_px)
+    outlines = observe_outlines(body, shadows, unreliable, preset.directions, edge_sigma_px, either)
     if isinstance(outlines, str):
         return FitFailure(outlines)
     guess = guess_scene(camera, T_cam_marker, outlines)
     if isinstance(guess, str):
         return FitFailure(guess)
-    solutions = _try_families(outlines, guess, edge_sigma_px, preset)
+    slants = [guess.slants * stretch for stretch in preset.stretches] + ([] if near is None else [near])
+    solutions = _try_families(outlines, guess, slants, edge_sigma_px, preset)
     return _believed(outlines, guess, solutions, edge_sigma_px)
 
 
 def _try_families(
-    outlines: Outlines, guess: FirstGuess, edge_sigma_px: float, preset: FitPreset
+    outlines: Outlines, guess: FirstGuess, slants: list[Float], edge_sigma_px: float, preset: FitPreset
 ) -> dict[str, Solution]:
     outlier_px = min(max(OUTLIER_SHARE * outlines.size_px, OUTLIER_PX[0]), OUTLIER_PX[1])
     enough_px = min(preset.enough * edge_sigma_px, ENOUGH_SHARE * outlines.size_px)
@@ -131,12 +135,12 @@ def _try_families(
             break
         if family.grows_from is None:
             shapes = family.starts(cylinder)
-            slants = [guess.slants.ravel() * stretch for stretch in preset.stretches]
+            origins = slants
         else:
             parent = solutions[family.grows_from]
             shapes = family.starts(parent.shape)
-            slants = [parent.slants.ravel()]
-        starts = np.array([[*slant, *shape] for slant in slants for shape in shapes])
+            origins = [parent.slants]
+        starts = np.array([[*slant.ravel(), *shape] for slant in origins for shape in shapes])
         hopeless = HOPELESS * min((solution.cost for solution in solutions.values()), default=math.inf)
         solutions[name] = search(
             guess.P, outlines, family, starts, outlier_px, preset.iterations, preset.kept, hopeless

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.light.areas import cleaned, large_areas, smoothed
 from ashe_live.light.log_colour import Float32, linear_rgb, log_opponent
+from ashe_live.light.mixtures import Mixture, clusters, mixture_of, nearest_squared_distance
+from ashe_live.light.view import Window
 
-# Standard deviations below which colours of one material are not told apart: noise, JPEG, relief.
-COLOUR_NOISE = np.array([0.05, 0.045, 0.045])
 CELLS = (8, 6)
 SAMPLES = 5000
-SMOOTHING_PX = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,9 +36,7 @@ class LitGround:
 
     colours: Float32  # (h, w, 3) log-opponent colours without the ground's own slow shading
     field: Float32  # (5, 3) that shading, as coefficients of slow bases
-    centres: Float32  # (k, 3) palette
-    covariances: Float32  # (k, 3, 3)
-    weights: Float32  # (k,) shares of the lit ground
+    palette: Mixture  # of the lit ground
     surprise: Float32  # (h, w) squared Mahalanobis distance to the nearest colour of the palette
     spread: Float32  # (h, w) share of the frame over which the pixel's colour is found, in (0, 1]
 
@@ -61,13 +59,14 @@ def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> Lit
     for _ in range(steps.field_rounds):
         field = _field_beside_palette(colours, field, bases, chosen, steps.palette_colours)
     flat = colours - (bases @ field).reshape(colours.shape)
-    labels, centres = clusters(flat.reshape(-1, 3)[chosen], steps.palette_colours)
-    centres, covariances, weights = mixture(flat.reshape(-1, 3)[chosen], labels, centres, widening=1.3)
-    surprise = nearest_squared_distance(flat.reshape(-1, 3), centres, covariances).reshape(lit.shape)
-    return LitGround(flat, field, centres, covariances, weights, surprise, spread)
+    palette = mixture_of(flat.reshape(-1, 3)[chosen], steps.palette_colours, widening=1.3)
+    if palette is None:
+        return None
+    surprise = nearest_squared_distance(flat.reshape(-1, 3), palette).reshape(lit.shape)
+    return LitGround(flat, field, palette, surprise, spread)
 
 
-def ground_colours(image_bgr: Image, ground: LitGround, window: tuple[slice, slice]) -> Float32:
+def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float32:
     """(h, w, 3): the colours of a window (rows, columns) of the frame at another scale, on the same ground."""
     colours = log_opponent(image_bgr[window])
     return colours - (_slow_bases(image_bgr.shape[:2], window) @ ground.field).reshape(colours.shape)
@@ -75,7 +74,7 @@ def ground_colours(image_bgr: Image, ground: LitGround, window: tuple[slice, sli
 
 def lit_rgb(ground: LitGround) -> Float:
     """(3,) mean linear RGB of the lit ground."""
-    return np.asarray(np.average(linear_rgb(ground.centres), axis=0, weights=ground.weights))
+    return np.asarray(np.average(linear_rgb(ground.palette.centres), axis=0, weights=ground.palette.weights))
 
 
 def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
@@ -85,74 +84,7 @@ def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
     return large_areas(cleaned(is_ground & rare & surprising), least_px)
 
 
-def smoothed(values: Float32) -> Float32:
-    return np.asarray(cv2.GaussianBlur(values, (0, 0), SMOOTHING_PX), dtype=np.float32)
-
-
-def cleaned(mask: Mask) -> Mask:
-    """Without specks and pinholes."""
-    kernel = np.ones((3, 3), np.uint8)
-    opened = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, kernel)
-    return cv2.morphologyEx(opened, cv2.MORPH_CLOSE, kernel).astype(bool)
-
-
-def large_areas(mask: Mask, least_px: int) -> Mask:
-    """The connected areas of `mask` with at least `least_px` pixels."""
-    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
-    large = statistics[:, cv2.CC_STAT_AREA] >= least_px
-    large[0] = False
-    return np.asarray(large[labels], dtype=bool)
-
-
-def clusters(colours: Float32, count: int) -> tuple[NDArray[np.intp], Float32]:
-    """Labels (n,) and centres (k, 3) of colours (n, 3), k at most `count`; the same input gives the same bits."""
-    # OpenCV's generator is global: seeded here, so that nothing that ran before matters.
-    cv2.setRNGSeed(1)
-    criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 12, 0.01)
-    start: NDArray[np.int32] = np.empty(0, np.int32)
-    _, labels, centres = cv2.kmeans(colours, min(count, len(colours)), start, criteria, 1, cv2.KMEANS_PP_CENTERS)
-    return labels[:, 0].astype(np.intp), np.asarray(centres, dtype=np.float32)
-
-
-def mixture(
-    colours: Float32, labels: NDArray[np.intp], centres: Float32, widening: float = 1.0
-) -> tuple[Float32, Float32, Float32]:
-    """Centres (k, 3), covariances (k, 3, 3) and weights (k,) of the clusters that have enough members."""
-    kept, covariances, weights = [], [], []
-    for k in range(len(centres)):
-        members = colours[labels == k]
-        if len(members) >= 5:
-            kept.append(centres[k])
-            covariances.append(widening * np.cov(members.T) + np.diag(COLOUR_NOISE**2))
-            weights.append(len(members) / len(labels))
-    return np.array(kept, np.float32), np.array(covariances, np.float32), np.array(weights, np.float32)
-
-
-def nearest_squared_distance(
-    colours: Float32, centres: Float32, covariances: Float32, costs: Float32 | None = None
-) -> Float32:
-    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a component, plus that component's cost (k,).
-
-    The distances are quadratics in the colour, so that all of them are one product of (n, 10) and (10, k).
-    """
-    precisions = np.linalg.inv(covariances.astype(np.float64))
-    i, j = np.triu_indices(3)
-    offsets = np.einsum("ki,kij,kj->k", centres, precisions, centres) + (0.0 if costs is None else costs)
-    coefficients = np.concatenate(
-        [
-            (precisions[:, i, j] * np.where(i == j, 1, 2)).T,
-            -2 * np.einsum("kij,kj->ki", precisions, centres).T,
-            offsets[None],
-        ]
-    )
-    monomials = np.empty((len(colours), 10), np.float32)
-    monomials[:, :6] = colours[:, i] * colours[:, j]
-    monomials[:, 6:9] = colours
-    monomials[:, 9] = 1
-    return np.asarray((monomials @ coefficients.astype(np.float32)).min(axis=1), dtype=np.float32)
-
-
-def _slow_bases(shape: tuple[int, ...], window: tuple[slice, slice] = (slice(None), slice(None))) -> Float32:
+def _slow_bases(shape: tuple[int, ...], window: Window = (slice(None), slice(None))) -> Float32:
     """(h * w, 5): the slow shading of a ground seen in perspective under one sky: a quadratic without a constant."""
     rows, columns = (np.arange(size, dtype=np.float32)[part] + 0.5 for size, part in zip(shape, window, strict=True))
     v, u = np.meshgrid(rows, columns, indexing="ij")

@@ -1,15 +1,18 @@
-"""How far to believe a fit: which explanation is best, how likely it is right, and when not to answer."""
+"""How far to believe an explanation: which one is best, how likely it is right, and when not to answer."""
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float
 from ashe_live.core.types import DirectionalLight
 from ashe_live.light.associate import Split
-from ashe_live.light.fit import Fit
+from ashe_live.light.evidence import Explanation, appearance, evidence
+from ashe_live.light.materials import Materials
+from ashe_live.light.mixtures import UNEXPLAINED
+from ashe_live.light.predicted import Predicted
+from ashe_live.light.regions import Region
 
 # Below this, an answer is more likely a wrong one.
 LEAST_CONFIDENCE = 0.3
@@ -18,66 +21,65 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -8.17
-WEIGHTS = np.array([-2.53, -3.43, -8.05, -0.19, -0.1])
+OFFSET = -6.36
+WEIGHTS = np.array([-1.31, -4.63, -2.4, -0.46, -1.08, 1.76, -0.7, -0.02, 1.88, 1.22, -0.01, -4.62])
+# That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
+CONTEST_OFFSET = 0.62
+CONTEST_WEIGHTS = np.array([0.62, 0.89, 1.65])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Candidate:
-    """An explanation of the picture and the light that follows from it."""
-
-    split: Split
-    fit: Fit
-    rank: int  # among the explanations, which come in the order of their shifts' votes
+def promise(region: Region, materials: Materials, split: Split) -> float:
+    """What the look of a split alone promises: the larger, the likelier it is that the right light follows from it."""
+    doubtful = split.shadow_mask if split.either is None else split.shadow_mask | split.either
+    unknown = np.full(region.unlit.shape, UNEXPLAINED, np.float32)
+    return float(WEIGHTS[1:] @ appearance(region, materials, Predicted(split.object_mask, doubtful), unknown))
 
 
-def evidence(candidate: Candidate) -> Float:
-    """(5,) what speaks for and against an explanation; WEIGHTS says how much.
+def log_odds(explanation: Explanation) -> float:
+    """Log odds that the explanation is right, times that its direction is as good as an answer must be."""
+    is_right = 1 / (1 + math.exp(-float(np.clip(OFFSET + WEIGHTS @ evidence(explanation), -50, 50))))
+    radius = radius_of_68_percent(explanation.fit.lights[0].covariance_rad2)
+    is_good = -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2)
+    probability = min(max(is_right * is_good, 1e-6), 1 - 1e-6)
+    return math.log(probability / (1 - probability))
 
-    The outlines' error over the object's size; the share of the shadow's border at which it meets the object; how far
-    the shadow's colour is from daylight's; its rank in votes; a shadow larger than its object.
+
+def best_of(explanations: Sequence[Explanation]) -> tuple[Explanation, float]:
+    """The likeliest explanation, and P(its angular error < 10 degrees), given the others' word."""
+    odds = np.array([log_odds(explanation) for explanation in explanations])
+    directions = np.array([explanation.fit.lights[0].to_light_marker for explanation in explanations])
+    best = int(odds.argmax())
+    score = CONTEST_OFFSET + CONTEST_WEIGHTS @ contest(odds, directions)
+    return explanations[best], 1 / (1 + math.exp(-float(np.clip(score, -50, 50))))
+
+
+def contest(log_odds: Float, directions: Float) -> Float:
+    """(3,) the best of n explanations' log odds; logs of its direction's share of the odds of all directions, each
+    represented by its best explanation, and of the share of all explanations' odds that lies near it.
+
+    log_odds: (n,). directions: (n, 3) unit vectors.
     """
-    body, shadow, fit = candidate.split.object_mask, candidate.split.shadow_mask, candidate.fit
-    _, red_blue, green = candidate.split.shift
-    return np.array(
-        [
-            math.log(max(fit.residual_px, 0.05) / max(fit.object_px, 1.0)),
-            _border_share(shadow, body),
-            abs(green + 0.25 * red_blue),
-            min(candidate.rank, 3),
-            max(math.log(int(shadow.sum()) / max(int(body.sum()), 1)), 0.0),
-        ]
-    )
+    odds = np.exp(np.clip(log_odds, -20, 20))
+    near = directions @ directions.T > math.cos(GOOD_RAD)
+    rivals, left = 0.0, np.ones(len(odds), np.bool_)
+    for index in np.argsort(-odds, kind="stable"):
+        if left[index]:
+            rivals += odds[index]
+            left &= ~near[index]
+    best = int(odds.argmax())
+    return np.array([log_odds[best], math.log(odds[best] / rivals), math.log(odds[near[best]].sum() / odds.sum())])
 
 
-def confidence_in(candidate: Candidate) -> float:
-    """P(angular error < 10 degrees): that the explanation is the right one, times that its direction is that good."""
-    is_right = 1 / (1 + np.exp(-np.clip(OFFSET + WEIGHTS @ evidence(candidate), -50, 50)))
-    radius = _radius_of_68_percent(candidate.fit.lights[0].covariance_rad2)
-    return float(is_right * -np.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2))
+def light_of(explanation: Explanation, confidence: float) -> DirectionalLight:
+    fitted = explanation.fit.lights[0]
+    sigma_rad = radius_of_68_percent(fitted.covariance_rad2)
+    return DirectionalLight(fitted.to_light_marker, fitted.covariance_rad2, sigma_rad, confidence)
 
 
-def judged(candidate: Candidate) -> DirectionalLight | str:
-    """The light with what is known about it, or the reason not to answer."""
-    confidence = confidence_in(candidate)
-    if confidence < LEAST_CONFIDENCE:
-        return "what stands out from the ground does not fit an object and its shadow in one directional light"
-    fitted = candidate.fit.lights[0]
-    return DirectionalLight(
-        fitted.to_light_marker, fitted.covariance_rad2, _radius_of_68_percent(fitted.covariance_rad2), confidence
-    )
-
-
-def _radius_of_68_percent(covariance_rad2: Float) -> float:
+def radius_of_68_percent(covariance_rad2: Float) -> float:
     """Radius of the circle that holds a 2D normal distribution's sample with probability 0.68.
 
     Between 0.99 of the larger deviation (a line) and 1.51 of it (a circle); in between, and at both ends, right to 1 %.
     """
     smaller, larger = np.maximum(np.linalg.eigvalsh(covariance_rad2), 0.0)
     return math.sqrt(0.985 * larger + 1.326 * smaller)
-
-
-def _border_share(mask: Mask, other: Mask) -> float:
-    """Share of the pixels just outside `mask` that lie in `other`."""
-    border = cv2.dilate(mask.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool) & ~mask
-    return int((border & other).sum()) / max(int(border.sum()), 1)

@@ -33,12 +33,15 @@ def residuals(P: Float, outlines: Outlines, family: Family, lights: int, theta: 
     n, split = len(theta), 2 * lights
     parts, by_shape = family.parts(theta[:, split:])
     supports = outline_supports(P, parts, theta[:, :split].reshape(n, lights, 2), outlines.directions)
-    missed = np.minimum(supports.reach_px - outlines.least_px, 0.0)
-    missed += np.maximum(supports.reach_px - outlines.most_px, 0.0)
-    by_theta = np.zeros((*missed.shape, theta.shape[1]))
-    by_theta[..., split:] = supports.by_parts @ by_shape.reshape(n, 1, -1, by_shape.shape[3])
+    d = len(outlines.directions)
+    by_theta = np.zeros((n, 2 + lights, d, theta.shape[1]))
+    by_theta[:, :-1, :, split:] = supports.by_parts @ by_shape.reshape(n, 1, -1, by_shape.shape[3])
     for light in range(lights):
         by_theta[:, 1 + light, :, 2 * light : 2 * light + 2] = supports.by_slant[:, light]
+    farthest = supports.reach_px.argmax(axis=1)
+    by_theta[:, -1] = by_theta[np.arange(n)[:, None], farthest, np.arange(d)]
+    reach = np.concatenate([supports.reach_px, supports.reach_px.max(axis=1, keepdims=True)], axis=1)
+    missed = np.minimum(reach - outlines.least_px, 0.0) + np.maximum(reach - outlines.most_px, 0.0)
     by_theta *= (missed != 0)[..., None]
     return missed.reshape(n, -1), by_theta.reshape(n, -1, theta.shape[1])
 

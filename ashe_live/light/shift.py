@@ -27,8 +27,8 @@ def shadow_shifts(ground: LitGround, unlit: Mask, count: int) -> list[Float]:
     if len(colours) < LEAST_VOTERS:
         return []
     colours = colours[:: len(colours) // MOST_VOTERS + 1]
-    common = ground.weights > 0.02
-    centres, weights = ground.centres[common], ground.weights[common]
+    common = ground.palette.weights > 0.02
+    centres, weights = ground.palette.centres[common], ground.palette.weights[common]
     offsets = np.asarray(colours[:, None, :] - centres[None], dtype=np.float64)
     bins = np.floor((offsets - LOWEST) / BIN).astype(int)
     inside = ((bins >= 0) & (bins < BINS)).all(axis=2)
@@ -44,9 +44,9 @@ def shadow_shifts(ground: LitGround, unlit: Mask, count: int) -> list[Float]:
 
 def shadow_ratio(ground: LitGround, shift: Float) -> Float:
     """(3,) linear RGB, shadowed over lit ground, of the palette's colours, each counting as much as there is of it."""
-    lit = linear_rgb(ground.centres)
-    shaded = linear_rgb(ground.centres + shift)
-    weights = (ground.weights / ground.weights.sum())[:, None]
+    lit = linear_rgb(ground.palette.centres)
+    shaded = linear_rgb(ground.palette.centres + shift)
+    weights = (ground.palette.weights / ground.palette.weights.sum())[:, None]
     return np.asarray(
         np.clip((weights * shaded).sum(axis=0) / np.maximum((weights * lit).sum(axis=0), 1e-6), 1e-3, 1.0)
     )

@@ -31,8 +31,9 @@ class Silhouette:
 class Outlines:
     """The silhouettes of an object and of its l shadows, and what they bound.
 
-    Rows of the bounds: the object, then its shadows. They are equal where an outline was measured, and apart where it
-    is hidden (it may reach further) or cut (infinitely far, for all that is known).
+    Rows of the bounds: the object, its shadows, and all of them together. They are equal where an outline was measured,
+    and apart where it is hidden (it may reach further) or cut (infinitely far, for all that is known). Together they
+    are measured where it cannot be told which of them reaches so far.
     """
 
     directions: Float  # (d, 2) unit vectors in the image
@@ -40,12 +41,12 @@ class Outlines:
     size_px: float  # square root of the object's area
     body: Silhouette
     shadows: tuple[Silhouette, ...]
-    least_px: Float  # (1 + l, d) the whole reaches at least as far
-    most_px: Float  # (1 + l, d) and at most as far
+    least_px: Float  # (2 + l, d) the whole reaches at least as far
+    most_px: Float  # (2 + l, d) and at most as far
 
     @property
     def seen(self) -> Mask:
-        """(1 + l, d) where an outline was measured, not only bounded."""
+        """(2 + l, d) where an outline was measured, not only bounded."""
         return np.asarray(self.least_px == self.most_px)
 
 
@@ -55,11 +56,13 @@ def observe_outlines(
     unreliable: Mask | None,
     direction_count: int,
     edge_sigma_px: float = 0.0,
+    either: Mask | None = None,
 ) -> Outlines | str:
     """Silhouettes from masks (h, w): bool, or the probability 0..1, then drawn at 0.5; or the reason why not.
 
     `unreliable`: pixels of which nothing is known, such as the marker's or other objects'. `edge_sigma_px`: how far
-    edges typically are from the truth, which may leave a gap between the object and its shadow.
+    edges typically are from the truth, which may leave a gap between the object and its shadow. `either`: pixels that
+    belong to the object or to a shadow, no matter to which.
     """
     body_contour = contour_of(body)
     if body_contour is None:
@@ -67,6 +70,10 @@ def observe_outlines(
     shadow_contours = [contour for contour in map(contour_of, shadows) if contour is not None]
     if len(shadow_contours) < len(shadows):
         return "no shadow"
+    whole_contour, really_unreliable = None, unreliable
+    if either is not None and either.any():
+        whole_contour = contour_of(np.logical_or.reduce([body > 0.5, either, *(shadow > 0.5 for shadow in shadows)]))
+        unreliable = either if unreliable is None else unreliable | either
     size = math.sqrt(max(cv2.contourArea(body_contour.hull_px.astype(np.float32)), 1.0))
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
     margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * edge_sigma_px
@@ -101,12 +108,21 @@ def observe_outlines(
         silhouettes.append(Silhouette(points, ~(cut | hidden)))
         least_px.append(reach)
         most_px.append(np.where(owner == number, reach, most))
+    least_px.append(np.full(len(directions), -np.inf))
+    most_px.append(np.full(len(directions), np.inf))
+    if whole_contour is not None:
+        points = whole_contour.hull_px - centre
+        reach = _reach(points, directions)
+        unknown = np.array(most_px[:-1]).max(axis=0) > np.array(least_px[:-1]).max(axis=0) + TIE_PX
+        unknown &= ~_ends_at(cut_off(whole_contour.hull_px, body.shape, really_unreliable), points, directions, TIE_PX)
+        least_px[-1] = np.where(unknown, reach, -np.inf)
+        most_px[-1] = np.where(unknown, reach, np.inf)
     least, most = np.stack(least_px), np.stack(most_px)
     outlines = Outlines(directions, centre, size, silhouettes[0], tuple(silhouettes[1:]), least, most)
     seen = outlines.seen.sum(axis=1)
-    if seen[0] < LEAST_SEEN_OF_BODY:
+    if seen[0] + seen[-1] < LEAST_SEEN_OF_BODY:
         return "too little of the object's outline can be seen"
-    if seen[1:].min() < LEAST_SEEN_OF_SHADOW:
+    if (seen[1:-1] + seen[-1]).min() < LEAST_SEEN_OF_SHADOW:
         return "too little of the shadow's outline can be seen"
     return outlines
 

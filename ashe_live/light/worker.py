@@ -30,11 +30,11 @@ Outcome = LightEstimate | WorkerFailure
 class LightWorker:
     """One process that answers one request at a time; for use from one thread, which it never blocks.
 
-    `estimator` is a name in ESTIMATORS (UserError for another one), or what makes an estimator and can be pickled. The
-    process starts here, so that its imports are done when the first request comes.
+    `estimator` is a name in ESTIMATORS (UserError for another one), or what makes an estimator of a preset's name and
+    can be pickled. The process starts here, so that its imports are done when the first request comes.
     """
 
-    def __init__(self, estimator: str | Callable[[], Estimator]) -> None:
+    def __init__(self, estimator: str | Callable[[str], Estimator]) -> None:
         if isinstance(estimator, str) and estimator not in ESTIMATORS:
             make_estimator(estimator)  # raises here, not later in the process
         self._make = partial(make_estimator, estimator) if isinstance(estimator, str) else estimator
@@ -47,8 +47,8 @@ class LightWorker:
         """Whether a request has been made whose outcome has not been collected yet."""
         return self._asked_index is not None
 
-    def request(self, tracked: TrackedFrame) -> bool:
-        """Asks for the light in `tracked`; False, and nothing asked, while busy. Raises ValueError when closed."""
+    def request(self, tracked: TrackedFrame, preset: str = "balanced") -> bool:
+        """Asks for the light in `tracked`, at the named quality; False, and nothing asked, while busy. Raises ValueError when closed."""
         if self._closed:
             raise ValueError("the light worker is closed")
         if self.busy:
@@ -57,7 +57,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index = tracked.frame.index
-        self._process.send(tracked)
+        self._process.send(tracked, preset)
         return True
 
     def poll(self) -> Outcome | None:
@@ -100,7 +100,7 @@ class LightWorker:
 class _Process:
     """One life of the process: the mailbox of its answers is closed with EOFError when it ends."""
 
-    def __init__(self, make: Callable[[], Estimator]) -> None:
+    def __init__(self, make: Callable[[str], Estimator]) -> None:
         # Spawned, as a forked child would inherit the window, its GL context and half-held locks.
         context = multiprocessing.get_context("spawn")
         self.outcomes: LatestMailbox[Outcome] = LatestMailbox()
@@ -117,9 +117,9 @@ class _Process:
     def has_ended(self) -> bool:
         return self.outcomes.is_closed or not self._process.is_alive()
 
-    def send(self, tracked: TrackedFrame) -> None:
+    def send(self, tracked: TrackedFrame, preset: str) -> None:
         """Hands the frame over in a thread, as the pipe takes it only as fast as the process reads."""
-        self._threads[1:] = [self._thread(_send, self._connection, tracked)]
+        self._threads[1:] = [self._thread(_send, self._connection, (tracked, preset))]
 
     def kill(self) -> None:
         self._process.kill()
@@ -137,10 +137,10 @@ class _Process:
         return thread
 
 
-def _send(connection: Connection, tracked: TrackedFrame) -> None:
+def _send(connection: Connection, request: tuple[TrackedFrame, str]) -> None:
     # A broken pipe is met by the receiving thread as well, which tells.
     with suppress(OSError):
-        send_value(connection, tracked)
+        send_value(connection, request)
 
 
 def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:

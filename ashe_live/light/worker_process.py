@@ -25,8 +25,8 @@ class WorkerFailure:
     message: str  # one line, for a person
 
 
-def run(connection: Connection, make: "Callable[[], Estimator]") -> None:
-    """Answers every tracked frame with a LightEstimate or a WorkerFailure, until the other side has gone."""
+def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
+    """Answers every tracked frame and preset with a LightEstimate or a WorkerFailure, until the other side has gone."""
     # Ctrl-C in the terminal reaches every process; the viewer's main one decides what comes of it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
@@ -35,12 +35,14 @@ def run(connection: Connection, make: "Callable[[], Estimator]") -> None:
 
     # The other cores belong to the viewer's loop.
     cv2.setNumThreads(1)
-    estimator = make()
+    estimators: dict[str, Estimator] = {}
     # EOFError and BrokenPipeError: the viewer is gone, and nobody wants the answer.
     with suppress(EOFError, OSError):
         while True:
-            tracked = receive_value(connection)
-            connection.send(_answer(estimator, tracked))
+            tracked, preset = receive_value(connection)
+            if preset not in estimators:
+                estimators[preset] = make(preset)
+            connection.send(_answer(estimators[preset], tracked))
 
 
 def _answer(estimator: "Estimator", tracked: "TrackedFrame") -> "LightEstimate | WorkerFailure":

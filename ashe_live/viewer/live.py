@@ -173,6 +173,8 @@ class LiveViewer:
         self._quality_name = name
         start = QUALITIES.get(name, QUALITIES["balanced"])
         self._auto = AutoQuality(self._interval_s * 1e3, start) if name == AUTO else None
+        # The light has a process of its own: it need not step down when drawing does.
+        self._session.light_preset = start.name
         self._apply(start)
 
     def _apply(self, quality: Quality) -> None:

@@ -44,6 +44,7 @@ class Session:
         self.estimate: LightEstimate | None = None
         self.estimated_from: TrackedFrame | None = None
         self.surroundings: TrackedFrame | None = None  # what polished surfaces mirror; with a marker
+        self.light_preset = "balanced"
         self.show_light = False
         self.show_masks = False
         self.show_help = False
@@ -105,7 +106,7 @@ class Session:
         """Hands the current frame to the worker; says so when there is nothing to hand over."""
         if self.tracked is None or self.tracked.marker is None:
             self.say("no marker in view: point the camera at it, then press Space", now_s)
-        elif not self._worker.request(self.tracked):
+        elif not self._worker.request(self.tracked, self.light_preset):
             self.say("still estimating", now_s)
         else:
             self._frozen = self.tracked

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 import cv2
@@ -39,7 +38,7 @@ class InstantWorker:
     def busy(self) -> bool:
         return self._asked is not None
 
-    def request(self, tracked: TrackedFrame) -> bool:
+    def request(self, tracked: TrackedFrame, _preset: str) -> bool:
         self._asked = tracked
         return True
 
@@ -84,7 +83,7 @@ def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
 @pytest.fixture
 def instant(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every estimate is made at once and in this process."""
-    monkeypatch.setitem(estimator.ESTIMATORS, cli.DEFAULT_ESTIMATOR, InstantEstimator)
+    monkeypatch.setitem(estimator.ESTIMATORS, cli.DEFAULT_ESTIMATOR, lambda _preset: InstantEstimator())
     monkeypatch.setattr(view, "LightWorker", InstantWorker)
 
 
@@ -92,7 +91,7 @@ def instant(monkeypatch: pytest.MonkeyPatch) -> None:
 def go_dark(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
     """From its call on, every estimate made in this process finds no light."""
     return lambda: monkeypatch.setitem(
-        estimator.ESTIMATORS, cli.DEFAULT_ESTIMATOR, partial(InstantEstimator, has_light=False)
+        estimator.ESTIMATORS, cli.DEFAULT_ESTIMATOR, lambda _preset: InstantEstimator(has_light=False)
     )
 
 

@@ -4,13 +4,17 @@ Its process has the viewer's priority, as at the lowest one a crowded machine le
 """
 
 import sys
-from functools import partial
 
 from ashe_live.light import estimator, worker_process
 from ashe_live.light.paper import PaperEstimator, PaperSteps
 
+
+def quick(preset: str) -> PaperEstimator:  # noqa: ARG001
+    return PaperEstimator(PaperSteps(size=(160, 120)))
+
+
 # At import, so that the light worker's process, which imports this file too, has it as well.
-estimator.ESTIMATORS = {**estimator.ESTIMATORS, "paper": partial(PaperEstimator, PaperSteps(size=(160, 120)))}
+estimator.ESTIMATORS = {**estimator.ESTIMATORS, "paper": quick}
 worker_process.NICENESS = 0
 
 if __name__ == "__main__":

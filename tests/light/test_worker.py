@@ -5,7 +5,6 @@ import os
 import signal
 import time
 from collections.abc import Iterator
-from functools import partial
 
 import numpy as np
 import pytest
@@ -16,8 +15,14 @@ from ashe_live.light.paper import PaperEstimator, PaperSteps
 from ashe_live.light.worker import LightWorker, WorkerFailure
 
 PATIENCE_S = 60.0
-quick = partial(PaperEstimator, PaperSteps(size=(160, 120), grabcut_iterations=2))
-endless = partial(PaperEstimator, PaperSteps(grabcut_iterations=10**6))
+
+
+def quick(preset: str = "balanced") -> PaperEstimator:  # noqa: ARG001
+    return PaperEstimator(PaperSteps(size=(160, 120), grabcut_iterations=2))
+
+
+def endless(preset: str) -> PaperEstimator:  # noqa: ARG001
+    return PaperEstimator(PaperSteps(grabcut_iterations=10**6))
 
 
 def children() -> set[int]:

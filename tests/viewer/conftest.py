@@ -84,7 +84,7 @@ class FakeWorker:
         self.answer: LightEstimate | WorkerFailure | None = None
         self.busy = False
 
-    def request(self, frozen: TrackedFrame) -> bool:
+    def request(self, frozen: TrackedFrame, _preset: str) -> bool:
         if self.busy:
             return False
         self.busy = True

@@ -1,0 +1,85 @@
+"""What each pixel of a region costs when taken for lit ground, for shadow, or for the object.
+
+Costs are twice negative log densities of colours, so that they can be compared and added up over pixels.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.areas import shrunk, smoothed
+from ashe_live.light.ground import LitGround
+from ashe_live.light.log_colour import Float32
+from ashe_live.light.mixtures import UNEXPLAINED, cost, mixture_of
+from ashe_live.light.regions import Region
+from ashe_live.light.shift import SHIFT_NOISE
+
+OBJECT_COLOURS = 4
+# How much of the shift is seen, and what it costs that it is not all or nothing: a penumbra and a pixel's own width mix
+# lit and shadowed ground; near the object the sky is hidden as well.
+LIT_SHARES = ((0.0, 0.0), (0.25, 2.0), (0.42, 2.0))
+SHADED_SHARES = ((1.0, 0.0), (0.55, 2.0), (0.78, 1.0), (1.25, 1.0))
+CONTACT_SHARES = ((1.5, 2.0), (1.8, 3.0))
+WIDENED = 0.5  # of the covariances, by a whole shift
+MOST_COLOURS = 1500
+FEWEST_COLOURS = 12
+COMMON = 0.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Materials:
+    """One shift's view of a region."""
+
+    shift: Float  # (3,)
+    lit: Float32  # (h, w) cost of lit ground
+    shaded: Float32  # (h, w) cost of shadow
+    contact: Float32  # (h, w) cost of shadow, also where the object hides the sky
+    share: Float32  # (h, w) how much of the shift is seen, were this ground: 0 in full light, 1 in shadow
+
+
+def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
+    shape = region.unlit.shape
+    colours = region.colours.reshape(-1, 3)
+
+    def cheapest(shares: tuple[tuple[float, float], ...]) -> Float32:
+        costs = [
+            cost(colours, ground.palette.shifted(share * shift, 1 + WIDENED * share)) + more for share, more in shares
+        ]
+        return smoothed(np.min(costs, axis=0).reshape(shape))
+
+    lit, shaded, deepest = cheapest(LIT_SHARES), cheapest(SHADED_SHARES), cheapest(CONTACT_SHARES)
+    share = _share_of_shift(colours, ground, shift).reshape(shape)
+    return Materials(shift, lit, shaded, np.minimum(shaded, deepest), share)
+
+
+def object_cost(region: Region, mask: Mask) -> Float32:
+    """(h, w) cost of the colours that are found well within `mask`, where no edge mixes them with others."""
+    for margin in (2, 1):
+        core = shrunk(mask, margin)
+        if core.sum() > max(40, 0.3 * mask.sum()):
+            mask = core
+            break
+    own = region.colours[mask]
+    mixture = (
+        mixture_of(own[:: len(own) // MOST_COLOURS + 1], OBJECT_COLOURS, 1.2) if len(own) >= FEWEST_COLOURS else None
+    )
+    if mixture is None:
+        return np.full(mask.shape, UNEXPLAINED, np.float32)
+    return smoothed(cost(region.colours.reshape(-1, 3), mixture).reshape(mask.shape))
+
+
+def _share_of_shift(colours: Float32, ground: LitGround, shift: Float) -> Float32:
+    """(n,) the place of colours (n, 3) on the way from the palette's likeliest colour to its shadowed one."""
+    scale = 1 / SHIFT_NOISE
+    way = shift * scale
+    least, share = np.full(len(colours), np.inf, np.float32), np.zeros(len(colours), np.float32)
+    for centre, weight in zip(ground.palette.centres, ground.palette.weights, strict=True):
+        if weight < COMMON:
+            continue
+        away = (colours - centre) * scale.astype(np.float32)
+        along = np.clip(away @ (way / (way @ way)).astype(np.float32), -0.3, 1.6)
+        off = ((away - along[:, None] * way.astype(np.float32)) ** 2).sum(axis=1) - 2 * np.log(weight)
+        nearer = off < least
+        least[nearer], share[nearer] = off[nearer], along[nearer]
+    return share

@@ -1,0 +1,89 @@
+"""Mixtures of colours: what a material looks like, and what it costs to take a pixel for it."""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.log_colour import Float32
+
+# Standard deviations below which colours of one material are not told apart: noise, JPEG, relief.
+COLOUR_NOISE = np.array([0.05, 0.045, 0.045])
+LEAST_MEMBERS = 5
+# Twice the negative log of the density of a colour that no material explains: a few in a hundred are of any colour.
+UNEXPLAINED = 13.0
+NORMAL = 3 * math.log(2 * math.pi)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mixture:
+    """The colours of a material, log-opponent, as normal distributions."""
+
+    centres: Float32  # (k, 3)
+    covariances: Float32  # (k, 3, 3)
+    weights: Float32  # (k,) shares of the material
+
+    def shifted(self, shift: Float, widening: float) -> "Mixture":
+        return Mixture(self.centres + shift.astype(np.float32), self.covariances * widening, self.weights)
+
+
+def clusters(colours: Float32, count: int) -> tuple[NDArray[np.intp], Float32]:
+    """Labels (n,) and centres (k, 3) of colours (n, 3), k at most `count`; the same input gives the same bits."""
+    # OpenCV's generator is global: seeded here, so that nothing that ran before matters.
+    cv2.setRNGSeed(1)
+    criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 12, 0.01)
+    start: NDArray[np.int32] = np.empty(0, np.int32)
+    _, labels, centres = cv2.kmeans(colours, min(count, len(colours)), start, criteria, 1, cv2.KMEANS_PP_CENTERS)
+    return labels[:, 0].astype(np.intp), np.asarray(centres, dtype=np.float32)
+
+
+def mixture_of(colours: Float32, count: int, widening: float = 1.0) -> Mixture | None:
+    """The mixture of at most `count` components that describes colours (n, 3); None of fewer than a few colours."""
+    if len(colours) < LEAST_MEMBERS:
+        return None
+    labels, centres = clusters(colours, count)
+    kept, covariances, weights = [], [], []
+    for k in range(len(centres)):
+        members = colours[labels == k]
+        if len(members) >= LEAST_MEMBERS:
+            kept.append(centres[k])
+            covariances.append(widening * np.cov(members.T) + np.diag(COLOUR_NOISE**2))
+            weights.append(len(members) / len(labels))
+    if not kept:
+        return None
+    return Mixture(np.array(kept, np.float32), np.array(covariances, np.float32), np.array(weights, np.float32))
+
+
+def nearest_squared_distance(colours: Float32, mixture: Mixture, costs: Float | Float32 | None = None) -> Float32:
+    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a component, plus that component's cost (k,).
+
+    The distances are quadratics in the colour, so that all of them are one product of (k, 10) and (10, n).
+    """
+    centres = mixture.centres
+    precisions = np.linalg.inv(mixture.covariances.astype(np.float64))
+    i, j = np.triu_indices(3)
+    offsets = np.einsum("ki,kij,kj->k", centres, precisions, centres) + (0.0 if costs is None else costs)
+    coefficients = np.column_stack(
+        [
+            precisions[:, i, j] * np.where(i == j, 1, 2),
+            -2 * np.einsum("kij,kj->ki", precisions, centres),
+            offsets,
+        ]
+    )
+    # Colours run along the rows, as minima over rows are several times faster than minima along them.
+    planes = np.ascontiguousarray(colours.T)
+    monomials = np.empty((10, len(colours)), np.float32)
+    np.multiply(planes[i], planes[j], out=monomials[:6])
+    monomials[6:9] = planes
+    monomials[9] = 1
+    return np.asarray((coefficients.astype(np.float32) @ monomials).min(axis=0), dtype=np.float32)
+
+
+def cost(colours: Float32, mixture: Mixture) -> Float32:
+    """(n,) twice the negative log of the density of colours (n, 3), by the likeliest component; at most UNEXPLAINED."""
+    spread = np.linalg.slogdet(mixture.covariances.astype(np.float64))[1]
+    rarity = -2 * np.log(np.maximum(mixture.weights, 1e-3))
+    return np.minimum(nearest_squared_distance(colours, mixture, spread + rarity + NORMAL), UNEXPLAINED)

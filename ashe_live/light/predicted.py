@@ -1,0 +1,48 @@
+"""Where a fitted body and its shadow are seen, and what remains unexplained by them."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import project
+from ashe_live.light.view import View
+
+AROUND = 16  # points on a body's rings
+FARTHEST_PX = 3e3
+SUBPIXEL_BITS = 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Predicted:
+    """What a body in a light would look like."""
+
+    body: Mask  # (h, w)
+    shadow: Mask  # (h, w) on the ground, as far as the body does not hide it
+
+    @property
+    def whole(self) -> Mask:
+        return self.body | self.shadow
+
+
+def predicted(proxy: Proxy, to_light_marker: Float, view: View) -> Predicted:
+    """The silhouettes in `view` of a convex body and of its shadow on the marker plane."""
+    points = proxy.points_marker(AROUND)
+    height = max(float(to_light_marker[2]), 1e-6)
+    cast = points - points[:, 2:] * (to_light_marker / height)
+    body, shadow = _hull(points, view), _hull(cast, view)
+    return Predicted(body, shadow & ~body)
+
+
+def _hull(points_marker: Float, view: View) -> Mask:
+    mask = np.zeros(view.is_ground.shape, np.uint8)
+    depth = points_marker @ view.T_cam_marker[2, :3] + view.T_cam_marker[2, 3]
+    pixels = project(view.camera, view.T_cam_marker, points_marker[depth > 0])
+    pixels = pixels[np.isfinite(pixels).all(axis=1)]
+    if len(pixels) < 3:
+        return mask.astype(bool)
+    hull = cv2.convexHull(np.clip(pixels, -FARTHEST_PX, FARTHEST_PX).astype(np.float32))
+    cv2.fillConvexPoly(mask, np.round(hull * 2**SUBPIXEL_BITS).astype(np.int32), 1, shift=SUBPIXEL_BITS)
+    return mask.astype(bool)
