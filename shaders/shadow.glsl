@@ -100,17 +100,25 @@ float lit_past(int caster, int light, vec3 position) {
 // The same for a point on the caster's own surface, `normal` pointing to the side of the light.
 float lit_past_itself(int caster, int light, vec3 position, vec3 normal) {
     int map = caster * LIGHTS + light;
-    vec2 texel = shadow_extent[map].xy / shadow_map_size;
+    vec3 extent = shadow_extent[map];
+    float texel = max(extent.x, extent.y) / shadow_map_size;
     float cosine = dot(normal, to_light[light]);
     float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
-    // Taps aside compare with the surface's own depth there: its plane's slope, in depth a texel. What rounding and
-    // curvature leave, a step along the normal makes up for, at every slope: t tan(theta) of depth is t sin(theta).
-    vec3 step_aside = (1.5 * sine * normal + 0.5 * to_light[light]) * max(texel.x, texel.y);
-    vec3 at = (shadow_from_marker[map] * vec4(position + step_aside, 1.0)).xyz;
-    vec3 facing = (mat3(shadow_from_marker[map]) * normal) * shadow_extent[map] * shadow_extent[map];
-    vec2 slope = -facing.xy / min(facing.z, -1e-6) / shadow_map_size;
-    float steepest = 30.0 * max(texel.x, texel.y) / shadow_extent[map].z;
-    return lit_fraction(map, tan_half_size[light], at, clamp(slope, -steepest, steepest));
+    // A tap t aside compares with a depth t tan(theta) off; a step along the normal by t sin(theta) makes up for
+    // exactly that on a plane, at every slope.
+#if BLOCKER_TAPS > 0
+    // So wide a penumbra would leave the contact far behind: taps follow the plane's slope (in depth a texel), and the
+    // step is for rounding and curvature alone.
+    float reach = 1.5 * texel;
+    vec3 facing = (mat3(shadow_from_marker[map]) * normal) * extent * extent;
+    float steepest = 30.0 * texel / extent.z;
+    vec2 slope = clamp(-facing.xy / min(facing.z, -1e-6) / shadow_map_size, -steepest, steepest);
+#else
+    float reach = 1.5 * float(PCF_RADIUS + 1) * texel;
+    vec2 slope = vec2(0.0);
+#endif
+    vec3 lifted = position + reach * sine * normal + 0.5 * texel * to_light[light];
+    return lit_fraction(map, tan_half_size[light], (shadow_from_marker[map] * vec4(lifted, 1.0)).xyz, slope);
 }
 
 // Share of a light that reaches a point on the model.

@@ -30,6 +30,8 @@ from ashe_live.render.surface import Surface
 from ashe_live.render.video import Video
 from ashe_live.render.video_look import VideoLook, look_of, white_of
 
+LOOK_HELD_S = 0.2  # of the video's time
+
 
 class Renderer:
     """Renders scenes of `size` pixels into its own framebuffer; from there to a window, or to an array.
@@ -216,9 +218,12 @@ class Renderer:
             self._camera_match.draw(self._surface.colour, region, frame.viewport, size, look, tracked.frame.index)
 
     def _look_of(self, tracked: TrackedFrame) -> VideoLook:
-        """Measured once a frame: exposure and white balance follow the camera's."""
-        if self._look is None or self._look[0] is not tracked:
-            self._look = tracked, look_of(tracked, self._preset.matches_blur, self._preset.matches_noise)
+        """Exposure and white balance follow the camera's, a few times a second."""
+        if self._look is not None:
+            measured_in, look = self._look
+            if measured_in is tracked or 0 < tracked.frame.time_s - measured_in.frame.time_s < LOOK_HELD_S:
+                return look
+        self._look = tracked, look_of(tracked, self._preset.matches_blur, self._preset.matches_noise)
         return self._look[1]
 
     def _environment_of(self, model: GpuModel, scene: Scene) -> Environment | None:
