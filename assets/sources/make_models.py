@@ -1,9 +1,9 @@
-"""Makes the four shipped models (wooden block, mug, lantern, bonsai) as GLB files; deterministic.
+"""Makes the shipped models (wooden block, mug, lantern, bonsai, goblet) as GLB files; deterministic.
 
     python make_models.py [--out ../models]        needs numpy, pillow, trimesh
 
-glTF convention: metres, y up, standing on y = 0, centred on the y axis. Each model is one mesh with one material and
-one base-colour texture, made of closed shells with outward faces.
+glTF convention: metres, y up, standing on y = 0, centred on the y axis; made of closed shells with outward faces. Each
+model is one mesh with one material and one base-colour texture, but the goblet, which has three of metal and enamel.
 """
 
 import argparse
@@ -11,7 +11,9 @@ from pathlib import Path
 
 import numpy as np
 from model_block import block
+from model_goblet import goblet
 from model_lantern import lantern
+from model_mesh import write_glb
 from model_mug import mug
 from model_tree import tree
 
@@ -26,6 +28,8 @@ def main():
     for name, make in {"cube": block, "mug": mug, "lantern": lantern, "tree": tree}.items():
         model, image, roughness = make(np.random.default_rng(SEED))
         model.save(out / f"{name}.glb", image, roughness)
+    parts = goblet(np.random.default_rng(SEED))
+    write_glb(out / "goblet.glb", {name: model.mesh(material) for name, (model, material) in parts.items()})
 
 
 if __name__ == "__main__":

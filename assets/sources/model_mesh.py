@@ -48,13 +48,22 @@ class Model:
             result.append(normals)
         return np.concatenate(result)
 
-    def save(self, path, image, roughness, metallic=0.0):
+    def mesh(self, material):
+        """Standing on y = 0 only if the points do."""
         points = np.concatenate(self.corners).reshape(-1, 3)
         uv, normals = np.concatenate(self.uvs).reshape(-1, 2), self.normals()
         table = np.round(np.hstack([points * 1e6, normals * 1e4, uv * 1e5])).astype(np.int64)
         _, first, index = np.unique(table, axis=0, return_index=True, return_inverse=True)
-        vertices = points[first]
-        vertices[:, 1] -= vertices[:, 1].min()
+        return trimesh.Trimesh(
+            points[first],
+            index.reshape(-1, 3),
+            vertex_normals=normals[first],
+            process=False,
+            visual=trimesh.visual.TextureVisuals(uv=uv[first], material=material),
+        )
+
+    def save(self, path, image, roughness, metallic=0.0):
+        """Alone, set on y = 0, with one base-colour texture."""
         encoded = io.BytesIO()
         image.convert("RGB").save(encoded, "JPEG", quality=90)
         material = trimesh.visual.material.PBRMaterial(
@@ -65,18 +74,18 @@ class Model:
             roughnessFactor=roughness,
             doubleSided=False,
         )
-        mesh = trimesh.Trimesh(
-            vertices,
-            index.reshape(-1, 3),
-            vertex_normals=normals[first],
-            process=False,
-            visual=trimesh.visual.TextureVisuals(uv=uv[first], material=material),
-        )
-        path.write_bytes(trimesh.Scene({path.stem: mesh}).export(file_type="glb", include_normals=True))
-        print(
-            f"{path.name}: {len(mesh.faces)} triangles, {len(vertices)} vertices, "
-            f"{vertices[:, 1].max():.4f} m high, {path.stat().st_size / 1024:.0f} KB"
-        )
+        mesh = self.mesh(material)
+        mesh.vertices[:, 1] -= mesh.vertices[:, 1].min()
+        write_glb(path, {path.stem: mesh})
+
+
+def write_glb(path, meshes):
+    """A file of meshes by name."""
+    path.write_bytes(trimesh.Scene(meshes).export(file_type="glb", include_normals=True))
+    triangles, vertices = (sum(len(getattr(m, what)) for m in meshes.values()) for what in ("faces", "vertices"))
+    high = max(m.vertices[:, 1].max() for m in meshes.values())
+    kilobytes = path.stat().st_size / 1024
+    print(f"{path.name}: {triangles} triangles, {vertices} vertices, {high:.4f} m high, {kilobytes:.0f} KB")
 
 
 def palette(pairs, rng):
