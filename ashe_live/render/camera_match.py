@@ -62,7 +62,7 @@ class CameraMatch:
         self._ctx.viewport = (0, 0, *target.size)
         self._ctx.enable_only(moderngl.NOTHING)
         self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
-        target.scissor = (0, 0, *target.size)
+        target.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
         target.use()
 
     def release(self) -> None:

@@ -14,7 +14,7 @@ from ashe_live.render.lighting import Sun
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps, tile_corners
 
-UNIT = 3  # of the texture
+UNIT = 12  # that no other pass binds
 # A penumbra wider than this share of the caster's width is cut off.
 WIDEST_PENUMBRA = 1.0
 

@@ -11,6 +11,7 @@ from ashe_live.models.material import BLACK, Alpha, Material
 from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing
 from ashe_live.render.geometry import GpuModel, GpuPart
+from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
@@ -27,6 +28,7 @@ class View:
     framing: Framing
     lighting: Lighting
     shadows: ShadowMaps
+    ground_shadows: GroundShadows
     exposure: RGB  # what white of radiance 1 becomes in the picture, linear RGB
     environment: Environment | None  # None for a model that mirrors nothing
 

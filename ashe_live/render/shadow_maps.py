@@ -106,8 +106,8 @@ class ShadowMaps:
             _fitted(caster.points, sun.to_light, size, self._margin) for caster in casters for sun in suns
         )
         self._framebuffer.viewport = (0, 0, *self._framebuffer.size)
-        self._framebuffer.clear(depth=1.0)
         self._framebuffer.use()
+        self._framebuffer.clear(depth=1.0)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         for number, (box, corner) in enumerate(zip(self.boxes, tiles, strict=True)):
             self._ctx.viewport = (int(corner[0]), int(corner[1]), size, size)

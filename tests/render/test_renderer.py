@@ -52,6 +52,19 @@ def test_picture_does_not_depend_on_what_was_drawn_before(make_renderer, stage) 
     np.testing.assert_array_equal(used.read_bgr(), fresh.read_bgr())
 
 
+@pytest.mark.parametrize("quality", [FAST, BALANCED, ACCURATE], ids=lambda quality: quality.name)
+def test_shadows_of_former_models_and_lights_leave_nothing_behind(make_renderer, stage, quality) -> None:
+    """In a picture that is smaller than the depth maps, and with the passes of every preset between them."""
+    renderer, tracked = make_renderer(quality.render), stage.tracked(stage.noise(), stage.pose(30, 40))
+    tall, flat = stage.placed(box((0.02, 0.02, 0.09))), stage.placed(box((0.08, 0.08, 0.01)))
+    for model, azimuth_deg in ((tall, 10), (flat, 100), (tall, 200), (flat, 10)):
+        scene = Scene(tracked, model, (stage.light(azimuth_deg, 30), stage.light(azimuth_deg + 50, 60)))
+        renderer.render(scene)
+        fresh = make_renderer(quality.render)
+        fresh.render(scene)
+        np.testing.assert_array_equal(renderer.read_bgr(), fresh.read_bgr())
+
+
 def test_without_a_marker_there_is_only_video(make_renderer, stage) -> None:
     renderer = make_renderer(BALANCED.render)
     image = stage.noise()
