@@ -2,31 +2,19 @@
 // where the real object's shadow has not done so already.
 #version 330 core
 #include "srgb.glsl"
+#include "ground_shadow.glsl"
 
 uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform vec3 sky;  // of lit level ground's light, linear RGB; with the suns' shares it makes 1
 #if LIGHTS > 0
-#define MAPS (LIGHTS * CASTERS)
 uniform vec3 sun_on_ground[LIGHTS];
-uniform sampler2D ground_shadows;  // share of a light that a caster lets through; a tile for each caster and light
-uniform mat4 ground_shadow_from_marker[MAPS];
-uniform vec2 ground_shadow_lower[MAPS];  // of the tiles
-uniform vec2 ground_shadow_upper[MAPS];
 #endif
 uniform sampler2D contact;  // share of the sky that the model hides
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, marker frame
 
 in vec2 ground;
 out vec4 encoded;
-
-#if LIGHTS > 0
-float lit_past(int caster, int light) {
-    int map = caster * LIGHTS + light;
-    vec2 at = (ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0)).xy;
-    return texture(ground_shadows, clamp(at, ground_shadow_lower[map], ground_shadow_upper[map])).r;
-}
-#endif
 
 void main() {
     vec2 at = (ground - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
@@ -38,10 +26,10 @@ void main() {
     for (int light = 0; light < LIGHTS; ++light) {
         vec3 seen = sun_on_ground[light];
 #if CASTERS > 1
-        seen *= lit_past(1, light);
+        seen *= lit_on_ground(1, light, ground);
 #endif
         before += seen;
-        after += seen * lit_past(0, light);
+        after += seen * lit_on_ground(0, light, ground);
     }
 #endif
     vec3 ratio = after / max(before, 1e-3);

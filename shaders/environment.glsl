@@ -14,7 +14,7 @@ vec3 ground_light(vec2 at) {
     vec3 left = vec3(1.0);
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
-        left -= sun_on_ground[light] * (1.0 - lit_past(0, light, vec3(at, 0.0)));
+        left -= sun_on_ground[light] * (1.0 - lit_on_ground(0, light, at));
     }
 #endif
     return left;

@@ -23,6 +23,7 @@ uniform float alpha_cutoff;
 #include "brdf.glsl"
 #endif
 #ifdef MIRRORS
+#include "ground_shadow.glsl"
 #include "environment.glsl"
 #endif
 

@@ -22,15 +22,22 @@ MIN_ROUGHNESS = 0.06
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class LookedUp:
+    """What surfaces look up besides their own maps."""
+
+    shadows: ShadowMaps
+    ground_shadows: GroundShadows  # in what they mirror
+    environment: Environment
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class View:
     """What every part of the model is seen with."""
 
     framing: Framing
     lighting: Lighting
-    shadows: ShadowMaps
-    ground_shadows: GroundShadows
+    looked_up: LookedUp
     exposure: RGB  # what white of radiance 1 becomes in the picture, linear RGB
-    environment: Environment | None  # None for a model that mirrors nothing
 
 
 class ModelPass:
@@ -38,13 +45,13 @@ class ModelPass:
         self._ctx = ctx
         self._programs = programs
 
-    def build_for(self, model: GpuModel, shadows: ShadowMaps, environment: Environment) -> Iterator[None]:
+    def build_for(self, model: GpuModel, looked_up: LookedUp) -> Iterator[None]:
         """Has the driver compile the model's shader variants, one each step, into the framebuffer that is bound then.
 
         A software rasteriser takes 100 ms for one that this machine has never drawn (later ones come from its disk).
         """
         for part in model.parts:
-            program = self._bound_program(part, shadows, environment)
+            program = self._bound_program(part, looked_up)
             set_uniforms(program, clip_from_marker=NOWHERE)
             self._ctx.enable_only(flags_of(part.material))
             part.draw(program)
@@ -75,7 +82,7 @@ class ModelPass:
 
     def _draw(self, part: GpuPart, view: View) -> None:
         material = part.material
-        program = self._bound_program(part, view.shadows, view.environment)
+        program = self._bound_program(part, view.looked_up)
         set_uniforms(
             program,
             clip_from_marker=view.framing.clip_from_marker,
@@ -92,12 +99,13 @@ class ModelPass:
         )
         part.draw(program)
 
-    def _bound_program(self, part: GpuPart, shadows: ShadowMaps, environment: Environment | None) -> moderngl.Program:
+    def _bound_program(self, part: GpuPart, looked_up: LookedUp) -> moderngl.Program:
         """The part's shader variant with all that it samples: a driver may compile anew for another kind of texture."""
-        program = self._programs.get("model", **shading_constants(part), **shadows.constants)
-        shadows.bind(program)
-        if environment is not None:
-            environment.bind(program)
+        program = self._programs.get("model", **shading_constants(part), **looked_up.shadows.constants)
+        looked_up.shadows.bind(program)
+        if part.material.is_mirror:
+            looked_up.ground_shadows.bind(program)
+            looked_up.environment.bind(program)
         for unit, (name, texture) in enumerate(part.maps.items()):
             texture.use(unit)
             set_uniforms(program, **{name: unit})

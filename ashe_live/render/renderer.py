@@ -20,7 +20,7 @@ from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lighting import RGB, Lighting, lighting_of
-from ashe_live.render.model_pass import ModelPass, View
+from ashe_live.render.model_pass import LookedUp, ModelPass, View
 from ashe_live.render.overlays import OverlayPass
 from ashe_live.render.prepared import ModelSwitch, PreparedModel
 from ashe_live.render.programs import Programs
@@ -164,8 +164,10 @@ class Renderer:
         points = self._drawn_points(model, arrows)
         frame = framing(scene.tracked.camera, scene.tracked.marker.T_cam_marker, points, viewport)
         if frame is not None:
-            look, environment = self._look_of(scene.tracked), self._environment_of(model, scene)
-            self._draw_framed(prepared, frame, lighting, look.white_rgb, environment, arrows)
+            look = self._look_of(scene.tracked)
+            if model.mirrors:
+                self._environment.show(scene.surroundings or scene.tracked, scene.ground_rgb)
+            self._draw_framed(prepared, frame, lighting, look.white_rgb, arrows)
             self._match_camera(model, frame, scene.tracked, look)
 
     def _draw_framed(
@@ -174,11 +176,10 @@ class Renderer:
         frame: Framing,
         lighting: Lighting,
         white: RGB,
-        environment: Environment | None,
         arrows: list[Float],
     ) -> None:
         """Works within the framing's region only: a software rasteriser pays for every pixel."""
-        view = View(frame, lighting, self._shadows, white, environment)
+        view = View(frame, lighting, self._looked_up, white)
         with self._surface.drawing(frame.region) as multisampled:
             self._ctx.viewport = frame.viewport
             if multisampled:
@@ -226,13 +227,9 @@ class Renderer:
         self._look = tracked, look_of(tracked, self._preset.matches_blur, self._preset.matches_noise)
         return self._look[1]
 
-    def _environment_of(self, model: GpuModel, scene: Scene) -> Environment | None:
-        """None for a model that mirrors nothing."""
-        seen = scene.surroundings or scene.tracked
-        if seen is None or not model.mirrors:
-            return None
-        self._environment.show(seen, scene.ground_rgb)
-        return self._environment
+    @property
+    def _looked_up(self) -> LookedUp:
+        return LookedUp(self._shadows, self._ground_shadows, self._environment)
 
     def _follow_model(self, placed: PlacedModel | None) -> None:
         if self._models.follow(placed):
@@ -241,7 +238,7 @@ class Renderer:
 
     def _build_shaders(self, model: GpuModel) -> Iterator[None]:
         """As far as they can be known before the model is drawn."""
-        building = self._model_pass.build_for(model, self._shadows, self._environment)
+        building = self._model_pass.build_for(model, self._looked_up)
         while True:
             with self._surface.drawing((0, 0, 1, 1)):
                 if next(building, building) is building:

@@ -1,0 +1,16 @@
+// The shadows on the ground, as render/ground_shadows.py has filtered them.
+#if LIGHTS > 0
+#define MAPS (LIGHTS * CASTERS)
+
+uniform sampler2D ground_shadows;  // share of a light that a caster lets through; a tile for each caster and light
+uniform mat4 ground_shadow_from_marker[MAPS];
+uniform vec2 ground_shadow_lower[MAPS];  // of the tiles
+uniform vec2 ground_shadow_upper[MAPS];
+
+// Share of a light that a caster (0: the model, 1: the real object) lets through to a point of the plane.
+float lit_on_ground(int caster, int light, vec2 ground) {
+    int map = caster * LIGHTS + light;
+    vec2 at = (ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0)).xy;
+    return texture(ground_shadows, clamp(at, ground_shadow_lower[map], ground_shadow_upper[map])).r;
+}
+#endif
