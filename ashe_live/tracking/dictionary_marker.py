@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from ashe_live.core.arrays import Float, Image
 from ashe_live.tracking.cells import CellReader
 from ashe_live.tracking.corners import is_front_of_square, refined_corners, side_lengths_px
-from ashe_live.tracking.quads import MIN_SIDE_PX, dark_quads, without_repeats
+from ashe_live.tracking.quads import MIN_SIDE_PX, dark_quads, on_lighter, without_repeats
 
 # Of the detector's adaptive threshold: one window finds most of what three find, in a third of the time.
 QUICK_WINDOWS_PX, THOROUGH_WINDOWS_PX = (23, 23), (3, 23)
@@ -58,7 +58,7 @@ class DictionaryMarker:
             doubtful = [_corners(quad) for quad in rejected]
             if thorough:
                 doubtful += dark_quads(grey, min_side_px)
-            found += [corners for quad in doubtful if (corners := self._read(grey, quad)) is not None]
+            found += [corners for quad in on_lighter(grey, doubtful) if (corners := self._read(grey, quad)) is not None]
         return without_repeats(sorted(found, key=_area, reverse=True))
 
     def likeness(self, grey: Image, corners_px: Float) -> float:
@@ -74,15 +74,18 @@ class DictionaryMarker:
 
     def _read(self, grey: Image, quad: Float) -> Float | None:
         """The corners in the print's order, if the quadrilateral shows the marker."""
-        # Coarse corners of a small marker are off by a cell: they are refined before they are believed.
         if not is_front_of_square(quad):
             return None
-        if side_lengths_px(quad).min() >= SURE_SIDE_PX and not self._reader.may_be(grey, quad):
+        is_small = side_lengths_px(quad).min() < SURE_SIDE_PX
+        if not is_small and not self._reader.may_be(grey, quad):
             return None
-        corners = refined_corners(grey, quad, EDGE_SAMPLES)
-        turns = self._reader.turns(grey, corners)
-        # Turned counter-clockwise, the print's top-left corner lies `turns` places before the quad's first one.
-        return None if turns is None else np.roll(corners, turns, axis=0)
+        # Coarse corners of a small marker are off by a cell; but refinement may have caught another edge.
+        for corners in (refined_corners(grey, quad, EDGE_SAMPLES), quad):
+            turns = self._reader.turns(grey, corners)
+            if turns is not None:
+                # Turned counter-clockwise, the print's top-left corner lies `turns` places before the quad's first one.
+                return np.roll(corners, turns, axis=0)
+        return None
 
 
 def _corners(quad: ArrayLike) -> Float:

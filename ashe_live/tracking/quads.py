@@ -13,6 +13,10 @@ from ashe_live.core.arrays import Float, Image
 WINDOW_PX, SMALL_WINDOW_PX = 51, 15
 DARKER_BY = 10
 MIN_SIDE_PX = 12
+# Where paper is surely outside a square and ink inside, from its centre, over the outline; and how their grey levels
+# differ at least.
+PAPER_AT, RIM_AT = 1.2, 0.82
+MIN_RATIO, MIN_DIFFERENCE = 1.15, 5.0
 # Of the perimeter: what a side may bulge before it counts as two.
 MAX_BULGE = 0.04
 
@@ -49,6 +53,24 @@ def _quad(outline: NDArray[Any], min_side_px: float) -> Float | None:
         return None
     # The picture's y points down, so a positive area is clockwise to the eye.
     return corners if cv2.contourArea(corners.astype(np.float32), oriented=True) > 0 else corners[::-1].copy()
+
+
+def on_lighter(grey: Image, quads: list[Float]) -> list[Float]:
+    """Those of `quads` whose rim is much darker than what surrounds them, as ink is on paper."""
+    if not quads:
+        return []
+    corners = np.array(quads)
+    centres = corners.mean(axis=1, keepdims=True)
+    places = np.array((0.2, 0.5, 0.8))[:, None]
+    sides = (corners[:, :, None] * (1 - places) + np.roll(corners, -1, axis=1)[:, :, None] * places).reshape(-1, 12, 2)
+
+    def level(scale: float) -> Float:
+        x, y = np.moveaxis((centres + scale * (sides - centres)).astype(np.float32), 2, 0)
+        samples = cv2.remap(grey, x.copy(), y.copy(), cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(samples.astype(np.float64).mean(axis=1))
+
+    is_ink = level(PAPER_AT) > MIN_RATIO * level(RIM_AT) + MIN_DIFFERENCE
+    return [quad for quad, keep in zip(quads, is_ink, strict=True) if keep]
 
 
 def without_repeats(quads: list[Float]) -> list[Float]:
