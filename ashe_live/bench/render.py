@@ -210,7 +210,7 @@ def _draw(record: Json, out: Path) -> None:
     ]
     if points:
         draw_trade(points, "Error against a path tracer", "ms a picture, 480x360", note, out / "render-error")
-    _draw_sweeps(record, note, out / "render-cost.svg")
+    _draw_sweeps(record, note, out / "render-cost.png")
 
 
 def _draw_sweeps(record: Json, note: str, path: Path) -> None:
@@ -227,7 +227,7 @@ def _draw_sweeps(record: Json, note: str, path: Path) -> None:
         )
         ax.grid(alpha=0.3)
     figure.supxlabel(note, fontsize="x-small", color="dimgray")
-    figure.savefig(path, metadata={"Date": None})
+    figure.savefig(path, dpi=120, metadata={"Software": None})
 
 
 def _costs(row: Json) -> list[str]:
