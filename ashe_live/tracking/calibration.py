@@ -1,8 +1,8 @@
 """K and distortion from views of a flat board, with how sure they are; refused where the views do not tell.
 
 Zhang, "A flexible new technique for camera calibration", PAMI 2000, as OpenCV has it. Around it: a lens model no richer
-than the views can bear (Bayesian information criterion), views that contradict the others left out, and uncertainties
-from leaving views out (grouped jackknife): OpenCV's own formula takes the board for flat, and its errors for chance.
+than the views call for, views that contradict the others left out, and uncertainties from leaving views out (grouped
+jackknife): OpenCV's own formula takes the board for flat, and its errors for chance.
 """
 
 import math
@@ -18,16 +18,18 @@ from ashe_live.core.camera import Camera, Size
 from ashe_live.errors import UserError
 from ashe_live.tracking.calibration_board import BoardView
 
-# OpenCV's flags for lenses, simplest first, and how many coefficients each leaves free.
+# OpenCV's flags for lenses, simplest first: none, k1, k2, tangential, k3, rational.
 NO_TANGENT = cv2.CALIB_ZERO_TANGENT_DIST
 LENSES = (
-    (NO_TANGENT | cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3, 0),
-    (NO_TANGENT | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3, 1),
-    (NO_TANGENT | cv2.CALIB_FIX_K3, 2),
-    (cv2.CALIB_FIX_K3, 4),
-    (0, 5),
-    (cv2.CALIB_RATIONAL_MODEL, 8),
+    NO_TANGENT | cv2.CALIB_FIX_K1 | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3,
+    NO_TANGENT | cv2.CALIB_FIX_K2 | cv2.CALIB_FIX_K3,
+    NO_TANGENT | cv2.CALIB_FIX_K3,
+    cv2.CALIB_FIX_K3,
+    0,
+    cv2.CALIB_RATIONAL_MODEL,
 )
+# What a richer lens must take off the error to be believed: below, it fits the noise, and bends what no view shows.
+NEARLY = 1.05
 MIN_VIEWS = 8
 # A view whose error is so many times the median's, and no less than this, contradicts the others.
 OUTLIER_RATIO = 2.5
@@ -35,7 +37,7 @@ OUTLIER_PX = 0.25
 JACKKNIFE_GROUPS = 10
 # In parts of the focal length: what a print that is never quite square and flat leaves uncertain however many views
 # there are, and what counts as known. (The principal point's matters as the angle that it turns the camera by.)
-SYSTEMATIC = 0.001
+SYSTEMATIC = 0.002
 MAX_SIGMA_F = 0.01
 MAX_SIGMA_C = 0.015
 # Of the picture's width, and no less than a pixel: more is no noise but a bent board.
@@ -127,17 +129,12 @@ def _without_outliers(views: Sequence[BoardView], size: Size) -> tuple[Mask, _Fi
 
 
 def _best_lens(views: Sequence[BoardView], size: Size) -> tuple[_Fit, int]:
-    """By the Bayesian information criterion: n ln(RSS/n) + k ln n, with n measured coordinates."""
-    count = 2 * sum(len(view.points) for view in views)
-    candidates: list[tuple[float, int, _Fit, int]] = []
-    for flags, free in LENSES:
-        fit = _fitted(views, size, flags)
-        if fit is not None:
-            criterion = count * 2 * math.log(max(fit.rms_px, 1e-9)) + free * math.log(count)
-            candidates.append((criterion, len(candidates), fit, flags))
-    if not candidates:
+    """The simplest one that explains the views nearly as well as any other."""
+    fits = [(fit, flags) for flags in LENSES if (fit := _fitted(views, size, flags)) is not None]
+    if not fits:
         raise UserError("the views do not determine a camera", "show the board tilted to every side, and larger")
-    return min(candidates)[2:]
+    least_px = min(fit.rms_px for fit, _ in fits)
+    return next((fit, flags) for fit, flags in fits if fit.rms_px <= NEARLY * least_px)
 
 
 def _fitted(views: Sequence[BoardView], size: Size, flags: int) -> _Fit | None:
@@ -153,7 +150,8 @@ def _fitted(views: Sequence[BoardView], size: Size, flags: int) -> _Fit | None:
     values = np.concatenate([K.ravel(), coefficients, [rms]])
     if not np.isfinite(values).all() or min(K[0, 0], K[1, 1]) <= 0:
         return None
-    stated = np.nan_to_num(np.asarray(sigma, dtype=np.float64).ravel()[: 4 + len(coefficients)], nan=math.inf)
+    # Not a number: a coefficient that another one can undo.
+    stated = np.nan_to_num(np.asarray(sigma, dtype=np.float64).ravel()[: 4 + len(coefficients)], nan=0.0)
     return _Fit(
         float(rms),
         np.asarray(K, dtype=np.float64),
