@@ -56,6 +56,7 @@ def build_parser() -> argparse.ArgumentParser:
     estimate.add_argument("--debug", type=Path, metavar="DIR", help="write a sheet of each estimate's steps there")
     estimate.add_argument("--estimate-at", type=_index, metavar="FRAME", help=ESTIMATE_AT_HELP)
     _add_scene_options(estimate)
+    estimate.set_defaults(no_filter=False)
     _add_quality_options(estimate)
 
     marker = commands.add_parser("marker", help="a marker to print at true size")
@@ -130,6 +131,7 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     view.add_argument("--size", type=_size, metavar="WxH", help="size of the window (default: the source's)")
     view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
     view.add_argument("--estimate-at", type=_index, metavar="FRAME", help=ESTIMATE_AT_HELP)
+    view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, trembling and all")
     output = parser.add_argument_group("without a window")
     output.add_argument("--headless", action="store_true", help="render offscreen, every frame")
     output.add_argument("--frames", type=_count, metavar="N", help="stop after N frames")

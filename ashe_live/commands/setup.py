@@ -54,9 +54,14 @@ def make_tracker(
     """One that learns the focal length, recalled from and kept in `memory`, where nobody gave it."""
     marker = parse_marker(options.marker)
     camera_for = camera_for or camera_chooser(options)
-    if isinstance(camera_for, AssumedCamera):
-        return FocalTracker(marker, camera_for, options.marker_size, quality_of(options).tracking, memory)
-    return Tracker(marker, camera_for, options.marker_size, quality_of(options).tracking)
+    preset = quality_of(options).tracking
+    tracker = (
+        FocalTracker(marker, camera_for, options.marker_size, preset, memory)
+        if isinstance(camera_for, AssumedCamera)
+        else Tracker(marker, camera_for, options.marker_size, preset)
+    )
+    tracker.filters = not options.no_filter
+    return tracker
 
 
 def _calibrated(camera: Camera, name: str) -> CameraFor:

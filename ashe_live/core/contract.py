@@ -35,6 +35,7 @@ def marker_json(marker: MarkerPose | None) -> Json:
         "T_cam_marker": marker.T_cam_marker.tolist() if marker else None,
         "corners_px": marker.corners_px.tolist() if marker else None,
         "reprojection_rms_px": marker.reprojection_rms_px if marker else None,
+        "bridged": marker.bridged if marker else None,
     }
 
 

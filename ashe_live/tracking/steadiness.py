@@ -8,7 +8,7 @@ from ashe_live.tracking.corners import side_lengths_px
 
 
 class Steadiness:
-    """Counts the frames in a row in which the marker was found and its corners hardly moved."""
+    """Counts the frames in a row in which the marker was read and its corners hardly moved."""
 
     def __init__(self, frames: int = 5, max_motion: float = 0.06) -> None:
         """`frames`: how many in a row, 1 for a photo; `max_motion` from one to the next, over the shortest side."""
@@ -21,7 +21,7 @@ class Steadiness:
 
     def add(self, marker: MarkerPose | None) -> bool:
         """Takes in the next frame's marker; returns `is_steady`."""
-        if marker is None:
+        if marker is None or marker.bridged:
             self.reset()
             return False
         self._in_a_row = self._in_a_row + 1 if self._is_near(marker.corners_px) else 1

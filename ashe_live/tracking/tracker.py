@@ -57,6 +57,7 @@ class Tracker:
         self.marker = marker
         self.side_m = side_m
         self.preset = preset
+        self.filters = True  # holds the pose still while the marker is; off, every frame's pose is its own
         self._members = members_of(marker)
         self._camera = camera
         self._camera_now: Camera | None = None
@@ -183,6 +184,8 @@ class Tracker:
 
     def _held(self, pose: MarkerPose, time_s: float) -> MarkerPose:
         assert pose.covariance is not None
+        if not self.filters:
+            return pose
         preset = self.preset
         held = self._filter.add(
             pose.T_cam_marker, pose.covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate

@@ -43,6 +43,7 @@ class Report:
                 "found": marker["found"],
                 "T_cam_marker": marker["T_cam_marker"],
                 "reprojection_rms_px": marker["reprojection_rms_px"],
+                "bridged": marker["bridged"],
                 "frame_ms": frame_ms,
             }
         )

@@ -94,6 +94,8 @@ class Session:
 
     def take(self, tracked: TrackedFrame, now_s: float) -> None:
         """Shows `tracked` from now on; estimates from it when the policy wants that."""
+        if tracked.note is not None and (self.tracked is None or self.tracked.note != tracked.note):
+            self.say(tracked.note, now_s)
         self.tracked = tracked
         if self.surroundings is None and tracked.marker is not None:
             self.surroundings = tracked
