@@ -18,7 +18,8 @@ EPILOG = "Start with `ashe-live demo`; print a marker with `ashe-live marker --o
 DEFAULT_MARKER = "aruco:4x4_50:0"
 DEFAULT_ESTIMATOR = "proxy"
 MARKER_HELP = (
-    f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit) or image:FILE.png (default {DEFAULT_MARKER})"
+    f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png or "
+    f"grid:DICT:COLSxROWS (default {DEFAULT_MARKER})"
 )
 MEMORY_FRAMES_HELP = "pictures with model switches over which memory is watched (default 1000)"
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"

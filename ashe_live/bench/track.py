@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 from rich.console import Console
 
+from ashe_live.bench.light_tables import light_console
 from ashe_live.bench.machine import machine_json, versions_json
 from ashe_live.bench.plots import SUFFIXES, check_can_draw, draw_trade
 from ashe_live.bench.track_clips import ClipFigures, follow_clips
@@ -45,7 +46,7 @@ class TrackBench:
     preset: TrackingPreset = BALANCED.tracking
     real: Path | None = None
     quick: bool = False  # a few frames of each take, and no sweep of the settings
-    console: Console = field(default_factory=Console)
+    console: Console = field(default_factory=light_console)
 
     def run(self, out: Path | None = None, overwrite: bool = False) -> Json:
         """Measures, prints, and writes results.json and the trade's plots into the folder `out`; returns the former.

@@ -9,7 +9,7 @@ from ashe_live.core.quality import BALANCED, QUALITIES, Quality
 from ashe_live.errors import UserError
 from ashe_live.tracking.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.layout import parse_target
 from ashe_live.tracking.tracker import Tracker
 
 CameraFor = Callable[[Size], Camera]
@@ -52,7 +52,7 @@ def make_tracker(
     options: argparse.Namespace, camera_for: CameraFor | None = None, memory: FocalMemory | None = None
 ) -> Tracker:
     """One that learns the focal length, recalled from and kept in `memory`, where nobody gave it."""
-    marker = parse_marker(options.marker)
+    marker = parse_target(options.marker)
     camera_for = camera_for or camera_chooser(options)
     preset = quality_of(options).tracking
     tracker = (

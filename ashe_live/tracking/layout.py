@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.tracking.markers import Marker
+from ashe_live.errors import UserError
+from ashe_live.tracking.markers import Marker, parse_marker
 
 # White between two neighbours of a grid, over the side of a square.
 GRID_GAP = 0.25
+# Each costs time in every frame.
+MOST_MEMBERS = 24
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +28,34 @@ class Layout:
 
     spec: str
     members: tuple[Member, ...]
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height in units of a square's side."""
+        corners = np.concatenate([member.corners for member in self.members])
+        width, height, _ = np.ptp(corners, axis=0)
+        return float(width), float(height)
+
+
+def parse_target(spec: str) -> Marker | Layout:
+    """The marker that `spec` names, or the layout: grid:DICT:COLSxROWS[:FIRST], numbered row by row from FIRST (0).
+
+    Raises UserError when it names neither.
+    """
+    kind, _, rest = spec.partition(":")
+    if kind != "grid":
+        return parse_marker(spec)
+    family, _, numbers = rest.partition(":")
+    size, _, first = numbers.partition(":")
+    columns, _, rows = size.partition("x")
+    if not (family and columns.isdecimal() and rows.isdecimal() and (first or "0").isdecimal()):
+        raise UserError(f"there is no grid {spec!r}", "write grid:DICT:COLSxROWS[:FIRST], as grid:4x4_50:3x2")
+    count = int(columns[:4]) * int(rows[:4])
+    if not 2 <= count <= MOST_MEMBERS:
+        raise UserError(f"a grid of {columns} x {rows} markers cannot be tracked", f"take from 2 to {MOST_MEMBERS}")
+    start = int((first or "0")[:9])
+    markers = [parse_marker(f"aruco:{family}:{start + number}") for number in range(count)]
+    return grid_layout(spec, markers, int(columns))
 
 
 def unit_square(centre: tuple[float, float] = (0.0, 0.0)) -> Float:

@@ -11,6 +11,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.output_files import check_output, written_whole
 from ashe_live.errors import UserError
 from ashe_live.tracking.calibration_board import CalibrationBoard
+from ashe_live.tracking.layout import Layout, members_of
 from ashe_live.tracking.markers import Marker
 
 SUFFIXES = (".pdf", ".png")
@@ -68,21 +69,25 @@ class _Page:
         draw.text((self.px(centre_mm[0]), self.px(centre_mm[1])), words, fill=INK, font=font, anchor="mm")
 
 
-def write_marker_sheet(path: Path, marker: Marker, side_m: float, overwrite: bool = False) -> None:
-    """Writes a PDF or PNG page, by `path`'s suffix, with the marker's black square `side_m` wide when printed at 100 %.
+def write_marker_sheet(path: Path, marker: Marker | Layout, side_m: float, overwrite: bool = False) -> None:
+    """Writes a PDF or PNG page, by `path`'s suffix, whose black squares are `side_m` wide when printed at 100 %.
 
     Raises UserError for another suffix, an existing file (without `overwrite`), a size that fits no page, or a place
     that cannot be written.
     """
     side_mm = side_m * 1000
     _check(path, overwrite)
-    page = _blank_page((side_mm, side_mm), QUIET_ZONE * side_mm)
+    members = members_of(marker)
+    width, height = marker.extent if isinstance(marker, Layout) else (1.0, 1.0)
+    page = _blank_page((width * side_mm, height * side_mm), QUIET_ZONE * side_mm)
     if side_mm < MIN_SIDE_MM or page is None:
-        largest = int((PAGES_MM_DPI[-1][1][0] - 2 * PRINTER_EDGE_MM) / (1 + 2 * QUIET_ZONE))
+        largest = int((PAGES_MM_DPI[-1][1][0] - 2 * PRINTER_EDGE_MM) / (max(width, height) + 2 * QUIET_ZONE))
         raise UserError(f"no page fits a marker of {side_mm:g} mm", f"choose a size from {MIN_SIDE_MM} to {largest} mm")
     middle_x, middle_y = page.middle_mm
-    page.picture(marker.bitmap(page.px(side_mm)), (middle_x - side_mm / 2, middle_y - side_mm / 2))
-    page.text((middle_x, middle_y - side_mm * (0.5 + QUIET_ZONE) - 4), "up")
+    for member in members:
+        left, top, _ = member.corners[0] * side_mm
+        page.picture(member.marker.bitmap(page.px(side_mm)), (middle_x + left, middle_y - top))
+    page.text((middle_x, middle_y - side_mm * (height / 2 + QUIET_ZONE) - 4), "up")
     _write(path, page, f"{_short(marker.spec)}   {side_mm:g} mm")
 
 
