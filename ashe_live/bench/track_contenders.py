@@ -28,6 +28,7 @@ class Answer:
     truth: Float  # (4, 4) T_cam_marker
     T_cam_marker: Float | None  # (4, 4)
     ms: float
+    cpu_ms: float  # of this thread: what else runs on the machine hardly changes it
     pose: MarkerPose | None = None  # of ours, with all that it says
 
 
@@ -81,11 +82,12 @@ def answers(take: Take, contenders: dict[str, Contender]) -> dict[str, list[Answ
     given: dict[str, list[Answer]] = {name: [] for name in contenders}
     for frame, truth in take.film():
         for name, contender in contenders.items():
-            start = time.perf_counter()
+            start, cpu_start = time.perf_counter(), time.thread_time()
             said = contender.look(frame)
-            ms = (time.perf_counter() - start) * 1e3
+            ms, cpu_ms = (time.perf_counter() - start) * 1e3, (time.thread_time() - cpu_start) * 1e3
             pose = said if isinstance(said, MarkerPose) else None
-            given[name].append(Answer(truth, said.T_cam_marker if isinstance(said, MarkerPose) else said, ms, pose))
+            T_cam_marker = said.T_cam_marker if isinstance(said, MarkerPose) else said
+            given[name].append(Answer(truth, T_cam_marker, ms, cpu_ms, pose))
     return given
 
 

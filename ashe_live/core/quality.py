@@ -41,7 +41,7 @@ class Quality:
 
 FAST = Quality(
     "fast",
-    TrackingPreset(640, 16, False),
+    TrackingPreset(640, 16, False, filter_rest_s=0.5),
     RenderPreset(
         shadow_map_size=512,
         ground_shadow_size=256,
