@@ -50,6 +50,9 @@ ITERATIONS = 12
 # the time is left out.
 BLOCKS = 6
 JACKKNIFE_ITERATIONS = 4
+# Of q: poses tracked with a much shorter focal length may be mirrored, and then hold the fit in a wrong valley.
+STARTS = (1.0, 0.2)
+COMPARED_AT_PX = 0.1
 HALVINGS = 6
 MOST_TURN_RAD = 0.5  # in a step
 MIN_DEPTH = 0.1  # of a corner, over the marker's own
@@ -90,10 +93,10 @@ def fit_focal(corners_px: Float, R_cam_marker: Float, focal_px: float, size: Siz
     """
     middle = (np.array(size) - 1) / 2
     problem = _Problem(corners_px - middle, size)
-    state, noise_px, covariance = problem.solve(problem.start(R_cam_marker, 1 / focal_px))
-    flipped = problem.better_flipped(state, noise_px)
-    if flipped is not None:
-        state, noise_px, covariance = problem.solve(flipped)
+    state, noise_px, covariance = min(
+        (problem.fitted(R_cam_marker, factor / focal_px) for factor in STARTS),
+        key=lambda found: problem.misfit(found[0]),
+    )
     q = float(state.g[Q])
     if q <= 0:
         return FocalFit(math.inf, math.inf, noise_px, state.R)
@@ -138,6 +141,16 @@ class _Problem:
         for _ in range(4):
             state = self._pose_step(state)
         return state
+
+    def fitted(self, R: Float, q: float) -> tuple[_State, float, Float]:
+        """As `solve`, from these poses and from those of them mirrored that then fit better."""
+        found = self.solve(self.start(R, q))
+        flipped = self.better_flipped(found[0], found[1])
+        return found if flipped is None else self.solve(flipped)
+
+    def misfit(self, state: _State) -> float:
+        """By which solutions are compared."""
+        return self._cost(state, COMPARED_AT_PX)
 
     def solve(self, state: _State, iterations: int = ITERATIONS) -> tuple[_State, float, Float]:
         """The most probable state, the corners' noise in pixels, and the covariance (10, 10) of the globals."""
