@@ -56,7 +56,9 @@ def tracked_frame(clip):
     with ClipSource(clip.path) as source:
         frames = (source.read() for _ in range(FRAME + 1))
         frame = list(frames)[-1]
-    marker = MarkerPose(rigid(entry["R"], entry["t"]), np.array(entry["marker_corners_px"]), clip.marker_side_m, 0, None)
+    marker = MarkerPose(
+        rigid(entry["R"], entry["t"]), np.array(entry["marker_corners_px"]), clip.marker_side_m, 0, None
+    )
     discs = [(*caster["base_xy_m"], height, radius, 0.0) for radius, height in caster["profile_m"]]
     return TrackedFrame(frame, clip.camera, marker), Proxy("cup", np.array(discs))
 
