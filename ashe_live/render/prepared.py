@@ -60,7 +60,7 @@ class ModelSwitch:
         self._ctx = ctx
         self._programs = programs
         self._last_steps = last_steps
-        self._at_once = at_once
+        self.at_once = at_once
 
     def follow(self, placed: PlacedModel | None) -> bool:
         """Shows `placed` as soon as it is ready, which is at once when there is nothing to show until then.
@@ -76,7 +76,7 @@ class ModelSwitch:
             return False
         if self._coming is None:
             self._coming = PreparedModel(self._ctx, self._programs, placed, self._last_steps)
-        if self._at_once or self.shown is None:
+        if self.at_once or self.shown is None:
             self._coming.finish()
         elif not self._coming.advance():
             return False

@@ -64,6 +64,15 @@ class Renderer:
         return self._surface.size
 
     @property
+    def switches_at_once(self) -> bool:
+        """Whether a new model is in the very next picture, however long that takes; else it is there soon."""
+        return self._models.at_once
+
+    @switches_at_once.setter
+    def switches_at_once(self, at_once: bool) -> None:
+        self._models.at_once = at_once
+
+    @property
     def shadow_map_renders(self) -> int:
         """How often the shadow maps were drawn since the preset was set."""
         return self._shadows.renders

@@ -20,9 +20,7 @@ def bare_scene(session: Session) -> Scene:
     """Video, model and light, as recordings and snapshots want them."""
     estimate = session.estimate
     if estimate is None:
-        return Scene(
-            session.tracked, session.model, shows_light=session.show_light, surroundings=session.surroundings
-        )
+        return Scene(session.tracked, session.model, shows_light=session.show_light, surroundings=session.surroundings)
     return Scene(
         session.tracked,
         session.model,

@@ -191,6 +191,8 @@ class LiveViewer:
         if self._still.size != size:
             self._still.resize(size)
         self._still.preset = self._renderer.preset
+        # A snapshot shows what is chosen; a recording must not stall the window.
+        self._still.switches_at_once = self._recorder is None
         self._still.render(bare_scene(self._session))
         return self._still.read_bgr()
 
