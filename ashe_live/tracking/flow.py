@@ -1,4 +1,4 @@
-"""Where the marker's corners went while nobody can read it: optical flow of what was printed inside them.
+"""Where the marker's corners went while nobody can read it: optical flow of them and of the paper around.
 
 Lucas and Kanade's method in a pyramid; a point counts when following it back returns to where it came from.
 """
@@ -7,16 +7,20 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.tracking.corners import is_front_of_square, region_around
+from ashe_live.tracking.corners import is_front_of_square, region_around, side_lengths_px
 
 MARGIN_RATIO = 0.5
 # A marker larger than this is looked at smaller.
 WORKING_PX = 160.0
-MAX_POINTS, MIN_POINTS = 40, 6
+MAX_POINTS, MIN_POINTS = 40, 5
 WINDOW, LEVELS = (15, 15), 3
 MAX_RETURN_PX = 0.7
-# Of the points, how many must agree on one motion.
-MIN_AGREEING = 0.6
+# Of the points, how many must agree on one motion: less than half, as a reflection may hide the rest.
+MIN_AGREEING = 0.25
+# How much a side may grow or shrink between two frames, as a logarithm.
+MAX_GROWTH = 0.15
+# The paper around the square moves with it; its size over the square's.
+PAPER = 1.4
 
 
 def flowed_corners(before_bgr: Image, now_bgr: Image, corners_px: Float) -> Float | None:
@@ -28,10 +32,11 @@ def flowed_corners(before_bgr: Image, now_bgr: Image, corners_px: Float) -> Floa
     before, now = (_grey(image[top:bottom, left:right], scale) for image in (before_bgr, now_bgr))
     inside = (corners_px - (left, top) + 0.5) * scale - 0.5
     mask = np.zeros(before.shape, dtype=np.uint8)
-    cv2.fillConvexPoly(mask, np.round(inside).astype(np.int32), 255)
-    found = cv2.goodFeaturesToTrack(before, MAX_POINTS, 0.02, 3, mask=cv2.dilate(mask, np.ones((5, 5), np.uint8)))
-    if found is None or len(found) < MIN_POINTS:
-        return None
+    paper = inside.mean(axis=0) + PAPER * (inside - inside.mean(axis=0))
+    cv2.fillConvexPoly(mask, np.round(paper).astype(np.int32), 255)
+    found = cv2.goodFeaturesToTrack(before, MAX_POINTS, 0.02, 3, mask=mask)
+    own = inside.astype(np.float32)[:, None]
+    found = own if found is None else np.concatenate([own, found])
     there, is_there, _ = cv2.calcOpticalFlowPyrLK(before, now, found, found.copy(), winSize=WINDOW, maxLevel=LEVELS)
     back, is_back, _ = cv2.calcOpticalFlowPyrLK(now, before, there, there.copy(), winSize=WINDOW, maxLevel=LEVELS)
     returns = np.linalg.norm((back - found).reshape(-1, 2), axis=1) <= MAX_RETURN_PX
@@ -44,7 +49,8 @@ def flowed_corners(before_bgr: Image, now_bgr: Image, corners_px: Float) -> Floa
         return None
     moved = inside @ motion[:, :2].T + motion[:, 2]
     corners = (moved + 0.5) / scale - 0.5 + (left, top)
-    return corners if is_front_of_square(corners) else None
+    growth = side_lengths_px(corners) / side_lengths_px(corners_px)
+    return corners if is_front_of_square(corners) and np.abs(np.log(growth)).max() < MAX_GROWTH else None
 
 
 def _grey(image_bgr: Image, scale: float) -> Image:
