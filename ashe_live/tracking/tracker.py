@@ -27,7 +27,7 @@ MEMORY_S = 0.5
 # So many frames in a row are bridged by optical flow, whose corners are good to this.
 BRIDGED_FRAMES = 5
 FLOW_SIGMA_PX = 1.0
-# A marker that stays away is searched thoroughly in these many frames, then in every so-manieth one.
+# A lost marker is searched thoroughly in the first of these frames, then in one of so many.
 THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
 # Of a layout, so many of its markers are searched in one frame.
 SEARCHED_A_FRAME = 2
