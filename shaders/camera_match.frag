@@ -46,5 +46,5 @@ void main() {
     // The video's own pixels are as sharp as they are.
     vec3 behind = own.a > 0.99 ? own.rgb * own.rgb * (1.0 - share) : video;
     uvec2 grain = uvec2((gl_FragCoord.xy - origin_px) / grain_px);
-    encoded = vec4(sqrt(model + behind) + noise_sigma * share * noise(grain), 1.0);
+    encoded = vec4(sqrt(model + behind) + noise_sigma * share * noise(grain), 1.0 - share);
 }

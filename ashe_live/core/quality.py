@@ -27,6 +27,7 @@ class RenderPreset:
     msaa_samples: int  # 0: none
     matches_blur: bool  # the model is blurred as the video is
     matches_noise: bool  # and gets its noise
+    matches_lens: bool  # and bends as its lens does; False: the lens is taken off the video
     environment_size: int  # texels a side of what polished surfaces mirror, a power of two
 
 
@@ -52,6 +53,7 @@ FAST = Quality(
         msaa_samples=0,
         matches_blur=False,
         matches_noise=False,
+        matches_lens=True,
         environment_size=32,
     ),
 )
@@ -68,6 +70,7 @@ BALANCED = Quality(
         msaa_samples=4,
         matches_blur=True,
         matches_noise=True,
+        matches_lens=True,
         environment_size=64,
     ),
 )
@@ -84,6 +87,7 @@ ACCURATE = Quality(
         msaa_samples=8,
         matches_blur=True,
         matches_noise=True,
+        matches_lens=True,
         environment_size=128,
     ),
 )

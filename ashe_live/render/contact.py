@@ -30,6 +30,7 @@ DEPTHS = RenderPreset(
     msaa_samples=0,
     matches_blur=False,
     matches_noise=False,
+    matches_lens=False,
     environment_size=0,
 )
 PATCH_SIZE = 64  # texels a side

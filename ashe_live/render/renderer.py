@@ -1,12 +1,14 @@
 """Draws a scene: video, model, the shadow it casts on the video, the light's arrow, overlays."""
 
+import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Size
+from ashe_live.core.camera import Camera, Size
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import RenderPreset
 from ashe_live.core.types import TrackedFrame
@@ -15,10 +17,11 @@ from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.camera_match import CameraMatch
 from ashe_live.render.caster import RealObject
 from ashe_live.render.environment import Environment
-from ashe_live.render.framing import Framing, box_corners, framing, letterbox, spanned
+from ashe_live.render.framing import Framing, Rectangle, box_corners, framing, letterbox, spanned
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
+from ashe_live.render.lens import Lens
 from ashe_live.render.lighting import RGB, Lighting, lighting_of
 from ashe_live.render.model_pass import LookedUp, ModelPass, View
 from ashe_live.render.overlays import OverlayPass
@@ -28,8 +31,9 @@ from ashe_live.render.scene import Scene
 from ashe_live.render.shadow_maps import ShadowMaps, same_objects
 from ashe_live.render.surface import Surface
 from ashe_live.render.video import Video
-from ashe_live.render.video_look import VideoLook, look_of, white_of
+from ashe_live.render.video_look import INTERPOLATION_VARIANCE_PX2, VideoLook, look_of, white_of
 
+NOWHERE: Rectangle = (0, 0, 0, 0)
 LOOK_HELD_S = 0.2  # of the video's time
 
 
@@ -47,6 +51,7 @@ class Renderer:
         self.overlays = OverlayPass(ctx)
         self._arrow = LightArrow(ctx)
         self._camera_match = CameraMatch(ctx)
+        self._lens = Lens(ctx)
         self._programs = Programs(ctx)
         self._environment = Environment(ctx, preset.environment_size)
         self._model_pass = ModelPass(ctx, self._programs)
@@ -121,10 +126,17 @@ class Renderer:
             self._surface.colour.clear()
         else:
             viewport = letterbox(scene.tracked.frame.size, self.size)
-            self.video.show(scene.tracked, viewport)
+            bends = self._preset.matches_lens and scene.tracked.camera.is_distorted
+            camera = self._lens.pinhole_of(scene.tracked.camera) if bends else scene.tracked.camera
+            self.video.show(scene.tracked, viewport, camera)
             self.video.copy_or_draw(self._surface.colour, viewport)
+            if bends:
+                self._lens.keep_bare(self._surface.colour)
+            region = NOWHERE
             if self._models.shown is not None and scene.tracked.marker is not None:
-                self._draw_model(self._models.shown, scene)
+                region = self._draw_model(self._models.shown, scene, camera)
+            if bends:
+                self._lens.draw(self._surface.colour, scene.tracked, viewport, region)
         self._surface.colour.use()
         self.overlays.draw(scene.overlays, self.size)
 
@@ -150,6 +162,7 @@ class Renderer:
             self.overlays,
             self._arrow,
             self._camera_match,
+            self._lens,
             self._shadows,
             self._ground_shadows,
             self._surface,
@@ -158,7 +171,8 @@ class Renderer:
         self._environment.release()
         self._programs.release()
 
-    def _draw_model(self, prepared: PreparedModel, scene: Scene) -> None:
+    def _draw_model(self, prepared: PreparedModel, scene: Scene, camera: Camera) -> Rectangle:
+        """As a pinhole camera sees it; returns the part of the picture that it may have changed."""
         assert scene.tracked is not None
         assert scene.tracked.marker is not None
         lighting = self._lighting_of(scene)
@@ -171,13 +185,15 @@ class Renderer:
             arrows = [arrow_placement(model.placed.bounds, light.to_light_marker) for light in scene.lights]
         viewport = letterbox(scene.tracked.frame.size, self.size)
         points = self._drawn_points(model, arrows)
-        frame = framing(scene.tracked.camera, scene.tracked.marker.T_cam_marker, points, viewport)
-        if frame is not None:
-            look = self._look_of(scene.tracked)
-            if model.mirrors:
-                self._environment.show(scene.surroundings or scene.tracked, scene.ground_rgb)
-            self._draw_framed(prepared, frame, lighting, look.white_rgb, arrows)
-            self._match_camera(model, frame, scene.tracked, look)
+        frame = framing(camera, scene.tracked.marker.T_cam_marker, points, viewport)
+        if frame is None:
+            return NOWHERE
+        look = self._look_of(scene.tracked)
+        if model.mirrors:
+            self._environment.show(scene.surroundings or scene.tracked, scene.ground_rgb)
+        self._draw_framed(prepared, frame, lighting, look.white_rgb, arrows)
+        self._match_camera(model, frame, scene.tracked, look)
+        return frame.region
 
     def _draw_framed(
         self,
@@ -225,6 +241,10 @@ class Renderer:
         region = spanned(frame.clip_from_marker, corners, frame.viewport) if in_front else frame.region
         if min(region[2:]) > 0:
             size = tracked.frame.size
+            if self._preset.matches_lens and tracked.camera.is_distorted:
+                # The lens's interpolation blurs as well.
+                variance = max(0.0, look.blur_sigma_px**2 - INTERPOLATION_VARIANCE_PX2)
+                look = replace(look, blur_sigma_px=math.sqrt(variance))
             self._camera_match.draw(self._surface.colour, region, frame.viewport, size, look, tracked.frame.index)
 
     def _look_of(self, tracked: TrackedFrame) -> VideoLook:

@@ -28,23 +28,28 @@ class Video:
         self._flipped: Image = np.empty((0, 0, 3), np.uint8)
         self._rgba: Image = np.empty((0, 0, 4), np.uint8)
         self._shown: TrackedFrame | None = None
-        self._lens: tuple[Camera, Any, Any] | None = None
+        self._lens: tuple[Camera, Camera, Any, Any] | None = None
+        self._pinhole: Camera | None = None
 
-    def show(self, tracked: TrackedFrame, viewport: Rectangle) -> None:
-        """Uploads the frame unless it is there already, and readies the sampler for `viewport`."""
+    def show(self, tracked: TrackedFrame, viewport: Rectangle, pinhole: Camera | None = None) -> None:
+        """Uploads the frame unless it is there already, and readies the sampler for `viewport`.
+
+        `pinhole`: the camera without distortion that sees it; one with the same K if None.
+        """
         size = tracked.frame.size
         if self._texture is None or self._texture.size != size:
             self._allocate(size)
         assert self._texture is not None
-        if self._shown is None or self._shown.frame is not tracked.frame or self._shown.camera is not tracked.camera:
+        is_same = self._shown is not None and self._shown.frame is tracked.frame and self._pinhole is pinhole
+        if self._shown is None or not is_same or self._shown.camera is not tracked.camera:
             image = tracked.frame.image_bgr
             if tracked.camera.is_distorted:
-                image = self._without_distortion(image, tracked.camera)
+                image = self._without_distortion(image, tracked.camera, pinhole or tracked.camera)
             # Mesa takes four channels thirty times as fast as three, and new memory costs more than the conversion.
             cv2.flip(image, 0, dst=self._flipped)
             cv2.cvtColor(self._flipped, cv2.COLOR_BGR2RGBA, dst=self._rgba)
             self._texture.write(self._rgba)
-            self._shown = tracked
+            self._shown, self._pinhole = tracked, pinhole
             self.uploads += 1
         nearest_or_linear = moderngl.NEAREST if viewport[2:] == size else moderngl.LINEAR
         self._texture.filter = nearest_or_linear, nearest_or_linear
@@ -93,13 +98,11 @@ class Video:
             self._texture.release()
         self._texture = self._framebuffer = self._shown = None
 
-    def _without_distortion(self, image: Image, camera: Camera) -> Image:
-        """The frame as a pinhole camera with the same K sees it, which is what OpenGL draws."""
-        if self._lens is None or self._lens[0] is not camera:
-            coarse, fine = cv2.initUndistortRectifyMap(
-                camera.K, camera.dist, np.eye(3), camera.K, camera.size, cv2.CV_16SC2
-            )
-            self._lens = (camera, coarse, fine)
-        _, coarse, fine = self._lens
-        pinhole = cv2.remap(image, coarse, fine, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return np.asarray(pinhole, dtype=np.uint8)
+    def _without_distortion(self, image: Image, camera: Camera, pinhole: Camera) -> Image:
+        """The frame as a pinhole camera sees it, which is what OpenGL draws."""
+        if self._lens is None or self._lens[0] is not camera or self._lens[1] is not pinhole:
+            maps = cv2.initUndistortRectifyMap(camera.K, camera.dist, np.eye(3), pinhole.K, camera.size, cv2.CV_16SC2)
+            self._lens = (camera, pinhole, *maps)
+        _, _, coarse, fine = self._lens
+        straight = cv2.remap(image, coarse, fine, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(straight, dtype=np.uint8)

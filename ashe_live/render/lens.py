@@ -1,0 +1,131 @@
+"""Bends what was drawn for a pinhole camera as the camera's lens bends, onto the frame as it came."""
+
+import cv2
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.types import TrackedFrame
+from ashe_live.render.framing import Rectangle
+from ashe_live.render.programs import build_program, set_uniforms
+
+GRID_PX = 8  # of the video, between places where the lens is computed exactly
+
+
+class Lens:
+    """The last step of a picture whose camera has distortion."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._program = build_program(ctx, "lens")
+        self._rectangle = ctx.vertex_array(self._program, [])
+        self._original: moderngl.Texture | None = None
+        self._grid: tuple[Camera, moderngl.Texture] | None = None
+        self._pinhole: tuple[Camera, Camera] | None = None
+        self._pictures: list[tuple[moderngl.Texture, moderngl.Framebuffer]] = []
+        self._shown: TrackedFrame | None = None
+
+    def pinhole_of(self, camera: Camera) -> Camera:
+        """`wide_pinhole`, the same object for the same camera."""
+        if self._pinhole is None or self._pinhole[0] is not camera:
+            self._pinhole = camera, wide_pinhole(camera)
+        return self._pinhole[1]
+
+    def keep_bare(self, target: moderngl.Framebuffer) -> None:
+        """Remembers the pinhole picture before anything is drawn on it."""
+        self._ctx.copy_framebuffer(self._picture(0, target.size)[1], target)
+
+    def draw(self, target: moderngl.Framebuffer, tracked: TrackedFrame, viewport: Rectangle, region: Rectangle) -> None:
+        """Replaces `target`'s `viewport`, in whose `region` (empty: nowhere) something was drawn since `keep_bare`."""
+        drawn, framebuffer = self._picture(1, target.size)
+        self._ctx.copy_framebuffer(framebuffer, target)
+        textures = {
+            "original": self._uploaded(tracked),
+            "bare": self._picture(0, target.size)[0],
+            "drawn": drawn,
+            "straight_from_bent": self._grid_of(tracked.camera),
+        }
+        for unit, (name, texture) in enumerate(textures.items()):
+            texture.use(unit)
+            set_uniforms(self._program, **{name: unit})
+        bounds = {"viewport": tuple(map(float, viewport)), "region": tuple(map(float, region))}
+        set_uniforms(self._program, **bounds)
+        target.use()
+        self._ctx.viewport = viewport
+        self._ctx.enable_only(moderngl.NOTHING)
+        self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+
+    def release(self) -> None:
+        self._release_pictures()
+        if self._original is not None:
+            self._original.release()
+        if self._grid is not None:
+            self._grid[1].release()
+        self._original = self._grid = self._shown = None
+        self._rectangle.release()
+        self._program.release()
+
+    def _uploaded(self, tracked: TrackedFrame) -> moderngl.Texture:
+        if self._original is None or self._original.size != tracked.frame.size:
+            if self._original is not None:
+                self._original.release()
+            self._original = self._ctx.texture(tracked.frame.size, 4)
+            self._original.repeat_x = self._original.repeat_y = False
+            self._shown = None
+        if self._shown is None or self._shown.frame is not tracked.frame:
+            self._original.write(cv2.cvtColor(cv2.flip(tracked.frame.image_bgr, 0), cv2.COLOR_BGR2RGBA))
+            self._shown = tracked
+        return self._original
+
+    def _grid_of(self, camera: Camera) -> moderngl.Texture:
+        if self._grid is None or self._grid[0] is not camera:
+            if self._grid is not None:
+                self._grid[1].release()
+            nodes = straight_from_bent(camera, self.pinhole_of(camera))
+            texture = self._ctx.texture((nodes.shape[1], nodes.shape[0]), 2, nodes.astype(np.float32), dtype="f4")
+            texture.repeat_x = texture.repeat_y = False
+            self._grid = camera, texture
+        return self._grid[1]
+
+    def _picture(self, number: int, size: Size) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
+        if self._pictures and self._pictures[0][0].size != size:
+            self._release_pictures()
+        while len(self._pictures) <= number:
+            texture = self._ctx.texture(size, 4)
+            texture.repeat_x = texture.repeat_y = False
+            self._pictures.append((texture, self._ctx.framebuffer([texture])))
+        return self._pictures[number]
+
+    def _release_pictures(self) -> None:
+        for texture, framebuffer in self._pictures:
+            framebuffer.release()
+            texture.release()
+        self._pictures.clear()
+
+
+def wide_pinhole(camera: Camera) -> Camera:
+    """A camera of the same size without distortion that sees all that `camera` sees."""
+    same = Camera(camera.size, camera.K, np.zeros(5), camera.source)
+    reach = float(np.abs(2 * straight_from_bent(camera, same) - 1).max())
+    K = camera.K.copy()
+    # About the picture's centre, which is half a pixel from OpenCV's origin of pixels.
+    centre = (np.array(camera.size) - 1) / 2
+    K[:2, :2] /= max(reach, 1.0)
+    K[:2, 2] = centre + (K[:2, 2] - centre) / max(reach, 1.0)
+    return Camera(camera.size, K, np.zeros(5), camera.source)
+
+
+def straight_from_bent(camera: Camera, pinhole: Camera) -> Float:
+    """(rows, columns, 2): where `pinhole` has what the lens puts on an even grid.
+
+    Both in shares of the picture, from its lower left corner, over all of it.
+    """
+    width, height = camera.size
+    across, up = np.meshgrid(
+        np.linspace(0, 1, max(2, width // GRID_PX + 1)), np.linspace(0, 1, max(2, height // GRID_PX + 1))
+    )
+    # OpenCV's pixel centres are integers, and its rows run downwards.
+    pixels = np.stack([across * width - 0.5, (1 - up) * height - 0.5], axis=-1)
+    straight = cv2.undistortPoints(pixels.reshape(-1, 1, 2), camera.K, camera.dist, P=pinhole.K).reshape(pixels.shape)
+    return np.stack([(straight[..., 0] + 0.5) / width, 1 - (straight[..., 1] + 0.5) / height], axis=-1)
