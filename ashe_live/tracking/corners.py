@@ -11,9 +11,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.tracking.edge_lines import NEXT, information, meeting_points, robust_lines
 from ashe_live.tracking.lens import source_from_ideal
 
 Light = NDArray[np.float32]
@@ -43,17 +44,10 @@ NOISE_RISE = 0.15
 SHIFTS = 4
 # Of a side's samples, how many must show an edge.
 MIN_SEEN = 0.4
-# Points farther than this from the line do not count (Tukey's biweight).
-OUTLIER_PX = 1.5
-# An edge's points are never taken to be more certain than this.
-MIN_SIGMA_PX = 0.01
 
 # Light where there is no picture.
 OUTSIDE = -1e3
 LINEAR: Light = LINEAR_FROM_SRGB_8BIT.astype(np.float32)
-
-# Each corner's neighbours along the outline; np.roll would take ten times as long, and this runs in every frame.
-NEXT, BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,11 +182,11 @@ def _fitted(
     values = view.at(on_side[:, :, None] + across[:, None, :, None] * outwards[:, None, None])
     offsets, weights, widths = _edge_offsets(values, across, spreads_px)
     seen = weights.sum(axis=1) >= MIN_SEEN * samples
-    ends, covariances = _robust_lines(places, offsets, weights, lengths, seen)
+    ends, covariances = robust_lines(places, offsets, weights, lengths, seen)
     starts = corners_px + ends[:, :1] * outwards
     directions = sides + (ends[:, 1:] - ends[:, :1]) * outwards
-    corners = _meeting_points(starts, directions)
-    return FittedSquare(corners, _information(outwards, covariances), int(seen.sum())), widths
+    corners = meeting_points(starts, directions)
+    return FittedSquare(corners, information(outwards, covariances), int(seen.sum())), widths
 
 
 def _edge_offsets(values: Float, across: Float, spreads_px: Float) -> tuple[Float, Float, Float]:
@@ -219,64 +213,3 @@ def _edge_offsets(values: Float, across: Float, spreads_px: Float) -> tuple[Floa
     middle = (steep * centres).sum(axis=2) / mass
     squared = (steep * (centres - middle[:, :, None]) ** 2).sum(axis=(1, 2)) / np.maximum(steep.sum(axis=(1, 2)), 1e-9)
     return offsets, weights, np.sqrt(squared)
-
-
-def _robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Float, seen: Mask) -> tuple[Float, Float]:
-    """Each side's offset at places 0 and 1 (4, 2), and the covariances (4, 2, 2) of these, in px and px^2.
-
-    Least squares reweighted with Tukey's biweight. A side that is not `seen` stays, with no certainty.
-    """
-    # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
-    at_start, slope = _medians(offsets, weights > 0), np.zeros(4)
-    for scale in (8.0, 4.0, 2.0, 1.0):
-        residuals = offsets - at_start[:, None] - slope[:, None] * places
-        kept = weights * (1 - np.minimum((residuals / (scale * OUTLIER_PX)) ** 2, 1)) ** 2
-        mass = np.maximum(kept.sum(axis=1), 1e-9)
-        place = (kept * places).sum(axis=1) / mass
-        offset = (kept * offsets).sum(axis=1) / mass
-        from_place = places - place[:, None]
-        moment = np.maximum((kept * from_place**2).sum(axis=1), 1e-9)
-        slope = (kept * from_place * offsets).sum(axis=1) / moment
-        at_start = offset - slope * place
-    residuals = offsets - at_start[:, None] - slope[:, None] * places
-    # Curled paper bows an edge alike in every frame: that is no noise.
-    bow = from_place**2 - moment[:, None] / mass[:, None]
-    bowed = (kept * bow * residuals).sum(axis=1) / np.maximum((kept * bow**2).sum(axis=1), 1e-9)
-    residuals = residuals - bowed[:, None] * bow
-    variance = (kept * residuals**2).sum(axis=1) / mass + MIN_SIGMA_PX**2
-    # Samples less than a pixel apart see the same pixels.
-    variance *= np.maximum(1, len(places) / ((ALONG_TO - ALONG_FROM) * lengths_px))
-    arms = np.column_stack([-place, 1 - place])
-    covariances = variance[:, None, None] * (
-        1 / mass[:, None, None] + arms[:, :, None] * arms[:, None] / moment[:, None, None]
-    )
-    covariances = np.where(seen[:, None, None], covariances, 1e4 * np.eye(2))
-    return np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0), covariances
-
-
-def _information(outwards: Float, covariances: Float) -> Float:
-    """(8, 8) of the corners: each side measures its two ends along its normal."""
-    by_corners = np.zeros((4, 2, 8))
-    for side in range(4):
-        by_corners[side, 0, 2 * side : 2 * side + 2] = outwards[side]
-        by_corners[side, 1, 2 * NEXT[side] : 2 * NEXT[side] + 2] = outwards[side]
-    return np.asarray((by_corners.transpose(0, 2, 1) @ np.linalg.inv(covariances) @ by_corners).sum(axis=0))
-
-
-def _medians(values: Float, counts: Mask) -> Float:
-    """Median of each row's values that count; 0 where none does."""
-    ordered = np.sort(np.where(counts, values, np.inf), axis=1)
-    numbers = counts.sum(axis=1)
-    rows = np.arange(len(values))
-    medians = (ordered[rows, (numbers - 1) // 2] + ordered[rows, numbers // 2]) / 2
-    return np.where(numbers > 0, medians, 0.0)
-
-
-def _meeting_points(starts: Float, directions: Float) -> Float:
-    """(4, 2) where each side's line meets the one before it; NaN when they are parallel."""
-    before, towards = starts[BEFORE], directions[BEFORE]
-    cross = towards[:, 0] * directions[:, 1] - towards[:, 1] * directions[:, 0]
-    gap = starts - before
-    cross = np.where(np.abs(cross) > 1e-9, cross, np.nan)
-    way = (gap[:, 0] * directions[:, 1] - gap[:, 1] * directions[:, 0]) / cross
-    return np.asarray(before + way[:, None] * towards)

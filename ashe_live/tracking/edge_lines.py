@@ -1,0 +1,74 @@
+"""The four sides of a square as straight lines through measured points, and what these say of its corners."""
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+
+# Points farther than this from the line do not count (Tukey's biweight).
+OUTLIER_PX = 1.5
+# An edge's points are never taken to be more certain than this.
+MIN_SIGMA_PX = 0.01
+
+# Each corner's neighbours along the outline; np.roll would take ten times as long, and this runs in every frame.
+NEXT, BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
+
+
+def robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Float, seen: Mask) -> tuple[Float, Float]:
+    """Each side's offset at places 0 and 1 (4, 2), and the covariances (4, 2, 2) of these, in px and px^2.
+
+    Least squares reweighted with Tukey's biweight. A side that is not `seen` stays, with no certainty.
+    """
+    # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
+    at_start, slope = _medians(offsets, weights > 0), np.zeros(4)
+    for scale in (8.0, 4.0, 2.0, 1.0):
+        residuals = offsets - at_start[:, None] - slope[:, None] * places
+        kept = weights * (1 - np.minimum((residuals / (scale * OUTLIER_PX)) ** 2, 1)) ** 2
+        mass = np.maximum(kept.sum(axis=1), 1e-9)
+        place = (kept * places).sum(axis=1) / mass
+        offset = (kept * offsets).sum(axis=1) / mass
+        from_place = places - place[:, None]
+        moment = np.maximum((kept * from_place**2).sum(axis=1), 1e-9)
+        slope = (kept * from_place * offsets).sum(axis=1) / moment
+        at_start = offset - slope * place
+    residuals = offsets - at_start[:, None] - slope[:, None] * places
+    # Curled paper bows an edge alike in every frame: that is no noise.
+    bow = from_place**2 - moment[:, None] / mass[:, None]
+    bowed = (kept * bow * residuals).sum(axis=1) / np.maximum((kept * bow**2).sum(axis=1), 1e-9)
+    residuals = residuals - bowed[:, None] * bow
+    variance = (kept * residuals**2).sum(axis=1) / mass + MIN_SIGMA_PX**2
+    # Samples less than a pixel apart see the same pixels.
+    variance *= np.maximum(1, len(places) / (np.ptp(places) * lengths_px))
+    arms = np.column_stack([-place, 1 - place])
+    covariances = variance[:, None, None] * (
+        1 / mass[:, None, None] + arms[:, :, None] * arms[:, None] / moment[:, None, None]
+    )
+    covariances = np.where(seen[:, None, None], covariances, 1e4 * np.eye(2))
+    return np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0), covariances
+
+
+def information(outwards: Float, covariances: Float) -> Float:
+    """(8, 8) of the corners: each side measures its two ends along its normal."""
+    by_corners = np.zeros((4, 2, 8))
+    for side in range(4):
+        by_corners[side, 0, 2 * side : 2 * side + 2] = outwards[side]
+        by_corners[side, 1, 2 * NEXT[side] : 2 * NEXT[side] + 2] = outwards[side]
+    return np.asarray((by_corners.transpose(0, 2, 1) @ np.linalg.inv(covariances) @ by_corners).sum(axis=0))
+
+
+def _medians(values: Float, counts: Mask) -> Float:
+    """Median of each row's values that count; 0 where none does."""
+    ordered = np.sort(np.where(counts, values, np.inf), axis=1)
+    numbers = counts.sum(axis=1)
+    rows = np.arange(len(values))
+    medians = (ordered[rows, (numbers - 1) // 2] + ordered[rows, numbers // 2]) / 2
+    return np.where(numbers > 0, medians, 0.0)
+
+
+def meeting_points(starts: Float, directions: Float) -> Float:
+    """(4, 2) where each side's line meets the one before it; NaN when they are parallel."""
+    before, towards = starts[BEFORE], directions[BEFORE]
+    cross = towards[:, 0] * directions[:, 1] - towards[:, 1] * directions[:, 0]
+    gap = starts - before
+    cross = np.where(np.abs(cross) > 1e-9, cross, np.nan)
+    way = (gap[:, 0] * directions[:, 1] - gap[:, 1] * directions[:, 0]) / cross
+    return np.asarray(before + way[:, None] * towards)
