@@ -5,6 +5,7 @@ import math
 import moderngl
 
 from ashe_live.core.camera import Size
+from ashe_live.core.types import Frame
 from ashe_live.render.framing import Rectangle
 from ashe_live.render.programs import build_program, set_uniforms
 from ashe_live.render.video_look import BOX_VARIANCE_PX2, VideoLook
@@ -24,16 +25,12 @@ class CameraMatch:
         self._framebuffer: moderngl.Framebuffer | None = None
 
     def draw(
-        self,
-        target: moderngl.Framebuffer,
-        region: Rectangle,
-        viewport: Rectangle,
-        video: Size,
-        look: VideoLook,
-        frame_index: int,
+        self, target: moderngl.Framebuffer, region: Rectangle, viewport: Rectangle, frame: Frame, look: VideoLook
     ) -> None:
-        """In `region` of `target`, a single-sample framebuffer whose `viewport` shows a video of the given size."""
-        scale = viewport[2] / video[0]
+        """In `region` of `target`, a single-sample framebuffer whose `viewport` shows the frame."""
+        if min(region[2:]) <= 0:
+            return
+        scale = viewport[2] / frame.size[0]
         # A pixel of the video is a box of `scale` pixels, and the model's own pixels are boxes already.
         variance = scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2) - BOX_VARIANCE_PX2
         blur = math.sqrt(max(variance, 0.0)) if look.blur_sigma_px > 0 else 0.0
@@ -53,9 +50,9 @@ class CameraMatch:
             picture=0,
             blur_step=(step / target.size[0], step / target.size[1]),
             noise_sigma=look.noise_sigma,
-            grain_px=(scale, viewport[3] / video[1]),
+            grain_px=(scale, viewport[3] / frame.size[1]),
             origin_px=(float(viewport[0]), float(viewport[1])),
-            seed=frame_index,
+            seed=frame.index,
         )
         target.scissor = (left - reach, bottom - reach, width + 2 * reach, height + 2 * reach)
         target.use()

@@ -25,6 +25,11 @@ class Framing:
     clip_from_marker: Float  # (4, 4)
     eye_marker: Float  # (3,) metres, the camera's centre in the marker frame
 
+    def part(self, points: Float) -> Rectangle:
+        """The pixels that the hull of (n, 3) points can touch; the whole region when some are behind the camera."""
+        in_front = (points @ self.clip_from_marker[3, :3] + self.clip_from_marker[3, 3]).min() > 0
+        return _spanned(self.clip_from_marker, points, self.viewport) if in_front else self.region
+
 
 def letterbox(video: Size, framebuffer: Size) -> Rectangle:
     """The largest centred rectangle of the video's aspect ratio."""
@@ -43,7 +48,7 @@ def framing(camera: Camera, T_cam_marker: Float, points_marker: Float, viewport:
     clip_from_marker = gl_projection(camera, near, far) @ T_gl_cam @ T_cam_marker
     region = viewport
     if depths.min() >= near:
-        region = spanned(clip_from_marker, points_marker, viewport)
+        region = _spanned(clip_from_marker, points_marker, viewport)
     if min(region[2:]) <= 0:
         return None
     return Framing(viewport, region, clip_from_marker, inverse_rigid(T_cam_marker)[:3, 3])
@@ -54,7 +59,7 @@ def box_corners(bounds: Float) -> Float:
     return np.array(list(itertools.product(*bounds.T)))
 
 
-def spanned(clip_from_marker: Float, points: Float, viewport: Rectangle) -> Rectangle:
+def _spanned(clip_from_marker: Float, points: Float, viewport: Rectangle) -> Rectangle:
     """The pixels of `viewport` that the hull of points in front of the camera can touch; empty outside it."""
     clip = np.column_stack([points, np.ones(len(points))]) @ clip_from_marker.T
     left, bottom, width, height = viewport

@@ -1,8 +1,6 @@
 """Draws a scene: video, model, the shadow it casts on the video, the light's arrow, overlays."""
 
-import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -11,30 +9,28 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import RenderPreset
-from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.camera_match import CameraMatch
 from ashe_live.render.caster import RealObject
 from ashe_live.render.environment import Environment
-from ashe_live.render.framing import Framing, Rectangle, box_corners, framing, letterbox, spanned
+from ashe_live.render.framing import Framing, Rectangle, box_corners, framing, letterbox
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lens import Lens
-from ashe_live.render.lighting import RGB, Lighting, lighting_of
+from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.model_pass import LookedUp, ModelPass, View
 from ashe_live.render.overlays import OverlayPass
+from ashe_live.render.photometry import Photometry
 from ashe_live.render.prepared import ModelSwitch, PreparedModel
 from ashe_live.render.programs import Programs
 from ashe_live.render.scene import Scene
-from ashe_live.render.shadow_maps import ShadowMaps, same_objects
+from ashe_live.render.shadow_maps import ShadowMaps
 from ashe_live.render.surface import Surface
 from ashe_live.render.video import Video
-from ashe_live.render.video_look import INTERPOLATION_VARIANCE_PX2, VideoLook, look_of, white_of
 
 NOWHERE: Rectangle = (0, 0, 0, 0)
-LOOK_HELD_S = 0.2  # of the video's time
 
 
 class Renderer:
@@ -60,8 +56,7 @@ class Renderer:
         self._ground_shadows = GroundShadows(ctx, self._programs, preset)
         self._models = ModelSwitch(ctx, self._programs, self._build_shaders, switches_at_once)
         self._real: RealObject | None = None
-        self._look: tuple[TrackedFrame, VideoLook] | None = None
-        self._lighting: tuple[tuple[object, ...], Lighting] | None = None
+        self._photometry = Photometry(preset)
         self._surface = Surface(ctx, size, preset.msaa_samples)
 
     @property
@@ -105,7 +100,7 @@ class Renderer:
         self._ground_shadows.release()
         self._shadows = ShadowMaps(self._ctx, preset)
         self._ground_shadows = GroundShadows(self._ctx, self._programs, preset)
-        self._look = None
+        self._photometry = Photometry(preset)
         self._environment.release()
         self._environment = Environment(self._ctx, preset.environment_size)
         self.resize(self.size)
@@ -175,7 +170,7 @@ class Renderer:
         """As a pinhole camera sees it; returns the part of the picture that it may have changed."""
         assert scene.tracked is not None
         assert scene.tracked.marker is not None
-        lighting = self._lighting_of(scene)
+        lighting = self._photometry.lighting(scene)
         model = prepared.model
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting.suns)
         self._ground_shadows.render(self._shadows, lighting.suns)
@@ -188,11 +183,12 @@ class Renderer:
         frame = framing(camera, scene.tracked.marker.T_cam_marker, points, viewport)
         if frame is None:
             return NOWHERE
-        look = self._look_of(scene.tracked)
+        look = self._photometry.look(scene.tracked)
         if model.mirrors:
             self._environment.show(scene.surroundings or scene.tracked, scene.ground_rgb)
         self._draw_framed(prepared, frame, lighting, look.white_rgb, arrows)
-        self._match_camera(model, frame, scene.tracked, look)
+        part = frame.part(box_corners(model.placed.bounds))
+        self._camera_match.draw(self._surface.colour, part, viewport, scene.tracked.frame, look)
         return frame.region
 
     def _draw_framed(
@@ -224,37 +220,6 @@ class Renderer:
         return np.concatenate(
             [box_corners(model.placed.bounds), self._catcher.polygon, *(arrow_extent(arrow) for arrow in arrows)]
         )
-
-    def _lighting_of(self, scene: Scene) -> Lighting:
-        """The same object for the same light."""
-        known = (*scene.lights, scene.ambient_rgb_ratio, scene.ground_rgb)
-        if self._lighting is None or not same_objects(self._lighting[0], known):
-            albedo = None
-            if scene.ground_rgb is not None and (measured_in := scene.surroundings or scene.tracked) is not None:
-                albedo = scene.ground_rgb / white_of(measured_in)
-            self._lighting = known, lighting_of(scene.lights, scene.ambient_rgb_ratio, albedo)
-        return self._lighting[1]
-
-    def _match_camera(self, model: GpuModel, frame: Framing, tracked: TrackedFrame, look: VideoLook) -> None:
-        corners = box_corners(model.placed.bounds)
-        in_front = (corners @ frame.clip_from_marker[3, :3] + frame.clip_from_marker[3, 3]).min() > 0
-        region = spanned(frame.clip_from_marker, corners, frame.viewport) if in_front else frame.region
-        if min(region[2:]) > 0:
-            size = tracked.frame.size
-            if self._preset.matches_lens and tracked.camera.is_distorted:
-                # The lens's interpolation blurs as well.
-                variance = max(0.0, look.blur_sigma_px**2 - INTERPOLATION_VARIANCE_PX2)
-                look = replace(look, blur_sigma_px=math.sqrt(variance))
-            self._camera_match.draw(self._surface.colour, region, frame.viewport, size, look, tracked.frame.index)
-
-    def _look_of(self, tracked: TrackedFrame) -> VideoLook:
-        """Exposure and white balance follow the camera's, a few times a second."""
-        if self._look is not None:
-            measured_in, look = self._look
-            if measured_in is tracked or 0 < tracked.frame.time_s - measured_in.frame.time_s < LOOK_HELD_S:
-                return look
-        self._look = tracked, look_of(tracked, self._preset.matches_blur, self._preset.matches_noise)
-        return self._look[1]
 
     @property
     def _looked_up(self) -> LookedUp:

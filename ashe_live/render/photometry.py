@@ -1,0 +1,46 @@
+"""How bright what is: the scene's light and the video's look, measured anew only when they may have changed."""
+
+import math
+from dataclasses import replace
+
+from ashe_live.core.quality import RenderPreset
+from ashe_live.core.types import TrackedFrame
+from ashe_live.render.lighting import Lighting, lighting_of
+from ashe_live.render.scene import Scene
+from ashe_live.render.shadow_maps import same_objects
+from ashe_live.render.video_look import INTERPOLATION_VARIANCE_PX2, VideoLook, look_of, white_of
+
+LOOK_HELD_S = 0.2  # of the video's time
+
+
+class Photometry:
+    """For scenes whose frames have a marker."""
+
+    def __init__(self, preset: RenderPreset) -> None:
+        self._preset = preset
+        self._look: tuple[TrackedFrame, VideoLook] | None = None
+        self._lighting: tuple[tuple[object, ...], Lighting] | None = None
+
+    def lighting(self, scene: Scene) -> Lighting:
+        """The same object for the same light."""
+        known = (*scene.lights, scene.ambient_rgb_ratio, scene.ground_rgb)
+        if self._lighting is None or not same_objects(self._lighting[0], known):
+            albedo = None
+            if scene.ground_rgb is not None and (measured_in := scene.surroundings or scene.tracked) is not None:
+                albedo = scene.ground_rgb / white_of(measured_in)
+            self._lighting = known, lighting_of(scene.lights, scene.ambient_rgb_ratio, albedo)
+        return self._lighting[1]
+
+    def look(self, tracked: TrackedFrame) -> VideoLook:
+        """What the preset matches of it. Exposure and white balance follow the camera's, a few times a second."""
+        if self._look is not None:
+            measured_in, look = self._look
+            if measured_in is tracked or 0 < tracked.frame.time_s - measured_in.frame.time_s < LOOK_HELD_S:
+                return look
+        look = look_of(tracked, self._preset.matches_blur, self._preset.matches_noise)
+        if self._preset.matches_lens and tracked.camera.is_distorted:
+            # Bending interpolates, and that blurs as well.
+            variance = max(0.0, look.blur_sigma_px**2 - INTERPOLATION_VARIANCE_PX2)
+            look = replace(look, blur_sigma_px=math.sqrt(variance))
+        self._look = tracked, look
+        return look
