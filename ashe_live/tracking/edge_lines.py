@@ -13,8 +13,10 @@ MIN_SIGMA_PX = 0.01
 NEXT, BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
 
 
-def robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Float, seen: Mask) -> tuple[Float, Float]:
-    """Each side's offset at places 0 and 1 (4, 2), and the covariances (4, 2, 2) of these, in px and px^2.
+def robust_lines(
+    places: Float, offsets: Float, weights: Float, lengths_px: Float, seen: Mask
+) -> tuple[Float, Float, Float]:
+    """Each side's offset at places 0 and 1 (4, 2), the covariances (4, 2, 2) of these, and bows (4,), in px and px^2.
 
     Least squares reweighted with Tukey's biweight. A side that is not `seen` stays, with no certainty.
     """
@@ -43,7 +45,9 @@ def robust_lines(places: Float, offsets: Float, weights: Float, lengths_px: Floa
         1 / mass[:, None, None] + arms[:, :, None] * arms[:, None] / moment[:, None, None]
     )
     covariances = np.where(seen[:, None, None], covariances, 1e4 * np.eye(2))
-    return np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0), covariances
+    # Over the whole side, from its ends to its middle.
+    bows = np.where(seen, np.abs(bowed) / 4, 0.0)
+    return np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0), covariances, bows
 
 
 def information(outwards: Float, covariances: Float) -> Float:

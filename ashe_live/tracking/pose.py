@@ -14,15 +14,14 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import MarkerPose
-from ashe_live.tracking.corners import FittedSquare, is_front_of_square, side_lengths_px
+from ashe_live.tracking.corners import CURL, FittedSquare, is_front_of_square, side_lengths_px
 from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.pose_refinement import Solution, covariance_of, refined_solution, solution_of
 
 # The smaller error alone decides when the other is so much larger: in ratio, and beyond what explains itself by noise
 # and by curled paper. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the error.
 DECISIVE_RATIO = 2.0
-NOISE_PX = 0.7
-CURL = 0.03
+NOISE_SIGMAS, MIN_NOISE_PX = 1.4, 0.1
 # What corners of unknown origin may be off.
 CORNER_SIGMA_PX = 0.5
 
@@ -86,7 +85,7 @@ def pose_of_squares(
     if refines and previous is None:
         solutions = [refined(one) for one in solutions]
     solutions.sort(key=lambda solution: solution.rms_px)
-    if not _is_decisive(solutions, math.sqrt(cv2.contourArea(cv2.convexHull(pixels.astype(np.float32))))):
+    if not _is_decisive(solutions, _unexplained_px(sightings, information)):
         solutions.sort(key=_is_from_below if previous is None else _turn_from(previous.measured_T_cam_marker))
     chosen, *others = solutions
     if refines and previous is not None:
@@ -130,11 +129,21 @@ def _turned_about_z(quarters: int) -> Float:
     return np.asarray(np.linalg.matrix_power(np.array([(0, -1, 0), (1, 0, 0), (0, 0, 1)]), quarters), dtype=np.float64)
 
 
-def _is_decisive(solutions: list[Solution], side_px: float) -> bool:
+def _unexplained_px(sightings: Sequence[Sighting], information: Float) -> float:
+    """What noise or curled paper may add to the right solution's error."""
+    noise_px = max(MIN_NOISE_PX, NOISE_SIGMAS * math.sqrt(len(information) / float(np.trace(information))))
+    squares = [one.square for one in sightings]
+    return max(
+        noise_px,
+        *(CURL * side_lengths_px(one.corners_px).mean() if one.curl_px is None else one.curl_px for one in squares),
+    )
+
+
+def _is_decisive(solutions: list[Solution], unexplained_px: float) -> bool:
     if len(solutions) < 2:
         return True
     smaller, larger = (solution.rms_px for solution in solutions)
-    return larger > DECISIVE_RATIO * smaller and larger > math.hypot(smaller, max(NOISE_PX, CURL * side_px))
+    return larger > DECISIVE_RATIO * smaller and larger > math.hypot(smaller, unexplained_px)
 
 
 def _is_from_below(solution: Solution) -> bool:
