@@ -17,6 +17,7 @@ SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
 # A sun this low lights level ground too little to be balanced by its strength alone.
 MIN_BALANCED_SINE = 0.2
 # What ordinary ground sends back of the light that falls on it, and what any ground may.
+LEAST_REST = 0.5  # of the product of the shadows' ratios
 LEAST_NEARER = 0.4  # of the light's elevation above its own radius; lower lights' penumbrae are cut off
 GROUND_ALBEDO = 0.35
 MAX_ALBEDO = 0.9
@@ -76,7 +77,9 @@ def lighting_of(
         return Lighting((), (1.0, 1.0, 1.0), _rgb(albedo))
     shares = np.array([_ground_share(light, len(lights)) for light in lights])
     total = shares.sum(axis=0)
-    sky = np.clip(1 - total if ambient_rgb_ratio is None else ambient_rgb_ratio, 0.0, 1.0)
+    # Shares that make more than all were measured wrongly; what the shadows leave of each other's remainder bounds it.
+    rest = np.maximum(1 - total, LEAST_REST * (1 - shares).prod(axis=0))
+    sky = np.clip(rest if ambient_rgb_ratio is None else ambient_rgb_ratio, 0.0, 1.0)
     shares *= np.divide(1 - sky, total, out=np.zeros(3), where=total > 0)
     sines = np.array([light.to_light_marker[2] for light in lights])
     across = shares / np.maximum(sines, MIN_BALANCED_SINE)[:, None]

@@ -80,6 +80,14 @@ def test_each_light_casts_its_own_shadow(make_renderer, stage, quality: str) -> 
     assert _along(renderer.read_bgr(), tracked, np.array([0.06]))[0] == pytest.approx(0.4, abs=0.012)
 
 
+def test_shares_that_cannot_be_are_made_to_fit() -> None:
+    """Two shadows that each claim most of the light: white stays white, and where both fall it is not black."""
+    lighting = lighting_of((_light(0, 40, None, 0.2), _light(90, 40, None, 0.3)))
+    shares = np.array([sun.ground_share for sun in lighting.suns])
+    np.testing.assert_allclose(lighting.sky + shares.sum(axis=0), 1.0)
+    assert 0.02 < lighting.sky[0] < 0.06
+
+
 @pytest.mark.parametrize("quality", list(QUALITIES))
 def test_shadows_edge_stands_still_while_the_camera_turns(make_renderer, stage, quality: str) -> None:
     preset = QUALITIES[quality].render
