@@ -30,6 +30,7 @@ ACROSS = 25
 REACH_RATIO = 0.08
 MIN_REACH_PX, LAST_REACH_PX = 2.0, 4.0
 MORE_SEARCHES = 3
+LEAST_SAMPLES = 8
 # Each search reaches this much less far than the one before: a few of the steps between its samples.
 NARROWING = 5.0
 # What an edge must rise from black to white, of the encoded picture's range (its curve taken for a square root).
@@ -136,7 +137,9 @@ def fitted_square(
     view = _View(light, camera, np.asarray(origin_px, dtype=np.float64))
     sharp = np.clip(SPREAD_RATIO * extents, *SHARP_SPREADS_PX)
     spreads = np.maximum(sharp, reaches / 4)
-    fitted, widths = _fitted(view, corners_px, samples, reaches, spreads)
+    # A wide search only leads to a narrow one, which measures.
+    first_samples = samples if reaches.max() <= LAST_REACH_PX else max(LEAST_SAMPLES, samples // 2)
+    fitted, widths = _fitted(view, corners_px, first_samples, reaches, spreads)
     narrowed = reaches
     for _ in range(MORE_SEARCHES):
         if not is_front_of_square(fitted.corners_px):
