@@ -42,6 +42,11 @@ class Split:
     object_mask: Mask  # (h, w)
     shadow_mask: Mask  # (h, w)
     either: Mask | None = None  # (h, w)
+    parts: tuple[Mask, ...] = ()  # (h, w) each light's shadow, where there are several
+
+    @property
+    def shadows(self) -> tuple[Mask, ...]:
+        return self.parts or (self.shadow_mask,)
 
     @property
     def is_large_enough(self) -> bool:
@@ -56,7 +61,7 @@ class Split:
 
 def splits(region: Region, ground: LitGround, materials: Materials, shadows_tried: int) -> list[Split]:
     """The ways to split the region's unlit areas in object and shadow, if its shadows are of this shift."""
-    shadow_like = _shadow_like(region, ground, materials.shift)
+    shadow_like = _shadow_like(region, ground, materials.shifts)
     found: list[Split] = []
     for shadow in areas_by_size(shadow_like, LEAST_PX)[:shadows_tried]:
         for rough in _splits_with(shadow, shadow_like, region.unlit):
@@ -74,14 +79,14 @@ def doubted(split: Split) -> Split | None:
     return doubtful if doubtful.is_large_enough else None
 
 
-def _shadow_like(region: Region, ground: LitGround, shift: Float) -> Mask:
+def _shadow_like(region: Region, ground: LitGround, shifts: tuple[Float, ...]) -> Mask:
     """The unlit pixels that look like some colour of the ground in shadow."""
     centres, weights = ground.palette.centres, ground.palette.weights
     noise = np.diag((1.2 * SHIFT_NOISE) ** 2).astype(np.float32)
+    shadows = [centres + (depth * shift).astype(np.float32) for shift in shifts for depth in DEPTHS]
+    count = len(shadows)
     shadowed = Mixture(
-        np.concatenate([centres + (depth * shift).astype(np.float32) for depth in DEPTHS]),
-        np.broadcast_to(noise, (len(centres) * len(DEPTHS), 3, 3)),
-        np.tile(weights, len(DEPTHS)),
+        np.concatenate(shadows), np.broadcast_to(noise, (len(centres) * count, 3, 3)), np.tile(weights, count)
     )
     squared = nearest_squared_distance(region.colours.reshape(-1, 3), shadowed).reshape(region.unlit.shape)
     return majority(region.unlit & (smoothed(np.exp(-0.5 * np.minimum(squared, 50))) > SHADOW_LIKE))

@@ -46,18 +46,19 @@ EVIDENCE = (
     "depth",
     "unshadowed",
     "border",
+    "second",
 )
 
 
 def evidence(explanation: Explanation) -> Float:
-    """(12,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
+    """(13,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
     fit, it = explanation.fit, explanation
     misfit = math.log(max(fit.residual_px, 0.05) / max(fit.object_px, 1.0))
     return np.array([misfit, *appearance(it.region, it.materials, it.predicted, it.own)])
 
 
 def appearance(region: Region, materials: Materials, masks: Predicted, own: Float32) -> Float:
-    """(11,) the evidence that needs no fit: how the picture looks where `masks` say object and shadow are."""
+    """(12,) the evidence that needs no fit: how the picture looks where `masks` say object and shadow are."""
     brightness, red_blue, green = materials.shift
     size = max(int(region.unlit.sum()), 1)
     longer = math.log(max(int(masks.shadow.sum()) / max(int(masks.body.sum()), 1), 1e-3))
@@ -75,6 +76,7 @@ def appearance(region: Region, materials: Materials, masks: Predicted, own: Floa
             abs(depth - 1.0),
             min(max(cost, -5.0), 8.0),
             _border_share(masks.shadow, masks.body),
+            materials.lights - 1.0,
         ]
     )
 

@@ -6,26 +6,27 @@ from collections.abc import Sequence
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import DirectionalLight
+from ashe_live.core.types import DirectionalLight, TrackedFrame
 from ashe_live.light.associate import Split
 from ashe_live.light.evidence import Explanation, appearance, evidence
 from ashe_live.light.materials import Materials
 from ashe_live.light.mixtures import UNEXPLAINED
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
+from ashe_live.light.uncertainty import of_direction, of_outlines, radius_of_68_percent
 
 # Below this, an answer is more likely a wrong one.
-LEAST_CONFIDENCE = 0.3
+LEAST_CONFIDENCE = 0.2
 GOOD_RAD = math.radians(10)
 # A sample of a round normal distribution is beyond r times its 68 % radius with probability exp(RAYLEIGH_68 r^2).
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -6.36
-WEIGHTS = np.array([-1.31, -4.63, -2.4, -0.46, -1.08, 1.76, -0.7, -0.02, 1.88, 1.22, -0.01, -4.62])
+OFFSET = -6.55
+WEIGHTS = np.array([-1.24, -4.73, -10.17, -0.51, -0.93, 0.97, -1.42, -0.14, 1.82, 0.62, 0.04, -6.35, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
-CONTEST_OFFSET = 0.62
-CONTEST_WEIGHTS = np.array([0.62, 0.89, 1.65])
+CONTEST_OFFSET = -0.23
+CONTEST_WEIGHTS = np.array([0.7, 0.85, 1.72])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:
@@ -38,7 +39,7 @@ def promise(region: Region, materials: Materials, split: Split) -> float:
 def log_odds(explanation: Explanation) -> float:
     """Log odds that the explanation is right, times that its direction is as good as an answer must be."""
     is_right = 1 / (1 + math.exp(-float(np.clip(OFFSET + WEIGHTS @ evidence(explanation), -50, 50))))
-    radius = radius_of_68_percent(explanation.fit.lights[0].covariance_rad2)
+    radius = max(radius_of_68_percent(of_outlines(light.covariance_rad2)) for light in explanation.fit.lights)
     is_good = -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2)
     probability = min(max(is_right * is_good, 1e-6), 1 - 1e-6)
     return math.log(probability / (1 - probability))
@@ -70,16 +71,11 @@ def contest(log_odds: Float, directions: Float) -> Float:
     return np.array([log_odds[best], math.log(odds[best] / rivals), math.log(odds[near[best]].sum() / odds.sum())])
 
 
-def light_of(explanation: Explanation, confidence: float) -> DirectionalLight:
-    fitted = explanation.fit.lights[0]
-    sigma_rad = radius_of_68_percent(fitted.covariance_rad2)
-    return DirectionalLight(fitted.to_light_marker, fitted.covariance_rad2, sigma_rad, confidence)
-
-
-def radius_of_68_percent(covariance_rad2: Float) -> float:
-    """Radius of the circle that holds a 2D normal distribution's sample with probability 0.68.
-
-    Between 0.99 of the larger deviation (a line) and 1.51 of it (a circle); in between, and at both ends, right to 1 %.
-    """
-    smaller, larger = np.maximum(np.linalg.eigvalsh(covariance_rad2), 0.0)
-    return math.sqrt(0.985 * larger + 1.326 * smaller)
+def lights_of(explanation: Explanation, confidence: float, tracked: TrackedFrame) -> list[DirectionalLight]:
+    """The lights of an explanation with what is known about them, in the order of its shifts: strongest first."""
+    lights = []
+    for fitted in explanation.fit.lights:
+        covariance = of_direction(fitted.covariance_rad2, fitted.to_light_marker, tracked)
+        sigma_rad = radius_of_68_percent(covariance)
+        lights.append(DirectionalLight(fitted.to_light_marker, covariance, sigma_rad, confidence))
+    return lights

@@ -19,11 +19,18 @@ def log_opponent(image_bgr: Image, smoothing_px: float = 0.7) -> Float32:
     """(h, w, 3): log brightness, log red over blue, log of red and blue over green, from linear light."""
     smooth = cv2.GaussianBlur(image_bgr, (0, 0), smoothing_px) if smoothing_px > 0 else image_bgr
     table = np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32)
-    blue, green, red = np.moveaxis(table[smooth], 2, 0)
+    return np.asarray(_opponent(table[smooth][:, :, ::-1]), dtype=np.float32)
+
+
+def log_opponent_of_linear(rgb: Float) -> Float:
+    """(..., 3) log-opponent colours of linear RGB."""
+    return np.asarray(_opponent(np.log(rgb + DARKEST)), dtype=np.float64)
+
+
+def _opponent(logs_rgb: Float | Float32) -> Float | Float32:
+    red, green, blue = np.moveaxis(logs_rgb, -1, 0)
     brightness = (red + green + blue) / 3
-    return np.stack(
-        [brightness, CHROMA_WEIGHT * (red - blue), CHROMA_WEIGHT * (red + blue - 2 * green)], axis=2, dtype=np.float32
-    )
+    return np.stack([brightness, CHROMA_WEIGHT * (red - blue), CHROMA_WEIGHT * (red + blue - 2 * green)], axis=-1)
 
 
 def linear_rgb(log_opponent_colours: Float | Float32) -> Float:

@@ -29,28 +29,37 @@ COMMON = 0.02
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Materials:
-    """One shift's view of a region."""
+    """How a region looks if its shadows are of one shift; or of two lights' shifts and that where both are blocked."""
 
-    shift: Float  # (3,)
+    shifts: tuple[Float, ...]  # (3,) each: the strongest light's first
     lit: Float32  # (h, w) cost of lit ground
     shaded: Float32  # (h, w) cost of shadow
     contact: Float32  # (h, w) cost of shadow, also where the object hides the sky
     share: Float32  # (h, w) how much of the shift is seen, were this ground: 0 in full light, 1 in shadow
+    layers: tuple[Float32, ...] = ()  # (h, w) costs of each of the shifts, where there are several
+
+    @property
+    def shift(self) -> Float:
+        return self.shifts[0]
+
+    @property
+    def lights(self) -> int:
+        return 2 if self.layers else 1
 
 
 def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
-    shape = region.unlit.shape
+    """The region's materials, were its shadows of this shift."""
+    lit, shaded, deepest = (
+        cost_of_shift(region, ground, shift, shares) for shares in (LIT_SHARES, SHADED_SHARES, CONTACT_SHARES)
+    )
+    return Materials((shift,), lit, shaded, np.minimum(shaded, deepest), share_of_shift(region, ground, shift))
+
+
+def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple[tuple[float, float], ...]) -> Float32:
+    """(h, w) cost of ground of which the likeliest of some shares of a shift is seen; each share with its own cost."""
     colours = region.colours.reshape(-1, 3)
-
-    def cheapest(shares: tuple[tuple[float, float], ...]) -> Float32:
-        costs = [
-            cost(colours, ground.palette.shifted(share * shift, 1 + WIDENED * share)) + more for share, more in shares
-        ]
-        return smoothed(np.min(costs, axis=0).reshape(shape))
-
-    lit, shaded, deepest = cheapest(LIT_SHARES), cheapest(SHADED_SHARES), cheapest(CONTACT_SHARES)
-    share = _share_of_shift(colours, ground, shift).reshape(shape)
-    return Materials(shift, lit, shaded, np.minimum(shaded, deepest), share)
+    costs = [cost(colours, ground.palette.shifted(share * shift, 1 + WIDENED * share)) + more for share, more in shares]
+    return smoothed(np.min(costs, axis=0).reshape(region.unlit.shape))
 
 
 def object_cost(region: Region, mask: Mask) -> Float32:
@@ -69,8 +78,9 @@ def object_cost(region: Region, mask: Mask) -> Float32:
     return smoothed(cost(region.colours.reshape(-1, 3), mixture).reshape(mask.shape))
 
 
-def _share_of_shift(colours: Float32, ground: LitGround, shift: Float) -> Float32:
-    """(n,) the place of colours (n, 3) on the way from the palette's likeliest colour to its shadowed one."""
+def share_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
+    """(h, w) the place of each pixel's colour on the way from the palette's likeliest colour to its shadowed one."""
+    colours = region.colours.reshape(-1, 3)
     scale = 1 / SHIFT_NOISE
     way = shift * scale
     least, share = np.full(len(colours), np.inf, np.float32), np.zeros(len(colours), np.float32)
@@ -82,4 +92,4 @@ def _share_of_shift(colours: Float32, ground: LitGround, shift: Float) -> Float3
         off = ((away - along[:, None] * way.astype(np.float32)) ** 2).sum(axis=1) - 2 * np.log(weight)
         nearer = off < least
         least[nearer], share[nearer] = off[nearer], along[nearer]
-    return share
+    return share.reshape(region.unlit.shape)

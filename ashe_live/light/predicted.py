@@ -1,5 +1,6 @@
 """Where a fitted body and its shadow are seen, and what remains unexplained by them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -13,6 +14,7 @@ from ashe_live.light.view import View
 AROUND = 16  # points on a body's rings
 FARTHEST_PX = 3e3
 SUBPIXEL_BITS = 4
+LOWEST_Z = 1e-6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,19 +23,22 @@ class Predicted:
 
     body: Mask  # (h, w)
     shadow: Mask  # (h, w) on the ground, as far as the body does not hide it
+    parts: tuple[Mask, ...] = ()  # (h, w) each light's shadow, where there are several
 
     @property
     def whole(self) -> Mask:
         return self.body | self.shadow
 
 
-def predicted(proxy: Proxy, to_light_marker: Float, view: View) -> Predicted:
-    """The silhouettes in `view` of a convex body and of its shadow on the marker plane."""
+def predicted(proxy: Proxy, to_lights_marker: Sequence[Float], view: View) -> Predicted:
+    """The silhouettes in `view` of a convex body and of its shadows on the marker plane."""
     points = proxy.points_marker(AROUND)
-    height = max(float(to_light_marker[2]), 1e-6)
-    cast = points - points[:, 2:] * (to_light_marker / height)
-    body, shadow = _hull(points, view), _hull(cast, view)
-    return Predicted(body, shadow & ~body)
+    body = _hull(points, view)
+    shadows = []
+    for to_light in to_lights_marker:
+        cast = points - points[:, 2:] * (to_light / max(float(to_light[2]), LOWEST_Z))
+        shadows.append(_hull(cast, view) & ~body)
+    return Predicted(body, np.logical_or.reduce(shadows), tuple(shadows) if len(shadows) > 1 else ())
 
 
 def _hull(points_marker: Float, view: View) -> Mask:

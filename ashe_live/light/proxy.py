@@ -8,6 +8,7 @@ explanation, or that there is nothing to believe.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import cv2
 import numpy as np
@@ -18,7 +19,7 @@ from ashe_live.light import fit as fitting
 from ashe_live.light.associate import Split, doubted, splits
 from ashe_live.light.evidence import Explanation
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, lit_rgb, unlit_mask
-from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, light_of, log_odds, promise
+from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, lights_of, log_odds, promise
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.materials import Materials, materials_of, object_cost
 from ashe_live.light.predicted import Predicted, predicted
@@ -26,6 +27,7 @@ from ashe_live.light.regions import Region, unlit_regions
 from ashe_live.light.relabel import relabelled
 from ashe_live.light.shift import shadow_ratio, shadow_shifts
 from ashe_live.light.stages import StageClock
+from ashe_live.light.two_lights import are_two, materials_of_two, parted
 from ashe_live.light.view import View
 
 UNRELIABLE_PX = 5
@@ -47,8 +49,10 @@ class ProxySteps:
     region_px: int  # size at which a region is looked at
     regions: int
     shifts: int
+    paired_shifts: int  # of these are also tried two at a time
     shadows_per_shift: int
     tried: int  # how many of the splits are fitted, those that look best
+    pairs_tried: int  # and how many of those into two lights' shadows
     refined: int  # how many of the fits are worked out, the best ones
     rounds: int  # of relabelling by the fit and fitting to the labels
     ground: GroundSteps
@@ -56,14 +60,14 @@ class ProxySteps:
     fine_fit: fitting.FitPreset
 
 
-FAST = ProxySteps(240, 480, 90, 2, 5, 2, 3, 1, 1, GroundSteps(12, 8, 1), fitting.FAST, fitting.FAST)
-BALANCED = ProxySteps(320, 640, 130, 3, 8, 3, 6, 3, 2, GroundSteps(), fitting.FAST, fitting.BALANCED)
-ACCURATE = ProxySteps(320, 960, 180, 4, 9, 3, 12, 6, 3, GroundSteps(), fitting.BALANCED, fitting.ACCURATE)
+FAST = ProxySteps(240, 480, 90, 2, 5, 3, 2, 3, 1, 1, 1, GroundSteps(12, 8, 1), fitting.FAST, fitting.FAST)
+BALANCED = ProxySteps(320, 640, 130, 3, 8, 6, 3, 6, 2, 3, 2, GroundSteps(), fitting.FAST, fitting.BALANCED)
+ACCURATE = ProxySteps(320, 960, 180, 4, 9, 8, 3, 12, 4, 6, 3, GroundSteps(), fitting.BALANCED, fitting.ACCURATE)
 PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}
 
 
 class ProxyEstimator:
-    """Answers with one light, its covariance and confidence, or with a reason."""
+    """Answers with one light or two, their covariances and confidence, or with a reason."""
 
     name = "proxy"
 
@@ -97,10 +101,9 @@ class ProxyEstimator:
 
         shifts = shadow_shifts(ground, unlit, steps.shifts)
         proposals = [proposal for region in regions for proposal in self._proposals(region, ground, shifts)]
-        proposals.sort(key=lambda proposal: promise(*proposal), reverse=True)
         clock.end("associate")
         first = [
-            explained for proposal in proposals[: steps.tried] if (explained := _explained(*proposal, steps.first_fit))
+            explained for proposal in self._tried(proposals) if (explained := _explained(*proposal, steps.first_fit))
         ]
         refined = [finer for rough in self._promising(first) for finer in self._refined(rough)]
         clock.end("fit")
@@ -112,21 +115,38 @@ class ProxyEstimator:
         if confidence < LEAST_CONFIDENCE:
             reason = "what stands out from the ground does not fit an object and its shadow in one directional light"
             return answer(reason, body=body, shadow=shadow)
-        ratio = shadow_ratio(ground, best.materials.shift)
-        light = replace(light_of(best, confidence), shadow_rgb_ratio=ratio)
-        found = answer(None, light, body=body, shadow=shadow)
-        return replace(found, caster=best.fit.proxy, ambient_rgb_ratio=ratio, ground_rgb=lit_rgb(ground))
+        ratios = [shadow_ratio(ground, shift) for shift in best.materials.shifts]
+        lights = [
+            replace(light, shadow_rgb_ratio=ratio)
+            for light, ratio in zip(lights_of(best, confidence, tracked), ratios, strict=False)
+        ]
+        found = answer(None, *lights, body=body, shadow=shadow)
+        return replace(found, caster=best.fit.proxy, ambient_rgb_ratio=ratios[-1], ground_rgb=lit_rgb(ground))
 
     def _proposals(
         self, region: Region, ground: LitGround, shifts: list[Float]
     ) -> Iterator[tuple[Region, Materials, Split]]:
-        for shift in shifts:
-            materials = materials_of(region, ground, shift)
-            for split in splits(region, ground, materials, self._steps.shadows_per_shift):
+        alone = [materials_of(region, ground, shift) for shift in shifts]
+        pairs = combinations(alone[: self._steps.paired_shifts], 2)
+        together = [both for one, other in pairs if (both := materials_of_two(region, ground, one, other))]
+        for materials in alone + together:
+            for whole in splits(region, ground, materials, self._steps.shadows_per_shift):
+                split = replace(whole, parts=parted(materials, whole.shadow_mask))
+                if materials.lights == 2:
+                    if are_two(split.parts):
+                        yield region, materials, split
+                    continue
                 yield region, materials, split
                 doubtful = doubted(split)
                 if doubtful is not None:
                     yield region, materials, doubtful
+
+    def _tried(self, proposals: list[tuple[Region, Materials, Split]]) -> list[tuple[Region, Materials, Split]]:
+        """Those that look best, of one light and of two."""
+        ranked = sorted(proposals, key=lambda proposal: promise(*proposal), reverse=True)
+        alone = [proposal for proposal in ranked if proposal[1].lights == 1]
+        together = [proposal for proposal in ranked if proposal[1].lights == 2]
+        return alone[: self._steps.tried] + together[: self._steps.pairs_tried]
 
     def _promising(self, explanations: list[Explanation]) -> list[Explanation]:
         """The likeliest ones that differ from each other."""
@@ -143,8 +163,10 @@ class ProxyEstimator:
         current = rough
         for _ in range(self._steps.rounds):
             split = relabelled(current.region, current.materials, current.own, current.predicted)
-            towards = current.fit.lights[0].to_light_marker
-            near = np.array([towards[:2] / towards[2]]) if towards[2] > LOWEST_Z else None
+            if current.materials.lights == 2 and not are_two(split.parts):
+                return
+            towards = np.array([light.to_light_marker for light in current.fit.lights])
+            near = towards[:, :2] / towards[:, 2:] if towards[:, 2].min() > LOWEST_Z else None
             finer = _explained(current.region, current.materials, split, self._steps.fine_fit, near)
             if finer is None:
                 return
@@ -155,13 +177,13 @@ class ProxyEstimator:
 def _explained(
     region: Region, materials: Materials, split: Split, preset: fitting.FitPreset, near: Float | None = None
 ) -> Explanation | None:
-    """What follows from a split; None if no light does. `near`: (1, 2) displacement to start from as well."""
+    """What follows from a split; None if no light does. `near`: (l, 2) displacements to start from as well."""
     view = region.view
     kernel = np.ones((UNRELIABLE_PX, UNRELIABLE_PX), np.uint8)
     unreliable = cv2.dilate((~region.is_ground).astype(np.uint8), kernel).astype(bool)
     found = fitting.fit_light(
         split.object_mask,
-        [split.shadow_mask],
+        split.shadows,
         view.camera,
         view.T_cam_marker,
         unreliable,
@@ -172,7 +194,7 @@ def _explained(
     )
     if isinstance(found, fitting.FitFailure):
         return None
-    expected = predicted(found.proxy, found.lights[0].to_light_marker, view)
+    expected = predicted(found.proxy, [light.to_light_marker for light in found.lights], view)
     return Explanation(region, materials, split, found, expected, _own_cost(region, split, expected))
 
 

@@ -11,6 +11,7 @@ from ashe_live.light.log_colour import Float32
 from ashe_live.light.materials import Materials
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
+from ashe_live.light.two_lights import parted
 
 # How far from a predicted outline colours alone decide; beyond, each pixel farther costs more, up to a most.
 FREE_PX, FREE_SHARE = 2.0, 0.06
@@ -36,7 +37,8 @@ def relabelled(region: Region, materials: Materials, own: Float32, fitted: Predi
     body = filled(overlapping(cleaned(body | (narrow & (as_object < as_shadow))), fitted.body, 0.3))
     shadow = large_areas(cleaned((shadow | (narrow & (as_shadow <= as_object))) & ~body), LEAST_SHADOW_PX)
     either = broad & ~body & ~shadow
-    return Split(body, shadow, either if either.sum() > LEAST_DOUBT * whole.sum() else None)
+    doubt = either if either.sum() > LEAST_DOUBT * whole.sum() else None
+    return Split(body, shadow, doubt, parted(materials, shadow, fitted))
 
 
 def _penalty(mask: Mask, free_px: float) -> Float32:

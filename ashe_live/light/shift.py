@@ -9,7 +9,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.ground import LitGround
-from ashe_live.light.log_colour import Float32, linear_rgb
+from ashe_live.light.log_colour import Float32, linear_rgb, log_opponent_of_linear
 
 # The vote's bins: log brightness, chroma red to blue, chroma green.
 BIN = np.array([0.06, 0.06, 0.05])
@@ -50,6 +50,13 @@ def shadow_ratio(ground: LitGround, shift: Float) -> Float:
     return np.asarray(
         np.clip((weights * shaded).sum(axis=0) / np.maximum((weights * lit).sum(axis=0), 1e-6), 1e-3, 1.0)
     )
+
+
+def shift_of_ratio(ground: LitGround, ratio_rgb: Float) -> Float:
+    """(3,) the shift of the palette's colours, each counting as much as there is of it, when light is so much less."""
+    lit = np.maximum(linear_rgb(ground.palette.centres), 0.0)
+    shifts = log_opponent_of_linear(lit * ratio_rgb) - log_opponent_of_linear(lit)
+    return np.asarray(np.average(shifts, axis=0, weights=ground.palette.weights))
 
 
 def _plausibility() -> Float:

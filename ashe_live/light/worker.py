@@ -48,7 +48,10 @@ class LightWorker:
         return self._asked_index is not None
 
     def request(self, tracked: TrackedFrame, preset: str = "balanced") -> bool:
-        """Asks for the light in `tracked`, at the named quality; False, and nothing asked, while busy. Raises ValueError when closed."""
+        """Asks for the light in `tracked`, at the named quality; False, and nothing asked, while busy.
+
+        Raises ValueError when closed.
+        """
         if self._closed:
             raise ValueError("the light worker is closed")
         if self.busy:

@@ -1,0 +1,43 @@
+"""How uncertain a direction is beyond what its outlines tell: pose, focal length, masks found in a picture."""
+
+import math
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import tangent_basis
+from ashe_live.core.types import TrackedFrame
+
+# The fit takes the errors of neighbouring edges for nearly independent; those of masks found in a picture are less so.
+# Measured on the rendered scenes, so that 68 % of the errors lie within sigma (docs/accuracy.md).
+SEGMENTED = 1.7
+FLOOR_RAD = math.radians(0.2)  # along each axis: the corners' bias, a curled sheet, the lens
+ASSUMED_FOCAL_RAD = math.radians(0.6)  # the same, for a field of view that nobody measured
+
+
+def of_outlines(covariance_rad2: Float) -> Float:
+    """(2, 2): a fit's covariance of a direction, when its outlines were found in a picture."""
+    return np.asarray(SEGMENTED * covariance_rad2 + FLOOR_RAD**2 * np.eye(2))
+
+
+def of_direction(covariance_rad2: Float, to_light_marker: Float, tracked: TrackedFrame) -> Float:
+    """(2, 2) on the direction's tangent basis: the above, and what pose and camera add."""
+    assert tracked.marker is not None
+    total = of_outlines(covariance_rad2)
+    if tracked.camera.source == "assumed":
+        total = total + ASSUMED_FOCAL_RAD**2 * np.eye(2)
+    if tracked.marker.covariance is not None:
+        # A turn about the eastward axis moves a direction up, one about the upward axis moves it east.
+        east, up = tangent_basis(to_light_marker) @ tracked.marker.T_cam_marker[:3, :3].T
+        by_turn = np.array([up, -east])
+        total = total + by_turn @ tracked.marker.covariance[:3, :3] @ by_turn.T
+    return np.asarray(0.5 * (total + total.T))
+
+
+def radius_of_68_percent(covariance_rad2: Float) -> float:
+    """Radius of the circle that holds a 2D normal distribution's sample with probability 0.68.
+
+    Between 0.99 of the larger deviation (a line) and 1.51 of it (a circle); in between, and at both ends, right to 1 %.
+    """
+    smaller, larger = np.maximum(np.linalg.eigvalsh(covariance_rad2), 0.0)
+    return math.sqrt(0.985 * larger + 1.326 * smaller)
