@@ -11,6 +11,7 @@ from typing import Any
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
 
 SCHEMA = 1
@@ -42,32 +43,42 @@ def marker_json(marker: MarkerPose | None) -> Json:
 def light_json(light: DirectionalLight | None, reason: str | None = None) -> Json:
     """`light` None is "no directional light", for `reason`."""
 
-    def listed(array: Float | None) -> list[Any] | None:
-        return None if array is None else array.tolist()
-
     def degrees(radians: float | None) -> float | None:
         return None if radians is None else math.degrees(radians)
 
     return {
         "kind": "directional" if light else "none",
-        "to_light_marker": listed(light.to_light_marker) if light else None,
+        "to_light_marker": _listed(light.to_light_marker) if light else None,
         "azimuth_deg": light.azimuth_deg if light else None,
         "elevation_deg": light.elevation_deg if light else None,
         "sigma_deg": degrees(light.sigma_rad) if light else None,
-        "covariance_rad2": listed(light.covariance_rad2) if light else None,
+        "covariance_rad2": _listed(light.covariance_rad2) if light else None,
         "confidence": light.confidence if light else None,
         "angular_size_deg": degrees(light.angular_size_rad) if light else None,
-        "shadow_rgb_ratio": listed(light.shadow_rgb_ratio) if light else None,
+        "shadow_rgb_ratio": _listed(light.shadow_rgb_ratio) if light else None,
         "reason": reason,
     }
 
 
+def caster_json(caster: Proxy | None) -> Json | None:
+    if caster is None:
+        return None
+    return {"family": caster.family, "spheroids_marker": caster.spheroids_marker.tolist()}
+
+
 def estimate_json(estimate: LightEstimate) -> Json:
-    """The fields `light` and `lights` of a record."""
+    """The fields of a record that the estimator measured: its lights, and what they fall on."""
     return {
         "light": light_json(estimate.light, estimate.reason),
         "lights": [light_json(light) for light in estimate.lights],
+        "ambient_rgb_ratio": _listed(estimate.ambient_rgb_ratio),
+        "ground_rgb": _listed(estimate.ground_rgb),
+        "caster": caster_json(estimate.caster),
     }
+
+
+def _listed(array: Float | None) -> list[Any] | None:
+    return None if array is None else array.tolist()
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,8 +96,8 @@ class FileRecord:
     timing_ms: Mapping[str, float] | None = None
 
     def to_json(self) -> Json:
-        none = light_json(None, self.error or "no marker found")
-        lights = estimate_json(self.estimate) if self.estimate else {"light": none, "lights": []}
+        reason = self.error or "no marker found"
+        estimate = self.estimate or LightEstimate(self.estimator, self.frame or 0, (), reason)
         timing = {stage: (self.timing_ms or {}).get(stage) for stage in STAGES}
         return {
             "schema": SCHEMA,
@@ -95,7 +106,7 @@ class FileRecord:
             "error": self.error,
             "camera": camera_json(self.camera) if self.camera else None,
             "marker": marker_json(self.marker) if self.error is None else None,
-            **lights,
+            **estimate_json(estimate),
             "quality": self.quality,
             "estimator": self.estimator,
             "timing_ms": timing if self.timing_ms else None,

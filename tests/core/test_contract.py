@@ -9,6 +9,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.contract import FileRecord
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
 
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs" / "contract.schema.json").read_text(encoding="utf-8"))
@@ -23,9 +24,20 @@ def estimate(*lights: DirectionalLight) -> LightEstimate:
     return LightEstimate("paper", 3, lights, None if lights else "no shadow found")
 
 
+CONE = Proxy("frustum", np.array([[0.1, 0.0, 0.0, 0.03, 0.0], [0.1, 0.0, 0.08, 0.0, 0.0]]))
+WHOLE = LightEstimate(
+    "proxy",
+    3,
+    (FULL,),
+    caster=CONE,
+    ambient_rgb_ratio=np.array([0.2, 0.3, 0.4]),
+    ground_rgb=np.array([0.6, 0.5, 0.4]),
+)
+
 RECORDS = {
     "answered": FileRecord("a.jpg", "fast", "paper", None, 0, CAMERA, POSE, estimate(BARE), TIMING),
     "two lights": FileRecord("a.jpg", "fast", "paper", None, 0, CAMERA, POSE, estimate(FULL, BARE), TIMING),
+    "all measured": FileRecord("a.jpg", "fast", "proxy", None, 0, CAMERA, POSE, WHOLE, TIMING),
     "no light": FileRecord("a.mp4", "auto", "paper", None, 7, CAMERA, POSE, estimate(), TIMING),
     "no marker": FileRecord("a.mp4", "auto", "paper", None, 7, CAMERA, None, None, {"detect": 1.0, "total": 1.0}),
     "bad file": FileRecord("a.mp4", "balanced", "paper", "there is no file a.mp4: check the name"),
@@ -49,5 +61,34 @@ def test_the_strongest_light_comes_first_and_stands_alone() -> None:
 def test_the_schema_refuses_an_answer_without_a_direction() -> None:
     record = RECORDS["answered"].to_json()
     record["light"]["to_light_marker"] = None
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(record, SCHEMA)
+
+
+def test_the_body_and_what_light_falls_on_stand_beside_the_lights() -> None:
+    record = RECORDS["all measured"].to_json()
+    assert record["caster"] == {"family": "frustum", "spheroids_marker": CONE.spheroids_marker.tolist()}
+    assert record["ambient_rgb_ratio"] == [0.2, 0.3, 0.4]
+    assert record["ground_rgb"] == [0.6, 0.5, 0.4]
+
+
+@pytest.mark.parametrize("kind", ["answered", "no light", "no marker", "bad file"])
+def test_what_was_not_measured_is_null_and_not_missing(kind: str) -> None:
+    record = RECORDS[kind].to_json()
+    assert record["caster"] is record["ambient_rgb_ratio"] is record["ground_rgb"] is None
+
+
+@pytest.mark.parametrize("field", ["caster", "ambient_rgb_ratio", "ground_rgb"])
+def test_the_schema_misses_a_field_that_is_left_out(field: str) -> None:
+    record = RECORDS["all measured"].to_json()
+    del record[field]
+    with pytest.raises(jsonschema.ValidationError, match=field):
+        jsonschema.validate(record, {"$ref": "#/$defs/estimate", "$defs": SCHEMA["$defs"]})
+
+
+@pytest.mark.parametrize("spheroids", [[], [[0.1, 0, 0, 0.03]], [[0.1, 0, 0, -0.03, 0]]])
+def test_the_schema_refuses_a_caster_without_a_body(spheroids: list[list[float]]) -> None:
+    record = RECORDS["all measured"].to_json()
+    record["caster"]["spheroids_marker"] = spheroids
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate(record, SCHEMA)
