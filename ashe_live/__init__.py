@@ -1,3 +1,68 @@
-"""Live desktop AR whose virtual objects are lit, and cast their shadows, as the real ones do."""
+"""Live desktop AR whose virtual objects are lit, and cast their shadows, as the real ones do.
+
+The names in `__all__` are the programming interface (docs/api.md). Each is loaded when it is first asked for: importing
+the package, which every start of the command line does, loads neither OpenCV nor OpenGL.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ashe_live.api import Renderer, Tracker, estimate_light, read_photo
+    from ashe_live.capture.snapshot import write_png
+    from ashe_live.capture.sources import open_source
+    from ashe_live.core.camera import Camera, read_camera_file
+    from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose, TrackedFrame
+    from ashe_live.errors import UserError
+    from ashe_live.light.estimator import make_estimator
+    from ashe_live.models.catalogue import model_names
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "Camera",
+    "DirectionalLight",
+    "LightEstimate",
+    "MarkerPose",
+    "Renderer",
+    "TrackedFrame",
+    "Tracker",
+    "UserError",
+    "estimate_light",
+    "make_estimator",
+    "model_names",
+    "open_source",
+    "read_camera_file",
+    "read_photo",
+    "write_png",
+]
+
+_HOMES = {
+    "Camera": "core.camera",
+    "DirectionalLight": "core.types",
+    "LightEstimate": "core.types",
+    "MarkerPose": "core.types",
+    "Renderer": "api",
+    "TrackedFrame": "core.types",
+    "Tracker": "api",
+    "UserError": "errors",
+    "estimate_light": "api",
+    "make_estimator": "light.estimator",
+    "model_names": "models.catalogue",
+    "open_source": "capture.sources",
+    "read_camera_file": "core.camera",
+    "read_photo": "api",
+    "write_png": "capture.snapshot",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value  # from now on found without coming here
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -82,11 +82,11 @@ class Camera:
         return Camera(size, K, self.dist, self.source, sigma)
 
 
-def read_camera_file(path: Path) -> Camera:
+def read_camera_file(path: str | Path) -> Camera:
     """Reads `{"size": [w, h], "K": 3x3, "dist": [...]}`; raises UserError when that is not what it holds."""
     remedy = 'it needs {"size": [width, height], "K": 3x3 numbers, "dist": [k1, k2, p1, p2, k3]}'
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
         width, height = (_whole_number(value) for value in content["size"])
         dist: Sequence[float] = content.get("dist") or [0.0] * 5
         return Camera((width, height), content["K"], np.array(dist, dtype=np.float64), "file")

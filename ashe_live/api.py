@@ -1,0 +1,150 @@
+"""For programs that embed this one: plain pictures in, poses, light and pictures out (docs/api.md)."""
+
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from ashe_live.capture.photo import PhotoSource
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.quality import QUALITIES, Quality
+from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
+from ashe_live.light.estimator import make_estimator
+from ashe_live.models.catalogue import load_model
+from ashe_live.models.placement import PlacedModel, placed_on_marker
+from ashe_live.tracking import tracker
+from ashe_live.tracking.layout import parse_target
+
+MARKER = "aruco:4x4_50:0"
+SIDE_M = 0.08
+ASSUMED_FPS = 30.0
+
+
+def read_photo(path: str | Path) -> Image:
+    """(h, w, 3) uint8 sRGB in OpenCV's channel order, upright as its EXIF data says, read-only.
+
+    Raises UserError when the file is missing, damaged, too large or of an unknown format.
+    """
+    with PhotoSource(path) as source:
+        frame = source.read()
+    assert frame is not None
+    return frame.image_bgr
+
+
+def estimate_light(
+    image_bgr: Image,
+    camera: Camera,
+    marker: str = MARKER,
+    side_m: float = SIDE_M,
+    quality: str = "balanced",
+    estimator: str = "proxy",
+) -> LightEstimate:
+    """Where the light is in one picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
+
+    `camera` is scaled to the picture; `side_m` is the black square's side. Without a marker, or without a light, the
+    estimate has no lights and says why. Raises UserError when the marker's name or file cannot be used, or the camera
+    is of another shape; ValueError for wrong use.
+    """
+    tracked = Tracker(camera, marker, side_m, quality).track(image_bgr)
+    if tracked.marker is None:
+        return LightEstimate(estimator, tracked.frame.index, (), "no marker found")
+    return make_estimator(estimator, _quality(quality).name).estimate(tracked)
+
+
+class Tracker:
+    """Finds the marker in one picture after another. For use by one thread at a time."""
+
+    def __init__(self, camera: Camera, marker: str = MARKER, side_m: float = SIDE_M, quality: str = "balanced") -> None:
+        """As `estimate_light`."""
+        if not side_m > 0:
+            raise ValueError(f"a marker's side of {side_m} m is not positive")
+        self._tracker = tracker.Tracker(parse_target(marker), camera, side_m, _quality(quality).tracking)
+        self._next_index = 0
+        self._time_s = -1 / ASSUMED_FPS
+
+    def track(self, image_bgr: Image, time_s: float | None = None) -> TrackedFrame:
+        """The picture (h, w, 3) uint8 BGR with the pose measured in it, or with marker None when there is none.
+
+        `time_s` counts from the first picture; by default it is a thirtieth of a second after the one before. Until
+        the next call the picture must stay as it is.
+        """
+        self._time_s = self._time_s + 1 / ASSUMED_FPS if time_s is None else time_s
+        tracked = self._tracker.track(Frame(image_bgr, self._next_index, self._time_s))
+        self._next_index += 1
+        return tracked
+
+    def reset(self) -> None:
+        """Forgets the last pose: the next picture has nothing to do with it."""
+        self._tracker.reset()
+
+
+class Renderer:
+    """Draws models into pictures, without a window. For use by the thread that made it; a context manager."""
+
+    def __init__(self, size: Size, quality: str = "balanced") -> None:
+        """`size` is the width and height of the pictures to come, into which the video's are fitted.
+
+        Raises UserError when there is no OpenGL 3.3.
+        """
+        # Only here, so that estimating and tracking do without OpenGL.
+        from ashe_live.render import renderer
+        from ashe_live.render.offscreen import offscreen_context
+
+        if min(size) < 1:
+            raise ValueError(f"a picture of {size} pixels is empty")
+        preset = _quality(quality).render
+        self._context = offscreen_context()
+        with self._context:
+            self._renderer = renderer.Renderer(self._context, preset, size)
+        self._placed: dict[tuple[str, float], PlacedModel] = {}
+
+    def render(
+        self, tracked: TrackedFrame, model: str, estimate: LightEstimate | None = None, shows_light: bool = False
+    ) -> Image:
+        """(h, w, 3) uint8 BGR: the picture with a model on its marker, lit as the estimate says, and its shadow.
+
+        `model` is a shipped model's name (`model_names()`) or the path of a glTF, GLB, OBJ, PLY or STL file. Without an
+        estimate, or without a light in it, the sky alone lights it; without a marker there is no model. Raises
+        UserError for a model that is not there or cannot be read.
+        """
+        from ashe_live.render.scene import Scene
+
+        placed = None if tracked.marker is None else self._model(model, tracked.marker.side_m)
+        scene = Scene(tracked, placed)
+        if estimate is not None:
+            scene = Scene(
+                tracked,
+                placed,
+                estimate.lights,
+                shows_light,
+                caster=estimate.caster,
+                ambient_rgb_ratio=estimate.ambient_rgb_ratio,
+                ground_rgb=estimate.ground_rgb,
+            )
+        with self._context:
+            self._renderer.render(scene)
+            return self._renderer.read_bgr()
+
+    def release(self) -> None:
+        """Gives everything back to OpenGL; the renderer is of no use afterwards."""
+        with self._context:
+            self._renderer.release()
+        self._context.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.release()
+
+    def _model(self, name: str, side_m: float) -> PlacedModel:
+        """The same object again for the same name: it is uploaded once."""
+        if (name, side_m) not in self._placed:
+            self._placed[name, side_m] = placed_on_marker(load_model(name), side_m)
+        return self._placed[name, side_m]
+
+
+def _quality(name: str) -> Quality:
+    if name not in QUALITIES:
+        raise ValueError(f"quality {name!r} is not one of {', '.join(QUALITIES)}")
+    return QUALITIES[name]
