@@ -47,7 +47,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_view_options(play)
 
     estimate = commands.add_parser("estimate", help="where the light is, in photos or clips")
-    estimate.add_argument("files", type=Path, nargs="+", metavar="FILE")
+    estimate.add_argument("files", type=Path, nargs="+", metavar="FILE", help="also folders and patterns ('*.jpg')")
     estimate.add_argument(
         "--json", action="store_true", help="one JSON object a line, one line a file (docs/contract.md)"
     )
@@ -55,6 +55,8 @@ def build_parser() -> argparse.ArgumentParser:
         "--repeat", type=_count, metavar="N", help="warm up once, then give the median times of N runs"
     )
     estimate.add_argument("--debug", type=Path, metavar="DIR", help="write a sheet of each estimate's steps there")
+    estimate.add_argument("--sheet", type=Path, metavar="FILE.html", help="a page with the light drawn into thumbnails")
+    estimate.add_argument("--overwrite", action="store_true", help="replace an existing sheet")
     estimate.add_argument("--estimate-at", type=_index, metavar="FRAME", help=ESTIMATE_AT_HELP)
     _add_scene_options(estimate)
     estimate.set_defaults(no_filter=False)
@@ -132,6 +134,7 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     view.add_argument("--size", type=_size, metavar="WxH", help="size of the window (default: the source's)")
     view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
     view.add_argument("--estimate-at", type=_index, metavar="FRAME", help=ESTIMATE_AT_HELP)
+    view.add_argument("--auto", action="store_true", help="estimate whenever the marker is steady, and fuse (key A)")
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, trembling and all")
     output = parser.add_argument_group("without a window")
     output.add_argument("--headless", action="store_true", help="render offscreen, every frame")

@@ -1,20 +1,26 @@
-"""`ashe-live estimate`: where the light is, one-shot, in photos and clips."""
+"""`ashe-live estimate`: where the light is, one-shot, in photos and clips, folders and patterns."""
 
 import argparse
 import dataclasses
 import math
 import statistics
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from ashe_live.capture.contact_sheet import contact_sheet
 from ashe_live.capture.snapshot import write_png
 from ashe_live.capture.sources import Source, open_source
+from ashe_live.commands.light_page import LightPage, picture_of
+from ashe_live.commands.named_files import named_files
 from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
 from ashe_live.core.contract import FileRecord
-from ashe_live.core.output_files import make_folder, unused_name
+from ashe_live.core.output_files import check_output, make_folder, unused_name
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.light.debug_view import debug_pictures
@@ -37,17 +43,49 @@ WORST_FIRST = (
 def run(options: argparse.Namespace) -> int:
     if options.debug is not None:
         make_folder(options.debug)
+    if options.sheet is not None:
+        check_output(options.sheet, options.overwrite)
     estimator = make_estimator(options.estimator, quality_of(options).name)
     camera_for = camera_chooser(options)
+    page = LightPage()
     statuses = set()
-    for path in options.files:
-        record = _record(path, make_tracker(options, camera_for), estimator, options)
-        print(record.to_line() if options.json else _sentence(record), flush=True)
+    for path in _watched(named_files(options.files)):
+        record, tracked = _answer(path, make_tracker(options, camera_for), estimator, options)
+        print(record.to_line() if options.json else f"{record.file}: {_said(record)}", flush=True)
         statuses.add(_status(record))
+        if options.sheet is not None:
+            picture = None if tracked is None else picture_of(tracked, record.estimate)
+            page.add(record.file, _said(record), picture)
+    if options.sheet is not None:
+        page.write(options.sheet)
     return next(status for status in WORST_FIRST if status in statuses)
 
 
-def _record(path: Path, tracker: Tracker, estimator: Estimator, options: argparse.Namespace) -> FileRecord:
+def _watched(paths: Sequence[Path]) -> Iterator[Path]:
+    """The paths, and how far they are on stderr, if a person looks at it and there is something to wait for."""
+    progress = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        transient=True,
+        disable=len(paths) < 2 or not sys.stderr.isatty(),
+        # Lines for a person go above the bar; those for a file or another program go there, as they are.
+        redirect_stdout=sys.stdout.isatty(),
+    )
+    with progress:
+        task = progress.add_task("", total=len(paths))
+        for path in paths:
+            progress.update(task, description=escape(path.name))
+            yield path
+            progress.advance(task)
+
+
+def _answer(
+    path: Path, tracker: Tracker, estimator: Estimator, options: argparse.Namespace
+) -> tuple[FileRecord, TrackedFrame | None]:
+    """What is said about a file, and the frame that was used, unless the file cannot be."""
     record = FileRecord(str(path), options.quality, options.estimator)
     try:
         with open_source(path) as source:
@@ -55,15 +93,15 @@ def _record(path: Path, tracker: Tracker, estimator: Estimator, options: argpars
                 learn_focal_length(source, tracker)
             tracked = usable_frame(source, tracker, options.estimate_at)
     except UserError as error:
-        return dataclasses.replace(record, error=" ".join(str(error).split()))
+        return dataclasses.replace(record, error=" ".join(str(error).split())), None
     record = dataclasses.replace(record, frame=tracked.frame.index, camera=tracked.camera, marker=tracked.marker)
     if tracked.marker is None:
-        return dataclasses.replace(record, timing_ms={"detect": tracked.detect_ms, "total": tracked.detect_ms})
+        return dataclasses.replace(record, timing_ms={"detect": tracked.detect_ms, "total": tracked.detect_ms}), tracked
     estimate, timing_ms = _timed(tracker, tracked, estimator, options.repeat)
     if options.debug is not None:
         sheet = _write_steps(options.debug, path, tracked, estimate)
         print(f"{path}: steps in {sheet}", file=sys.stderr)
-    return dataclasses.replace(record, estimate=estimate, timing_ms=timing_ms)
+    return dataclasses.replace(record, estimate=estimate, timing_ms=timing_ms), tracked
 
 
 def learn_focal_length(source: Source, tracker: FocalTracker) -> None:
@@ -129,19 +167,19 @@ def _timed(
     return estimate, {stage: statistics.median(run[stage] for run in counted) for stage in counted[0]}
 
 
-def _sentence(record: FileRecord) -> str:
+def _said(record: FileRecord) -> str:
     if record.error is not None:
-        return f"{record.file}: {record.error}"
+        return record.error
     if record.marker is None:
-        return f"{record.file}: no marker found"
+        return "no marker found"
     assert record.estimate is not None
     light = record.estimate.light
     if light is None:
-        return f"{record.file}: no directional light ({record.estimate.reason})"
+        return f"no directional light ({record.estimate.reason})"
     sigma = "" if light.sigma_rad is None else f" ± {math.degrees(light.sigma_rad):.1f}°"
     milliseconds = (record.timing_ms or {}).get("total", 0.0)
     return (
-        f"{record.file}: azimuth {light.azimuth_deg:.1f}°, elevation {light.elevation_deg:.1f}°{sigma} "
+        f"azimuth {light.azimuth_deg:.1f}°, elevation {light.elevation_deg:.1f}°{sigma} "
         f"(frame {record.frame}, {milliseconds:.0f} ms)"
     )
 

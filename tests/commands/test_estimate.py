@@ -1,5 +1,10 @@
 """`ashe-live estimate`: one line a file, whatever the file; the exit status; the contract."""
 
+import base64
+import re
+import shutil
+from pathlib import Path
+
 import cv2
 import jsonschema
 import numpy as np
@@ -7,6 +12,7 @@ import pytest
 
 pytestmark = pytest.mark.usefixtures("instant")
 KNOWN = ("--hfov", "55")
+BASE64 = re.compile(r"data:image/jpeg;base64,([^\"]+)")
 
 
 def test_a_photo_is_answered(run, files, schema):
@@ -53,12 +59,14 @@ def test_without_a_marker_the_status_is_3(run, files, schema):
     assert run("estimate", *KNOWN, files["empty_table"]).out[0].endswith("no marker found")
 
 
-@pytest.mark.parametrize("name", ["garbage", "missing", "folder", "empty"])
+NAMES = {"missing": "no.mp4", "pattern": "*.jpg", "folder": "folder", "empty": "empty.mp4"}
+
+
+@pytest.mark.parametrize("name", ["garbage", *NAMES])
 def test_an_unreadable_file_is_a_line_too_and_status_2(run, tmp_path, files, schema, name):
     (tmp_path / "empty.mp4").touch()
-    path = {"garbage": files["garbage"], "missing": tmp_path / "no.mp4", "folder": tmp_path}.get(
-        name, tmp_path / "empty.mp4"
-    )
+    (tmp_path / "folder").mkdir()
+    path = files["garbage"] if name == "garbage" else tmp_path / NAMES[name]
     outcome = run("estimate", "--json", *KNOWN, path)
     (record,) = outcome.records
     jsonschema.validate(record, schema)
@@ -156,3 +164,55 @@ def test_steps_that_cannot_be_kept_are_refused_before_anything_is_estimated(run,
     assert outcome.status == 2
     assert outcome.out == []
     assert "cannot write" in outcome.err[0]
+
+
+def test_a_folder_and_a_pattern_stand_for_the_pictures_in_them(run, files, film, tmp_path):
+    for name in ("b.png", "a.PNG", ".hidden.png", "notes.txt", "sub.png/inner.png"):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        shutil.copy(files["photo"], tmp_path / name)
+    shutil.copy(film.path, tmp_path / "c.mp4")
+
+    def answered(*names):
+        outcome = run("estimate", "--json", *KNOWN, *names)
+        assert outcome.status == 0
+        return [str(Path(record["file"]).relative_to(tmp_path)) for record in outcome.records]
+
+    assert answered(tmp_path) == ["a.PNG", "b.png", "c.mp4"]
+    assert answered(tmp_path / "?.png", files["photo"].parent / "../" / tmp_path / "c.mp4") == ["b.png", "c.mp4"]
+    assert answered(tmp_path / "**" / "inner.*") == ["sub.png/inner.png"]
+
+
+def test_a_file_whose_name_looks_like_a_pattern_is_that_file(run, files, tmp_path):
+    for name in ("cup[1].png", "cup1.png"):
+        shutil.copy(files["photo"], tmp_path / name)
+    (record,) = run("estimate", "--json", *KNOWN, tmp_path / "cup[1].png").records
+    assert record["file"].endswith("cup[1].png")
+
+
+def test_the_sheet_has_a_picture_of_every_file_that_has_one_and_escapes_what_it_says(run, files, tmp_path):
+    named = tmp_path / "<b>&amp;.png"
+    shutil.copy(files["photo"], named)
+    sheet = tmp_path / "sheet.html"
+    outcome = run("estimate", *KNOWN, "--sheet", sheet, named, files["garbage"], files["empty_table"])
+    assert outcome.status == 2
+    text = sheet.read_text(encoding="utf-8")
+    assert text.count("<figure>") == 3
+    pictures = [cv2.imdecode(np.frombuffer(base64.b64decode(data), np.uint8), 1) for data in BASE64.findall(text)]
+    assert [picture.shape for picture in pictures] == [(240, 320, 3)] * 2
+    photo, drawn = cv2.imread(str(files["photo"])), pictures[0]
+    assert (np.abs(drawn.astype(int) - photo).max(axis=2) > 60).any()  # the arrow
+    assert "&lt;b&gt;&amp;amp;.png" in text
+    assert "<b>" not in text
+    assert "no marker found" in text
+    assert not re.search(r"""(src|href)=["'](?!data:)""", text)
+
+
+def test_a_sheet_is_not_overwritten_unasked(run, files, tmp_path):
+    sheet = tmp_path / "sheet.html"
+    sheet.write_text("mine")
+    outcome = run("estimate", *KNOWN, "--sheet", sheet, files["photo"])
+    assert outcome.status == 2
+    assert outcome.out == []
+    assert sheet.read_text() == "mine"
+    assert run("estimate", *KNOWN, "--sheet", sheet, "--overwrite", files["photo"]).status == 0
+    assert "<figure>" in sheet.read_text(encoding="utf-8")
