@@ -24,7 +24,8 @@ from ashe_live.core.output_files import check_output, make_folder, write_json
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimator import Estimator, make_estimator
-from ashe_live.light.fit import ACCURATE, BALANCED, FAST, FitPreset
+from ashe_live.light.fit import FitPreset
+from ashe_live.light.proxy import PRESETS
 
 SCHEMA = 2
 RESULTS = "results.json"
@@ -32,7 +33,7 @@ QUICK_PRESETS = ("balanced",)
 QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4
 TRADE, SWEEP_EVERY = "trade", 3
 # By estimator and preset; the paper's method has a geometry of its own.
-TRUE_MASK_FITS = {"proxy": {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}}
+TRUE_MASK_FITS = {"proxy": {name: steps.fine_fit for name, steps in PRESETS.items()}}
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,12 +15,13 @@ from ashe_live.bench.light_results import GOOD_DEG, CaseResult, case_result
 from ashe_live.bench.plots import TradePoint, pareto_front
 from ashe_live.light import fit
 from ashe_live.light.estimator import Estimator
-from ashe_live.light.proxy import BALANCED, ProxyEstimator, ProxySteps
+from ashe_live.light.proxy import PRESETS, ProxyEstimator, ProxySteps
 
 MEDIAN_ERROR = "median error, no answer = 90° (degrees)"
 MISSED = f"no answer, or more than {GOOD_DEG:.0f}° off (% of the lit scenes)"
 COST = "median time of an estimate (ms)"
 UNANSWERED_DEG = 90.0
+BALANCED = PRESETS["balanced"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,21 +39,36 @@ class Variation:
         return steps
 
 
+def _varied(series: str, field: str, *values: int) -> tuple[Variation, ...]:
+    return tuple(Variation(series, str(value), {field: value}) for value in values)
+
+
+def _fits(series: str, field: str, *presets: str) -> tuple[Variation, ...]:
+    fits = {"fast": fit.FAST, "balanced": fit.BALANCED, "accurate": fit.ACCURATE}
+    return tuple(Variation(series, name, {field: fits[name]}) for name in presets)
+
+
 VARIATIONS = (
     *(
         Variation(
             "working size, coarse and fine", f"{width} px", {"coarse_width_px": width // 2, "fine_width_px": width}
         )
-        for width in (240, 320, 480, 640)
+        for width in (320, 480, 640, 960)
     ),
-    *(Variation("coarse width", str(width), {"coarse_width_px": width}) for width in (160, 240, 320, 480)),
-    *(Variation("explanations refined", str(count), {"refined": count}) for count in (1, 2, 3, 5)),
-    *(Variation("rounds of segmentation", str(count), {"associate.rounds": count}) for count in (1, 2, 3)),
-    *(Variation("shadow colours tried", str(count), {"associate.shifts": count}) for count in (2, 3, 5, 8)),
-    *(
-        Variation("fit", name, {"fine_fit": preset})
-        for name, preset in (("fast", fit.FAST), ("balanced", fit.BALANCED), ("accurate", fit.ACCURATE))
-    ),
+    *_varied("coarse width", "coarse_width_px", 160, 240, 320, 480),
+    *_varied("fine width", "fine_width_px", 320, 480, 640, 960),
+    *_varied("size of a region", "region_px", 60, 90, 130, 180, 260),
+    *_varied("regions", "regions", 1, 2, 3, 5),
+    *_varied("colours of the ground", "ground.palette_colours", 4, 7, 10, 16),
+    *_varied("shadow colours tried", "shifts", 2, 4, 8, 12),
+    *_varied("pairs of shadow colours", "paired_shifts", 0, 3, 6, 8),
+    *_varied("shadows of a colour", "shadows_per_shift", 1, 2, 3, 5),
+    *_varied("splits fitted", "tried", 2, 4, 6, 12),
+    *_varied("splits in two shadows fitted", "pairs_tried", 0, 1, 2, 4),
+    *_varied("fits refined", "refined", 1, 2, 3, 6),
+    *_varied("rounds of labels and fit", "rounds", 1, 2, 3),
+    *_fits("first fit", "first_fit", "fast", "balanced"),
+    *_fits("fine fit", "fine_fit", "fast", "balanced", "accurate"),
 )
 
 

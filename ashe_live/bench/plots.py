@@ -95,7 +95,7 @@ def _draw_panel(ax: "Axes", points: Sequence[TradePoint], measure: str, cost_lab
             [point.cost for point in own],
             [point.errors[measure] for point in own],
             color=COLOURS[number % len(COLOURS)],
-            marker=MARKERS[number % len(MARKERS)],
+            marker=MARKERS[(number + number // len(COLOURS)) % len(MARKERS)],
             markersize=5,
             linewidth=0.8,
             label=series,

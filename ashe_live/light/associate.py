@@ -73,6 +73,8 @@ def splits(region: Region, ground: LitGround, materials: Materials, shadows_trie
 
 def doubted(split: Split) -> Split | None:
     """The same split where only what is far from the object is surely shadow: the rest may be its own dark side."""
+    if not split.shadow_mask.any():
+        return None
     away = distance_to(split.object_mask)
     surely = split.shadow_mask & (away > SURELY_SHADOW * away[split.shadow_mask].max())
     doubtful = Split(split.object_mask, surely, split.shadow_mask & ~surely)

@@ -17,8 +17,7 @@ from ashe_live.light.regions import Region
 # The ring on either side of an outline where its sharpness is measured; the outline's own pixels are mixed.
 RING_PX = (1.0, 4.0)
 BESIDE_OBJECT_PX = 3.0  # what is nearer to the object may be of it
-FEWEST_PX = 8
-UNSEEN_SHADOW = 10.0  # the cost of a shadow that is not there
+WITHIN_PX = 1.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,28 +40,24 @@ EVIDENCE = (
     "long",
     "shading",
     "missed",
-    "beyond",
     "edge",
-    "depth",
-    "unshadowed",
     "border",
     "second",
 )
 
 
 def evidence(explanation: Explanation) -> Float:
-    """(13,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
+    """(10,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
     fit, it = explanation.fit, explanation
     misfit = math.log(max(fit.residual_px, 0.05) / max(fit.object_px, 1.0))
-    return np.array([misfit, *appearance(it.region, it.materials, it.predicted, it.own)])
+    return np.array([misfit, *appearance(it.region, it.materials, it.predicted)])
 
 
-def appearance(region: Region, materials: Materials, masks: Predicted, own: Float32) -> Float:
-    """(12,) the evidence that needs no fit: how the picture looks where `masks` say object and shadow are."""
+def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
+    """(9,) the evidence that needs no fit: how the picture looks where `masks` say object and shadow are."""
     brightness, red_blue, green = materials.shift
     size = max(int(region.unlit.sum()), 1)
     longer = math.log(max(int(masks.shadow.sum()) / max(int(masks.body.sum()), 1), 1e-3))
-    edge, depth, cost = _shadow_in_picture(region, materials, masks, own)
     return np.array(
         [
             abs(green + 0.25 * red_blue),
@@ -71,32 +66,30 @@ def appearance(region: Region, materials: Materials, masks: Predicted, own: Floa
             max(longer, 0.0),
             _shading(region, masks),
             math.log(0.02 + int((region.unlit & ~masks.whole).sum()) / size),
-            math.log(0.02 + int((masks.whole & ~region.unlit & region.is_ground).sum()) / size),
-            min(edge, 1.0),
-            abs(depth - 1.0),
-            min(max(cost, -5.0), 8.0),
+            min(_sharpness(region, materials, masks), 1.0),
             _border_share(masks.shadow, masks.body),
             materials.lights - 1.0,
         ]
     )
 
 
-def _shadow_in_picture(
-    region: Region, materials: Materials, masks: Predicted, own: Float32
-) -> tuple[float, float, float]:
-    """How sharply the shadow's outline stands out, its depth, and what it costs more than the best label."""
-    share, shadow, whole = materials.share, masks.shadow, masks.whole
-    within, without = distance_to(~whole), distance_to(whole)
-    clear = region.is_ground & (distance_to(masks.body) > BESIDE_OBJECT_PX)
+def shadow_core(region: Region, masks: Predicted) -> Mask:
+    """(h, w) where a shadow is whole: on the ground, away from its outline and from the object."""
+    return masks.shadow & _clear_of(masks.body, region) & (distance_to(~masks.whole) > WITHIN_PX)
+
+
+def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
+    """How much of the shift is lost on the way across the predicted shadow's outline: 1 for a sharp edge."""
+    within, without = distance_to(~masks.whole), distance_to(masks.whole)
+    clear = _clear_of(masks.body, region)
     low, high = RING_PX
-    inner = shadow & clear & (within > low) & (within <= high)
-    outer = clear & (without > low) & (without <= high) & grown(shadow, int(high))
-    inside = shadow & clear & (within > 1.5)
-    edge = _median(share[inner]) - _median(share[outer])
-    if np.count_nonzero(inside) <= FEWEST_PX:
-        return edge, 0.0, UNSEEN_SHADOW
-    excess = materials.contact - np.minimum(materials.lit, own)
-    return edge, float(np.median(share[inside])), float(excess[inside].mean())
+    inner = masks.shadow & clear & (within > low) & (within <= high)
+    outer = clear & (without > low) & (without <= high) & grown(masks.shadow, int(high))
+    return _median(materials.share[inner]) - _median(materials.share[outer])
+
+
+def _clear_of(body: Mask, region: Region) -> Mask:
+    return region.is_ground & (distance_to(body) > BESIDE_OBJECT_PX)
 
 
 def _shading(region: Region, masks: Predicted) -> float:

@@ -37,11 +37,17 @@ class LightFusion:
         self.answer: LightEstimate | None = None  # with masks, body and frame of the latest member
         self._members: list[LightEstimate] = []
         self._dissent: list[LightEstimate] = []
+        self._is_new = True
 
     @property
     def count(self) -> int:
         """Of the estimates that `answer` is made of."""
         return len(self._members)
+
+    @property
+    def is_new(self) -> bool:
+        """Whether the answer owes nothing to one before."""
+        return self._is_new
 
     @property
     def is_settled(self) -> bool:
@@ -50,7 +56,8 @@ class LightFusion:
 
     def add(self, estimate: LightEstimate) -> bool:
         """False when `estimate` is taken for an outlier, and the answer stays."""
-        if self.answer is None or agree(self.answer, estimate):
+        self._is_new = self.answer is None or not agree(self.answer, estimate)
+        if self.answer is None or not self._is_new:
             self._members.append(estimate)
             self._dissent.clear()
         else:

@@ -10,7 +10,6 @@ from ashe_live.core.types import DirectionalLight, TrackedFrame
 from ashe_live.light.associate import Split
 from ashe_live.light.evidence import Explanation, appearance, evidence
 from ashe_live.light.materials import Materials
-from ashe_live.light.mixtures import UNEXPLAINED
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
 from ashe_live.light.uncertainty import of_direction, of_outlines, radius_of_68_percent
@@ -22,18 +21,17 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -6.55
-WEIGHTS = np.array([-1.24, -4.73, -10.17, -0.51, -0.93, 0.97, -1.42, -0.14, 1.82, 0.62, 0.04, -6.35, 0.3])
+OFFSET = -6.28
+WEIGHTS = np.array([-1.42, -4.94, -8.49, -0.39, -1.14, 0.94, -1.07, 1.43, -5.4, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
-CONTEST_OFFSET = -0.23
-CONTEST_WEIGHTS = np.array([0.7, 0.85, 1.72])
+CONTEST_OFFSET = -0.13
+CONTEST_WEIGHTS = np.array([0.68, 0.95, 1.84])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:
     """What the look of a split alone promises: the larger, the likelier it is that the right light follows from it."""
     doubtful = split.shadow_mask if split.either is None else split.shadow_mask | split.either
-    unknown = np.full(region.unlit.shape, UNEXPLAINED, np.float32)
-    return float(WEIGHTS[1:] @ appearance(region, materials, Predicted(split.object_mask, doubtful), unknown))
+    return float(WEIGHTS[1:] @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
 
 
 def log_odds(explanation: Explanation) -> float:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.areas import shrunk, smoothed
+from ashe_live.light.areas import grown, shrunk, smoothed
 from ashe_live.light.ground import LitGround
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.mixtures import UNEXPLAINED, cost, mixture_of
@@ -25,6 +25,7 @@ WIDENED = 0.5  # of the covariances, by a whole shift
 MOST_COLOURS = 1500
 FEWEST_COLOURS = 12
 COMMON = 0.02
+NEAR_PX = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,8 +80,12 @@ def object_cost(region: Region, mask: Mask) -> Float32:
 
 
 def share_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
-    """(h, w) the place of each pixel's colour on the way from the palette's likeliest colour to its shadowed one."""
-    colours = region.colours.reshape(-1, 3)
+    """(h, w) the place of each pixel's colour on the way from the palette's likeliest colour to its shadowed one.
+
+    Far from what is unlit it is not looked for, and 0.
+    """
+    near = grown(region.unlit, NEAR_PX)
+    colours = region.colours[near]
     scale = 1 / SHIFT_NOISE
     way = shift * scale
     least, share = np.full(len(colours), np.inf, np.float32), np.zeros(len(colours), np.float32)
@@ -92,4 +97,6 @@ def share_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
         off = ((away - along[:, None] * way.astype(np.float32)) ** 2).sum(axis=1) - 2 * np.log(weight)
         nearer = off < least
         least[nearer], share[nearer] = off[nearer], along[nearer]
-    return share.reshape(region.unlit.shape)
+    picture = np.zeros(near.shape, np.float32)
+    picture[near] = share
+    return picture

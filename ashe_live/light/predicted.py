@@ -12,7 +12,8 @@ from ashe_live.core.transforms import project
 from ashe_live.light.view import View
 
 AROUND = 16  # points on a body's rings
-FARTHEST_PX = 3e3
+FARTHEST_PX = 1e5
+NEAREST_SHARE = 0.1  # of the marker's distance: what is nearer to the camera's plane is cut off
 SUBPIXEL_BITS = 4
 LOWEST_Z = 1e-6
 
@@ -43,11 +44,23 @@ def predicted(proxy: Proxy, to_lights_marker: Sequence[Float], view: View) -> Pr
 
 def _hull(points_marker: Float, view: View) -> Mask:
     mask = np.zeros(view.is_ground.shape, np.uint8)
-    depth = points_marker @ view.T_cam_marker[2, :3] + view.T_cam_marker[2, 3]
-    pixels = project(view.camera, view.T_cam_marker, points_marker[depth > 0])
+    points = _before_camera(points_marker, view.T_cam_marker)
+    pixels = project(view.camera, view.T_cam_marker, points) if len(points) else np.empty((0, 2))
     pixels = pixels[np.isfinite(pixels).all(axis=1)]
     if len(pixels) < 3:
         return mask.astype(bool)
     hull = cv2.convexHull(np.clip(pixels, -FARTHEST_PX, FARTHEST_PX).astype(np.float32))
     cv2.fillConvexPoly(mask, np.round(hull * 2**SUBPIXEL_BITS).astype(np.int32), 1, shift=SUBPIXEL_BITS)
     return mask.astype(bool)
+
+
+def _before_camera(points_marker: Float, T_cam_marker: Float) -> Float:
+    """(m, 3) points whose hull is the part of the points' hull that lies before the camera."""
+    depth = points_marker @ T_cam_marker[2, :3] + T_cam_marker[2, 3]
+    nearest = NEAREST_SHARE * float(np.linalg.norm(T_cam_marker[:3, 3]))
+    before = depth > nearest
+    if before.all() or not before.any():
+        return np.asarray(points_marker[before])
+    front, back = points_marker[before][:, None], points_marker[~before][None]
+    way = (nearest - depth[before][:, None]) / (depth[~before][None] - depth[before][:, None])
+    return np.concatenate([points_marker[before], (front + way[..., None] * (back - front)).reshape(-1, 3)])

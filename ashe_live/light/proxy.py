@@ -17,7 +17,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light import fit as fitting
 from ashe_live.light.associate import Split, doubted, splits
-from ashe_live.light.evidence import Explanation
+from ashe_live.light.evidence import Explanation, shadow_core
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, lit_rgb, unlit_mask
 from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, lights_of, log_odds, promise
 from ashe_live.light.log_colour import Float32
@@ -25,7 +25,7 @@ from ashe_live.light.materials import Materials, materials_of, object_cost
 from ashe_live.light.predicted import Predicted, predicted
 from ashe_live.light.regions import Region, unlit_regions
 from ashe_live.light.relabel import relabelled
-from ashe_live.light.shift import shadow_ratio, shadow_shifts
+from ashe_live.light.shift import shadow_ratio, shadow_shifts, shift_within
 from ashe_live.light.stages import StageClock
 from ashe_live.light.two_lights import are_two, materials_of_two, parted
 from ashe_live.light.view import View
@@ -115,7 +115,7 @@ class ProxyEstimator:
         if confidence < LEAST_CONFIDENCE:
             reason = "what stands out from the ground does not fit an object and its shadow in one directional light"
             return answer(reason, body=body, shadow=shadow)
-        ratios = [shadow_ratio(ground, shift) for shift in best.materials.shifts]
+        ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
         lights = [
             replace(light, shadow_rgb_ratio=ratio)
             for light, ratio in zip(lights_of(best, confidence, tracked), ratios, strict=False)
@@ -164,14 +164,16 @@ class ProxyEstimator:
         for _ in range(self._steps.rounds):
             split = relabelled(current.region, current.materials, current.own, current.predicted)
             if current.materials.lights == 2 and not are_two(split.parts):
-                return
+                break
             towards = np.array([light.to_light_marker for light in current.fit.lights])
             near = towards[:, :2] / towards[:, 2:] if towards[:, 2].min() > LOWEST_Z else None
             finer = _explained(current.region, current.materials, split, self._steps.fine_fit, near)
             if finer is None:
-                return
+                break
             yield finer
             current = finer
+        if current is rough:
+            yield rough
 
 
 def _explained(
@@ -196,6 +198,14 @@ def _explained(
         return None
     expected = predicted(found.proxy, [light.to_light_marker for light in found.lights], view)
     return Explanation(region, materials, split, found, expected, _own_cost(region, split, expected))
+
+
+def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
+    """The shifts that the shadows show now that they are known: voted for were also penumbrae and darkest parts."""
+    if best.materials.lights == 2:
+        return best.materials.shifts
+    seen = shift_within(best.region.colours[shadow_core(best.region, best.predicted)], ground)
+    return best.materials.shifts if seen is None else (seen,)
 
 
 def _own_cost(region: Region, split: Split, expected: Predicted) -> Float32:

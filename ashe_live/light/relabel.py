@@ -15,7 +15,7 @@ from ashe_live.light.two_lights import parted
 
 # How far from a predicted outline colours alone decide; beyond, each pixel farther costs more, up to a most.
 FREE_PX, FREE_SHARE = 2.0, 0.06
-COST_PER_PX, COSTLY_PX = 4.0, 4.0
+COST_PER_PX, COSTLY_PX = 4.0, 8.0
 # A difference in cost below which a pixel may belong to either, if such pixels are more than a seam between the two.
 UNDECIDED = 4.0
 SEAM_PX = 5

@@ -10,6 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.ground import LitGround
 from ashe_live.light.log_colour import Float32, linear_rgb, log_opponent_of_linear
+from ashe_live.light.mixtures import Mixture
 
 # The vote's bins: log brightness, chroma red to blue, chroma green.
 BIN = np.array([0.06, 0.06, 0.05])
@@ -23,12 +24,25 @@ LEAST_VOTERS = 25
 
 def shadow_shifts(ground: LitGround, unlit: Mask, count: int) -> list[Float]:
     """Up to `count` shifts (3,) that many unlit pixels vote for, most votes first."""
-    colours = ground.colours[unlit]
+    return _voted_for(ground.colours[unlit], ground.palette, count)
+
+
+def shift_within(colours: Float32, ground: LitGround) -> Float | None:
+    """(3,) the shift that most of a shadow's own colours (n, 3) vote for; None of too few.
+
+    Of a patterned ground, a wrong shift may turn one of its colours into the shadow of another; all agree on the true
+    one.
+    """
+    shifts = _voted_for(colours, ground.palette, 1)
+    return shifts[0] if shifts else None
+
+
+def _voted_for(colours: Float32, palette: Mixture, count: int) -> list[Float]:
     if len(colours) < LEAST_VOTERS:
         return []
     colours = colours[:: len(colours) // MOST_VOTERS + 1]
-    common = ground.palette.weights > 0.02
-    centres, weights = ground.palette.centres[common], ground.palette.weights[common]
+    common = palette.weights > 0.02
+    centres, weights = palette.centres[common], palette.weights[common]
     offsets = np.asarray(colours[:, None, :] - centres[None], dtype=np.float64)
     bins = np.floor((offsets - LOWEST) / BIN).astype(int)
     inside = ((bins >= 0) & (bins < BINS)).all(axis=2)

@@ -1,5 +1,7 @@
 """The sweep of the estimator's numbers."""
 
+import dataclasses
+
 import cv2
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from ashe_live.bench.light_trade import MEDIAN_ERROR, MISSED, VARIATIONS, Variat
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
-from ashe_live.light.proxy import BALANCED
+from ashe_live.light.proxy import BALANCED, ProxySteps
 
 
 class Guess:
@@ -34,11 +36,11 @@ def cases(tmp_path):
 
 
 def test_a_path_leads_into_the_records_within():
-    changed = replaced(BALANCED, "associate.rounds", 7)
-    assert changed.associate.rounds == 7
-    assert replaced(changed, "associate.rounds", BALANCED.associate.rounds) == BALANCED
+    changed = replaced(BALANCED, "ground.palette_colours", 7)
+    assert changed.ground.palette_colours == 7
+    assert replaced(changed, "ground.palette_colours", BALANCED.ground.palette_colours) == BALANCED
     with pytest.raises((TypeError, AttributeError)):
-        replaced(BALANCED, "associate.no_such", 1)
+        replaced(BALANCED, "ground.no_such", 1)
 
 
 def test_every_variation_is_a_setting_and_every_series_passes_through_balanced():
@@ -48,6 +50,11 @@ def test_every_variation_is_a_setting_and_every_series_passes_through_balanced()
     for name, settings in series.items():
         assert BALANCED in settings, name
         assert all(settings.count(setting) == 1 for setting in settings), name
+
+
+def test_every_number_that_the_presets_differ_in_is_varied():
+    varied = {path.partition(".")[0] for variation in VARIATIONS for path in variation.changes}
+    assert varied == {field.name for field in dataclasses.fields(ProxySteps)}
 
 
 def test_an_abstention_is_worse_than_any_answer(cases, monkeypatch):

@@ -45,7 +45,7 @@ def turned(x: float, y: float, profile: list[tuple[float, float]]) -> Parts:
 
 
 def ball(x: float, y: float, radius: float) -> Parts:
-    tilts = np.linspace(-math.pi / 2, math.pi / 2, 61)
+    tilts = np.linspace(-math.pi / 2, math.pi / 2, 31)
     return turned(x, y, [(radius * math.cos(t), radius + radius * math.sin(t)) for t in tilts])
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.cases import read_cases
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, rigid, tangent_basis
 from ashe_live.light.fit import ACCURATE, BALANCED, FAST, Fit, FitFailure, FitPreset, fit_light
@@ -165,6 +165,46 @@ def test_what_is_unreliable_is_not_measured() -> None:
     assert sigmas_off(known, LIGHT) < 3.0
 
 
+def nearest_part(mask: Mask, other: Mask, share: float) -> Mask:
+    """The share of `mask` that is nearest to `other`."""
+    away = cv2.distanceTransform((~other).astype(np.uint8), cv2.DIST_L2, 5)
+    return np.asarray(mask & (away <= np.quantile(away[mask], share)))
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5])
+@pytest.mark.parametrize("whose", ["the object's", "the shadow's"])
+@pytest.mark.parametrize("name", ["box", "cylinder", "cup"])
+def test_what_may_be_either_is_known_by_the_outline_of_the_whole(name: str, whose: str, share: float) -> None:
+    """Nobody knows whose these pixels are; only that they are of one of the two."""
+    scene = render(BODIES[name](), [LIGHT], VIEW)
+    body, shadow = scene.body, scene.shadows[0]
+    either = nearest_part(body, shadow, share) if whose == "the object's" else nearest_part(shadow, body, share)
+    sure = body & ~either, shadow & ~either
+    fit = fit_light(sure[0], [sure[1]], scene.camera, VIEW, None, 0.2, either=either)
+    assert isinstance(fit, Fit)
+    assert error_deg(fit, LIGHT) < 2.0
+    # Given to the wrong one, they mislead.
+    wrong = (sure[0], shadow | either) if whose == "the object's" else (body | either, sure[1])
+    misled = fit_light(wrong[0], [wrong[1]], scene.camera, VIEW, None, 0.2)
+    assert isinstance(misled, FitFailure) or error_deg(misled, LIGHT) > error_deg(fit, LIGHT)
+
+
+def test_nothing_that_may_be_either_changes_nothing() -> None:
+    scene = render(BODIES["box"](), [LIGHT], VIEW)
+    nothing = np.zeros_like(scene.body)
+    fit = fit_light(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, either=nothing)
+    assert isinstance(fit, Fit)
+    assert fit.lights[0].to_light_marker.tobytes() == fitted(scene).lights[0].to_light_marker.tobytes()
+
+
+@pytest.mark.parametrize("near", [(0.0, 0.0), (3.0, -3.0), (-40.0, 40.0)])
+def test_a_wrong_start_beside_the_guess_does_no_harm(near: tuple[float, float]) -> None:
+    scene = render(BODIES["cylinder"](), [LIGHT], VIEW)
+    fit = fit_light(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, near=np.array([near]))
+    assert isinstance(fit, Fit)
+    assert error_deg(fit, LIGHT) < 1.5
+
+
 # Extremes
 
 
@@ -228,7 +268,9 @@ def test_no_masks_and_no_pose_break_it() -> None:
         masks = [random_mask(rng, (45, 60)) for _ in range(3)]
         if rng.integers(2):
             masks = [mask > 0.5 for mask in masks]
-        fit = fit_light(masks[0], masks[1:2], camera, view, masks[2] > 0.9, float(rng.choice([0.0, 0.2, 2.0])), FAST)
+        sigma_px, either = float(rng.choice([0.0, 0.2, 2.0])), random_mask(rng, (45, 60)) > 0.5
+        either = either if rng.integers(2) else None
+        fit = fit_light(masks[0], masks[1:2], camera, view, masks[2] > 0.9, sigma_px, FAST, either)
         if isinstance(fit, FitFailure):
             assert fit.reason
             continue

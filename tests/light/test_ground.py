@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float, Image, Mask
-from ashe_live.light.ground import GroundSteps, fit_lit_ground, ground_colours, unlit_mask
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.light.ground import GroundSteps, fit_lit_ground, ground_colours, lit_rgb, unlit_mask
 from ashe_live.light.log_colour import log_opponent
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, overlap, paint
 from tests.light.synthetic_masks import camera_towards
@@ -71,12 +72,22 @@ def test_the_palette_holds_the_ground_and_not_the_object():
     scene = paint(BOX, ground="checkered", size=SIZE)
     ground = fit_lit_ground(scene.tracked.frame.image_bgr, scene.beside_sheet, STEPS)
     assert ground is not None
-    np.testing.assert_allclose(ground.weights.sum(), 1, atol=0.01)
-    assert (np.linalg.eigvalsh(ground.covariances) > 0).all()
+    np.testing.assert_allclose(ground.palette.weights.sum(), 1, atol=0.01)
+    assert (np.linalg.eigvalsh(ground.palette.covariances) > 0).all()
     lit = scene.beside_sheet & ~scene.body & ~scene.shadow
     assert np.median(ground.surprise[lit]) < 6 < np.median(ground.surprise[scene.body])
     assert (ground.spread[lit] > 0).all()
     assert ground.spread.max() <= 1.0 + 1e-6
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_the_lit_grounds_colour_is_the_painted_one(ground):
+    scene = paint(BOX, ground=ground, size=SIZE, noise_levels=0.5)
+    empty = paint(ground=ground, size=SIZE, noise_levels=0.5)
+    fitted = fit_lit_ground(scene.tracked.frame.image_bgr, scene.beside_sheet, STEPS)
+    assert fitted is not None
+    painted = LINEAR_FROM_SRGB_8BIT[empty.tracked.frame.image_bgr[empty.beside_sheet]].mean(axis=0)[::-1]
+    np.testing.assert_allclose(lit_rgb(fitted), painted, rtol=0.1)
 
 
 def test_a_window_of_the_same_picture_has_the_same_colours():
@@ -87,6 +98,19 @@ def test_a_window_of_the_same_picture_has_the_same_colours():
     window = np.s_[40:180, 100:300]
     inner = np.s_[4:-4, 4:-4]  # the window's own border is smoothed without its surroundings
     np.testing.assert_allclose(ground_colours(image, ground, window)[inner], ground.colours[window][inner], atol=1e-4)
+
+
+def test_a_finer_picture_of_the_same_ground_has_the_same_colours():
+    fine = paint(BOX, noise_levels=0.0)
+    coarse_image = np.asarray(cv2.resize(fine.tracked.frame.image_bgr, SIZE, interpolation=cv2.INTER_AREA), np.uint8)
+    is_ground = paint(BOX, size=SIZE).beside_sheet
+    ground = fit_lit_ground(coarse_image, is_ground, STEPS)
+    assert ground is not None
+    colours = ground_colours(fine.tracked.frame.image_bgr, ground, np.s_[100:400, 40:600])
+    coarse = np.asarray(cv2.resize(colours, (280, 150), interpolation=cv2.INTER_AREA))
+    off = np.abs(coarse - ground.colours[50:200, 20:300]).max(axis=2)
+    assert np.median(off) < 0.02
+    assert np.quantile(off, 0.9) < 0.05
 
 
 def linear_encoded(linear_rgb: Float) -> Image:

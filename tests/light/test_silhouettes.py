@@ -16,8 +16,8 @@ def disc(x: float, y: float, radius: float, shape: tuple[int, int] = (120, 160))
     return np.asarray(np.hypot(columns - x, rows - y) <= radius)
 
 
-def outlines_of(body: Mask, shadow: Mask, unreliable: Mask | None = None) -> Outlines:
-    outlines = observe_outlines(body, [shadow], unreliable, 32)
+def outlines_of(body: Mask, shadow: Mask, unreliable: Mask | None = None, either: Mask | None = None) -> Outlines:
+    outlines = observe_outlines(body, [shadow], unreliable, 32, either=either)
     assert isinstance(outlines, Outlines)
     return outlines
 
@@ -88,3 +88,48 @@ def test_a_straight_edge_is_known_although_its_ends_are_not() -> None:
     assert outlines.seen[1, 32:].all()
     across = np.array([-25.0, 160.0]) / math.hypot(25, 160)
     assert sorted(extra @ across) == pytest.approx([-1.0, 1.0], abs=1e-3)
+
+
+# The whole, where it cannot be told what is whose
+
+BODY, SHADOW = disc(60, 60, 25), disc(90, 60, 25)
+
+
+def test_without_doubt_the_whole_bounds_nothing() -> None:
+    for either in (None, np.zeros_like(BODY)):
+        outlines = outlines_of(BODY, SHADOW & ~BODY, either=either)
+        assert outlines.least_px.shape == outlines.most_px.shape == (3, len(outlines.directions))
+        assert (outlines.least_px[-1] == -math.inf).all()
+        assert (outlines.most_px[-1] == math.inf).all()
+
+
+def test_where_either_may_reach_the_whole_is_measured() -> None:
+    """Between an object's left part and its shadow's right one, all may be either's."""
+    whole = BODY | SHADOW
+    either = whole.copy()
+    either[:, :51] = either[:, 100:] = False
+    outlines = outlines_of(BODY & ~either, SHADOW & ~BODY & ~either, either=either)
+    reaches = np.array([(np.argwhere(whole)[:, ::-1] - outlines.centre_px) @ u for u in outlines.directions]).max(
+        axis=1
+    )
+    seen = outlines.seen
+    # Up and down only either's pixels end; left the object's own and right the shadow's.
+    for straight in (8, 24):
+        assert list(seen[:, straight]) == [False, False, True]
+        assert outlines.least_px[-1, straight] == pytest.approx(reaches[straight], abs=0.6)
+    for side, own in ((16, 0), (0, 1)):
+        assert seen[own, side]
+        assert outlines.least_px[own, side] == pytest.approx(reaches[side], abs=0.6)
+    # What is bounded holds the true outlines.
+    for own, mask in enumerate((BODY, SHADOW)):
+        points = np.argwhere(mask)[:, ::-1] - outlines.centre_px
+        true = (points @ outlines.directions.T).max(axis=0)
+        assert (true >= outlines.least_px[own] - 0.6).all()
+        assert (true <= outlines.most_px[own] + 0.6).all()
+
+
+def test_beyond_the_frame_the_whole_is_not_measured() -> None:
+    body, shadow = disc(130, 60, 20), disc(155, 60, 20)
+    either = (body | shadow) & (np.indices(body.shape)[1] > 140)
+    outlines = outlines_of(body & ~either, disc(110, 70, 15) & ~body, either=either)
+    assert not outlines.seen[-1, 0]

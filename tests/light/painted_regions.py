@@ -1,0 +1,78 @@
+"""The regions of painted scenes, and the truth in them: what the stages after `regions` are asked about."""
+
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.ground import LitGround, fit_lit_ground, unlit_mask
+from ashe_live.light.log_colour import log_opponent
+from ashe_live.light.materials import Materials, materials_of
+from ashe_live.light.proxy import BALANCED
+from ashe_live.light.regions import Region, unlit_regions
+from ashe_live.light.shift import shadow_shifts
+from ashe_live.light.view import View
+from tests.light.painted_scenes import SHADOW_RATIO, Caster, Painted, paint
+
+LEAST_PX = 40
+
+
+@dataclass(frozen=True, eq=False)
+class PaintedRegion:
+    """The largest region of a scene, and what it truly shows."""
+
+    scene: Painted
+    ground: LitGround
+    unlit: Mask  # (h, w) of the coarse frame
+    regions: list[Region]
+    region: Region
+    body: Mask  # (h, w) of the region
+    shadow: Mask  # (h, w) of the region
+    true_shift: Float  # (3,) of the painted shadow
+
+    @cached_property
+    def materials(self) -> Materials:
+        return materials_of(self.region, self.ground, self.true_shift)
+
+    @cached_property
+    def shifts(self) -> list[Float]:
+        return shadow_shifts(self.ground, self.unlit, BALANCED.shifts)
+
+
+@cache
+def painted_region(*casters: Caster, **how: Any) -> PaintedRegion:
+    """The region of painted casters, as the balanced preset looks at it."""
+    scene = paint(*casters, **how)
+    fine = View.of(scene.tracked, BALANCED.fine_width_px)
+    coarse = fine.scaled(BALANCED.coarse_width_px)
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, BALANCED.ground)
+    assert ground is not None
+    unlit = unlit_mask(ground, coarse.is_ground, LEAST_PX)
+    regions = unlit_regions(fine, unlit, ground, BALANCED.region_px, BALANCED.regions)
+    region = regions[0]
+    body, shadow = in_region(region, scene.body), in_region(region, scene.shadow)
+    return PaintedRegion(scene, ground, unlit, regions, region, body, shadow, _true_shift(scene, paint(**how)))
+
+
+def in_region(region: Region, mask: Mask) -> Mask:
+    """A mask of the whole frame, of any size, as one of the region."""
+    size = region.frame_shape[1], region.frame_shape[0]
+    scaled = cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_AREA)
+    return np.asarray(scaled[region.window] > 0.5)
+
+
+def _true_shift(scene: Painted, empty: Painted) -> Float:
+    """What the shadow changed, well within it."""
+    inner = cv2.erode(scene.shadow.astype(np.uint8), np.ones((7, 7), np.uint8)) > 0
+    assert inner.any()
+    shaded, lit = (log_opponent(painted.tracked.frame.image_bgr)[inner] for painted in (scene, empty))
+    return np.asarray(np.median(shaded - lit, axis=0), dtype=np.float64)
+
+
+def shift_of(ratio_rgb: Float = SHADOW_RATIO) -> Float:
+    """(3,) the shift that multiplies linear RGB by a ratio, on a ground so light that nothing is lost in the dark."""
+    red, green, blue = np.log(ratio_rgb)
+    return np.array([(red + green + blue) / 3, 1.2 * (red - blue), 1.2 * (red + blue - 2 * green)])

@@ -1,0 +1,129 @@
+"""The evidence for and against an explanation: what the painted truth shows, and what other masks do not."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.areas import grown, shrunk
+from ashe_live.light.associate import Split
+from ashe_live.light.evidence import EVIDENCE, Explanation, appearance, evidence
+from ashe_live.light.fit import Fit, FittedLight
+from ashe_live.light.materials import Materials, materials_of, object_cost
+from ashe_live.light.predicted import Predicted
+from tests.light.painted_regions import PaintedRegion, painted_region, shift_of
+from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
+
+
+def seen(
+    here: PaintedRegion, body: Mask | None = None, shadow: Mask | None = None, materials: Materials | None = None
+) -> dict[str, float]:
+    """By name, the evidence of the picture where these masks, or the true ones, say object and shadow are."""
+    body = here.body if body is None else body
+    shadow = (here.shadow if shadow is None else shadow) & ~body
+    values = appearance(here.region, materials or here.materials, Predicted(body, shadow))
+    return dict(zip(EVIDENCE[1:], values, strict=True))
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_the_truth_looks_like_a_shadow(ground: str, caster: Caster) -> None:
+    truth = seen(painted_region(caster, ground=ground))
+    assert truth["edge"] > 0.8
+    assert truth["hue"] < 0.2
+    assert truth["border"] < 0.5
+    assert truth["missed"] < np.log(0.15)
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_a_shadow_on_lit_ground_has_no_edge(ground: str) -> None:
+    here = painted_region(CYLINDER, ground=ground)
+    truth, aside = seen(here), seen(here, shadow=here.region.is_ground & ~grown(here.body | here.shadow, 6))
+    assert aside["edge"] < 0.5 * truth["edge"]
+    assert aside["missed"] > truth["missed"] + 1
+
+
+def test_what_is_left_out_is_missed() -> None:
+    here = painted_region(BOX, ground="checkered")
+    truth = seen(here)
+    less = seen(here, shrunk(here.body, 4), shrunk(here.shadow, 4))
+    more = seen(here, grown(here.body, 4), grown(here.shadow, 4))
+    assert less["missed"] > truth["missed"]
+    assert more["missed"] <= truth["missed"]
+
+
+def test_the_side_away_from_the_shadow_is_lit() -> None:
+    """Seen from the side of a light from the left, the box's left face is the brighter one."""
+    here = painted_region(BOX, azimuth_deg=200.0)
+    assert seen(here)["shading"] > 0.2
+    left = np.zeros_like(here.body)
+    left[:, :5] = True
+    assert not (left & here.body).any()
+    assert seen(here, shadow=left)["shading"] < -0.2
+
+
+def test_a_shift_of_another_hue_or_hardly_darker_tells() -> None:
+    here = painted_region(BOX)
+    green = materials_of(here.region, here.ground, here.true_shift + np.array([0, 0, 0.6]))
+    assert seen(here, materials=green)["hue"] > seen(here)["hue"] + 0.3
+    pale = materials_of(here.region, here.ground, shift_of(np.array([0.8, 0.8, 0.8])))
+    assert seen(here, materials=pale)["brightness"] > seen(here)["brightness"] == 0
+
+
+def test_a_shadow_much_smaller_or_larger_than_the_object_is_short_or_long() -> None:
+    here = painted_region(BOX)
+    tiny, huge = here.shadow & False, grown(here.shadow, 60)
+    tiny[20, 20:23] = True
+    assert seen(here, shadow=tiny)["short"] > 0 == seen(here, shadow=tiny)["long"]
+    assert seen(here, shadow=huge)["long"] > 0 == seen(here, shadow=huge)["short"]
+
+
+def test_a_hole_in_the_object_is_no_shadow_beside_it() -> None:
+    """A shadow that is surrounded by the object borders on nothing else."""
+    here = painted_region(BOX)
+    inner = shrunk(here.body, 8)
+    assert inner.any()
+    assert seen(here, here.body & ~inner, inner)["border"] == 1
+
+
+def explanation(here: PaintedRegion, residual_px: float = 0.3) -> Explanation:
+    fit = Fit(
+        (FittedLight(here.scene.to_light, np.eye(2) * 1e-4),),
+        Proxy("sphere", np.array([[0.12, 0, 0.03, 0.03, 0.03]])),
+        residual_px,
+        60.0,
+        {},
+    )
+    own = object_cost(here.region, here.body)
+    split, masks = Split(here.body, here.shadow), Predicted(here.body, here.shadow)
+    return Explanation(here.region, here.materials, split, fit, masks, own)
+
+
+def test_all_evidence_has_a_name_and_the_misfit_comes_first() -> None:
+    here = painted_region(BOX)
+    good, bad = (evidence(explanation(here, residual_px)) for residual_px in (0.3, 3.0))
+    assert good.shape == (len(EVIDENCE),)
+    assert EVIDENCE[0] == "misfit"
+    assert bad[0] - good[0] == pytest.approx(np.log(10))
+    np.testing.assert_array_equal(bad[1:], good[1:])
+
+
+@pytest.mark.parametrize("residual_px", [0.0, 1e9])
+def test_no_misfit_is_without_bounds(residual_px: float) -> None:
+    assert np.isfinite(evidence(explanation(painted_region(BOX), residual_px))).all()
+
+
+@pytest.mark.parametrize("body", ["nothing", "all", "one pixel", "specks"])
+@pytest.mark.parametrize("shadow", ["nothing", "all", "one pixel", "specks"])
+def test_masks_without_sense_have_finite_evidence(body: str, shadow: str) -> None:
+    here = painted_region(BOX)
+    nothing = np.zeros_like(here.body)
+    one = nothing.copy()
+    one[5, 5] = True
+    masks = {
+        "nothing": nothing,
+        "all": ~nothing,
+        "one pixel": one,
+        "specks": np.random.default_rng(1).random(nothing.shape) < 0.1,
+    }
+    assert np.isfinite(list(seen(here, masks[body], masks[shadow]).values())).all()
