@@ -25,8 +25,8 @@ MEMORY_FRAMES_HELP = "pictures with model switches over which memory is watched 
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
 
 
-def build_parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
+    parser = (parser_class or _Parser)(
         prog="ashe-live", description="AR whose virtual objects are lit as the real ones are.", epilog=EPILOG
     )
     parser.add_argument("--version", action="version", version=f"ashe-live {__version__}")
@@ -72,6 +72,8 @@ def build_parser() -> argparse.ArgumentParser:
 
     cameras = commands.add_parser("cameras", help="the cameras that are connected, and their modes")
     cameras.add_argument("--fast", action="store_true", help="names only: no camera is opened")
+
+    commands.add_parser("settings", help="where your settings are, and what holds (docs/settings.md)")
 
     board = commands.add_parser("board", help="a board to print, with which `calibrate` measures a camera")
     board.add_argument("--out", type=Path, required=True, metavar="FILE.pdf|png")
@@ -203,10 +205,34 @@ class _Parser(argparse.ArgumentParser):
         self.exit(ExitStatus.WRONG_USE, f"ashe-live: {message} (see {self.prog} --help)\n")
 
 
+class _SettingsParser(argparse.ArgumentParser):
+    """Says that what is wrong is not on the command line."""
+
+    def error(self, message: str) -> NoReturn:
+        from ashe_live.core.settings import settings_path
+
+        raise UserError(f"{settings_path()}: {message.removeprefix('argument --')}", "mend that line, or remove it")
+
+
+def parsed(arguments: Sequence[str]) -> argparse.Namespace:
+    """The options, with the settings where no flag says otherwise. Raises UserError for settings that cannot be."""
+    options = build_parser().parse_args(arguments)
+    # Only here, as --help and wrong use do not come so far.
+    from ashe_live.core.settings import COMMANDS, ONE_OF, flags_of, read_settings, settings_path
+
+    if options.command not in COMMANDS:
+        return options
+    settings = read_settings(settings_path())
+    if any(getattr(options, key.replace("-", "_")) is not None for key in ONE_OF):
+        settings = {key: value for key, value in settings.items() if key not in ONE_OF}
+    first, *rest = arguments
+    return build_parser(_SettingsParser).parse_args([first, *flags_of(settings, options.command), *rest])
+
+
 def run(arguments: Sequence[str]) -> int:
     """Parses, runs the command, and returns its exit status; a UserError becomes one line on stderr."""
-    options = build_parser().parse_args(arguments)
     try:
+        options = parsed(arguments)
         command: Callable[[argparse.Namespace], int] = import_module(f"ashe_live.commands.{options.command}").run
         return int(command(options))
     except UserError as error:

@@ -113,3 +113,11 @@ def shoot_film() -> Callable[[Path, tuple[int, int], int], Film]:
 def film(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Film]:
     """Twelve small frames: enough for the marker to be steady."""
     return shoot(tmp_path_factory.mktemp("film"), (320, 240), 12)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _no_settings_of_the_tester(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Neither read nor written, also by the processes that tests start."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
+        yield

@@ -2,7 +2,7 @@
 
 import pytest
 
-COMMANDS = ("demo", "webcam", "play", "estimate", "marker", "cameras", "board", "calibrate", "bench")
+COMMANDS = ("demo", "webcam", "play", "estimate", "marker", "cameras", "board", "calibrate", "settings", "bench")
 
 
 @pytest.mark.parametrize(

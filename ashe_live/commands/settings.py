@@ -1,0 +1,31 @@
+"""`ashe-live settings`: where the settings are, and what holds; the output is a settings file itself."""
+
+import argparse
+import json
+from pathlib import Path
+
+from ashe_live.cli import parsed
+from ashe_live.core.settings import SETTINGS, read_settings, settings_path
+from ashe_live.errors import ExitStatus
+
+NOTE_AT = 36
+
+
+def run(_options: argparse.Namespace) -> int:
+    path = settings_path()
+    settings = read_settings(path)
+    # This command has all the flags that settings stand for.
+    effective = vars(parsed(["webcam"]))
+    print(f"# {path}" if path.exists() else f"# {path} (not there: ashe-live settings > FILE is a start)")
+    for key in SETTINGS:
+        value = effective[key.replace("-", "_")]
+        line = f"# {key} =" if value is None else f"{key} = {_toml(value)}"
+        print(f"{line:<{NOTE_AT}} # {'set here' if key in settings else 'not set' if value is None else 'default'}")
+    return ExitStatus.ANSWERED
+
+
+def _toml(value: str | Path | float | tuple[int, int]) -> str:
+    """A size is written as its flag takes it; JSON's strings are TOML's."""
+    if isinstance(value, tuple):
+        value = f"{value[0]}x{value[1]}"
+    return repr(value) if isinstance(value, float) else json.dumps(str(value), ensure_ascii=False)

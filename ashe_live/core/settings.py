@@ -1,0 +1,92 @@
+"""What a person does not want to say again with every command: a TOML file in the platform's folder for settings.
+
+A setting is the long flag of the same name, as if it had been given first; so flags win (docs/settings.md).
+"""
+
+import difflib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import platformdirs
+
+from ashe_live.errors import UserError
+
+Value = str | int | float
+
+TEXT, NUMBER, EITHER = "text in quotes", "a number", "a number, or text in quotes"
+KINDS: Mapping[str, tuple[type, ...]] = {TEXT: (str,), NUMBER: (int, float), EITHER: (int, str)}
+SEEN = ("webcam", "play", "estimate")
+SHOWN = ("demo", "webcam", "play")
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One key of the file."""
+
+    kind: str  # TEXT, NUMBER or EITHER: what a person is told, too
+    commands: tuple[str, ...]  # that have this flag
+
+
+SETTINGS: Mapping[str, Setting] = {
+    "camera": Setting(EITHER, ("webcam",)),
+    "marker": Setting(TEXT, SEEN),
+    "marker-size": Setting(NUMBER, SEEN),
+    "camera-file": Setting(TEXT, SEEN),
+    "focal-px": Setting(NUMBER, SEEN),
+    "hfov": Setting(NUMBER, SEEN),
+    "model": Setting(TEXT, SHOWN),
+    "size": Setting(TEXT, SHOWN),
+    "quality": Setting(TEXT, ("demo", *SEEN)),
+    "estimator": Setting(TEXT, ("demo", *SEEN)),
+}
+# Ways to say the same thing: a flag replaces whichever of them the file has.
+ONE_OF = ("camera-file", "focal-px", "hfov")
+COMMANDS = frozenset(command for setting in SETTINGS.values() for command in setting.commands)
+
+
+def settings_path() -> Path:
+    """Where the file is, or would be."""
+    return platformdirs.user_config_path("ashe-live", appauthor=False) / "settings.toml"
+
+
+def read_settings(path: Path) -> dict[str, Value]:
+    """The file's values by key; none when there is no file.
+
+    Raises UserError for a file that cannot be read or is not TOML, a key that is not there, a value of another kind.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        raise UserError(f"cannot read {path} ({error.strerror})", "check its permissions") from None
+    except (ValueError, RecursionError) as error:  # what TOML and UTF-8 raise
+        raise UserError(f"{path} is not TOML ({error})", 'write lines such as: quality = "fast"') from None
+    for key, value in content.items():
+        _check(path, key, value)
+    several = [key for key in ONE_OF if key in content]
+    if len(several) > 1:
+        raise UserError(f"{path} has {' and '.join(several)}", "keep one of them, as they say the same thing")
+    if "camera-file" in content:
+        # Beside the settings, wherever the command is given.
+        content["camera-file"] = str(path.parent / Path(content["camera-file"]).expanduser())
+    return content
+
+
+def flags_of(settings: Mapping[str, Value], command: str) -> list[str]:
+    """The settings that `command` has flags for, as such."""
+    return [f"--{key}={value}" for key, value in settings.items() if command in SETTINGS[key].commands]
+
+
+def _check(path: Path, key: str, value: Any) -> None:
+    if key not in SETTINGS:
+        near = difflib.get_close_matches(key.replace("_", "-"), SETTINGS, 1)
+        remedy = f"did you mean {near[0]}?" if near else f"there are {', '.join(SETTINGS)}"
+        raise UserError(f"{path}: there is no setting {key!r}", remedy)
+    kind = SETTINGS[key].kind
+    if isinstance(value, bool) or not isinstance(value, KINDS[kind]):
+        example = '"balanced"' if kind == TEXT else "60"
+        raise UserError(f"{path}: {key} is not {kind}", f"write it like this: {key} = {example}")

@@ -1,0 +1,92 @@
+"""Settings: as flags given first; flags win; what is wrong names the file; `ashe-live settings` shows what holds."""
+
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from ashe_live import cli
+from ashe_live.core.settings import SETTINGS, settings_path
+
+
+@pytest.fixture
+def settle(tmp_path, monkeypatch: pytest.MonkeyPatch):
+    """Writes the settings file of this test, and returns its path."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+
+    def settle(content: str) -> Path:
+        settings_path().parent.mkdir(exist_ok=True)
+        settings_path().write_text(content)
+        return settings_path()
+
+    return settle
+
+
+def test_a_setting_holds_until_a_flag_says_otherwise(settle):
+    settle('quality = "fast"\nhfov = 70\nmodel = "mug"\nsize = "320x240"\ncamera = 2\n')
+    for arguments in (["webcam"], ["play", "a.mp4"]):
+        options = cli.parsed(arguments)
+        assert (options.quality, options.hfov, options.model, options.size) == ("fast", 70.0, "mug", (320, 240))
+    assert cli.parsed(["webcam"]).camera == "2"
+    assert cli.parsed(["webcam", "--camera", "1"]).camera == "1"
+    assert cli.parsed(["play", "a.mp4", "--quality", "accurate"]).quality == "accurate"
+    assert cli.parsed(["estimate", "a.jpg"]).hfov == 70
+
+
+def test_a_flag_replaces_a_setting_that_says_the_same_in_another_way(settle):
+    settle('camera-file = "webcam.json"\n')
+    options = cli.parsed(["webcam", "--hfov", "50"])
+    assert (options.hfov, options.camera_file) == (50.0, None)
+    assert cli.parsed(["webcam"]).camera_file == settings_path().parent / "webcam.json"
+
+
+def test_the_demo_keeps_its_own_camera_and_the_bench_has_no_settings(settle):
+    settle('hfov = 70\nquality = "accurate"\n')
+    assert cli.parsed(["demo"]).hfov is None
+    assert cli.parsed(["demo"]).quality == "accurate"
+    assert cli.parsed(["bench", "viewer"]).quality == "fast"
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [("hfov = 200", "hfov: 200"), ('quality = "best"', "best"), ("hfow = 60", "did you mean hfov?")],
+)
+def test_a_value_that_its_flag_refuses_is_one_line_that_names_the_file(run, settle, content, said):
+    path = settle(content)
+    outcome = run("play", "a.mp4")
+    assert outcome.status == 2
+    (line,) = outcome.err
+    assert said in line
+    assert str(path) in line
+    assert run("play", "--help").status == 0
+    assert run("bench", "--help").status == 0
+
+
+def test_the_output_of_settings_is_a_settings_file_with_the_values_that_hold(run, settle):
+    path = settle('quality = "fast"\nmarker-size = 0.1\nmodel = "a \\"mug\\".glb"\n')
+    outcome = run("settings")
+    assert outcome.status == 0
+    assert str(path) in outcome.out[0]
+    shown = tomllib.loads("\n".join(outcome.out))
+    assert shown["quality"] == "fast"
+    assert shown["marker-size"] == 0.1
+    assert shown["model"] == 'a "mug".glb'
+    assert shown["marker"] == cli.DEFAULT_MARKER
+    assert set(shown) <= set(SETTINGS)
+    assert all(any(key in line for line in outcome.out) for key in SETTINGS)
+    settle("\n".join(outcome.out))
+    assert tomllib.loads("\n".join(run("settings").out)) == shown
+
+
+def test_without_a_file_the_defaults_hold(run, settle):  # noqa: ARG001 - an empty folder
+    outcome = run("settings")
+    assert outcome.status == 0
+    assert "not there" in outcome.out[0]
+    assert tomllib.loads("\n".join(outcome.out))["quality"] == "balanced"
+
+
+def test_the_page_names_every_key_and_its_example_holds(settle):
+    page = (Path(__file__).parents[2] / "docs" / "settings.md").read_text(encoding="utf-8")
+    assert all(f"`{key}`" in page for key in SETTINGS)
+    settle(page.split("```toml\n")[1].split("```")[0])
+    assert cli.parsed(["webcam"]).marker_size == 0.1
