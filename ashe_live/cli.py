@@ -73,6 +73,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     cameras = commands.add_parser("cameras", help="the cameras that are connected, and their modes")
     cameras.add_argument("--fast", action="store_true", help="names only: no camera is opened")
 
+    commands.add_parser("doctor", help="what works on this machine, and how to mend what does not")
     commands.add_parser("settings", help="where your settings are, and what holds (docs/settings.md)")
 
     board = commands.add_parser("board", help="a board to print, with which `calibrate` measures a camera")

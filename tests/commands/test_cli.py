@@ -2,7 +2,19 @@
 
 import pytest
 
-COMMANDS = ("demo", "webcam", "play", "estimate", "marker", "cameras", "board", "calibrate", "settings", "bench")
+COMMANDS = (
+    "demo",
+    "webcam",
+    "play",
+    "estimate",
+    "marker",
+    "cameras",
+    "board",
+    "calibrate",
+    "settings",
+    "doctor",
+    "bench",
+)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,186 @@
+"""`ashe-live doctor`: what works on this machine, how to mend what does not, and whether the demo can run.
+
+Every check is a try of the thing itself. Nothing heavy is imported before its own check, as that may be what is broken.
+"""
+
+import argparse
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from ashe_live import __version__
+from ashe_live.cli import parsed
+from ashe_live.core.resources import resource
+from ashe_live.core.settings import settings_path
+from ashe_live.errors import ExitStatus, UserError
+
+PACKAGES = ("numpy", "opencv-contrib-python-headless", "moderngl", "glfw", "av", "trimesh", "pillow", "pyrr", "rich")
+PROBE_S = 30.0  # a driver that takes longer will not give a picture
+SOFTWARE = ("llvmpipe", "softpipe", "swrast", "software")
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What came of one check."""
+
+    name: str
+    works: bool
+    said: str
+
+
+def run(_options: argparse.Namespace) -> int:
+    findings = {}
+    for name, check in CHECKS.items():
+        finding = findings[name] = _tried(name, check)
+        print(f"{'works' if finding.works else 'does not work':<14} {name:<19} {finding.said}", flush=True)
+    missing = [name for name in needed_for_demo(findings["display"].works) if not findings[name].works]
+    if missing:
+        print(f"The demo cannot run: mend {', '.join(missing)}.")
+        return ExitStatus.WRONG_USE
+    print("The demo can run: ashe-live demo")
+    return ExitStatus.ANSWERED
+
+
+def needed_for_demo(has_display: bool) -> tuple[str, ...]:
+    """In a window, or without a display into a video."""
+    return "packages", "files", *(("window",) if has_display else ("offscreen pictures", "H.264 video"))
+
+
+def _tried(name: str, check: Callable[[], str]) -> Finding:
+    try:
+        return Finding(name, True, check())
+    except UserError as error:
+        return Finding(name, False, " ".join(str(error).split()))
+    except Exception as error:  # whatever is broken, the other checks go on
+        reason = " ".join(str(error).split()) or type(error).__name__
+        return Finding(name, False, f"{reason}: install ashe-live again, or report this")
+
+
+def _versions() -> str:
+    if not (3, 11) <= sys.version_info[:2] <= (3, 13):
+        raise UserError(f"Python {platform.python_version()} is not supported", "use Python 3.11, 3.12 or 3.13")
+    return f"ashe-live {__version__}, Python {platform.python_version()}, {platform.platform()}"
+
+
+def _packages() -> str:
+    found = []
+    for package in PACKAGES:
+        try:
+            found.append(f"{package} {version(package)}")
+        except PackageNotFoundError:
+            raise UserError(f"{package} is not installed", f"{sys.executable} -m pip install {package}") from None
+    return ", ".join(found)
+
+
+def _files() -> str:
+    try:
+        for parts in (("shaders",), ("assets", "models"), ("assets", "clips", "table.mp4")):
+            resource(*parts)
+    except FileNotFoundError as error:
+        raise UserError(str(error), "install ashe-live again") from None
+    return str(resource("assets"))
+
+
+def _display() -> str:
+    from ashe_live.commands.view import has_display
+
+    if not has_display():
+        raise UserError("there is none", "without it the demo writes a video; over ssh, try ssh -X")
+    return "there is one"
+
+
+def window_probe() -> str:
+    """Opens a window for a moment. Raises UserError when that fails."""
+    from ashe_live.viewer.window import Window
+
+    with Window("ashe-live doctor", (320, 240)) as window:
+        return _described(window.context.info)
+
+
+def offscreen_probe() -> str:
+    """Raises UserError when there is no OpenGL 3.3 without a window."""
+    from ashe_live.render.offscreen import offscreen_context
+
+    return _described(offscreen_context().info)
+
+
+def _described(info: dict[str, str]) -> str:
+    renderer = info["GL_RENDERER"]
+    slow = " (no GPU is used: --quality fast helps)" if any(word in renderer.lower() for word in SOFTWARE) else ""
+    return f"OpenGL {info['GL_VERSION']}, {renderer}{slow}"
+
+
+def apart(probe: str) -> str:
+    """What a function of this module returns, called in a process of its own: a broken driver may take that with it.
+
+    Raises the UserError that it raised, or one about its end.
+    """
+    code = f"""
+import sys
+from ashe_live.commands import doctor
+from ashe_live.errors import UserError
+try:
+    print(doctor.{probe}())
+except UserError as error:
+    sys.exit("\\n".join((error.message, error.remedy)))
+"""
+    remedy = "install or update the graphics driver (Debian, Ubuntu: apt-get install libgl1 libegl1 libgl1-mesa-dri)"
+    try:
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PROBE_S)
+    except subprocess.TimeoutExpired:
+        raise UserError(f"OpenGL does not answer within {PROBE_S:g} s", remedy) from None
+    if done.returncode == 0:
+        return done.stdout.strip()
+    lines = done.stderr.strip().splitlines() or ["no reason given"]
+    if done.returncode == 1 and len(lines) >= 2 and not done.stderr.startswith("Traceback"):
+        raise UserError(lines[-2], lines[-1])
+    raise UserError(f"it ends with status {done.returncode} ({lines[-1]})", remedy)
+
+
+def _video() -> str:
+    import numpy as np
+
+    from ashe_live.capture.clip import ClipSource
+    from ashe_live.capture.recorder import Recorder
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "doctor.mp4"
+        with Recorder(path, (64, 48), 30.0) as recorder:
+            for index in range(3):
+                recorder.write(np.full((48, 64, 3), 80 * index, np.uint8), index / 30)
+        with ClipSource(path) as clip:
+            if clip.read() is None:
+                raise UserError("what was recorded cannot be read", "pip install --force-reinstall av")
+    return "recorded and read again"
+
+
+def _cameras() -> str:
+    from ashe_live.capture.cameras import connected
+
+    devices = connected()
+    if not devices:
+        raise UserError("none is connected", "plug one in; on Linux, be in the group video; clips and photos need none")
+    return ", ".join(f"{device.number}: {device.name}" for device in devices)
+
+
+def _settings() -> str:
+    parsed(["webcam"])
+    return str(settings_path()) if settings_path().exists() else f"{settings_path()} (not there, defaults hold)"
+
+
+CHECKS: dict[str, Callable[[], str]] = {
+    "versions": _versions,
+    "packages": _packages,
+    "files": _files,
+    "display": _display,
+    "window": lambda: _display() and apart("window_probe"),
+    "offscreen pictures": lambda: apart("offscreen_probe"),
+    "H.264 video": _video,
+    "camera": _cameras,
+    "settings": _settings,
+}

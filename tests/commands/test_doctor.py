@@ -1,0 +1,78 @@
+"""`ashe-live doctor`: one line a check, whatever is broken; status 0 exactly when the demo can run."""
+
+import pytest
+
+from ashe_live.commands import doctor
+from ashe_live.core.settings import settings_path
+from ashe_live.errors import UserError
+
+
+@pytest.fixture
+def no_display(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+
+
+def broken() -> str:
+    raise UserError("it is broken", "mend it")
+
+
+def failing() -> str:
+    raise RuntimeError("two\nlines")
+
+
+@pytest.mark.usefixtures("no_display")
+def test_every_check_has_its_line_and_the_demo_can_run_without_a_display(run):
+    outcome = run("doctor")
+    assert outcome.status == 0, outcome.out
+    assert len(outcome.out) == len(doctor.CHECKS) + 1
+    lines = dict(zip(doctor.CHECKS, outcome.out, strict=False))
+    assert all(name in line for name, line in lines.items())
+    for name in ("versions", "packages", "files", "offscreen pictures", "H.264 video"):
+        assert lines[name].startswith("works")
+    for name in ("display", "window"):
+        assert lines[name].startswith("does not work")
+    assert outcome.out[-1] == "The demo can run: ashe-live demo"
+
+
+@pytest.mark.parametrize("name", ["packages", "files", "offscreen pictures", "H.264 video"])
+@pytest.mark.parametrize("check", [broken, failing])
+def test_what_the_demo_needs_decides_the_status(run, monkeypatch, name, check):
+    well = dict.fromkeys(doctor.CHECKS, lambda: "well")
+    monkeypatch.setattr(doctor, "CHECKS", {**well, "display": broken, "window": broken, "camera": broken})
+    assert run("doctor").status == 0
+    monkeypatch.setitem(doctor.CHECKS, name, check)
+    outcome = run("doctor")
+    assert outcome.status == 2
+    assert len(outcome.out) == len(doctor.CHECKS) + 1
+    assert name in outcome.out[-1]
+
+
+def test_with_a_display_the_window_decides(run, monkeypatch):
+    monkeypatch.setattr(doctor, "CHECKS", {**dict.fromkeys(doctor.CHECKS, lambda: "well"), "H.264 video": broken})
+    assert run("doctor").status == 0
+    monkeypatch.setitem(doctor.CHECKS, "window", broken)
+    assert run("doctor").status == 2
+
+
+@pytest.mark.usefixtures("no_display")
+def test_a_probe_answers_from_its_own_process():
+    assert doctor.apart("offscreen_probe").startswith("OpenGL")
+    with pytest.raises(UserError, match="there is none") as caught:
+        doctor.apart("_display")
+    assert "ssh" in caught.value.remedy
+
+
+@pytest.mark.parametrize("death", ["not_there", "subprocess.os.abort"])
+def test_a_probe_that_dies_is_reported_with_a_remedy(death):
+    with pytest.raises(UserError, match="it ends with status") as caught:
+        doctor.apart(death)
+    assert "driver" in caught.value.remedy
+
+
+def test_broken_settings_are_a_finding_and_no_end(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    settings_path().parent.mkdir()
+    settings_path().write_text("hfov = 200")
+    with pytest.raises(UserError, match="hfov: 200"):
+        doctor.CHECKS["settings"]()
