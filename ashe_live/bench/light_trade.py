@@ -57,7 +57,7 @@ VARIATIONS = (
     ),
     *_varied("coarse width", "coarse_width_px", 160, 240, 320, 480),
     *_varied("fine width", "fine_width_px", 320, 480, 640, 960),
-    *_varied("size of a region", "region_px", 60, 90, 130, 180, 260),
+    *_varied("size of a region", "region_px", 60, 80, 100, 130, 200),
     *_varied("regions", "regions", 1, 2, 3, 5),
     *_varied("colours of the ground", "ground.palette_colours", 4, 7, 10, 16),
     *_varied("shadow colours tried", "shifts", 2, 4, 8, 12),

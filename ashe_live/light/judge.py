@@ -21,11 +21,11 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -6.28
-WEIGHTS = np.array([-1.42, -4.94, -8.49, -0.39, -1.14, 0.94, -1.07, 1.43, -5.4, 0.3])
+OFFSET = -6.29
+WEIGHTS = np.array([-1.46, -5.65, -9.25, -0.41, -1.02, 1.02, -1.34, 1.02, -6.75, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
-CONTEST_OFFSET = -0.13
-CONTEST_WEIGHTS = np.array([0.68, 0.95, 1.84])
+CONTEST_OFFSET = -0.28
+CONTEST_WEIGHTS = np.array([0.75, 0.28, 2.23])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:

@@ -61,7 +61,7 @@ class ProxySteps:
 
 
 FAST = ProxySteps(240, 480, 90, 2, 5, 3, 2, 3, 1, 1, 1, GroundSteps(12, 8, 1), fitting.FAST, fitting.FAST)
-BALANCED = ProxySteps(320, 640, 130, 3, 8, 6, 3, 6, 2, 3, 2, GroundSteps(), fitting.FAST, fitting.BALANCED)
+BALANCED = ProxySteps(320, 640, 100, 3, 8, 6, 3, 4, 2, 2, 2, GroundSteps(), fitting.FAST, fitting.BALANCED)
 ACCURATE = ProxySteps(320, 960, 180, 4, 9, 8, 3, 12, 4, 6, 3, GroundSteps(), fitting.BALANCED, fitting.ACCURATE)
 PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}
 
