@@ -54,6 +54,8 @@ class ClipSource(Source):
         try:
             self._container = av.open(str(self._path), metadata_errors="replace")
             self._stream = self._container.streams.video[0]
+            if self._stream.codec_context is None:  # whatever the stub says: of a codec that FFmpeg does not know
+                raise IndexError
         except (av.error.FFmpegError, OSError, IndexError):
             self.close()
             raise UserError(f"{self._path} is not a clip that can be read", "convert it to MP4 (H.264)") from None
@@ -68,8 +70,7 @@ class ClipSource(Source):
             raise UserError(f"{self._path} has no readable picture in it", "copy or record it again")
         self._decoded_size = (self._next.width, self._next.height)
         self._start_pts = self._next.pts
-        quarter_turned = self._next.rotation % 180 == 90
-        self.size = self._decoded_size[::-1] if quarter_turned else self._decoded_size
+        self.size = self._decoded_size[::-1] if _quarter_turns(self._next) % 2 else self._decoded_size
 
     def read(self) -> Frame | None:
         picture, self._next = self._next or next(self._pictures, None), None
@@ -121,8 +122,7 @@ class ClipSource(Source):
             matrix = Colorspace.ITU709 if picture.height >= HD_HEIGHT_PX else Colorspace.ITU601
         width, height = self._decoded_size
         image = picture.to_ndarray(format="bgr24", width=width, height=height, src_colorspace=matrix, threads=1)
-        # rotation counts anticlockwise, and so does rot90.
-        return np.ascontiguousarray(np.rot90(image, picture.rotation // 90))
+        return np.ascontiguousarray(np.rot90(image, _quarter_turns(picture)))
 
     def _note_what_is_missing(self) -> None:
         if self._damaged or self._ends_early():
@@ -134,3 +134,8 @@ class ClipSource(Source):
             return False
         missing = self._stream.duration - (self._end_pts - (self._start_pts or 0))
         return float(missing * self._stream.time_base) > TOLERATED_GAP_FRAMES / self.fps
+
+
+def _quarter_turns(picture: VideoFrame) -> int:
+    """Anticlockwise, as rot90 counts them; a damaged file may ask for any angle."""
+    return round(picture.rotation / 90)
