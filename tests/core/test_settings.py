@@ -71,7 +71,7 @@ lines = st.one_of(
 )
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100, derandomize=True, deadline=None)
 @given(st.lists(lines, max_size=3).map(b"\n".join))
 def test_whatever_is_in_the_file_it_gives_settings_or_a_user_error(path, content):
     path.write_bytes(content)

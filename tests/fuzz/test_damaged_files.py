@@ -20,7 +20,13 @@ from ashe_live.tracking.pattern_files import read_marker_picture, read_pattern_f
 
 # Pillow's own words about what it skips.
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:PIL")
-FEW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+# The same examples every time, so that no change is blamed for an old fault; to hunt, raise their number.
+FEW = settings(
+    max_examples=60,
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
 FORMATS = ("png", "jpeg", "bmp", "tiff", "webp", "ppm")
 # Where most formats keep sizes and kinds.
 HEADER_BYTES = 200
