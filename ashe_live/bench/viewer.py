@@ -145,7 +145,7 @@ class BenchScene:
         estimate = self._session.poll(now_s)
         if estimate is not None:
             self.estimates_ms.append(estimate.timing_ms["total"])
-        self._session.estimate = self._known
+        self._session.estimate = self._session.shown = self._known
         if self.estimates_on and not self._session.is_estimating and tracked.marker is not None:
             self._session.request_estimate(now_s)
         return self._display.scene(self._session, self._size, self._quality, now_s, fps=DISPLAY_HZ)

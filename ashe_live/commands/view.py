@@ -68,7 +68,7 @@ def opened_session(view: View) -> Iterator[Session]:
     """The session of `view` with its light process, which ends with it."""
     options = view.options
     leave_cores_to_renderer()
-    policy = EstimatePolicy(on_first_steady=not view.source.is_live, at_frame=options.estimate_at)
+    policy = EstimatePolicy(not view.source.is_live, options.estimate_at, options.auto)
     steadiness = Steadiness(1) if view.source.is_photo else Steadiness()
     shelf = Shelf(options.model, view.tracker.side_m)
     with LightWorker(options.estimator) as worker:

@@ -11,6 +11,7 @@ class Command(Enum):
     PREVIOUS_MODEL = auto()
     NEXT_MODEL = auto()
     ESTIMATE = auto()
+    AUTOMATIC = auto()
     TOGGLE_LIGHT = auto()
     TOGGLE_MASKS = auto()
     PAUSE = auto()
@@ -19,6 +20,7 @@ class Command(Enum):
     RECORD = auto()
     QUALITY = auto()
     FULLSCREEN = auto()
+    TOGGLE_HUD = auto()
     HELP = auto()
     QUIT = auto()
 
@@ -46,6 +48,7 @@ BINDINGS = (
     Binding(("LEFT",), Command.PREVIOUS_MODEL, "Left", "previous model"),
     Binding(("RIGHT",), Command.NEXT_MODEL, "Right", "next model"),
     Binding(("SPACE",), Command.ESTIMATE, "Space", "estimate the light from this frame"),
+    Binding(("A",), Command.AUTOMATIC, "A", "estimate again and again, fused (--auto)"),
     Binding(("L",), Command.TOGGLE_LIGHT, "L", "show where the light is"),
     Binding(("D",), Command.TOGGLE_MASKS, "D", "show what the estimator saw"),
     Binding(("P",), Command.PAUSE, "P", "pause"),
@@ -54,6 +57,7 @@ BINDINGS = (
     Binding(("V",), Command.RECORD, "V", "start or stop recording (MP4)"),
     Binding(("Q",), Command.QUALITY, "Q", "quality: fast, balanced, accurate, auto"),
     Binding(("F",), Command.FULLSCREEN, "F", "fullscreen"),
+    Binding(("I",), Command.TOGGLE_HUD, "I", "hide or show all text"),
     Binding(("H", "F1"), Command.HELP, "H or F1", "this help"),
     Binding(("ESCAPE",), Command.QUIT, "Esc", "quit"),
 )

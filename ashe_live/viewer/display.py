@@ -18,7 +18,7 @@ READINGS_SHOWN_FOR_S = 0.5
 
 def bare_scene(session: Session) -> Scene:
     """Video, model and light, as recordings and snapshots want them."""
-    estimate = session.estimate
+    estimate = session.shown
     if estimate is None:
         return Scene(session.tracked, session.model, shows_light=session.show_light, surroundings=session.surroundings)
     return Scene(
@@ -56,6 +56,8 @@ class Display:
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
         status = status_lines(session, fps_read, quality, marker_read)
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
+        if not session.show_hud:
+            text = HudText()
         if session.show_help:  # alone, as a small window has no room for more
             text = HudText(help=help_rows())
         overlays = (*self._masks(session, size), *self._hud.overlays(text, size, content_scale))

@@ -121,7 +121,9 @@ class LiveViewer:
         return True
 
     def _draw(self, now_s: float) -> None:
-        if self._session.poll(now_s) is not None:
+        fusion = self._session.fusion
+        # One line a light, not one an estimate that agrees with those before.
+        if self._session.poll(now_s) is not None and (fusion is None or fusion.is_new):
             print(light_line(self._session), flush=True)
         size = self._window.framebuffer_size
         if min(size) < 1:  # minimised

@@ -1,17 +1,23 @@
 """What the viewer knows and shows, without a window: the same for the screen, a video file and the tests."""
 
+import math
 from dataclasses import dataclass
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.fusion import LightFusion
 from ashe_live.light.worker import LightWorker
 from ashe_live.light.worker_process import WorkerFailure
 from ashe_live.models.placement import PlacedModel
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
+from ashe_live.viewer.easing import LightEasing
 from ashe_live.viewer.shelf import Shelf
 
 NOTICE_S = 4.0
+# Between two automatic requests: while the answer still changes, and once more of the same would not change it.
+AUTO_EVERY_S = 0.4
+AUTO_SETTLED_EVERY_S = 1.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +26,7 @@ class EstimatePolicy:
 
     on_first_steady: bool = False
     at_frame: int | None = None
+    automatic: bool = False  # again and again, whenever the marker is steady
 
     def wants(self, tracked: TrackedFrame, is_steady: bool) -> bool:
         if self.at_frame is not None:
@@ -43,17 +50,22 @@ class Session:
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
         self.estimated_from: TrackedFrame | None = None
+        self.shown: LightEstimate | None = None  # on its way to `estimate`
+        self.fusion: LightFusion | None = LightFusion() if policy.automatic else None  # None: each estimate by itself
         self.surroundings: TrackedFrame | None = None  # what polished surfaces mirror; with a marker
         self.light_preset = "balanced"
         self.show_light = False
         self.show_masks = False
         self.show_help = False
+        self.show_hud = True
         self._shelf = shelf
         self._worker = worker
         self._frozen: TrackedFrame | None = None
         self._policy = policy
         self._policy_is_done = False
         self._steadiness = steadiness
+        self._easing = LightEasing()
+        self._asked_s = -math.inf
         self._notice: tuple[str, float] | None = None
 
     @property
@@ -103,6 +115,8 @@ class Session:
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
             self.request_estimate(now_s)
+        elif self.fusion is not None and is_steady and not self.is_estimating and self._is_due(now_s, self.fusion):
+            self.request_estimate(now_s)
 
     def request_estimate(self, now_s: float) -> bool:
         """Hands the current frame to the worker; says so when there is nothing to hand over."""
@@ -111,19 +125,26 @@ class Session:
         elif not self._worker.request(self.tracked, self.light_preset):
             self.say("still estimating", now_s)
         else:
-            self._frozen = self.tracked
+            self._frozen, self._asked_s = self.tracked, now_s
             return True
         return False
 
     def poll(self, now_s: float) -> LightEstimate | None:
-        """Takes what the worker and the model loader have finished; returns a new estimate, once."""
+        """Takes what the worker and the model loader have finished, and moves the light that is shown.
+
+        Returns a new estimate, once.
+        """
         if (error := self._shelf.take_error()) is not None:
             self.say(str(error), now_s)
-        return self._accept(self._worker.poll(), now_s)
+        outcome = self._accept(self._worker.poll(), now_s)
+        self.shown = self._easing.at(self.estimate, now_s)
+        return outcome
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
-        """Like `poll`, but waits for a requested estimate to end."""
-        return self._accept(self._worker.wait(timeout_s), now_s) if self._worker.busy else None
+        """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
+        outcome = self._accept(self._worker.wait(timeout_s), now_s) if self._worker.busy else None
+        self.shown = self._easing.jump(self.estimate)
+        return outcome
 
     def handle(self, request: Request, now_s: float) -> bool:
         """Obeys a request that needs neither window nor source; False for any other."""
@@ -137,6 +158,8 @@ class Session:
                 self._shelf.step(+1)
             case Command.ESTIMATE:
                 self.request_estimate(now_s)
+            case Command.AUTOMATIC:
+                self._toggle_automatic(now_s)
             case Command.TOGGLE_LIGHT:
                 self.show_light = not self.show_light
                 if self.show_light and (self.estimate is None or self.estimate.light is None):
@@ -147,6 +170,8 @@ class Session:
                     self.say("nothing has been estimated yet: Space does it", now_s)
             case Command.HELP:
                 self.show_help = not self.show_help
+            case Command.TOGGLE_HUD:
+                self.show_hud = not self.show_hud
             case _:
                 return False
         return True
@@ -155,7 +180,19 @@ class Session:
         if isinstance(outcome, WorkerFailure):
             self.say(f"the estimate failed: {outcome.message}", now_s)
             return None
-        if outcome is not None:
-            self.estimate, self.estimated_from = outcome, self._frozen
-            self.surroundings = self._frozen
-        return outcome
+        if outcome is None or (self.fusion is not None and not self.fusion.add(outcome)):
+            return None
+        self.estimate = outcome if self.fusion is None else self.fusion.answer
+        self.estimated_from = self.surroundings = self._frozen
+        return self.estimate
+
+    def _toggle_automatic(self, now_s: float) -> None:
+        if self.fusion is None:
+            self.fusion = LightFusion()
+            self.say("the light is estimated again and again: A ends it", now_s)
+        else:
+            self.fusion = None
+            self.say("the light is held: Space estimates it anew", now_s)
+
+    def _is_due(self, now_s: float, fusion: LightFusion) -> bool:
+        return now_s - self._asked_s >= (AUTO_SETTLED_EVERY_S if fusion.is_settled else AUTO_EVERY_S)

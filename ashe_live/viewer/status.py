@@ -6,8 +6,13 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import TrackedFrame
 from ashe_live.viewer.session import Session
 
-FIRST_STEP = "put something that casts a shadow beside the marker, then press Space"
+FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
 AWAITED = "estimated as soon as the marker is steady"
+AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain surface, clear of the marker; then Space"
+NO_MARKER = (
+    "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
+    "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
+)
 
 
 def light_line(session: Session) -> str:
@@ -16,13 +21,17 @@ def light_line(session: Session) -> str:
     if estimate is None and session.is_estimating:
         return "light: estimating…"
     if estimate is None:
-        return f"light: {AWAITED if session.awaits_steady else FIRST_STEP}"
+        return f"light: {AWAITED if session.awaits_steady or session.fusion is not None else FIRST_STEP}"
     if estimate.light is None:
         text = f"no clear light: {estimate.reason}"
     else:
         light = estimate.light
         sigma = "" if light.sigma_rad is None else f" ± {math.degrees(light.sigma_rad):.1f}°"
         text = f"light: azimuth {light.azimuth_deg:.0f}°, elevation {light.elevation_deg:.0f}°{sigma}"
+        if session.fusion is not None and session.fusion.count > 1:
+            text += f", of {session.fusion.count} estimates"
+        if (count := len(estimate.lights)) > 1:
+            text += f", first of {count}"
         if session.true_to_light_marker is not None:
             error = angle_between(light.to_light_marker, session.true_to_light_marker)
             text += f" ({math.degrees(error):.1f}° from the truth)"
@@ -63,5 +72,15 @@ def status_lines(session: Session, fps: float | None, quality: str, measured: Tr
 
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:
-    """What the source and the last command have to say."""
-    return [text for text in (source_status, session.model_progress, session.notice(now_s)) if text]
+    """What the source and the last command have to say, and what to do next."""
+    said = (*guidance(session), source_status, session.model_progress, session.notice(now_s))
+    return [text for text in said if text]
+
+
+def guidance(session: Session) -> tuple[str, ...]:
+    """How to get on from where nothing is known yet."""
+    if session.tracked is not None and session.surroundings is None:  # no marker in any frame so far
+        return NO_MARKER
+    if session.estimate is not None and session.estimate.light is None and not session.is_estimating:
+        return (f"what helps: {AFTER_NONE}",)
+    return ()

@@ -6,6 +6,7 @@ import pytest
 from ashe_live.light.debug_view import OBJECT_BGR, SHADOW_BGR
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.display import Display, bare_scene
+from ashe_live.viewer.easing import EASED_OVER_S
 from ashe_live.viewer.session import EstimatePolicy, Session
 
 SIZE = (640, 480)
@@ -31,8 +32,18 @@ def test_recordings_carry_no_text(session):
     assert bare_scene(session).overlays == ()
 
 
-def test_the_lights_are_those_of_the_estimate(session):
+def test_the_lights_become_those_of_the_estimate(session):
+    assert bare_scene(session).lights is not session.estimate.lights
+    session.poll(EASED_OVER_S)
     assert bare_scene(session).lights is session.estimate.lights
+
+
+def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):
+    session.say("saved", 0.0)
+    session.show_hud = False
+    assert Display().scene(session, SIZE, "fast", 0.0).overlays == ()
+    session.show_help = True
+    assert len(Display().scene(session, SIZE, "fast", 0.0).overlays) == 1
 
 
 @pytest.mark.parametrize(

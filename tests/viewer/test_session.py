@@ -11,8 +11,8 @@ from ashe_live.errors import UserError
 from ashe_live.light.worker_process import WorkerFailure
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
-from ashe_live.viewer.session import NOTICE_S, EstimatePolicy, Session
-from ashe_live.viewer.status import camera_line, light_line, marker_line, source_lines, status_lines
+from ashe_live.viewer.session import AUTO_EVERY_S, AUTO_SETTLED_EVERY_S, NOTICE_S, EstimatePolicy, Session
+from ashe_live.viewer.status import camera_line, guidance, light_line, marker_line, source_lines, status_lines
 
 
 @pytest.fixture
@@ -137,8 +137,10 @@ def test_switches_toggle(make):
         (Command.TOGGLE_LIGHT, "show_light"),
         (Command.TOGGLE_MASKS, "show_masks"),
         (Command.HELP, "show_help"),
+        (Command.TOGGLE_HUD, "show_hud"),
     ):
-        for expected in (True, False):
+        before = getattr(session, switch)
+        for expected in (not before, before):
             session.handle(Request(command), 0.0)
             assert getattr(session, switch) is expected
 
@@ -147,6 +149,77 @@ def test_what_needs_the_window_is_left_to_it(make):
     left = {command for command in Command if not make().handle(Request(command), 0.0)}
     names = ("PAUSE", "RESTART", "SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "QUIT")
     assert left == {Command[name] for name in names}
+
+
+def run_steadily(session, fakes, answers, until_s: float, has_marker=lambda _s: True) -> None:
+    """Thirty frames a second, each request answered by the frame after it."""
+    for index in range(round(until_s * 30)):
+        now_s = index / 30
+        session._worker.answer = answers(now_s) if session.is_estimating else None
+        session.poll(now_s)
+        session.take(fakes.tracked(index, has_marker(now_s)), now_s)
+
+
+def test_automatically_it_estimates_again_and_again_and_less_often_once_the_light_is_known(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    run_steadily(session, fakes, lambda _s: fakes.estimate(), 20.0)
+    asked_s = np.array([frozen.frame.time_s for frozen in session._worker.requested])
+    gaps_s = np.diff(asked_s)
+    assert gaps_s[:5] == pytest.approx(AUTO_EVERY_S, abs=0.1)
+    assert gaps_s[-5:] == pytest.approx(AUTO_SETTLED_EVERY_S, abs=0.1)
+    assert "of 8 estimates" in light_line(session)
+
+
+def test_automatically_nothing_is_asked_without_a_steady_marker(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0, lambda now_s: round(now_s * 30) % 3 > 0)
+    assert session._worker.requested == []
+    assert session.last_notice is None
+
+
+def test_an_outlier_changes_neither_light_nor_masks_and_a_changed_light_does(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0)
+    before = session.estimate, session.estimated_from
+    for answers in range(3):
+        session.request_estimate(9.0)
+        session._worker.answer = fakes.estimate(with_light=False)
+        assert (session.poll(9.0) is None) is (answers < 2)
+        assert ((session.estimate, session.estimated_from) == before) is (answers < 2)
+    assert session.estimate.light is None
+
+
+def test_a_key_switches_it_on_and_holds_the_light_when_it_is_switched_off(make, fakes):
+    session = make()
+    session.handle(Request(Command.AUTOMATIC), 0.0)
+    run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0)
+    session.handle(Request(Command.AUTOMATIC), 3.0)
+    held, asked = session.estimate, len(session._worker.requested)
+    assert held is not None
+    for index in range(100):
+        session.take(fakes.tracked(index), 4.0 + index)
+    assert (session.estimate, len(session._worker.requested)) == (held, asked)
+
+
+def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
+    session = make()
+    session.take(fakes.tracked(has_marker=False), 0.0)
+    assert any("marker --show" in line for line in guidance(session))
+    session.take(fakes.tracked(), 0.0)
+    session.take(fakes.tracked(has_marker=False), 0.0)
+    assert guidance(session) == ()
+
+
+def test_after_no_light_it_says_what_to_change(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.request_estimate(0.0)
+    session._worker.answer = fakes.estimate(with_light=False)
+    session.poll(0.0)
+    (line,) = guidance(session)
+    assert line.startswith("what helps")
+    session.request_estimate(0.0)
+    assert guidance(session) == ()
 
 
 def test_the_light_line_tells_every_state(make, fakes):

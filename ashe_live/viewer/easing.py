@@ -1,0 +1,82 @@
+"""Lets the virtual light move over to a new estimate as real light would, instead of jumping."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import normalised
+from ashe_live.core.types import DirectionalLight, LightEstimate
+from ashe_live.render.lighting import ASSUMED_SHADOW_RATIO
+
+EASED_OVER_S = 0.3
+# A light that is farther from all others than this does not swing there: one goes out while the other comes up.
+SAME_LIGHT_COSINE = math.cos(math.radians(60))
+
+
+class LightEasing:
+    """Between what was shown when the estimate changed, and the estimate."""
+
+    def __init__(self) -> None:
+        self._target: LightEstimate | None = None
+        self._shown: LightEstimate | None = None
+        self._from: LightEstimate | None = None
+        self._begun_s = -math.inf
+
+    def at(self, target: LightEstimate | None, now_s: float) -> LightEstimate | None:
+        """What to show now; `target` itself once it is reached, so that nothing is drawn anew from then on."""
+        if target is not self._target:
+            self._target, self._from, self._begun_s = target, self._shown, now_s
+        share = (now_s - self._begun_s) / EASED_OVER_S
+        self._shown = target if target is None or share >= 1 else _between(self._from, target, max(0.0, share))
+        return self._shown
+
+    def jump(self, target: LightEstimate | None) -> LightEstimate | None:
+        """Shows `target` at once."""
+        self._target = self._shown = target
+        self._begun_s = -math.inf
+        return target
+
+
+def _between(start: LightEstimate | None, end: LightEstimate, share: float) -> LightEstimate:
+    """`start` at share 0, `end` at 1; slow at both ends."""
+    eased = share * share * (3 - 2 * share)
+    lights = tuple(_lights_between(() if start is None else start.lights, end.lights, eased))
+    ambient_of_start, ambient_of_end = _ambient(start), _ambient(end)
+    ambient = None
+    if ambient_of_start is not None and ambient_of_end is not None:
+        ambient = (1 - eased) * ambient_of_start + eased * ambient_of_end
+    return replace(end, lights=lights, ambient_rgb_ratio=ambient)
+
+
+def _ambient(estimate: LightEstimate | None) -> Float | None:
+    """(3,) without lights the sky gives all; None where it was not measured."""
+    return np.ones(3) if estimate is None or not estimate.lights else estimate.ambient_rgb_ratio
+
+
+def _lights_between(
+    start: tuple[DirectionalLight, ...], end: tuple[DirectionalLight, ...], share: float
+) -> Iterator[DirectionalLight]:
+    left = list(start)
+    for light in end:
+        cosines = [float(other.to_light_marker @ light.to_light_marker) for other in left]
+        if max(cosines, default=-1.0) < SAME_LIGHT_COSINE:
+            yield _dimmed(light, share)
+            continue
+        near = left.pop(cosines.index(max(cosines)))
+        direction = normalised((1 - share) * near.to_light_marker + share * light.to_light_marker)
+        ratio = (1 - share) * _ratio(near) + share * _ratio(light)
+        yield replace(light, to_light_marker=direction, shadow_rgb_ratio=ratio)
+    for light in left:
+        yield _dimmed(light, 1 - share)
+
+
+def _dimmed(light: DirectionalLight, share: float) -> DirectionalLight:
+    """With that share of its strength."""
+    return replace(light, shadow_rgb_ratio=1 - share * (1 - _ratio(light)))
+
+
+def _ratio(light: DirectionalLight) -> Float:
+    return np.full(3, ASSUMED_SHADOW_RATIO) if light.shadow_rgb_ratio is None else light.shadow_rgb_ratio
