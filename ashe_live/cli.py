@@ -62,8 +62,10 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     estimate.set_defaults(no_filter=False)
     _add_quality_options(estimate)
 
-    marker = commands.add_parser("marker", help="a marker to print at true size")
-    marker.add_argument("--out", type=Path, required=True, metavar="FILE.pdf|png")
+    marker = commands.add_parser("marker", help="a marker to print at true size, or to show on a screen")
+    target = marker.add_mutually_exclusive_group(required=True)
+    target.add_argument("--out", type=Path, metavar="FILE.pdf|png")
+    target.add_argument("--show", action="store_true", help="in a window, for want of a printer")
     marker.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
     marker.add_argument(
         "--size-mm", type=_positive, default=80.0, metavar="MM", help="black square's side (default 80)"

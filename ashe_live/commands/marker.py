@@ -1,13 +1,24 @@
-"""`ashe-live marker`: a marker to print at true size."""
+"""`ashe-live marker`: a marker to print at true size, or to show on a screen."""
 
 import argparse
 
-from ashe_live.errors import ExitStatus
-from ashe_live.tracking.layout import parse_target
+from ashe_live.errors import ExitStatus, UserError
+from ashe_live.tracking.layout import Layout, parse_target
 from ashe_live.tracking.printing import write_marker_sheet
+
+SHOWN_PX = 960  # a multiple of what a cell may take, and larger than most windows show it
 
 
 def run(options: argparse.Namespace) -> int:
-    write_marker_sheet(options.out, parse_target(options.marker), options.size_mm / 1000, options.overwrite)
+    marker = parse_target(options.marker)
+    if options.show:
+        # Only here, so that printing needs neither GLFW nor OpenGL.
+        from ashe_live.viewer.marker_window import show_marker
+
+        if isinstance(marker, Layout):
+            raise UserError("a grid of markers is for printing", "name one marker with --marker, or give --out")
+        show_marker(marker.spec, marker.bitmap(SHOWN_PX))
+        return ExitStatus.ANSWERED
+    write_marker_sheet(options.out, marker, options.size_mm / 1000, options.overwrite)
     print(f"{options.out}: print it at 100 %, then the ruler line on it is true")
     return ExitStatus.ANSWERED
