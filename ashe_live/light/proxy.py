@@ -22,6 +22,7 @@ from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, lit_r
 from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, lights_of, log_odds, promise
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.materials import Materials, materials_of, object_cost
+from ashe_live.light.penumbra import angular_size
 from ashe_live.light.predicted import Predicted, predicted
 from ashe_live.light.regions import Region, unlit_regions
 from ashe_live.light.relabel import relabelled
@@ -120,6 +121,8 @@ class ProxyEstimator:
             replace(light, shadow_rgb_ratio=ratio)
             for light, ratio in zip(lights_of(best, confidence, tracked), ratios, strict=False)
         ]
+        if len(lights) == 1:
+            lights = [replace(lights[0], angular_size_rad=_angular_size(best))]
         found = answer(None, *lights, body=body, shadow=shadow)
         return replace(found, caster=best.fit.proxy, ambient_rgb_ratio=ratios[-1], ground_rgb=lit_rgb(ground))
 
@@ -206,6 +209,11 @@ def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
         return best.materials.shifts
     seen = shift_within(best.region.colours[shadow_core(best.region, best.predicted)], ground)
     return best.materials.shifts if seen is None else (seen,)
+
+
+def _angular_size(best: Explanation) -> float | None:
+    towards = best.fit.lights[0].to_light_marker
+    return angular_size(best.fit.proxy, towards, best.materials.share, best.predicted, best.region.view)
 
 
 def _own_cost(region: Region, split: Split, expected: Predicted) -> Float32:
