@@ -4,6 +4,7 @@ A thread would share the interpreter's lock and its full priority with the loop;
 """
 
 import multiprocessing
+import os
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -111,6 +112,8 @@ class _Process:
         self._process: SpawnProcess = context.Process(
             target=worker_process.run, args=(far_end, make), name="ashe-live light worker", daemon=True
         )
+        # Read by the child's NumPy as it loads: its threads would take the cores that the viewer's loop needs.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
         self._process.start()
         # Else our own copy would keep the pipe open after the process has died.
         far_end.close()

@@ -31,6 +31,8 @@ class BlindEstimator:
     name = "blind"
     takes_ms = 1.0
 
+    def __init__(self, _preset: str) -> None: ...
+
     def estimate(self, tracked):
         return LightEstimate(self.name, tracked.frame.index, (), "blind", timing_ms={"total": self.takes_ms})
 
