@@ -16,10 +16,11 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import angles_from_direction, direction_from_angles, project, tangent_basis
+from ashe_live.core.transforms import angles_from_direction, direction_from_angles, tangent_basis
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground
 from ashe_live.light.log_colour import linear_rgb, log_opponent
+from ashe_live.light.predicted import outline, predicted, shadow_outline
 from ashe_live.light.view import View
 
 # Told apart also by the colour-blind (Okabe and Ito's sky blue, orange, vermilion and bluish green).
@@ -104,28 +105,11 @@ def with_body(
     picture_bgr: Image, camera: Camera, T_cam_marker: Float, body: Proxy, lights: Sequence[DirectionalLight]
 ) -> Image:
     """The picture with the outlines of a body and of its shadows; `camera` is of its size, without distortion."""
-    picture = picture_bgr.copy()
+    picture, points = picture_bgr.copy(), body.points_marker()
     for light in lights:
-        _draw_outline(picture, shadow_outline(camera, T_cam_marker, body, light), SHADOW_BGR)
-    _draw_outline(picture, outline(camera, T_cam_marker, body.points_marker()), OBJECT_BGR)
+        _draw_outline(picture, shadow_outline(camera, T_cam_marker, points, light.to_light_marker), SHADOW_BGR)
+    _draw_outline(picture, outline(camera, T_cam_marker, points), OBJECT_BGR)
     return picture
-
-
-def outline(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float | None:
-    """(m, 2) pixels: the convex hull of the points that are before the camera; None with fewer than three."""
-    pixels = project(camera, T_cam_marker, points_marker)
-    pixels = pixels[np.isfinite(pixels).all(axis=1) & (np.abs(pixels) < 1e4).all(axis=1)]
-    if len(pixels) < 3:
-        return None
-    return np.asarray(cv2.convexHull(pixels.astype(np.float32))[:, 0], dtype=np.float64)
-
-
-def shadow_outline(camera: Camera, T_cam_marker: Float, body: Proxy, light: DirectionalLight) -> Float | None:
-    """(m, 2) pixels: the hull of a convex body's shadow on the marker plane; None when it falls on none of it."""
-    to_light, points = light.to_light_marker, body.points_marker()
-    if to_light[2] <= 1e-3:
-        return None
-    return outline(camera, T_cam_marker, points - points[:, 2:] / to_light[2] * to_light)
 
 
 def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: Float | None = None) -> Image:
@@ -209,17 +193,11 @@ def _with_hulls(picture_bgr: Image, estimate: LightEstimate) -> Image:
 
 def _with_residual(photo: Image, view: View, estimate: LightEstimate, body: Proxy) -> Image:
     """Where masks go beyond the body and its shadows, and where those should be seen and are not."""
-    camera, T_cam_marker = view.camera, view.T_cam_marker
-    outlines = [outline(camera, T_cam_marker, body.points_marker())]
-    outlines += [shadow_outline(camera, T_cam_marker, body, light) for light in estimate.lights]
-    modelled, masked = np.zeros(photo.shape[:2], np.uint8), np.zeros(photo.shape[:2], bool)
-    for points in outlines:
-        if points is not None:
-            cv2.fillConvexPoly(modelled, _fixed_point(points), 1, shift=SUBPIXEL_BITS)
+    known = predicted(body, [light.to_light_marker for light in estimate.lights], view).whole
+    masked = np.zeros(photo.shape[:2], np.bool_)
     for mask in (estimate.object_mask, estimate.shadow_mask):
         if mask is not None:
             masked |= _enlarged(mask, photo.shape)
-    known = modelled.astype(bool)
     return _tinted(_tinted(photo, masked & ~known, UNEXPLAINED_BGR), known & ~masked & view.is_ground, UNSEEN_BGR)
 
 

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.light.view import View
@@ -33,24 +34,40 @@ class Predicted:
 
 def predicted(proxy: Proxy, to_lights_marker: Sequence[Float], view: View) -> Predicted:
     """The silhouettes in `view` of a convex body and of its shadows on the marker plane."""
-    points = proxy.points_marker(AROUND)
-    body = _hull(points, view)
-    shadows = []
-    for to_light in to_lights_marker:
-        cast = points - points[:, 2:] * (to_light / max(float(to_light[2]), LOWEST_Z))
-        shadows.append(_hull(cast, view) & ~body)
-    return Predicted(body, np.logical_or.reduce(shadows), tuple(shadows) if len(shadows) > 1 else ())
+    points, shape = proxy.points_marker(AROUND), view.is_ground.shape
+    body = _filled(outline(view.camera, view.T_cam_marker, points), shape)
+    shadows = [
+        _filled(shadow_outline(view.camera, view.T_cam_marker, points, to_light), shape) & ~body
+        for to_light in to_lights_marker
+    ]
+    return Predicted(
+        body, np.logical_or.reduce([np.zeros_like(body), *shadows]), tuple(shadows) if len(shadows) > 1 else ()
+    )
 
 
-def _hull(points_marker: Float, view: View) -> Mask:
-    mask = np.zeros(view.is_ground.shape, np.uint8)
-    points = _before_camera(points_marker, view.T_cam_marker)
-    pixels = project(view.camera, view.T_cam_marker, points) if len(points) else np.empty((0, 2))
+def outline(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float | None:
+    """(m, 2) pixels: the hull of what lies before the camera of the hull of points (n, 3); None where nothing does."""
+    points = _before_camera(points_marker, T_cam_marker)
+    pixels = project(camera, T_cam_marker, points) if len(points) else np.empty((0, 2))
     pixels = pixels[np.isfinite(pixels).all(axis=1)]
     if len(pixels) < 3:
-        return mask.astype(bool)
+        return None
     hull = cv2.convexHull(np.clip(pixels, -FARTHEST_PX, FARTHEST_PX).astype(np.float32))
-    cv2.fillConvexPoly(mask, np.round(hull * 2**SUBPIXEL_BITS).astype(np.int32), 1, shift=SUBPIXEL_BITS)
+    return np.asarray(hull[:, 0], dtype=np.float64)
+
+
+def shadow_outline(camera: Camera, T_cam_marker: Float, points_marker: Float, to_light_marker: Float) -> Float | None:
+    """(m, 2) pixels: the outline of the points' shadow on the marker plane; None in a light from below or along it."""
+    if to_light_marker[2] <= LOWEST_Z:
+        return None
+    cast = points_marker - points_marker[:, 2:] * (to_light_marker / to_light_marker[2])
+    return outline(camera, T_cam_marker, cast)
+
+
+def _filled(hull_px: Float | None, shape: tuple[int, ...]) -> Mask:
+    mask = np.zeros(shape, np.uint8)
+    if hull_px is not None:
+        cv2.fillConvexPoly(mask, np.round(hull_px * 2**SUBPIXEL_BITS).astype(np.int32), 1, shift=SUBPIXEL_BITS)
     return mask.astype(bool)
 
 

@@ -16,10 +16,9 @@ from ashe_live.light.debug_view import (
     UNEXPLAINED_BGR,
     debug_pictures,
     light_rose,
-    outline,
-    shadow_outline,
     with_body,
 )
+from ashe_live.light.predicted import outline, shadow_outline
 from tests.light.synthetic_masks import camera_towards
 
 SIZE = (320, 240)
@@ -40,7 +39,7 @@ def filled(points):
 def tracked():
     """Plain ground with noise, the body darker on it and its shadow half as bright."""
     picture = np.full((*SIZE[::-1], 3), 160.0)
-    picture[filled(shadow_outline(CAMERA, VIEW, BODY, SUN))] = 110
+    picture[filled(shadow_outline(CAMERA, VIEW, BODY.points_marker(), SUN.to_light_marker))] = 110
     picture[filled(outline(CAMERA, VIEW, BODY.points_marker()))] = (40, 60, 150)
     picture += np.random.default_rng(0).normal(0, 2, picture.shape)
     corners = project(CAMERA, VIEW, np.array([(-0.03, 0.03, 0), (0.03, 0.03, 0), (0.03, -0.03, 0), (-0.03, -0.03, 0)]))
@@ -51,7 +50,7 @@ def tracked():
 @pytest.fixture
 def estimate():
     body = filled(outline(CAMERA, VIEW, BODY.points_marker()))
-    shadow = filled(shadow_outline(CAMERA, VIEW, BODY, SUN)) & ~body
+    shadow = filled(shadow_outline(CAMERA, VIEW, BODY.points_marker(), SUN.to_light_marker)) & ~body
     return LightEstimate("proxy", 0, (SUN,), None, body, shadow, caster=BODY)
 
 
@@ -100,7 +99,10 @@ def test_a_perfect_fit_leaves_nothing_and_a_wrong_one_does(tracked, estimate):
 
 
 def test_the_shadow_leans_away_from_the_light():
-    body, shadow = outline(CAMERA, VIEW, BODY.points_marker()), shadow_outline(CAMERA, VIEW, BODY, SUN)
+    body, shadow = (
+        outline(CAMERA, VIEW, BODY.points_marker()),
+        shadow_outline(CAMERA, VIEW, BODY.points_marker(), SUN.to_light_marker),
+    )
     tip = project(CAMERA, VIEW, np.array([[0.1, 0.0, 0.06]]) - 0.06 * SUN.to_light_marker / SUN.to_light_marker[2])[0]
     assert cv2.pointPolygonTest(shadow.astype(np.float32), tip.tolist(), False) > 0
     assert cv2.pointPolygonTest(body.astype(np.float32), tip.tolist(), False) < 0
@@ -108,7 +110,7 @@ def test_the_shadow_leans_away_from_the_light():
 
 def test_no_shadow_falls_from_below_and_no_outline_is_behind_the_camera():
     from_below = DirectionalLight((0.0, 1.0, -0.1))
-    assert shadow_outline(CAMERA, VIEW, BODY, from_below) is None
+    assert shadow_outline(CAMERA, VIEW, BODY.points_marker(), from_below.to_light_marker) is None
     behind = VIEW.copy()
     behind[2, 3] = -5.0
     assert outline(CAMERA, behind, BODY.points_marker()) is None
