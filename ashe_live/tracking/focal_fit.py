@@ -18,9 +18,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
+from ashe_live.tracking.pose import square_corners
 
-# The square's corners, in sides: top-left, top-right, bottom-right, bottom-left of the print.
-SQUARE = np.array([(-0.5, 0.5, 0.0), (0.5, 0.5, 0.0), (0.5, -0.5, 0.0), (-0.5, -0.5, 0.0)])
+# In sides.
+SQUARE = square_corners(1.0)
 # How a printed square is wrong without being moved, turned or scaled: (mode, corner, xyz).
 SADDLE = np.array([1.0, -1.0, 1.0, -1.0])
 SHAPE_MODES = np.array(

@@ -7,6 +7,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
 from ashe_live.tracking.markers import Marker, parse_marker
+from ashe_live.tracking.pose import square_corners
 
 # White between two neighbours of a grid, over the side of a square.
 GRID_GAP = 0.25
@@ -58,12 +59,6 @@ def parse_target(spec: str) -> Marker | Layout:
     return grid_layout(spec, markers, int(columns))
 
 
-def unit_square(centre: tuple[float, float] = (0.0, 0.0)) -> Float:
-    """(4, 3) corners of a square with side 1: top-left, top-right, bottom-right, bottom-left as printed."""
-    x, y = centre
-    return np.array([(x - 0.5, y + 0.5, 0), (x + 0.5, y + 0.5, 0), (x + 0.5, y - 0.5, 0), (x - 0.5, y - 0.5, 0)])
-
-
 def grid_layout(spec: str, markers: list[Marker], columns: int) -> Layout:
     """`markers` in rows of `columns`, from the top left."""
     pitch = 1 + GRID_GAP
@@ -71,11 +66,11 @@ def grid_layout(spec: str, markers: list[Marker], columns: int) -> Layout:
     members = []
     for number, marker in enumerate(markers):
         row, column = divmod(number, columns)
-        centre = (column - (columns - 1) / 2) * pitch, ((rows - 1) / 2 - row) * pitch
-        members.append(Member(marker, unit_square(centre)))
+        centre = (column - (columns - 1) / 2) * pitch, ((rows - 1) / 2 - row) * pitch, 0.0
+        members.append(Member(marker, square_corners(1.0) + centre))
     return Layout(spec, tuple(members))
 
 
 def members_of(target: Marker | Layout) -> tuple[Member, ...]:
     """The markers that `target` consists of."""
-    return target.members if isinstance(target, Layout) else (Member(target, unit_square()),)
+    return target.members if isinstance(target, Layout) else (Member(target, square_corners(1.0)),)
