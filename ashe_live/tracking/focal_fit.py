@@ -1,16 +1,11 @@
 """The focal length from the squareness of one marker in many views: a bundle adjustment with all that may be wrong.
 
 A square seen in perspective tells the focal length (Zhang, PAMI 2000, equations 3 and 4), but so weakly that a lens
-that is off-centre, bent paper or bloomed edges are taken for it. So these are unknowns too, held by priors that say how
-wrong such things are as a rule, and the posterior's sigma of the focal length contains them.
-
-With q = 1/f and depth in units of f, a point (x, y, z) of the marker turned into the camera frame projects to
-m = (x + t_x, y + t_y) / (zeta + q z): linear in q near q = 0, where perspective vanishes. So q, and not f, has a nearly
-normal posterior, and "infinitely far" is no special case.
+that is off-centre, bent paper or bloomed edges are taken for it. So these are unknowns too (see `focal_model`), held by
+priors that say how wrong such things are as a rule, and the posterior's sigma of the focal length contains them.
 """
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import cv2
@@ -18,30 +13,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
-from ashe_live.tracking.pose import square_corners
+from ashe_live.tracking.focal_model import SQUARE, UNKNOWNS, FocalModel, FocalState, Q, prior_information
 
-# In sides.
-SQUARE = square_corners(1.0)
-# How a printed square is wrong without being moved, turned or scaled: (mode, corner, xyz).
-SADDLE = np.array([1.0, -1.0, 1.0, -1.0])
-SHAPE_MODES = np.array(
-    [
-        SQUARE * (0.5, -0.5, 0.0),  # wider than high
-        SQUARE[:, (1, 0, 2)] * 0.5,  # a rhombus
-        np.outer(SADDLE, (0.5, 0.0, 0.0)),  # the two keystones
-        np.outer(SADDLE, (0.0, 0.5, 0.0)),
-        np.outer(SADDLE, (0.0, 0.0, 0.5)),  # curled: two opposite corners up, two down
-    ]
-)
-SHAPE_SIGMA = np.array([0.006, 0.006, 0.004, 0.004, 0.05])
-# Principal point off the picture's middle, over its width; displacement at the picture's corner, over its distance;
-# and how far bright paper eats into the black square.
-CENTRE_SIGMA = 0.02
-DISTORTION_SIGMA = 0.03
-BLOOM_SIGMA_PX = 0.15
-
-Q, CX, CY, KAPPA, BLOOM, SHAPE = 0, 1, 2, 3, 4, slice(5, 10)
-UNKNOWNS = 10
 # Corners are not measured better than this, however well few views happen to fit.
 MIN_NOISE_PX = 0.04
 # Student's t: views that fit badly count less.
@@ -67,15 +40,6 @@ class FocalFit(NamedTuple):
     relative_sigma: float  # of it, with what is systematic
     noise_px: float  # of a corner's coordinate
     R: Float  # (n, 3, 3) the marker in each view, camera frame
-
-
-@dataclass(frozen=True, slots=True)
-class _State:
-    """Globals (see Q, CX...) and the poses of all views."""
-
-    g: Float  # (10,) q in 1/px; cx, cy, bloom in px from the picture's middle; the rest has no unit
-    R: Float  # (n, 3, 3)
-    t: Float  # (n, 3) t_x, t_y in sides; zeta in sides a pixel
 
 
 class _Step(NamedTuple):
@@ -105,7 +69,7 @@ def fit_focal(corners_px: Float, R_cam_marker: Float, focal_px: float, size: Siz
     return FocalFit(1 / q, sigma_q / q, noise_px, state.R)
 
 
-def _jackknife(measured: Float, size: Size, state: "_State") -> float:
+def _jackknife(measured: Float, size: Size, state: FocalState) -> float:
     """The standard deviation of q from leaving out one stretch of time after another."""
     count = len(measured)
     blocks = min(BLOCKS, count)
@@ -114,46 +78,40 @@ def _jackknife(measured: Float, size: Size, state: "_State") -> float:
     found = []
     for block in range(blocks):
         kept = np.arange(count) * blocks // count != block
-        part = _State(state.g, state.R[kept], state.t[kept])
+        part = FocalState(state.g, state.R[kept], state.t[kept])
         found.append(_Problem(measured[kept], size).solve(part, JACKKNIFE_ITERATIONS)[0].g[Q])
     return math.sqrt((blocks - 1) / blocks * float(np.square(found - np.mean(found)).sum()))
 
 
 class _Problem:
-    def __init__(self, measured: Float, size: Size) -> None:
-        self._measured = measured
-        self._half_diagonal = math.hypot(*size) / 2
-        self._inward = _inward(measured)
-        sigma = np.empty(UNKNOWNS)
-        sigma[Q] = math.inf
-        sigma[[CX, CY]] = CENTRE_SIGMA * size[0]
-        sigma[KAPPA], sigma[BLOOM], sigma[SHAPE] = DISTORTION_SIGMA, BLOOM_SIGMA_PX, SHAPE_SIGMA
-        self._information = 1 / sigma**2
+    def __init__(self, measured_px: Float, size: Size) -> None:
+        self._model = FocalModel(measured_px, size)
+        self._information = prior_information(size)
 
-    def start(self, R: Float, q: float) -> _State:
+    def start(self, R: Float, q: float) -> FocalState:
         g = np.zeros(UNKNOWNS)
         g[Q] = q
         # Weak perspective: the ratio of sizes gives the depth, the middle the place.
         turned = SQUARE @ np.swapaxes(R, 1, 2)
-        spread_px = self._measured - self._measured.mean(axis=1, keepdims=True)
+        spread_px = self._model.measured_px - self._model.measured_px.mean(axis=1, keepdims=True)
         zeta = np.sqrt((turned[..., :2] ** 2).sum(axis=(1, 2)) / (spread_px**2).sum(axis=(1, 2)))
-        t = np.column_stack([self._measured.mean(axis=1) * zeta[:, None], zeta])
-        state = _State(g, R.copy(), t)
+        t = np.column_stack([self._model.measured_px.mean(axis=1) * zeta[:, None], zeta])
+        state = FocalState(g, R.copy(), t)
         for _ in range(4):
             state = self._pose_step(state)
         return state
 
-    def fitted(self, R: Float, q: float) -> tuple[_State, float, Float]:
+    def fitted(self, R: Float, q: float) -> tuple[FocalState, float, Float]:
         """As `solve`, from these poses and from those of them mirrored that then fit better."""
         found = self.solve(self.start(R, q))
         flipped = self.better_flipped(found[0], found[1])
         return found if flipped is None else self.solve(flipped)
 
-    def misfit(self, state: _State) -> float:
+    def misfit(self, state: FocalState) -> float:
         """By which solutions are compared."""
         return self._cost(state, COMPARED_AT_PX)
 
-    def solve(self, state: _State, iterations: int = ITERATIONS) -> tuple[_State, float, Float]:
+    def solve(self, state: FocalState, iterations: int = ITERATIONS) -> tuple[FocalState, float, Float]:
         """The most probable state, the corners' noise in pixels, and the covariance (10, 10) of the globals."""
         for _ in range(iterations):
             step = self._step(state)
@@ -162,7 +120,7 @@ class _Problem:
                 break
         return state, step.noise_px, step.covariance
 
-    def _walked(self, state: _State, step: "_Step") -> tuple[_State, bool]:
+    def _walked(self, state: FocalState, step: _Step) -> tuple[FocalState, bool]:
         """As much of the step as lowers the cost; False when nothing of it does."""
         cost = self._cost(state, step.noise_px)
         for halvings in range(HALVINGS):
@@ -172,16 +130,16 @@ class _Problem:
                 return walked, True
         return state, False
 
-    def _cost(self, state: _State, noise_px: float) -> float:
+    def _cost(self, state: FocalState, noise_px: float) -> float:
         """Twice the negative log of the posterior; infinite where a corner would lie behind the camera."""
-        residuals, depth = self._residuals(state)
+        residuals, depth = self._model.residuals(state)
         if not (depth > MIN_DEPTH * state.t[:, None, 2]).all():
             return math.inf
         squared = np.square(residuals).sum(axis=(1, 2)) / noise_px**2
         likelihood = (FREEDOM + 2) * np.log1p(squared / FREEDOM).sum()
         return float(likelihood + (self._information * state.g**2).sum())
 
-    def better_flipped(self, state: _State, noise_px: float) -> _State | None:
+    def better_flipped(self, state: FocalState, noise_px: float) -> FocalState | None:
         """`state` with those views mirrored that fit better so, or None when there are none."""
         sight = np.column_stack([state.t[:, :2] / state.t[:, 2:] * state.g[Q], np.ones(len(state.t))])
         sight /= np.linalg.norm(sight, axis=1, keepdims=True)
@@ -193,31 +151,31 @@ class _Problem:
         sine = np.linalg.norm(axis, axis=1, keepdims=True)
         angle = np.arctan2(sine, (normals * mirrored).sum(axis=1, keepdims=True))
         turns = _rotations(axis / np.maximum(sine, 1e-12) * angle)
-        other = _State(state.g, turns @ state.R, state.t)
+        other = FocalState(state.g, turns @ state.R, state.t)
         for _ in range(6):
             other = self._pose_step(other)
-        (before, _), (after, depth) = self._residuals(state), self._residuals(other)
+        (before, _), (after, depth) = self._model.residuals(state), self._model.residuals(other)
         gain = np.square(before).sum(axis=(1, 2)) - np.square(after).sum(axis=(1, 2))
         swaps = (gain > FLIP_GAIN * noise_px**2) & (depth > 0).all(axis=1)
         if not swaps.any():
             return None
-        return _State(
+        return FocalState(
             state.g,
             np.where(swaps[:, None, None], other.R, state.R),
             np.where(swaps[:, None], other.t, state.t),
         )
 
-    def _pose_step(self, state: _State) -> _State:
+    def _pose_step(self, state: FocalState) -> FocalState:
         """Gauss and Newton on every pose by itself."""
-        residuals, _ = self._residuals(state)
-        J_pose, _ = self._derivatives(state)
+        residuals, _ = self._model.residuals(state)
+        J_pose, _ = self._model.derivatives(state)
         steps = -np.linalg.pinv(J_pose) @ residuals.reshape(len(residuals), 8, 1)
         return _moved(state, np.zeros(UNKNOWNS), steps[..., 0])
 
-    def _step(self, state: _State) -> "_Step":
+    def _step(self, state: FocalState) -> _Step:
         """Gauss and Newton on everything; the poses are eliminated, as each belongs to one view alone."""
-        residuals, _ = self._residuals(state)
-        J_pose, J_globals = self._derivatives(state)
+        residuals, _ = self._model.residuals(state)
+        J_pose, J_globals = self._model.derivatives(state)
         count = len(residuals)
         r = residuals.reshape(count, 8, 1)
         # What no change of the pose can explain: two of the eight numbers of each view.
@@ -237,61 +195,14 @@ class _Problem:
         pose_steps = -np.linalg.solve(triangular[:, :6] + 1e-12 * np.eye(6), left)[..., 0]
         return _Step(step, pose_steps, noise_px, covariance)
 
-    def _residuals(self, state: _State) -> tuple[Float, Float]:
-        """Pixels (n, 4, 2), and the corners' depths (n, 4) in units of f."""
-        g = state.g
-        _, depth, ideal = _projected(state)
-        radius2 = (ideal**2).sum(axis=-1, keepdims=True) / self._half_diagonal**2
-        predicted = ideal * (1 + g[KAPPA] * radius2) + g[CX : CY + 1] + g[BLOOM] * self._inward
-        return predicted - self._measured, depth
 
-    def _derivatives(self, state: _State) -> tuple[Float, Float]:
-        """Of the residuals by the poses (n, 8, 6) and by the globals (n, 8, 10)."""
-        g, count = state.g, len(state.R)
-        turned, depth, ideal = _projected(state)
-        radius2 = (ideal**2).sum(axis=-1) / self._half_diagonal**2
-        # By the ideal place (n, 4, 2, 2), and from there on by the chain rule.
-        outer = ideal[..., :, None] * ideal[..., None, :] * (2 * g[KAPPA] / self._half_diagonal**2)
-        bending = outer + (1 + g[KAPPA] * radius2)[..., None, None] * np.eye(2)
-
-        def chained(of_numerator: Float, of_depth: Float) -> Float:
-            change = (of_numerator - ideal * of_depth[..., None]) / depth[..., None]
-            return np.asarray((bending @ change[..., None])[..., 0].reshape(count, 8))
-
-        J_pose = np.empty((count, 8, 6))
-        for at, axis in enumerate(np.eye(3)):
-            turning = np.cross(axis, turned)
-            J_pose[:, :, at] = chained(turning[..., :2], g[Q] * turning[..., 2])
-        none, one = np.zeros((count, 4)), np.ones((count, 4))
-        J_pose[:, :, 3] = chained(np.stack([one, none], axis=-1), none)
-        J_pose[:, :, 4] = chained(np.stack([none, one], axis=-1), none)
-        J_pose[:, :, 5] = chained(np.zeros((count, 4, 2)), one)
-        J_globals = np.zeros((count, 8, UNKNOWNS))
-        J_globals[:, :, Q] = chained(np.zeros((count, 4, 2)), turned[..., 2])
-        J_globals[:, 0::2, CX] = J_globals[:, 1::2, CY] = 1
-        J_globals[:, :, KAPPA] = (ideal * radius2[..., None]).reshape(count, 8)
-        J_globals[:, :, BLOOM] = self._inward.reshape(count, 8)
-        for at, mode in enumerate(SHAPE_MODES):
-            moved = mode @ np.swapaxes(state.R, 1, 2)
-            J_globals[:, :, SHAPE.start + at] = chained(moved[..., :2], g[Q] * moved[..., 2])
-        return J_pose, J_globals
-
-
-def _projected(state: _State) -> tuple[Float, Float, Float]:
-    """The corners turned (n, 4, 3) in sides, their depths (n, 4), and their places (n, 4, 2) through a perfect lens."""
-    shape = SQUARE + np.tensordot(state.g[SHAPE], SHAPE_MODES, axes=1)
-    turned = shape @ np.swapaxes(state.R, 1, 2)
-    depth = state.t[:, None, 2] + state.g[Q] * turned[..., 2]
-    return turned, depth, (turned[..., :2] + state.t[:, None, :2]) / depth[..., None]
-
-
-def _moved(state: _State, step: Float, pose_steps: Float) -> _State:
+def _moved(state: FocalState, step: Float, pose_steps: Float) -> FocalState:
     turns = pose_steps[:, :3]
     turns = turns * np.minimum(1.0, MOST_TURN_RAD / np.maximum(np.linalg.norm(turns, axis=1, keepdims=True), 1e-12))
     t = state.t + pose_steps[:, 3:]
     # A marker does not come through the camera, nor grow tenfold, in a step.
     t[:, 2] = np.clip(t[:, 2], 0.3 * state.t[:, 2], 3 * state.t[:, 2])
-    return _State(state.g + step, _rotations(turns) @ state.R, t)
+    return FocalState(state.g + step, _rotations(turns) @ state.R, t)
 
 
 def _noise(squared: Float) -> float:
@@ -302,12 +213,3 @@ def _noise(squared: Float) -> float:
 def _rotations(vectors: Float) -> Float:
     """(n, 3, 3) of rotation vectors (n, 3)."""
     return np.array([cv2.Rodrigues(vector)[0] for vector in vectors])
-
-
-def _inward(corners: Float) -> Float:
-    """(n, 4, 2) how the corners (n, 4, 2) move when every side moves inwards by one pixel."""
-    after, before = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    after /= np.linalg.norm(after, axis=-1, keepdims=True)
-    before /= np.linalg.norm(before, axis=-1, keepdims=True)
-    sine = np.abs(after[..., 0] * before[..., 1] - after[..., 1] * before[..., 0])
-    return np.asarray((after + before) / np.maximum(sine, 1e-6)[..., None])

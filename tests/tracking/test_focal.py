@@ -12,7 +12,7 @@ from ashe_live.core.quality import BALANCED
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.tracking.focal import KNOWN_SIGMA, FocalEstimate, FocalEstimator
-from ashe_live.tracking.focal_fit import SQUARE
+from ashe_live.tracking.focal_model import SQUARE
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import estimate_pose
 from ashe_live.tracking.tracker import Tracker
