@@ -46,31 +46,8 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     _add_scene_options(play)
     _add_view_options(play)
 
-    estimate = commands.add_parser("estimate", help="where the light is, in photos or clips")
-    estimate.add_argument("files", type=Path, nargs="+", metavar="FILE", help="also folders and patterns ('*.jpg')")
-    estimate.add_argument(
-        "--json", action="store_true", help="one JSON object a line, one line a file (docs/contract.md)"
-    )
-    estimate.add_argument(
-        "--repeat", type=_count, metavar="N", help="warm up once, then give the median times of N runs"
-    )
-    estimate.add_argument("--debug", type=Path, metavar="DIR", help="write a sheet of each estimate's steps there")
-    estimate.add_argument("--sheet", type=Path, metavar="FILE.html", help="a page with the light drawn into thumbnails")
-    estimate.add_argument("--overwrite", action="store_true", help="replace an existing sheet")
-    estimate.add_argument("--estimate-at", type=_index, metavar="FRAME", help=ESTIMATE_AT_HELP)
-    _add_scene_options(estimate)
-    estimate.set_defaults(no_filter=False)
-    _add_quality_options(estimate)
-
-    marker = commands.add_parser("marker", help="a marker to print at true size, or to show on a screen")
-    target = marker.add_mutually_exclusive_group(required=True)
-    target.add_argument("--out", type=Path, metavar="FILE.pdf|png")
-    target.add_argument("--show", action="store_true", help="in a window, for want of a printer")
-    marker.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
-    marker.add_argument(
-        "--size-mm", type=_positive, default=80.0, metavar="MM", help="black square's side (default 80)"
-    )
-    marker.add_argument("--overwrite", action="store_true", help="replace an existing file")
+    _add_estimate_options(commands.add_parser("estimate", help="where the light is, in photos or clips"))
+    _add_marker_options(commands.add_parser("marker", help="a marker to print at true size, or to show on a screen"))
 
     cameras = commands.add_parser("cameras", help="the cameras that are connected, and their modes")
     cameras.add_argument("--fast", action="store_true", help="names only: no camera is opened")
@@ -90,33 +67,70 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     calibrate.add_argument("--headless", action="store_true", help="guide by lines, without a window")
     calibrate.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
-    bench = commands.add_parser("bench", help="measure speed and accuracy on this machine")
+    _add_benches(commands.add_parser("bench", help="measure speed and accuracy on this machine"))
+    return parser
+
+
+def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
+    estimate.add_argument("files", type=Path, nargs="+", metavar="FILE", help="also folders and patterns ('*.jpg')")
+    estimate.add_argument(
+        "--json", action="store_true", help="one JSON object a line, one line a file (docs/contract.md)"
+    )
+    estimate.add_argument(
+        "--repeat", type=_count, metavar="N", help="warm up once, then give the median times of N runs"
+    )
+    estimate.add_argument("--debug", type=Path, metavar="DIR", help="write a sheet of each estimate's steps there")
+    estimate.add_argument("--sheet", type=Path, metavar="FILE.html", help="a page with the light drawn into thumbnails")
+    estimate.add_argument("--overwrite", action="store_true", help="replace an existing sheet")
+    estimate.add_argument("--estimate-at", type=_index, metavar="FRAME", help=ESTIMATE_AT_HELP)
+    _add_scene_options(estimate)
+    estimate.set_defaults(no_filter=False)
+    _add_quality_options(estimate)
+
+
+def _add_marker_options(marker: argparse.ArgumentParser) -> None:
+    target = marker.add_mutually_exclusive_group(required=True)
+    target.add_argument("--out", type=Path, metavar="FILE.pdf|png")
+    target.add_argument("--show", action="store_true", help="in a window, for want of a printer")
+    marker.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
+    marker.add_argument(
+        "--size-mm", type=_positive, default=80.0, metavar="MM", help="black square's side (default 80)"
+    )
+    marker.add_argument("--overwrite", action="store_true", help="replace an existing file")
+
+
+def _add_benches(bench: argparse.ArgumentParser) -> None:
     benches = bench.add_subparsers(dest="bench", metavar="WHAT", required=True)
+
     viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")
     viewer.add_argument("--frames", type=_count, default=600, metavar="N", help="frames in each run (default 600)")
     viewer.add_argument("--size", type=_size, metavar="WxH", help="size of the picture (default: the clip's)")
     viewer.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures there")
     viewer.add_argument("--overwrite", action="store_true", help="replace an existing file")
     _add_quality_options(viewer, default="fast")
+
     render = benches.add_parser("render", help="what pictures cost, and how far they are from a path tracer's")
     render.add_argument("--frames", type=_count, default=100, metavar="N", help="frames of each loop (default 100)")
     render.add_argument("--memory-frames", type=_count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
-    render.add_argument("--out", type=Path, metavar="DIR", help="where render.json and the plots go")
-    render.add_argument("--overwrite", action="store_true", help="replace existing files there")
+    _add_results_folder(render, "render.json")
+
     light = benches.add_parser("light", help="the estimators' errors on scenes whose light is known")
     light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
-    light.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the plots go")
-    light.add_argument("--overwrite", action="store_true", help="replace existing files there")
+    _add_results_folder(light, "results.json")
     light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
     light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
     light.add_argument("--limit", type=_count, metavar="N", help="the first N scenes of each folder only")
+
     tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
     tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
-    tracking.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the plots go")
-    tracking.add_argument("--overwrite", action="store_true", help="replace existing files there")
+    _add_results_folder(tracking, "results.json")
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no trade of settings")
     tracking.add_argument("--quality", choices=("fast", "balanced", "accurate"), default="balanced")
-    return parser
+
+
+def _add_results_folder(bench: argparse.ArgumentParser, file: str) -> None:
+    bench.add_argument("--out", type=Path, metavar="DIR", help=f"where {file} and the plots go")
+    bench.add_argument("--overwrite", action="store_true", help="replace existing files there")
 
 
 def _add_scene_options(parser: argparse.ArgumentParser) -> None:
