@@ -141,9 +141,7 @@ def _errors(ctx: Context, frames: int) -> list[Json]:
                 "name": name,
                 "series": series,
                 "ms": cost.p50,
-                "scenes": {
-                    reference.name: error.to_json() for reference, error in zip(references, errors, strict=True)
-                },
+                "scenes": {reference.name: asdict(error) for reference, error in zip(references, errors, strict=True)},
                 "shadow_iou_mean": float(np.mean([error.shadow_iou for error in errors])),
                 "shadow_iou_least": min(error.shadow_iou for error in errors),
                 "shadow_de": float(np.mean([error.shadow_de for error in errors])),

@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from ashe_live.bench.metrics import overlap
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
@@ -21,6 +22,7 @@ from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import Context
 from ashe_live.render.renderer import Renderer
 from ashe_live.render.scene import Scene
+from ashe_live.tracking.pose import square_corners
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,9 +41,6 @@ class PictureError:
     shadow_iou: float  # of the ground and object pixels that lost more than half of the sun's light
     shadow_de: float  # mean CIE 1976 colour difference where the path tracer's shadow is
     model_de: float  # mean CIE 1976 colour difference on the model
-
-    def to_json(self) -> Json:
-        return {"shadow_iou": self.shadow_iou, "shadow_de": self.shadow_de, "model_de": self.model_de}
 
 
 def read_references(folder: Path) -> list[Reference]:
@@ -65,7 +64,7 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
     ours, truth = (beside & (_darkening(image, bare) < threshold) for image in (picture, reference.expected))
     difference = _colour_difference(picture, reference.expected)
     return PictureError(
-        float((ours & truth).sum() / max(1, (ours | truth).sum())),
+        overlap(ours, truth),
         float(difference[truth].mean()),
         float(difference[within].mean()),
     )
@@ -77,8 +76,8 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     side_m = view["marker_side_m"]
     camera = Camera(tuple(view["size"]), np.array(view["K"]), np.zeros(5), "file")
     T_cam_marker = rigid(view["R"], view["t"])
-    corners = side_m / 2 * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)])
-    marker = MarkerPose(T_cam_marker, project(camera, T_cam_marker, corners), side_m, 0.0, None)
+    corners_px = project(camera, T_cam_marker, square_corners(side_m))
+    marker = MarkerPose(T_cam_marker, corners_px, side_m, 0.0, None)
     light = DirectionalLight(
         direction_from_angles(math.radians(view["azimuth_deg"]), math.radians(view["elevation_deg"])),
         angular_size_rad=math.radians(view["angular_diameter_deg"]),
