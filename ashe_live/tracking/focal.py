@@ -18,7 +18,7 @@ MOST_VIEWS = 64
 MIN_VIEWS = 10
 # A fit is made when the views have become so many times more, or, once they are thinned out, newer.
 GROWTH = 1.4
-# What makes a view differ from another by 1: place and size in sides' lengths of the picture's marker, and the turn.
+# What makes a view differ from another by 1: its way over the marker's diagonal, the logarithm of its growth, its turn.
 PLACE_SCALE = 0.1
 SIZE_SCALE = 0.05
 TURN_SCALE_RAD = math.radians(2.0)
@@ -59,9 +59,9 @@ class _View:
     R: Float  # (3, 3) camera from marker
 
     def distance(self, other: "_View") -> float:
-        sides = [float(np.linalg.norm(one.corners_px[0] - one.corners_px[2])) for one in (self, other)]
-        moved = np.linalg.norm(self.corners_px.mean(axis=0) - other.corners_px.mean(axis=0)) / max(sides)
-        resized = abs(math.log(sides[0] / sides[1]))
+        diagonals_px = [float(np.linalg.norm(one.corners_px[0] - one.corners_px[2])) for one in (self, other)]
+        moved = np.linalg.norm(self.corners_px.mean(axis=0) - other.corners_px.mean(axis=0)) / max(diagonals_px)
+        resized = abs(math.log(diagonals_px[0] / diagonals_px[1]))
         # Normals: a turn in the marker's own plane tells nothing new, but costs nothing either.
         turned = math.acos(float(np.clip(self.R[:, 2] @ other.R[:, 2], -1, 1)))
         return math.hypot(moved / PLACE_SCALE, resized / SIZE_SCALE, turned / TURN_SCALE_RAD)

@@ -38,8 +38,6 @@ class FocalFit(NamedTuple):
 
     focal_px: float  # infinite when no perspective was seen
     relative_sigma: float  # of it, with what is systematic
-    noise_px: float  # of a corner's coordinate
-    R: Float  # (n, 3, 3) the marker in each view, camera frame
 
 
 class _Step(NamedTuple):
@@ -58,15 +56,15 @@ def fit_focal(corners_px: Float, R_cam_marker: Float, focal_px: float, size: Siz
     """
     middle = (np.array(size) - 1) / 2
     problem = _Problem(corners_px - middle, size)
-    state, noise_px, covariance = min(
+    state, _, covariance = min(
         (problem.fitted(R_cam_marker, factor / focal_px) for factor in STARTS),
         key=lambda found: problem.misfit(found[0]),
     )
     q = float(state.g[Q])
     if q <= 0:
-        return FocalFit(math.inf, math.inf, noise_px, state.R)
+        return FocalFit(math.inf, math.inf)
     sigma_q = max(math.sqrt(float(covariance[Q, Q])), _jackknife(corners_px - middle, size, state))
-    return FocalFit(1 / q, sigma_q / q, noise_px, state.R)
+    return FocalFit(1 / q, sigma_q / q)
 
 
 def _jackknife(measured: Float, size: Size, state: FocalState) -> float:
@@ -88,7 +86,7 @@ class _Problem:
         self._model = FocalModel(measured_px, size)
         self._information = prior_information(size)
 
-    def start(self, R: Float, q: float) -> FocalState:
+    def _start(self, R: Float, q: float) -> FocalState:
         g = np.zeros(UNKNOWNS)
         g[Q] = q
         # Weak perspective: the ratio of sizes gives the depth, the middle the place.
@@ -103,8 +101,8 @@ class _Problem:
 
     def fitted(self, R: Float, q: float) -> tuple[FocalState, float, Float]:
         """As `solve`, from these poses and from those of them mirrored that then fit better."""
-        found = self.solve(self.start(R, q))
-        flipped = self.better_flipped(found[0], found[1])
+        found = self.solve(self._start(R, q))
+        flipped = self._better_flipped(found[0], found[1])
         return found if flipped is None else self.solve(flipped)
 
     def misfit(self, state: FocalState) -> float:
@@ -139,7 +137,7 @@ class _Problem:
         likelihood = (FREEDOM + 2) * np.log1p(squared / FREEDOM).sum()
         return float(likelihood + (self._information * state.g**2).sum())
 
-    def better_flipped(self, state: FocalState, noise_px: float) -> FocalState | None:
+    def _better_flipped(self, state: FocalState, noise_px: float) -> FocalState | None:
         """`state` with those views mirrored that fit better so, or None when there are none."""
         sight = np.column_stack([state.t[:, :2] / state.t[:, 2:] * state.g[Q], np.ones(len(state.t))])
         sight /= np.linalg.norm(sight, axis=1, keepdims=True)
