@@ -1,7 +1,6 @@
 """Which views a calibration still lacks, in places and in tilts, and which frames are worth keeping as views."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -110,10 +109,8 @@ class CalibrationGuide:
             if count < VIEWS_PER_TILT:
                 again = ", once more, elsewhere in the picture" if count else ""
                 return f"tilt the board: its {name} edge (in the picture) towards the camera{again}"
-        for names, row in zip(PLACES, self.covered(), strict=True):
-            for name, is_covered in zip(names, row, strict=True):
-                if not is_covered:
-                    return f"bring the board to the {name} of the picture"
+        if missing := self._places_missing():
+            return f"bring the board to the {missing[0]} of the picture"
         return None if len(self.kept) >= ENOUGH_VIEWS else "show it from yet another side"
 
     def calibration(self) -> Calibration:
@@ -128,10 +125,17 @@ class CalibrationGuide:
             if len(flat) > len(TILTS) - 2:
                 raise UserError("all views of the board are nearly frontal", self.wanted() or "tilt it to every side")
             if sum(map(sum, self.covered())) < MIN_COVERED:
-                raise UserError(
-                    f"{_places_missing(self.covered())} of the picture never saw the board", self.wanted() or ""
-                )
+                missing = ", ".join(self._places_missing())
+                raise UserError(f"{missing} of the picture never saw the board", self.wanted() or "")
         return calibrate([kept.view for kept in self.kept], self.size)
+
+    def _places_missing(self) -> list[str]:
+        return [
+            name
+            for names, row in zip(PLACES, self.covered(), strict=True)
+            for name, is_covered in zip(names, row, strict=True)
+            if not is_covered
+        ]
 
     def _described(self, view: BoardView, frame_index: int, last: BoardView | None) -> KeptView:
         _, rvec, tvec = cv2.solvePnP(
@@ -158,13 +162,3 @@ def _motion(view: BoardView, last: BoardView | None) -> float:
         if tuple(point) in before
     ]
     return sum(ways) / len(ways) if ways else math.inf
-
-
-def _places_missing(covered: Sequence[Sequence[bool]]) -> str:
-    missing = [
-        name
-        for names, row in zip(PLACES, covered, strict=True)
-        for name, is_covered in zip(names, row, strict=True)
-        if not is_covered
-    ]
-    return ", ".join(missing)
