@@ -8,6 +8,7 @@ jackknife): OpenCV's own formula takes the board for flat, and its errors for ch
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import compress
 from typing import Any
 
 import cv2
@@ -105,7 +106,7 @@ def calibrate(views: Sequence[BoardView], size: Size) -> Calibration:
             f"show it in at least {MIN_VIEWS} places, tilted to every side",
         )
     used, fit, flags = _without_outliers(views, size)
-    chosen = [view for view, is_used in zip(views, used, strict=True) if is_used]
+    chosen = list(compress(views, used))
     sigma = np.maximum(fit.sigma, _jackknife(chosen, size, fit, flags))
     sigma[:4] = np.hypot(sigma[:4], SYSTEMATIC * fit.K[0, 0])
     _refuse_unknown(fit, sigma, size)
@@ -118,7 +119,7 @@ def _without_outliers(views: Sequence[BoardView], size: Size) -> tuple[Mask, _Fi
     """Which views agree, what they say together, and the lens model that was best for them."""
     used = np.ones(len(views), dtype=bool)
     while True:
-        chosen = [view for view, is_used in zip(views, used, strict=True) if is_used]
+        chosen = list(compress(views, used))
         fit, flags = _best_lens(chosen, size)
         bound = max(OUTLIER_RATIO * float(np.median(fit.view_rms_px)), OUTLIER_PX)
         worst = int(fit.view_rms_px.argmax())
