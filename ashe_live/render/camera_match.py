@@ -4,8 +4,8 @@ import math
 
 import moderngl
 
-from ashe_live.core.camera import Size
 from ashe_live.core.types import Frame
+from ashe_live.render.canvas import Canvas
 from ashe_live.render.framing import Rectangle
 from ashe_live.render.programs import build_program, set_uniforms
 from ashe_live.render.video_look import BOX_VARIANCE_PX2, VideoLook
@@ -21,8 +21,7 @@ class CameraMatch:
         self._ctx = ctx
         self._program = build_program(ctx, "camera_match")
         self._rectangle = ctx.vertex_array(self._program, [])
-        self._copy: moderngl.Texture | None = None
-        self._framebuffer: moderngl.Framebuffer | None = None
+        self._copy = Canvas(ctx)
 
     def draw(
         self, target: moderngl.Framebuffer, region: Rectangle, viewport: Rectangle, frame: Frame, look: VideoLook
@@ -38,11 +37,10 @@ class CameraMatch:
             return
         left, bottom, width, height = region
         reach = math.ceil(2 * blur) + 1
-        framebuffer = self._allocated(target.size)
+        copy, framebuffer = self._copy.of_size(target.size)
         framebuffer.scissor = (left - 2 * reach, bottom - 2 * reach, width + 4 * reach, height + 4 * reach)
         self._ctx.copy_framebuffer(framebuffer, target)
-        assert self._copy is not None
-        self._copy.use(0)
+        copy.use(0)
         # Binomial weights 1/4, 1/2, 1/4 at a distance d have the variance d^2 / 2.
         step = math.sqrt(2) * blur
         set_uniforms(
@@ -63,20 +61,6 @@ class CameraMatch:
         target.use()
 
     def release(self) -> None:
-        self._release_copy()
+        self._copy.release()
         self._rectangle.release()
         self._program.release()
-
-    def _allocated(self, size: Size) -> moderngl.Framebuffer:
-        if self._copy is None or self._framebuffer is None or self._copy.size != size:
-            self._release_copy()
-            self._copy = self._ctx.texture(size, 4)
-            self._copy.repeat_x = self._copy.repeat_y = False
-            self._framebuffer = self._ctx.framebuffer([self._copy])
-        return self._framebuffer
-
-    def _release_copy(self) -> None:
-        if self._copy is not None and self._framebuffer is not None:
-            self._framebuffer.release()
-            self._copy.release()
-        self._copy = self._framebuffer = None

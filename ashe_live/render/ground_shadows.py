@@ -10,6 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import translated_and_scaled
+from ashe_live.render.canvas import Canvas
 from ashe_live.render.lighting import Sun
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps, tile_corners
@@ -27,8 +28,8 @@ class GroundShadows:
         self._programs = programs
         self._preset = preset
         self._size = preset.ground_shadow_size
+        self._canvas = Canvas(ctx, 1, "f2")
         self._texture: moderngl.Texture | None = None
-        self._framebuffer: moderngl.Framebuffer | None = None
         self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
         self._drawn = 0
         self._uniforms: dict[str, Float] = {}
@@ -40,8 +41,9 @@ class GroundShadows:
         self._drawn = shadows.renders
         boxes = shadows.boxes
         corners = tile_corners(len(boxes)) * self._size
-        self._allocate(corners.max(axis=0) + self._size)
-        assert self._framebuffer is not None
+        width, height = corners.max(axis=0) + self._size
+        self._texture, framebuffer = self._canvas.of_size((int(width), int(height)))
+        texture_size = np.array(framebuffer.size, dtype=np.float64)
         program = self._programs.get(
             "ground_shadow",
             **shadows.constants | {"casters": shadows.caster_count, "blocker_taps": self._preset.blocker_taps},
@@ -50,28 +52,24 @@ class GroundShadows:
             self._release_rectangle()
             self._rectangle = program, self._ctx.vertex_array(program, [])
         shadows.bind(program)
-        self._framebuffer.use()
+        framebuffer.use()
         self._ctx.enable_only(moderngl.NOTHING)
-        tiles_from_marker = []
+        texture_from_marker = []
         for number, (box, corner) in enumerate(zip(boxes, corners, strict=True)):
             caster, light = divmod(number, len(suns))
-            tile_from_marker = box.unit_from_marker.copy()
             # Wider by the penumbra, and by two texels that are lit.
             beyond = np.minimum(suns[light].penumbra_m(1.1 * box.highest_m) / box.extent[:2], WIDEST_PENUMBRA)
             beyond = (beyond + 2 / self._size) / (1 - 4 / self._size)
-            tile_from_marker = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1)) @ tile_from_marker
+            tile_from_unit = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1))
+            tile_from_marker = tile_from_unit @ box.unit_from_marker
             self._ctx.viewport = (int(corner[0]), int(corner[1]), self._size, self._size)
             ground = _ground_from_tile(tile_from_marker, suns[light].to_light)
             set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
             self._rectangle[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
-            tiles_from_marker.append(tile_from_marker)
-        texture_size = np.array(self._framebuffer.size, dtype=np.float64)
-        into_texture = [
-            translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1)) @ tile_from_marker
-            for corner, tile_from_marker in zip(corners, tiles_from_marker, strict=True)
-        ]
+            texture_from_tile = translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1))
+            texture_from_marker.append(texture_from_tile @ tile_from_marker)
         self._uniforms = {
-            "ground_shadow_from_marker": np.array(into_texture),
+            "ground_shadow_from_marker": np.array(texture_from_marker),
             "ground_shadow_lower": (corners + 0.5) / texture_size,
             "ground_shadow_upper": (corners + self._size - 0.5) / texture_size,
         }
@@ -81,27 +79,9 @@ class GroundShadows:
             self._texture.use(UNIT)
             set_uniforms(program, ground_shadows=UNIT, **self._uniforms)
 
-    def forget(self) -> None:
-        """Draws anew next time."""
-        self._drawn = 0
-
     def release(self) -> None:
         self._release_rectangle()
-        self._release_texture()
-
-    def _allocate(self, size: Float) -> None:
-        wanted = (int(size[0]), int(size[1]))
-        if self._texture is not None and self._texture.size == wanted:
-            return
-        self._release_texture()
-        self._texture = self._ctx.texture(wanted, 1, dtype="f2")
-        self._framebuffer = self._ctx.framebuffer([self._texture])
-
-    def _release_texture(self) -> None:
-        if self._texture is not None and self._framebuffer is not None:
-            self._framebuffer.release()
-            self._texture.release()
-        self._texture = self._framebuffer = None
+        self._canvas.release()
 
     def _release_rectangle(self) -> None:
         if self._rectangle is not None:

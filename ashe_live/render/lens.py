@@ -5,8 +5,9 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.camera import Camera, Size
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.camera import Camera
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.render.canvas import Canvas
 from ashe_live.render.framing import Rectangle
 from ashe_live.render.programs import build_program, set_uniforms
 
@@ -23,8 +24,8 @@ class Lens:
         self._original: moderngl.Texture | None = None
         self._grid: tuple[Camera, moderngl.Texture] | None = None
         self._pinhole: tuple[Camera, Camera] | None = None
-        self._pictures: list[tuple[moderngl.Texture, moderngl.Framebuffer]] = []
-        self._shown: TrackedFrame | None = None
+        self._bare, self._drawn = Canvas(ctx), Canvas(ctx)
+        self._shown: Frame | None = None
 
     def pinhole_of(self, camera: Camera) -> Camera:
         """`wide_pinhole`, the same object for the same camera."""
@@ -34,15 +35,17 @@ class Lens:
 
     def keep_bare(self, target: moderngl.Framebuffer) -> None:
         """Remembers the pinhole picture before anything is drawn on it."""
-        self._ctx.copy_framebuffer(self._picture(0, target.size)[1], target)
+        _, framebuffer = self._bare.of_size(target.size)
+        self._ctx.copy_framebuffer(framebuffer, target)
 
     def draw(self, target: moderngl.Framebuffer, tracked: TrackedFrame, viewport: Rectangle, region: Rectangle) -> None:
         """Replaces `target`'s `viewport`, in whose `region` (empty: nowhere) something was drawn since `keep_bare`."""
-        drawn, framebuffer = self._picture(1, target.size)
+        bare, _ = self._bare.of_size(target.size)
+        drawn, framebuffer = self._drawn.of_size(target.size)
         self._ctx.copy_framebuffer(framebuffer, target)
         textures = {
-            "original": self._uploaded(tracked),
-            "bare": self._picture(0, target.size)[0],
+            "original": self._uploaded(tracked.frame),
+            "bare": bare,
             "drawn": drawn,
             "straight_from_bent": self._grid_of(tracked.camera),
         }
@@ -57,7 +60,8 @@ class Lens:
         self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
 
     def release(self) -> None:
-        self._release_pictures()
+        self._bare.release()
+        self._drawn.release()
         if self._original is not None:
             self._original.release()
         if self._grid is not None:
@@ -66,16 +70,16 @@ class Lens:
         self._rectangle.release()
         self._program.release()
 
-    def _uploaded(self, tracked: TrackedFrame) -> moderngl.Texture:
-        if self._original is None or self._original.size != tracked.frame.size:
+    def _uploaded(self, frame: Frame) -> moderngl.Texture:
+        if self._original is None or self._original.size != frame.size:
             if self._original is not None:
                 self._original.release()
-            self._original = self._ctx.texture(tracked.frame.size, 4)
+            self._original = self._ctx.texture(frame.size, 4)
             self._original.repeat_x = self._original.repeat_y = False
             self._shown = None
-        if self._shown is None or self._shown.frame is not tracked.frame:
-            self._original.write(cv2.cvtColor(cv2.flip(tracked.frame.image_bgr, 0), cv2.COLOR_BGR2RGBA))
-            self._shown = tracked
+        if self._shown is not frame:
+            self._original.write(cv2.cvtColor(cv2.flip(frame.image_bgr, 0), cv2.COLOR_BGR2RGBA))
+            self._shown = frame
         return self._original
 
     def _grid_of(self, camera: Camera) -> moderngl.Texture:
@@ -87,21 +91,6 @@ class Lens:
             texture.repeat_x = texture.repeat_y = False
             self._grid = camera, texture
         return self._grid[1]
-
-    def _picture(self, number: int, size: Size) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
-        if self._pictures and self._pictures[0][0].size != size:
-            self._release_pictures()
-        while len(self._pictures) <= number:
-            texture = self._ctx.texture(size, 4)
-            texture.repeat_x = texture.repeat_y = False
-            self._pictures.append((texture, self._ctx.framebuffer([texture])))
-        return self._pictures[number]
-
-    def _release_pictures(self) -> None:
-        for texture, framebuffer in self._pictures:
-            framebuffer.release()
-            texture.release()
-        self._pictures.clear()
 
 
 def wide_pinhole(camera: Camera) -> Camera:
