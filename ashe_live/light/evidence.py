@@ -48,9 +48,9 @@ EVIDENCE = (
 
 def evidence(explanation: Explanation) -> Float:
     """(10,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
-    fit, it = explanation.fit, explanation
+    fit = explanation.fit
     misfit = math.log(max(fit.residual_px, 0.05) / max(fit.object_px, 1.0))
-    return np.array([misfit, *appearance(it.region, it.materials, it.predicted)])
+    return np.array([misfit, *appearance(explanation.region, explanation.materials, explanation.predicted)])
 
 
 def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image, Mask
-from ashe_live.light.areas import cleaned, large_areas, smoothed
+from ashe_live.light.areas import cleaned, large_areas, shrunk, smoothed
 from ashe_live.light.log_colour import Float32, linear_rgb, log_opponent
 from ashe_live.light.mixtures import Mixture, clusters, mixture_of, nearest_squared_distance
 from ashe_live.light.view import Window
@@ -52,8 +52,7 @@ def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> Lit
     bases = _slow_bases((*is_ground.shape,))
     field, spread = _wider_spread(colours, bases, is_ground, steps.spread_colours)
     lit = is_ground & (smoothed(spread) > _spread_of_ground(spread, is_ground))
-    lit = cv2.erode(lit.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)
-    chosen = _samples(lit)
+    chosen = _samples(shrunk(lit, 1))
     if len(chosen) < SAMPLES // 10:
         return None
     for _ in range(steps.field_rounds):

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
@@ -31,7 +30,6 @@ from ashe_live.light.stages import StageClock
 from ashe_live.light.two_lights import are_two, materials_of_two, parted
 from ashe_live.light.view import View
 
-UNRELIABLE_PX = 5
 EDGE_SIGMA_PX = 0.7
 # Of the coarse picture: smaller things are specks.
 LEAST_SHARE = 0.0005
@@ -61,9 +59,54 @@ class ProxySteps:
     fine_fit: fitting.FitPreset
 
 
-FAST = ProxySteps(240, 480, 90, 2, 5, 3, 2, 3, 1, 1, 1, GroundSteps(12, 8, 1), fitting.FAST, fitting.FAST)
-BALANCED = ProxySteps(320, 640, 100, 3, 8, 6, 3, 4, 2, 2, 2, GroundSteps(), fitting.FAST, fitting.BALANCED)
-ACCURATE = ProxySteps(320, 960, 180, 4, 9, 8, 3, 12, 4, 6, 3, GroundSteps(), fitting.BALANCED, fitting.ACCURATE)
+FAST = ProxySteps(
+    coarse_width_px=240,
+    fine_width_px=480,
+    region_px=90,
+    regions=2,
+    shifts=5,
+    paired_shifts=3,
+    shadows_per_shift=2,
+    tried=3,
+    pairs_tried=1,
+    refined=1,
+    rounds=1,
+    ground=GroundSteps(12, 8, 1),
+    first_fit=fitting.FAST,
+    fine_fit=fitting.FAST,
+)
+BALANCED = ProxySteps(
+    coarse_width_px=320,
+    fine_width_px=640,
+    region_px=100,
+    regions=3,
+    shifts=8,
+    paired_shifts=6,
+    shadows_per_shift=3,
+    tried=4,
+    pairs_tried=2,
+    refined=2,
+    rounds=2,
+    ground=GroundSteps(),
+    first_fit=fitting.FAST,
+    fine_fit=fitting.BALANCED,
+)
+ACCURATE = ProxySteps(
+    coarse_width_px=320,
+    fine_width_px=960,
+    region_px=180,
+    regions=4,
+    shifts=9,
+    paired_shifts=8,
+    shadows_per_shift=3,
+    tried=12,
+    pairs_tried=4,
+    refined=6,
+    rounds=3,
+    ground=GroundSteps(),
+    first_fit=fitting.BALANCED,
+    fine_fit=fitting.ACCURATE,
+)
 PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}
 
 
@@ -119,7 +162,9 @@ class ProxyEstimator:
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
         lights = [
             replace(light, shadow_rgb_ratio=ratio)
-            for light, ratio in zip(lights_of(best, confidence, tracked), ratios, strict=False)
+            for light, ratio in zip(
+                lights_of(best, confidence, tracked), ratios, strict=False
+            )  # two lights have a third, that of both
         ]
         if len(lights) == 1:
             lights = [replace(lights[0], angular_size_rad=_angular_size(best))]
@@ -184,14 +229,12 @@ def _explained(
 ) -> Explanation | None:
     """What follows from a split; None if no light does. `near`: (l, 2) displacements to start from as well."""
     view = region.view
-    kernel = np.ones((UNRELIABLE_PX, UNRELIABLE_PX), np.uint8)
-    unreliable = cv2.dilate((~region.is_ground).astype(np.uint8), kernel).astype(bool)
     found = fitting.fit_light(
         split.object_mask,
         split.shadows,
         view.camera,
         view.T_cam_marker,
-        unreliable,
+        region.unreliable,
         EDGE_SIGMA_PX,
         preset,
         split.either,

@@ -1,12 +1,12 @@
 """Regions of the frame in which something stands, each looked at as finely as it needs."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Mask
+from ashe_live.core.arrays import Mask, set_frozen
 from ashe_live.light.areas import grown, majority, shrunk
 from ashe_live.light.ground import LitGround, ground_colours
 from ashe_live.light.log_colour import Float32
@@ -15,6 +15,7 @@ from ashe_live.light.view import View, Window
 
 APART_PX = 3  # of the coarse picture: nearer areas belong together
 MARGIN_PX = 10
+UNRELIABLE_PX = 2
 # Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
 SURPRISING, MOST_SURPRISING = 7.0, 60.0
 
@@ -28,6 +29,10 @@ class Region:
     unlit: Mask  # (h, w) what the lit ground does not explain
     window: Window  # where it lies in the whole frame
     frame_shape: tuple[int, ...]  # (h, w) of the whole frame at this scale
+    unreliable: Mask = field(init=False)  # (h, w) no ground, or so near to it that an edge may be its own
+
+    def __post_init__(self) -> None:
+        set_frozen(self, unreliable=grown(~self.view.is_ground, UNRELIABLE_PX))
 
     @property
     def is_ground(self) -> Mask:

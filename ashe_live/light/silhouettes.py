@@ -108,16 +108,12 @@ def observe_outlines(
         silhouettes.append(Silhouette(points, ~(cut | hidden)))
         least_px.append(reach)
         most_px.append(np.where(owner == number, reach, most))
-    least_px.append(np.full(len(directions), -np.inf))
-    most_px.append(np.full(len(directions), np.inf))
-    if whole_contour is not None:
-        points = whole_contour.hull_px - centre
-        reach = _reach(points, directions)
-        unknown = np.array(most_px[:-1]).max(axis=0) > np.array(least_px[:-1]).max(axis=0) + TIE_PX
-        unknown &= ~_ends_at(cut_off(whole_contour.hull_px, body.shape, really_unreliable), points, directions, TIE_PX)
-        least_px[-1] = np.where(unknown, reach, -np.inf)
-        most_px[-1] = np.where(unknown, reach, np.inf)
     least, most = np.stack(least_px), np.stack(most_px)
+    whole = np.full(len(directions), -np.inf), np.full(len(directions), np.inf)
+    if whole_contour is not None:
+        cut = cut_off(whole_contour.hull_px, body.shape, really_unreliable)
+        whole = _bounds_of_whole(whole_contour.hull_px - centre, cut, directions, least, most)
+    least, most = np.vstack([least, whole[0]]), np.vstack([most, whole[1]])
     outlines = Outlines(directions, centre, size, silhouettes[0], tuple(silhouettes[1:]), least, most)
     seen = outlines.seen.sum(axis=1)
     if seen[0] + seen[-1] < LEAST_SEEN_OF_BODY:
@@ -125,6 +121,16 @@ def observe_outlines(
     if (seen[1:-1] + seen[-1]).min() < LEAST_SEEN_OF_SHADOW:
         return "too little of the shadow's outline can be seen"
     return outlines
+
+
+def _bounds_of_whole(points: Float, cut: Mask, directions: Float, least: Float, most: Float) -> tuple[Float, Float]:
+    """(d,) least and most that object and shadows (rows of bounds) reach together, by their common hull's points.
+
+    Measured where neither of them was; elsewhere without bounds, so that no outline counts twice.
+    """
+    reach = _reach(points, directions)
+    unknown = (most.max(axis=0) > least.max(axis=0) + TIE_PX) & ~_ends_at(cut, points, directions, TIE_PX)
+    return np.where(unknown, reach, -np.inf), np.where(unknown, reach, np.inf)
 
 
 def _edge_normals(contour: Contour, doubtful: Mask, is_doubtful: Callable[[Float], Mask], size_px: float) -> Float:
