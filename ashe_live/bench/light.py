@@ -13,14 +13,15 @@ from rich.progress import track
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.light_clips import ClipResult, estimate_clip, read_clips
 from ashe_live.bench.light_results import CaseResult, Summary, case_result, grouped, stage_times, summarise
-from ashe_live.bench.light_tables import light_console, print_clips, print_preset
+from ashe_live.bench.light_tables import print_clips, print_preset
 from ashe_live.bench.light_targets import Verdict, verdicts
 from ashe_live.bench.light_trade import COST, print_trade, sweep
 from ashe_live.bench.light_truth import error_on_true_masks_deg, mask_overlaps
-from ashe_live.bench.machine import machine_json, versions_json
+from ashe_live.bench.machine import machine_json, measured_with, versions_json
 from ashe_live.bench.plots import SUFFIXES, check_can_draw, draw_trade
+from ashe_live.bench.tables import bench_console
 from ashe_live.core.contract import Json
-from ashe_live.core.output_files import check_output, make_folder, write_json
+from ashe_live.core.output_files import check_folder, write_json
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimator import Estimator, make_estimator
@@ -46,7 +47,7 @@ class LightBench:
     quick: bool = False  # a few scenes of each category, a few frames of each clip
     limit: int | None = None  # the first so many scenes of each folder
     sweeps: bool = False  # also draws the trade of error against time, on some scenes of each category
-    console: Console = field(default_factory=light_console)
+    console: Console = field(default_factory=bench_console)
 
     def run(self, out: Path | None = None, overwrite: bool = False) -> Json:
         """Measures, prints, and writes results.json and trade.svg and .png into the folder `out`; returns the former.
@@ -58,7 +59,7 @@ class LightBench:
         if draws:
             check_can_draw()
         if out is not None:
-            _check_folder(out, (RESULTS, *(TRADE + suffix for suffix in SUFFIXES if draws)), overwrite)
+            check_folder(out, (RESULTS, *(TRADE + suffix for suffix in SUFFIXES if draws)), overwrite)
         estimators = {preset: make_estimator(self.estimator, preset) for preset in self.presets}
         record = self._measured(estimators)
         if out is not None:
@@ -158,10 +159,7 @@ def thinned(cases: Sequence[Case], every: int) -> list[Case]:
 
 
 def _note(record: Json) -> str:
-    machine, versions = record["machine"], record["versions"]
-    libraries = ", ".join(f"{name} {versions[name]}" for name in ("python", "opencv", "numpy"))
-    scenes = f"every {SWEEP_EVERY}rd scene of {', '.join(record['scenes'])}"
-    return f"{record['date'][:10]}; {machine['cpus']} cores, {machine['processor']}; {libraries}; {scenes}"
+    return f"{measured_with(record)}; every {SWEEP_EVERY}rd scene of {', '.join(record['scenes'])}"
 
 
 def _known(cases: Sequence[Case]) -> list[Case]:
@@ -180,10 +178,3 @@ def _preset_json(
         "clips": [asdict(clip) for clip in clips],
         "targets": [{**asdict(verdict), "met": verdict.is_met, "missed_by": verdict.missed_by} for verdict in met],
     }
-
-
-def _check_folder(folder: Path, names: Sequence[str], overwrite: bool) -> None:
-    """Makes the folder, so that nothing is measured in vain; raises UserError when a file of `names` is there."""
-    make_folder(folder)
-    for name in names:
-        check_output(folder / name, overwrite)

@@ -10,14 +10,7 @@ from ashe_live.bench.light_clips import EVERY, ClipResult
 from ashe_live.bench.light_results import ALL, GOOD_DEG, CaseResult, Summary
 from ashe_live.bench.light_targets import DEG, MS, Verdict
 
-PIPE_WIDTH = 120
 WORST = 10
-
-
-def light_console() -> Console:
-    """As wide as the terminal; in a file or a pipe, wide enough for the tables."""
-    console = Console()
-    return console if console.is_terminal else Console(width=PIPE_WIDTH)
 
 
 def print_preset(

@@ -8,20 +8,19 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 from rich.progress import track
-from rich.table import Table
 
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light_results import GOOD_DEG, CaseResult, case_result
 from ashe_live.bench.plots import TradePoint, pareto_front
+from ashe_live.bench.tables import figures_table
 from ashe_live.light import fit
 from ashe_live.light.estimator import Estimator
-from ashe_live.light.proxy import PRESETS, ProxyEstimator, ProxySteps
+from ashe_live.light.proxy import BALANCED, ProxyEstimator, ProxySteps
 
 MEDIAN_ERROR = "median error, no answer = 90° (degrees)"
 MISSED = f"no answer, or more than {GOOD_DEG:.0f}° off (% of the lit scenes)"
 COST = "median time of an estimate (ms)"
 UNANSWERED_DEG = 90.0
-BALANCED = PRESETS["balanced"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,15 +103,7 @@ def sweep(cases: Sequence[Case], presets: Mapping[str, Estimator], console: Cons
 def print_trade(console: Console, points: Sequence[TradePoint]) -> None:
     """One line a setting; those on the Pareto front of a measure are marked."""
     fronts = {measure: pareto_front(points, measure) for measure in (MEDIAN_ERROR, MISSED)}
-    table = Table(title="trade (* on the Pareto front)", title_justify="left")
-    for heading, justify in (
-        ("varied", "left"),
-        ("to", "right"),
-        ("ms", "right"),
-        ("median", "right"),
-        ("missed", "right"),
-    ):
-        table.add_column(heading, justify=justify)  # type: ignore[arg-type]
+    table = figures_table("trade (* on the Pareto front)", "varied", "to", "ms", "median", "missed")
     for point in points:
         median, missed = (
             f"{point.errors[measure]:.1f}{unit}{'*' if point in fronts[measure] else ' '}"

@@ -24,6 +24,13 @@ def versions_json() -> Json:
     return {"python": platform.python_version(), **{name: _version(library) for name, library in LIBRARIES.items()}}
 
 
+def measured_with(record: Json) -> str:
+    """Date, machine and versions of a bench's record, in one line."""
+    machine, versions = record["machine"], record["versions"]
+    libraries = ", ".join(f"{name} {versions[name]}" for name in ("python", "opencv", "numpy"))
+    return f"{record['date'][:10]}; {machine['cpus']} cores, {machine['processor']}; {libraries}"
+
+
 def _version(library: str) -> str | None:
     try:
         return version(library)

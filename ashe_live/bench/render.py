@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 from rich.progress import track
-from rich.table import Table
 
 from ashe_live.bench.loops import time_blit, time_unpaced
 from ashe_live.bench.machine import machine_json, versions_json
 from ashe_live.bench.plots import TradePoint, check_can_draw, draw_trade
 from ashe_live.bench.render_cost import cost_of, lights_around, memory_growth, orbit, round_model, sweeps
 from ashe_live.bench.render_error import picture_error, read_references
+from ashe_live.bench.tables import figures_table
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
@@ -167,17 +167,19 @@ def _settings() -> list[tuple[str, str, RenderPreset]]:
 def print_render_record(record: Json) -> None:
     console = Console(highlight=False)
     console.print(f"{record['machine']['cpus']} CPU cores, {record['machine']['gl_renderer']}")
-    loop = _table("fast, one sun, ms a frame", "decode", "track", "render", "whole", "video drawn", "render / video")
+    loop = figures_table(
+        "fast, one sun, ms a frame", "", "decode", "track", "render", "whole", "video drawn", "render / video"
+    )
     for row in record["loop"]:
         values = (row["decode"], row["track"], row["render"], row["whole"], row["video_drawn"])
         loop.add_row(_size(row["size"]), *(f"{ms:.2f}" for ms in values), f"{row['render'] / row['video_drawn']:.1f}")
     large = record["large"]
-    costs = _table("balanced, ms a picture", "median", "p99", "GPU median", "GPU p99")
+    costs = figures_table("balanced, ms a picture", "", "median", "p99", "GPU median", "GPU p99")
     costs.add_row(f"{_size(large['size'])}, {large['triangles']} triangles", *_costs(large))
     for name, rows in record["sweeps"].items():
         for row in rows:
             costs.add_row(f"{name} {row['value']:,}", *_costs(row))
-    errors = _table("against a path tracer", "ms", "shadow IoU", "least", "dE in shadow", "dE on model")
+    errors = figures_table("against a path tracer", "", "ms", "shadow IoU", "least", "dE in shadow", "dE on model")
     for row in record["errors"]:
         numbers = (row["shadow_iou_mean"], row["shadow_iou_least"])
         colours = (row["shadow_de"], row["model_de"])
@@ -195,13 +197,16 @@ def print_render_record(record: Json) -> None:
 
 def _draw(record: Json, out: Path) -> None:
     note = f"{date.today()}, {record['machine']['gl_renderer']}, {record['machine']['cpus']} cores"
-    measures = {"1 - shadow IoU": "shadow_iou_mean", "dE in the shadow": "shadow_de", "dE on the model": "model_de"}
     points = [
         TradePoint(
             row["name"],
             row["series"],
             row["ms"],
-            {label: abs(row[key] - (key == "shadow_iou_mean")) for label, key in measures.items()},
+            {
+                "1 - shadow IoU": 1 - row["shadow_iou_mean"],
+                "dE in the shadow": row["shadow_de"],
+                "dE on the model": row["model_de"],
+            },
             row["series"] == "presets",
         )
         for row in record["errors"]
@@ -234,10 +239,3 @@ def _costs(row: Json) -> list[str]:
 
 def _size(size: list[int]) -> str:
     return f"{size[0]}x{size[1]}"
-
-
-def _table(title: str, *columns: str) -> Table:
-    table = Table("", title=title, title_justify="left")
-    for column in columns:
-        table.add_column(column, justify="right")
-    return table

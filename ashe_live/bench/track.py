@@ -10,9 +10,9 @@ import cv2
 import numpy as np
 from rich.console import Console
 
-from ashe_live.bench.light_tables import light_console
-from ashe_live.bench.machine import machine_json, versions_json
+from ashe_live.bench.machine import machine_json, measured_with, versions_json
 from ashe_live.bench.plots import SUFFIXES, check_can_draw, draw_trade
+from ashe_live.bench.tables import bench_console
 from ashe_live.bench.track_clips import ClipFigures, follow_clips
 from ashe_live.bench.track_contenders import Answer, Contender, OpencvReference, Ours, answers, found_share
 from ashe_live.bench.track_focal import focal_figures
@@ -29,7 +29,7 @@ from ashe_live.bench.track_tables import Figure, print_clips, print_figures
 from ashe_live.bench.track_takes import HD, LENS, Take, at_rest, roaming, scattered, sliding
 from ashe_live.bench.track_trade import COST, print_trade, sweep
 from ashe_live.core.contract import Json
-from ashe_live.core.output_files import check_output, make_folder, write_json
+from ashe_live.core.output_files import check_folder, write_json
 from ashe_live.core.quality import BALANCED, TrackingPreset
 
 SCHEMA = 1
@@ -46,7 +46,7 @@ class TrackBench:
     preset: TrackingPreset = BALANCED.tracking
     real: Path | None = None
     quick: bool = False  # a few frames of each take, and no sweep of the settings
-    console: Console = field(default_factory=light_console)
+    console: Console = field(default_factory=bench_console)
 
     def run(self, out: Path | None = None, overwrite: bool = False) -> Json:
         """Measures, prints, and writes results.json and the trade's plots into the folder `out`; returns the former.
@@ -58,9 +58,7 @@ class TrackBench:
         if draws:
             check_can_draw()
         if out is not None:
-            make_folder(out)
-            for name in (RESULTS, *(TRADE + suffix for suffix in SUFFIXES if draws)):
-                check_output(out / name, overwrite)
+            check_folder(out, (RESULTS, *(TRADE + suffix for suffix in SUFFIXES if draws)), overwrite)
         with _one_thread():
             record = self._measured(out, draws)
         if out is not None:
@@ -88,7 +86,7 @@ class TrackBench:
             print_trade(self.console, points)
             record["trade"] = [asdict(point) for point in points]
             if draws and out is not None:
-                draw_trade(points, "Tracking: error against time", COST, _note(record), out / TRADE)
+                draw_trade(points, "Tracking: error against time", COST, measured_with(record), out / TRADE)
         return record
 
     def _frames(self, frames: int) -> int:
@@ -171,9 +169,3 @@ def _one_thread() -> Iterator[None]:
         yield
     finally:
         cv2.setNumThreads(before)
-
-
-def _note(record: Json) -> str:
-    machine, versions = record["machine"], record["versions"]
-    libraries = ", ".join(f"{name} {versions[name]}" for name in ("python", "opencv", "numpy"))
-    return f"{record['date'][:10]}; {machine['cpus']} cores, {machine['processor']}; {libraries}"

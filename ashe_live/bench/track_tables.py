@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rich.console import Console
-from rich.table import Table
 
+from ashe_live.bench.tables import figures_table
 from ashe_live.bench.track_clips import ClipFigures
 
 
@@ -31,7 +31,7 @@ class Figure:
 
 
 def print_figures(console: Console, figures: Sequence[Figure]) -> None:
-    table = _table("tracking, on synthetic frames", "OpenCV", "ours", "target", "")
+    table = figures_table("tracking, on synthetic frames", "", "OpenCV", "ours", "target", "")
     for figure in figures:
         target = "" if figure.most is None else f"≤ {_number(figure.most)}"
         target = target if figure.least is None else f"≥ {_number(figure.least)}"
@@ -42,8 +42,8 @@ def print_figures(console: Console, figures: Sequence[Figure]) -> None:
 
 
 def print_clips(console: Console, clips: Sequence[ClipFigures]) -> None:
-    table = _table(
-        "real clips", "frames", "found", "bridged", "largest turn", "trembling, px", "unfiltered, px", "median ms"
+    table = figures_table(
+        "real clips", "", "frames", "found", "bridged", "largest turn", "trembling, px", "unfiltered, px", "median ms"
     )
     for clip in clips:
         table.add_row(
@@ -57,13 +57,6 @@ def print_clips(console: Console, clips: Sequence[ClipFigures]) -> None:
             f"{clip.median_ms:.1f}",
         )
     console.print(table)
-
-
-def _table(title: str, *columns: str) -> Table:
-    table = Table("", title=title, title_justify="left")
-    for column in columns:
-        table.add_column(column, justify="right")
-    return table
 
 
 def _number(value: float | None) -> str:

@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 from rich.console import Console
 from rich.progress import track
-from rich.table import Table
 
 from ashe_live.bench.plots import TradePoint
+from ashe_live.bench.tables import figures_table
 from ashe_live.bench.track_contenders import Answer, Ours, answers
 from ashe_live.bench.track_measures import corner_jitter_px, lag_ms, rotation_errors_deg
 from ashe_live.bench.track_takes import SMALL, at_rest, roaming, scattered, sliding
@@ -66,9 +66,7 @@ def _point(series: str, name: str, given: dict[str, list[Answer]], is_preset: bo
 
 def print_trade(console: Console, points: Sequence[TradePoint]) -> None:
     """One line a setting."""
-    table = Table("varied", title="trade", title_justify="left")
-    for heading in ("to", "ms", "rotation, °", "jitter, px", "lag at 3 cm/s, ms"):
-        table.add_column(heading, justify="right")
+    table = figures_table("trade", "varied", "to", "ms", "rotation, °", "jitter, px", "lag at 3 cm/s, ms")
     for point in points:
         errors = (f"{point.errors[measure]:.3g}" for measure in (ERROR, JITTER, LAG))
         table.add_row(point.series, point.name, f"{point.cost:.2f}", *errors)

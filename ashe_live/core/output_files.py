@@ -2,7 +2,7 @@
 
 import contextlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from itertools import count
 from pathlib import Path
@@ -27,6 +27,13 @@ def make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise cannot_write(folder, error) from error
+
+
+def check_folder(folder: Path, names: Iterable[str], overwrite: bool) -> None:
+    """Makes the folder, so that nothing is done in vain. Raises UserError when one of `names` must not be written."""
+    make_folder(folder)
+    for name in names:
+        check_output(folder / name, overwrite)
 
 
 def cannot_write(path: Path, error: Exception) -> UserError:
