@@ -88,9 +88,10 @@ def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: flo
     """
     if not is_front_of_square(corners_px):
         return corners_px
-    (left, top), (right, bottom) = region_around(corners_px, 2 * off_by_px + MIN_REACH_PX, REACH_RATIO, grey.shape)
-    if right - left < 2 or bottom - top < 2:
+    region = region_around(corners_px, 2 * off_by_px + MIN_REACH_PX, REACH_RATIO, grey.shape)
+    if region is None:
         return corners_px
+    (left, top), (right, bottom) = region
     light = linear_light(grey[top:bottom, left:right])
     fitted = fitted_square(light, corners_px, samples, off_by_px, origin_px=(left, top))
     return corners_px if fitted is None else fitted.corners_px
@@ -98,15 +99,18 @@ def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: flo
 
 def region_around(
     corners_px: Float, margin_px: float, margin_ratio: float, shape: tuple[int, ...]
-) -> tuple[tuple[int, int], tuple[int, int]]:
+) -> tuple[tuple[int, int], tuple[int, int]] | None:
     """Left and top, right and bottom (excluded) of the corners' box within a picture of `shape` (h, w, ...).
 
-    It is grown on each side by `margin_px` and by `margin_ratio` of its longer side; it may be empty.
+    It is grown on each side by `margin_px` and by `margin_ratio` of its longer side. None where less than two pixels of
+    it, across or down, lie in the picture: there is nothing to interpolate between.
     """
     lower, upper = corners_px.min(axis=0), corners_px.max(axis=0)
     margin = margin_px + margin_ratio * float((upper - lower).max())
     left, top = np.floor(lower - margin).clip(0, shape[1::-1]).astype(int)
     right, bottom = np.ceil(upper + margin + 1).clip(0, shape[1::-1]).astype(int)
+    if min(right - left, bottom - top) < 2:
+        return None
     return (int(left), int(top)), (int(right), int(bottom))
 
 

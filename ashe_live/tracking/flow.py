@@ -25,8 +25,11 @@ PAPER = 1.4
 
 def flowed_corners(before_bgr: Image, now_bgr: Image, corners_px: Float) -> Float | None:
     """Where `corners_px` (4, 2) of `before_bgr` are in `now_bgr`, both (h, w, 3); None when that is unclear."""
-    (left, top), (right, bottom) = region_around(corners_px, 8, MARGIN_RATIO, before_bgr.shape)
-    if before_bgr.shape != now_bgr.shape or min(right - left, bottom - top) < 2 * WINDOW[0]:
+    region = region_around(corners_px, 8, MARGIN_RATIO, before_bgr.shape)
+    if region is None or before_bgr.shape != now_bgr.shape:
+        return None
+    (left, top), (right, bottom) = region
+    if min(right - left, bottom - top) < 2 * WINDOW[0]:
         return None
     scale = min(1.0, WORKING_PX / max(np.ptp(corners_px, axis=0)))
     before, now = (_grey(image[top:bottom, left:right], scale) for image in (before_bgr, now_bgr))

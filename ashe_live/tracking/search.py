@@ -41,9 +41,10 @@ def along_edges(
     marker: Marker, image_bgr: Image, camera: Camera, expected_px: Float, samples: int
 ) -> FittedSquare | None:
     """The marker whose corners (4, 2) are expected, in picture pixels, to within a tenth of its size."""
-    start, end = region_around(expected_px, 6, REACH_RATIO, image_bgr.shape)
-    if end[0] - start[0] < 2 or end[1] - start[1] < 2:
+    region = region_around(expected_px, 6, REACH_RATIO, image_bgr.shape)
+    if region is None:
         return None
+    start, end = region
     grey = _grey(image_bgr[start[1] : end[1], start[0] : end[0]])
     expected = ideal_from_source(camera, expected_px)
     square = fitted_square(linear_light(grey), expected, samples, 1.0, camera, start)
@@ -65,9 +66,10 @@ def _leaves_frame(square: FittedSquare, camera: Camera) -> bool:
 
 def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:
     """Coarse corners (4, 2), picture pixels, of every such marker around `last_px` (4, 2)."""
-    (left, top), (right, bottom) = region_around(last_px, 4, REGION_MARGIN, image_bgr.shape)
-    if right - left < 2 or bottom - top < 2:
+    region = region_around(last_px, 4, REGION_MARGIN, image_bgr.shape)
+    if region is None:
         return []
+    (left, top), (right, bottom) = region
     extent = float(np.ptp(last_px, axis=0).max())
     scale = min(LARGEST_PX / extent, 1.0) if extent > SMALLEST_PX else min(SMALLEST_PX / extent, MAX_ENLARGEMENT)
     grey = _grey(image_bgr[top:bottom, left:right])
@@ -85,9 +87,10 @@ def anywhere(marker: Marker, image_bgr: Image, width_px: int, thorough: bool) ->
 def refined(image_bgr: Image, camera: Camera, coarse_px: Float, samples: int) -> FittedSquare | None:
     """The square at coarse corners (4, 2), picture pixels, measured at full resolution."""
     off_by_px = max(COARSE_PX, float(np.ptp(coarse_px, axis=0).max()) / LARGEST_PX)
-    start, end = region_around(coarse_px, 2 * off_by_px + 4, REACH_RATIO, image_bgr.shape)
-    if end[0] - start[0] < 2 or end[1] - start[1] < 2:
+    region = region_around(coarse_px, 2 * off_by_px + 4, REACH_RATIO, image_bgr.shape)
+    if region is None:
         return None
+    start, end = region
     light = linear_light(_grey(image_bgr[start[1] : end[1], start[0] : end[0]]))
     ideal = ideal_from_source(camera, coarse_px)
     square = fitted_square(light, ideal, samples, off_by_px, camera, start)
