@@ -82,9 +82,6 @@ class ShadowCatcher:
             self._buffer.release()
         self._fan = self._buffer = None
 
-    def release(self) -> None:
-        self.forget()
-
     def _fan_of(self, program: moderngl.Program) -> moderngl.VertexArray:
         if self._fan is None or self._fan[0] is not program:
             if self._fan is not None:

@@ -160,11 +160,11 @@ class Renderer:
             self._lens,
             self._shadows,
             self._ground_shadows,
+            self._environment,
             self._surface,
+            self._programs,
         ):
             held.release()
-        self._environment.release()
-        self._programs.release()
 
     def _draw_model(self, prepared: PreparedModel, scene: Scene, camera: Camera) -> Rectangle:
         """As a pinhole camera sees it; returns the part of the picture that it may have changed."""
@@ -205,7 +205,6 @@ class Renderer:
             self._ctx.viewport = frame.viewport
             if multisampled:
                 self.video.draw()
-            self._ctx.viewport = frame.viewport
             if self._real is not None:
                 self._real.draw(frame, self.video, lighting, self._shadows)
             self._model_pass.draw_opaque(prepared.model, view)
