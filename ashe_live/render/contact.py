@@ -7,32 +7,21 @@ Drawn once a model, a direction at a time.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import cv2
 import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.quality import RenderPreset
+from ashe_live.core.quality import FAST
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.lighting import Sun
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
 
 DIRECTIONS = 24
-DEPTHS = RenderPreset(
-    shadow_map_size=128,
-    ground_shadow_size=0,
-    blocker_taps=0,
-    soft_taps=0,
-    soft_on_model=False,
-    pcf_radius=1,
-    msaa_samples=0,
-    matches_blur=False,
-    matches_noise=False,
-    matches_lens=False,
-    environment_size=0,
-)
+DEPTHS = replace(FAST.render, shadow_map_size=128, soft_on_model=False, pcf_radius=1)
 PATCH_SIZE = 64  # texels a side
 BLUR_TEXELS = 1.5  # what separates the directions' single shadows is smoothed away
 REACH_HEIGHTS = 0.5  # how far the patch goes beyond the model's bounds, in heights of the model
@@ -47,9 +36,8 @@ class ContactPatch:
     def __init__(self, ctx: moderngl.Context, programs: Programs, model: GpuModel) -> None:
         lower, upper = model.placed.bounds
         reach = REACH_HEIGHTS * max(upper[2], MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
-        self.bounds: Float = np.array(
-            [lower[:2] - reach, upper[:2] + reach]
-        )  # least, largest x, y; metres, marker frame
+        # (2, 2) least, largest x, y; metres, marker frame
+        self.bounds: Float = np.array([lower[:2] - reach, upper[:2] + reach])
         self._ctx = ctx
         self._model = model
         self._depth_map = ShadowMaps(ctx, DEPTHS)
