@@ -16,9 +16,9 @@ ASSUMED_SHADOW_RATIO = 0.4
 SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
 # A sun this low lights level ground too little to be balanced by its strength alone.
 MIN_BALANCED_SINE = 0.2
-# What ordinary ground sends back of the light that falls on it, and what any ground may.
 LEAST_REST = 0.5  # of the product of the shadows' ratios
 LEAST_NEARER = 0.4  # of the light's elevation above its own radius; lower lights' penumbrae are cut off
+# What ordinary ground sends back of the light that falls on it, and what any ground may.
 GROUND_ALBEDO = 0.35
 MAX_ALBEDO = 0.9
 
@@ -50,11 +50,10 @@ class Lighting:
     bounce: RGB  # from the ground, on a surface that faces it
 
     def uniforms(self) -> dict[str, Float | RGB]:
-        """What shaders call sky and suns; those of the suns are arrays of LIGHTS."""
+        """What shaders call sky and suns, whose directions come with the shadow maps; arrays of LIGHTS."""
         return {
             "sky": self.sky,
             "ground_bounce": self.bounce,
-            "to_light": np.array([sun.to_light for sun in self.suns]),
             "sun": np.array([sun.irradiance for sun in self.suns]),
             "sun_on_ground": np.array([sun.ground_share for sun in self.suns]),
         }
