@@ -104,8 +104,9 @@ void main() {
 #ifdef METALLIC_ROUGHNESS_MAP
     vec2 mapped = texture(metallic_roughness_map, uv).bg;
     metal *= mapped.x;
-    rough = max(rough * mapped.y, 0.06);
+    rough *= mapped.y;
 #endif
+    rough = max(rough, MIN_ROUGHNESS);
     vec3 f0 = mix(vec3(0.04), base.rgb, metal);
     albedo *= 1.0 - metal;
     vec3 to_eye = normalize(eye - position);

@@ -90,7 +90,7 @@ class ModelPass:
             exposure=view.exposure,
             base_colour=material.base_colour,
             metallic=material.metallic,
-            roughness=max(material.roughness, MIN_ROUGHNESS),
+            roughness=material.roughness,
             normal_scale=material.normal_scale,
             occlusion_strength=material.occlusion_strength,
             emissive=material.emissive,
@@ -101,7 +101,9 @@ class ModelPass:
 
     def _bound_program(self, part: GpuPart, looked_up: LookedUp) -> moderngl.Program:
         """The part's shader variant with all that it samples: a driver may compile anew for another kind of texture."""
-        program = self._programs.get("model", **shading_constants(part), **looked_up.shadows.constants)
+        program = self._programs.get(
+            "model", min_roughness=MIN_ROUGHNESS, **shading_constants(part), **looked_up.shadows.constants
+        )
         looked_up.shadows.bind(program)
         if part.material.is_mirror:
             looked_up.ground_shadows.bind(program)
