@@ -33,6 +33,11 @@ class MaterialNotes:
     emissive_strength: float
     uv_sets: dict[str, int]  # which set of texture coordinates a map is laid out with, by the map's field in Material
 
+    @property
+    def uv_set(self) -> int:
+        """The set that a mesh of this material gets; maps that are laid out with another are left out."""
+        return next(iter(self.uv_sets.values()), 0)
+
 
 @dataclass(frozen=True, slots=True)
 class GltfFile:

@@ -11,7 +11,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.gltf_header import MAPS_OF_MATERIAL, MaterialNotes
 from ashe_live.models.limits import MAX_TEXTURE_PX, check_picture, check_texels
-from ashe_live.models.material import WHITE, Alpha, Material
+from ashe_live.models.material import BLACK, WHITE, Alpha, LinearRGBA, Material
 
 # What formats without materials look like, and glTF meshes that name none: matt plastic. Many of their files have
 # holes, so both sides are seen.
@@ -38,7 +38,7 @@ class Surfaces:
     def uv_set(self, visual: Any) -> int:
         """Which of a glTF mesh's sets of texture coordinates most of its material is laid out with."""
         notes = self._notes_of(getattr(visual, "material", None))
-        return next(iter(notes.uv_sets.values()), 0) if notes else 0
+        return notes.uv_set if notes else 0
 
     def _metallic_roughness(self, material: PBRMaterial) -> Material:
         notes = self._notes_of(material)
@@ -55,7 +55,7 @@ class Surfaces:
             base_colour=WHITE if factor is None else _rgba(np.asarray(factor, dtype=np.float64) / 255),
             metallic=_clipped(material.metallicFactor, 1.0),
             roughness=_clipped(material.roughnessFactor, 1.0),
-            emissive=(0.0, 0.0, 0.0) if emissive is None else (emissive[0], emissive[1], emissive[2]),
+            emissive=BLACK if emissive is None else (emissive[0], emissive[1], emissive[2]),
             alpha=ALPHAS[material.alphaMode],
             alpha_cutoff=0.5 if material.alphaCutoff is None else float(material.alphaCutoff),
             double_sided=bool(material.doubleSided),
@@ -63,14 +63,13 @@ class Surfaces:
         )
         if notes is None:
             return converted
-        first_set = next(iter(notes.uv_sets.values()), 0)
         # A mesh has one set of texture coordinates here.
-        elsewhere: dict[str, Any] = {name: None for name, uv_set in notes.uv_sets.items() if uv_set != first_set}
+        elsewhere: dict[str, Any] = {name: None for name, uv_set in notes.uv_sets.items() if uv_set != notes.uv_set}
         red, green, blue = (notes.emissive_strength * float(value) for value in converted.emissive)
         return replace(
             converted,
             normal_scale=notes.normal_scale,
-            occlusion_strength=min(max(notes.occlusion_strength, 0.0), 1.0),
+            occlusion_strength=_clipped(notes.occlusion_strength, 1.0),
             emissive=(red, green, blue),
             **elsewhere,
         )
@@ -113,6 +112,6 @@ def _clipped(value: float | None, default: float) -> float:
     return default if value is None else min(max(float(value), 0.0), 1.0)
 
 
-def _rgba(values: Any) -> tuple[float, float, float, float]:
+def _rgba(values: Any) -> LinearRGBA:
     red, green, blue, alpha = (float(value) for value in values)
     return red, green, blue, alpha
