@@ -33,14 +33,27 @@ def picture(marker: Marker, camera: Camera, T_cam_marker: Float, side_m: float =
     cells_px = 320
     margin_px = cells_px // 4
     paper = cv2.copyMakeBorder(marker.bitmap(cells_px), *[margin_px] * 4, cv2.BORDER_CONSTANT, value=255)
-    metres = side_m / cells_px
-    centre = (paper.shape[0] - 1) / 2
-    marker_from_paper = np.array([(metres, 0, -centre * metres), (0, -metres, centre * metres), (0, 0, 1)])
+    middle_px = (paper.shape[0] - 1) / 2
+    return photographed(paper, side_m / cells_px, (middle_px, middle_px), camera, T_cam_marker, noise)
+
+
+def photographed(
+    paper: Image,
+    metres_per_px: float,
+    origin_px: tuple[float, float],
+    camera: Camera,
+    T_cam_paper: Float,
+    noise: float = 2.0,
+) -> Image:
+    """(h, w, 3) frame of a printed `paper` (h, w) whose pixel `origin_px` (x, y) is its frame's origin, y up."""
+    x, y = np.array(origin_px) * metres_per_px
+    paper_from_px = np.array([(metres_per_px, 0, -x), (0, -metres_per_px, y), (0, 0, 1)])
     width, height = camera.size
     fine = camera.resized((width * SUPERSAMPLING, height * SUPERSAMPLING))
-    homography = fine.K @ T_cam_marker[:3, (0, 1, 3)] @ marker_from_paper
+    homography = fine.K @ T_cam_paper[:3, (0, 1, 3)] @ paper_from_px
     grey = cv2.warpPerspective(paper, homography, fine.size, flags=cv2.INTER_AREA, borderValue=GROUND)
-    noisy = exposed(grey, camera.size, 0.7) + np.random.default_rng(7).normal(0, noise, camera.size[::-1])
+    levels = exposed(np.asarray(grey, dtype=np.uint8), camera.size, 0.7)
+    noisy = levels + np.random.default_rng(7).normal(0, noise, camera.size[::-1])
     return np.repeat(noisy.round().clip(0, 255).astype(np.uint8)[:, :, None], 3, axis=2)
 
 

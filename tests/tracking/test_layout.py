@@ -11,7 +11,7 @@ from ashe_live.errors import UserError
 from ashe_live.tracking.layout import Layout, parse_target
 from ashe_live.tracking.printing import write_marker_sheet
 from ashe_live.tracking.tracker import Tracker
-from tests.tracking.conftest import GROUND, SUPERSAMPLING, exposed, frame, pose
+from tests.tracking.conftest import frame, photographed, pose
 
 CAMERA = Camera.from_focal((640, 480), 700)
 SIDE_M = 0.04
@@ -30,18 +30,10 @@ def sheet(tmp_path_factory: pytest.TempPathFactory) -> tuple[Image, float]:
 
 def picture(sheet: tuple[Image, float], T_cam_grid: np.ndarray) -> Image:
     """(h, w, 3): the page as the camera sees it, the grid's middle at the pose's origin."""
-    page, metres = sheet
-    height = page.shape[0]
+    page, metres_per_px = sheet
     # The middle of the part above the foot of 45 mm.
-    middle = (page.shape[1] - 1) / 2, (height - 0.045 / metres - 1) / 2
-    grid_from_page = np.array([(metres, 0, -middle[0] * metres), (0, -metres, middle[1] * metres), (0, 0, 1)])
-    fine = CAMERA.resized((640 * SUPERSAMPLING, 480 * SUPERSAMPLING))
-    homography = fine.K @ T_cam_grid[:3, (0, 1, 3)] @ grid_from_page
-    grey = cv2.warpPerspective(page, homography, fine.size, flags=cv2.INTER_AREA, borderValue=GROUND)
-    noisy = exposed(np.asarray(grey, dtype=np.uint8), CAMERA.size, 0.7) + np.random.default_rng(3).normal(
-        0, 2, (480, 640)
-    )
-    return np.repeat(noisy.round().clip(0, 255).astype(np.uint8)[:, :, None], 3, axis=2)
+    middle_px = (page.shape[1] - 1) / 2, (page.shape[0] - 0.045 / metres_per_px - 1) / 2
+    return photographed(page, metres_per_px, middle_px, CAMERA, T_cam_grid)
 
 
 def grid_tracker() -> Tracker:
