@@ -160,12 +160,9 @@ class ProxyEstimator:
             reason = "what stands out from the ground does not fit an object and its shadow in one directional light"
             return answer(reason, body=body, shadow=shadow)
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
-        lights = [
-            replace(light, shadow_rgb_ratio=ratio)
-            for light, ratio in zip(
-                lights_of(best, confidence, tracked), ratios, strict=False
-            )  # two lights have a third, that of both
-        ]
+        # Of two lights there is a third shift, where both are blocked.
+        answers = zip(lights_of(best, confidence, tracked), ratios, strict=False)
+        lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
         if len(lights) == 1:
             lights = [replace(lights[0], angular_size_rad=_angular_size(best))]
         found = answer(None, *lights, body=body, shadow=shadow)
