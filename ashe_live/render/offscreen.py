@@ -9,7 +9,14 @@ from ashe_live.errors import UserError
 
 Context = moderngl.Context
 GL_VERSION = 330
-GL_TYPES = (moderngl.Buffer, moderngl.Texture, moderngl.Renderbuffer, moderngl.Framebuffer, moderngl.VertexArray)
+GL_TYPES = (
+    moderngl.Buffer,
+    moderngl.Texture,
+    moderngl.Renderbuffer,
+    moderngl.Framebuffer,
+    moderngl.VertexArray,
+    moderngl.Program,
+)
 STANDALONE: dict[str, Any] = {"standalone": True, "backend": "egl"}
 
 
@@ -34,6 +41,6 @@ def window_context() -> moderngl.Context:
 
 
 def live_gl_objects() -> int:
-    """Buffers, textures, framebuffers and the like that this process holds."""
+    """Buffers, textures, framebuffers, programs and the like that this process holds."""
     gc.collect()
     return sum(isinstance(thing, GL_TYPES) for thing in gc.get_objects())

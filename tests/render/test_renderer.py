@@ -1,10 +1,8 @@
 """The renderer as a whole: what is uploaded when, sizes, presets, lenses, and that nothing is kept."""
 
-import gc
 from dataclasses import replace
 
 import cv2
-import moderngl
 import numpy as np
 import pytest
 
@@ -14,6 +12,7 @@ from ashe_live.core.transforms import project
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.primitives import box
+from ashe_live.render.offscreen import live_gl_objects
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.render.surface import supported_samples
 
@@ -134,13 +133,6 @@ def test_video_is_freed_of_the_lens_so_that_the_model_fits(make_renderer, stage)
     np.testing.assert_allclose(centre, straight, atol=0.2)
 
 
-def _live_gl_objects() -> int:
-    kinds = (moderngl.Buffer, moderngl.Texture, moderngl.Renderbuffer, moderngl.Framebuffer)
-    kinds += (moderngl.VertexArray, moderngl.Program)
-    gc.collect()
-    return sum(isinstance(thing, kinds) for thing in gc.get_objects())
-
-
 def test_switching_models_and_presets_keeps_no_gl_objects(ctx, make_renderer, stage) -> None:
     renderer = make_renderer()
     models = [placed_on_marker(load_model(name), 0.08) for name in model_names()[:3]]
@@ -157,10 +149,10 @@ def test_switching_models_and_presets_keeps_no_gl_objects(ctx, make_renderer, st
     switch(2)
     ctx.gc_mode = "context_gc"  # collects what Python drops without its being released
     try:
-        before = _live_gl_objects()
+        before = live_gl_objects()
         ctx.objects.clear()
         switch(4)
-        assert _live_gl_objects() == before
+        assert live_gl_objects() == before
         assert all(type(dropped).__name__ == "InvalidObject" for dropped in ctx.objects)  # released before
     finally:
         ctx.gc_mode = None
