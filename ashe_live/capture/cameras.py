@@ -1,6 +1,5 @@
 """The cameras that are connected: their names, and the modes that they really give."""
 
-import sys
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
@@ -8,7 +7,7 @@ import cv2
 from cv2_enumerate_cameras import enumerate_cameras
 from cv2_enumerate_cameras.camera_info import CameraInfo
 
-from ashe_live.capture.webcam import BACKENDS, Capture, open_opencv_capture
+from ashe_live.capture.webcam import BACKEND, Capture, OpenCapture, open_opencv_capture
 from ashe_live.core.camera import Size
 
 # What cameras have as a rule; OpenCV has no list of what one has, but tells what it chose instead.
@@ -43,8 +42,7 @@ class Mode:
 
 def connected(listed: Callable[[int], Iterable[CameraInfo]] = enumerate_cameras) -> list[Device]:
     """By number. Opens none of them."""
-    infos = listed(BACKENDS.get(sys.platform, cv2.CAP_ANY))
-    return sorted((_device(info) for info in infos), key=lambda device: device.number)
+    return sorted((_device(info) for info in listed(BACKEND)), key=lambda device: device.number)
 
 
 def name_of(camera: int | str, devices: Iterable[Device]) -> str:
@@ -55,9 +53,7 @@ def name_of(camera: int | str, devices: Iterable[Device]) -> str:
     return f"camera {camera}"
 
 
-def modes_of(
-    camera: int | str, open_capture: Callable[[int | str, Size | None], Capture] = open_opencv_capture
-) -> Iterator[Mode]:
+def modes_of(camera: int | str, open_capture: OpenCapture = open_opencv_capture) -> Iterator[Mode]:
     """Tries the usual sizes one after another; none when the camera cannot be opened."""
     seen: set[Size] = set()
     for wanted in USUAL_SIZES:

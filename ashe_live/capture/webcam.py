@@ -24,7 +24,7 @@ SILENCE_S = 4
 FIRST_PICTURE_S = 10
 # For a grabber that hangs in a driver; it gives the camera back when it comes out.
 PATIENCE_S = 0.5
-BACKENDS = {"linux": cv2.CAP_V4L2, "darwin": cv2.CAP_AVFOUNDATION, "win32": cv2.CAP_DSHOW}
+BACKEND = {"linux": cv2.CAP_V4L2, "darwin": cv2.CAP_AVFOUNDATION, "win32": cv2.CAP_DSHOW}.get(sys.platform, cv2.CAP_ANY)
 
 
 class Capture(Protocol):
@@ -45,7 +45,7 @@ def open_opencv_capture(camera: int | str, size: Size | None) -> Capture:
     # What goes wrong is said by UserError, once, and not by OpenCV.
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", str(SILENCE_S))
-    capture = cv2.VideoCapture(camera, BACKENDS.get(sys.platform, cv2.CAP_ANY))
+    capture = cv2.VideoCapture(camera, BACKEND)
     # USB 2 carries uncompressed pictures of more than 640x480 at 10 frames a second or less.
     capture.set(cv2.CAP_PROP_FOURCC, cv2.VideoWriter.fourcc(*"MJPG"))
     if size is not None:
