@@ -22,7 +22,7 @@ def drawn(corners_px: Float, dark: int = 20, light: int = 230, blur_px: float = 
 @pytest.mark.parametrize("samples", [16, 64])
 @pytest.mark.parametrize("blur_px", [0.5, 1.0, 2.0])
 @pytest.mark.parametrize("off_by_px", [0.0, 2.0])
-def test_corners_are_found_to_a_twentieth_of_a_pixel_or_of_the_blur(
+def test_corners_are_found_to_a_sixteenth_of_a_pixel_or_of_the_blur(
     samples: int, blur_px: float, off_by_px: float
 ) -> None:
     moved = TILTED + off_by_px / 2 * np.array([(1, 1), (-1, 1), (1, -1), (-1, -1)])
