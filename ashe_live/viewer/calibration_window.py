@@ -7,16 +7,13 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size
-from ashe_live.core.quality import FAST
-from ashe_live.core.types import Frame, TrackedFrame
-from ashe_live.render.hud import Hud, HudText
-from ashe_live.render.renderer import Renderer
-from ashe_live.render.scene import Scene
+from ashe_live.core.camera import Size
+from ashe_live.core.types import Frame
+from ashe_live.render.hud import HudText
 from ashe_live.tracking.calibration_board import BoardView
 from ashe_live.tracking.calibration_guide import CUTS, CalibrationGuide
 from ashe_live.viewer.controls import Command
-from ashe_live.viewer.window import Window
+from ashe_live.viewer.picture_window import PictureWindow
 
 # Okabe and Ito's orange and bluish green.
 CORNER_BGR = (0, 159, 230)
@@ -28,33 +25,23 @@ class CalibrationWindow:
     """Shows frames as they come. Used by the main thread only."""
 
     def __init__(self, name: str, size: Size) -> None:
-        self._window = Window(f"ashe-live: calibrate {name}", size)
-        self._renderer = Renderer(self._window.context, FAST.render, self._window.framebuffer_size)
-        self._camera = Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
-        self._hud = Hud()
+        self._screen = PictureWindow(f"ashe-live: calibrate {name}", size)
 
     def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
         """False when the person closes the window or presses Esc."""
-        size = self._window.framebuffer_size
-        if min(size) > 0:
-            if size != self._renderer.size:
-                self._renderer.resize(size)
-            picture = Frame(guidance_picture(frame.image_bgr, view, guide), frame.index, frame.time_s)
+        window = self._screen.window
+        if min(window.framebuffer_size) > 0:
             hint = (said,) if said else ()
             text = HudText(status_lines(view, guide), (*hint, "Esc: end with the views so far"))
-            overlays = self._hud.overlays(text, size, self._window.content_scale)
-            self._renderer.render(Scene(TrackedFrame(picture, self._camera, None), overlays=overlays))
-            self._renderer.present(self._window.context.screen)
-            self._window.swap()
-        wants_end = any(request.command is Command.QUIT for request in self._window.take_requests(0.0))
-        return not (wants_end or self._window.is_closing)
+            self._screen.show(guidance_picture(frame.image_bgr, view, guide), text)
+        wants_end = any(request.command is Command.QUIT for request in window.take_requests(0.0))
+        return not (wants_end or window.is_closing)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._renderer.release()
-        self._window.close()
+        self._screen.close()
 
 
 def status_lines(view: BoardView | None, guide: CalibrationGuide) -> tuple[str, ...]:

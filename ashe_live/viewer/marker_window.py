@@ -4,14 +4,10 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size
-from ashe_live.core.quality import FAST
-from ashe_live.core.types import Frame, TrackedFrame
-from ashe_live.render.hud import Hud, HudText
-from ashe_live.render.renderer import Renderer
-from ashe_live.render.scene import Scene
+from ashe_live.core.camera import Size
+from ashe_live.render.hud import HudText
 from ashe_live.viewer.controls import Command
-from ashe_live.viewer.window import Window
+from ashe_live.viewer.picture_window import PictureWindow
 
 SIDE_PX = 720
 # White around the square, over the window's side; the rest of the screen may be dark.
@@ -25,31 +21,20 @@ EXPLAINED = (
 
 def show_marker(spec: str, square_grey: Image) -> None:
     """Until Esc. `square_grey`: (n, n) uint8, the marker with its black border. Raises UserError without a display."""
-    with Window(f"ashe-live: marker {spec}", (SIDE_PX, SIDE_PX)) as window:
-        renderer = Renderer(window.context, FAST.render, window.framebuffer_size)
-        hud = Hud()
+    with PictureWindow(f"ashe-live: marker {spec}", (SIDE_PX, SIDE_PX)) as screen:
+        window = screen.window
         explains = True
         while not window.is_closing:
             for request in window.take_requests(FRAME_S):
                 if request.command is Command.QUIT:
-                    renderer.release()
                     return
                 if request.command is Command.FULLSCREEN:
                     window.toggle_fullscreen()
                 if request.command is Command.TOGGLE_HUD:
                     explains = not explains
             size = window.framebuffer_size
-            if min(size) < 1:
-                continue
-            if size != renderer.size:
-                renderer.resize(size)
-            picture = Frame(on_white(square_grey, size), 0, 0.0)
-            overlays = hud.overlays(HudText(hint=EXPLAINED if explains else ()), size, window.content_scale)
-            camera = Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
-            renderer.render(Scene(TrackedFrame(picture, camera, None), overlays=overlays))
-            renderer.present(window.context.screen)
-            window.swap()
-        renderer.release()
+            if min(size) > 0:
+                screen.show(on_white(square_grey, size), HudText(hint=EXPLAINED if explains else ()))
 
 
 def on_white(square_grey: Image, size: Size) -> Image:
