@@ -27,14 +27,13 @@ from ashe_live.bench.track_measures import (
 )
 from ashe_live.bench.track_tables import Figure, print_clips, print_figures
 from ashe_live.bench.track_takes import HD, LENS, Take, at_rest, roaming, scattered, sliding
-from ashe_live.bench.track_trade import COST, print_trade, sweep
+from ashe_live.bench.track_trade import COST, SETTLED_FRAMES, print_trade, sweep
 from ashe_live.core.contract import Json
 from ashe_live.core.output_files import check_folder, write_json
 from ashe_live.core.quality import BALANCED, TrackingPreset
 
 SCHEMA = 1
 RESULTS, TRADE = "results.json", "trade"
-SETTLED_FRAMES = 40
 QUICK_SHARE = 6
 REFERENCE, UNREFINED, OURS = "OpenCV", "OpenCV, unrefined", "ours"
 
