@@ -49,6 +49,14 @@ class _Step(NamedTuple):
     covariance: Float  # (10, 10) of the globals
 
 
+class _Solution(NamedTuple):
+    """The most probable state, and how sure its globals are."""
+
+    state: FocalState
+    noise_px: float  # of a corner's coordinate
+    covariance: Float  # (10, 10) of the globals
+
+
 def fit_focal(corners_px: Float, R_cam_marker: Float, focal_px: float, size: Size) -> FocalFit:
     """From `corners_px` (n, 4, 2) and where to start: rotations (n, 3, 3) and a focal length, right within a factor.
 
@@ -56,20 +64,20 @@ def fit_focal(corners_px: Float, R_cam_marker: Float, focal_px: float, size: Siz
     """
     middle = (np.array(size) - 1) / 2
     problem = _Problem(corners_px - middle, size)
-    state, _, covariance = min(
+    best = min(
         (problem.fitted(R_cam_marker, factor / focal_px) for factor in STARTS),
-        key=lambda found: problem.misfit(found[0]),
+        key=lambda found: problem.misfit(found.state),
     )
-    q = float(state.g[Q])
+    q = float(best.state.g[Q])
     if q <= 0:
         return FocalFit(math.inf, math.inf)
-    sigma_q = max(math.sqrt(float(covariance[Q, Q])), _jackknife(corners_px - middle, size, state))
+    sigma_q = max(math.sqrt(float(best.covariance[Q, Q])), _jackknife(corners_px - middle, size, best.state))
     return FocalFit(1 / q, sigma_q / q)
 
 
-def _jackknife(measured: Float, size: Size, state: FocalState) -> float:
+def _jackknife(measured_px: Float, size: Size, state: FocalState) -> float:
     """The standard deviation of q from leaving out one stretch of time after another."""
-    count = len(measured)
+    count = len(measured_px)
     blocks = min(BLOCKS, count)
     if blocks < 2:
         return math.inf
@@ -77,11 +85,13 @@ def _jackknife(measured: Float, size: Size, state: FocalState) -> float:
     for block in range(blocks):
         kept = np.arange(count) * blocks // count != block
         part = FocalState(state.g, state.R[kept], state.t[kept])
-        found.append(_Problem(measured[kept], size).solve(part, JACKKNIFE_ITERATIONS)[0].g[Q])
+        found.append(_Problem(measured_px[kept], size).solve(part, JACKKNIFE_ITERATIONS).state.g[Q])
     return math.sqrt((blocks - 1) / blocks * float(np.square(found - np.mean(found)).sum()))
 
 
 class _Problem:
+    """Some views' corners, to be explained together."""
+
     def __init__(self, measured_px: Float, size: Size) -> None:
         self._model = FocalModel(measured_px, size)
         self._information = prior_information(size)
@@ -99,24 +109,24 @@ class _Problem:
             state = self._pose_step(state)
         return state
 
-    def fitted(self, R: Float, q: float) -> tuple[FocalState, float, Float]:
+    def fitted(self, R: Float, q: float) -> _Solution:
         """As `solve`, from these poses and from those of them mirrored that then fit better."""
         found = self.solve(self._start(R, q))
-        flipped = self._better_flipped(found[0], found[1])
+        flipped = self._better_flipped(found.state, found.noise_px)
         return found if flipped is None else self.solve(flipped)
 
     def misfit(self, state: FocalState) -> float:
         """By which solutions are compared."""
         return self._cost(state, COMPARED_AT_PX)
 
-    def solve(self, state: FocalState, iterations: int = ITERATIONS) -> tuple[FocalState, float, Float]:
-        """The most probable state, the corners' noise in pixels, and the covariance (10, 10) of the globals."""
+    def solve(self, state: FocalState, iterations: int = ITERATIONS) -> _Solution:
+        """From `state` downhill."""
         for _ in range(iterations):
             step = self._step(state)
             state, is_better = self._walked(state, step)
             if not is_better or abs(step.g[Q]) < 1e-3 * math.sqrt(step.covariance[Q, Q]):
                 break
-        return state, step.noise_px, step.covariance
+        return _Solution(state, step.noise_px, step.covariance)
 
     def _walked(self, state: FocalState, step: _Step) -> tuple[FocalState, bool]:
         """As much of the step as lowers the cost; False when nothing of it does."""
