@@ -10,7 +10,7 @@ from rich.progress import track
 
 from ashe_live.bench.loops import time_blit, time_unpaced
 from ashe_live.bench.machine import machine_json, versions_json
-from ashe_live.bench.plots import TradePoint, check_can_draw, draw_trade
+from ashe_live.bench.plots import SUFFIXES, TradePoint, check_can_draw, draw_trade
 from ashe_live.bench.render_cost import cost_of, lights_around, memory_growth, orbit, round_model, sweeps
 from ashe_live.bench.render_error import picture_error, read_references
 from ashe_live.bench.tables import figures_table
@@ -18,7 +18,7 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.output_files import check_output, write_json
+from ashe_live.core.output_files import check_folder, write_json, written_whole
 from ashe_live.core.quality import BALANCED, FAST, QUALITIES, RenderPreset
 from ashe_live.core.resources import resource
 from ashe_live.core.types import DirectionalLight, TrackedFrame
@@ -32,6 +32,7 @@ from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 
 SCHEMA = 1
+RESULTS, ERRORS, COSTS = "render.json", "render-error", "render-cost.png"  # the second is a stem
 LOOP_SIZES: tuple[Size, ...] = ((640, 480), (1280, 720))
 SWEEP_SIZE: Size = (1280, 720)
 LARGE_SIZE: Size = (1920, 1080)
@@ -53,7 +54,7 @@ class RenderBench:
         """
         if self.out is not None:
             check_can_draw()
-            check_output(self.out / "render.json", overwrite)
+            check_folder(self.out, (RESULTS, COSTS, *(ERRORS + suffix for suffix in SUFFIXES)), overwrite)
         leave_cores_to_renderer()
         ctx = offscreen_context()
         record = {
@@ -68,7 +69,7 @@ class RenderBench:
         }
         print_render_record(record)
         if self.out is not None:
-            write_json(self.out / "render.json", record)
+            write_json(self.out / RESULTS, record)
             _draw(record, self.out)
         return record
 
@@ -212,8 +213,8 @@ def _draw(record: Json, out: Path) -> None:
         for row in record["errors"]
     ]
     if points:
-        draw_trade(points, "Error against a path tracer", "ms a picture, 480x360", note, out / "render-error")
-    _draw_sweeps(record, note, out / "render-cost.png")
+        draw_trade(points, "Error against a path tracer", "ms a picture, 480x360", note, out / ERRORS)
+    _draw_sweeps(record, note, out / COSTS)
 
 
 def _draw_sweeps(record: Json, note: str, path: Path) -> None:
@@ -230,7 +231,8 @@ def _draw_sweeps(record: Json, note: str, path: Path) -> None:
         )
         ax.grid(alpha=0.3)
     figure.supxlabel(note, fontsize="x-small", color="dimgray")
-    figure.savefig(path, dpi=120, metadata={"Software": None})
+    with written_whole(path) as partial:
+        figure.savefig(partial, dpi=120, metadata={"Software": None})
 
 
 def _costs(row: Json) -> list[str]:

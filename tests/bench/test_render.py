@@ -2,8 +2,11 @@
 
 import pytest
 
+from ashe_live.bench.render import RenderBench
 from ashe_live.bench.render_cost import cost_of, lights_around, memory_growth, orbit, round_model, sweeps
+from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.quality import BALANCED, FAST
+from ashe_live.errors import UserError
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.primitives import box
@@ -38,3 +41,12 @@ def test_nothing_stays_behind_over_many_pictures_and_model_switches() -> None:
     found = memory_growth(ctx, FAST.render, models, lambda number: views[number % len(views)], frames=300)
     assert found["end_gl_objects"] <= found["start_gl_objects"]
     assert found["end_mib"] - found["start_mib"] < 4
+
+
+@pytest.mark.parametrize("name", ["render.json", "render-error.svg", "render-error.png", "render-cost.png"])
+def test_nothing_that_it_writes_is_overwritten_unasked(tmp_path, name: str) -> None:
+    kept = tmp_path / name
+    kept.write_bytes(b"mine")
+    with pytest.raises(UserError, match=name):
+        RenderBench(shipped_clip(), 2, 10, tmp_path).run()
+    assert kept.read_bytes() == b"mine"
