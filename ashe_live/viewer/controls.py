@@ -1,4 +1,4 @@
-"""The one table of keys: what the window obeys and what the help shows."""
+"""The one table of keys: what the window obeys and what the help shows; and what the mouse tells."""
 
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -37,11 +37,32 @@ class Request:
 class Binding:
     """Keys, by GLFW's names without KEY_, that ask for one command."""
 
-    keys: tuple[str, ...]
+    keys: tuple[str, ...]  # after SHIFT where it is held, too
     command: Command
     shown: str  # how the help writes the keys
     help: str
+    repeats: bool = False  # again and again while the key is held
 
+
+class MouseAction(Enum):
+    """What the mouse did."""
+
+    MOVED = auto()
+    PRESSED = auto()
+    RELEASED = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class MouseEvent:
+    """One action of the mouse, of its left button where it is one of a button."""
+
+    action: MouseAction
+    x_px: float  # from the left edge, in pixels of the framebuffer
+    y_px: float  # from the top edge
+    shift: bool = False
+
+
+SHIFT = "SHIFT+"
 
 BINDINGS = (
     Binding(tuple("123456789"), Command.CHOOSE_MODEL, "1 to 9", "choose the model"),
@@ -67,6 +88,14 @@ REQUEST_BY_KEY: dict[str, Request] = {
     for binding in BINDINGS
     for place, key in enumerate(binding.keys)
 }
+REPEATED = frozenset(binding.command for binding in BINDINGS if binding.repeats)
+
+
+def request_for(key: str | None, shift: bool) -> Request | None:
+    """What the key of that name asks for; with Shift the same as without, unless the table says otherwise."""
+    if key is None:
+        return None
+    return (REQUEST_BY_KEY.get(SHIFT + key) if shift else None) or REQUEST_BY_KEY.get(key)
 
 
 def help_rows() -> tuple[tuple[str, str], ...]:

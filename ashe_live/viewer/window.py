@@ -8,9 +8,9 @@ import glfw
 from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
 from ashe_live.render.offscreen import window_context
-from ashe_live.viewer.controls import REQUEST_BY_KEY, Request
+from ashe_live.viewer.controls import REPEATED, REQUEST_BY_KEY, SHIFT, MouseAction, MouseEvent, Request, request_for
 
-REQUEST_BY_GLFW_KEY = {getattr(glfw, f"KEY_{name}"): request for name, request in REQUEST_BY_KEY.items()}
+NAME_BY_GLFW_KEY = {getattr(glfw, f"KEY_{name}"): name for name in (key.removeprefix(SHIFT) for key in REQUEST_BY_KEY)}
 
 
 class Window:
@@ -37,7 +37,11 @@ class Window:
             raise UserError(f"cannot open a window with OpenGL 3.3 ({message})", "update the graphics driver")
         self._windowed = (*glfw.get_window_pos(self._window), *glfw.get_window_size(self._window))
         self._requests: list[Request] = []
+        self._mouse: list[MouseEvent] = []
+        self._shift = False
         glfw.set_key_callback(self._window, self._on_key)
+        glfw.set_cursor_pos_callback(self._window, self._on_move)
+        glfw.set_mouse_button_callback(self._window, self._on_button)
         glfw.make_context_current(self._window)
         glfw.swap_interval(1)
         try:
@@ -69,6 +73,11 @@ class Window:
             glfw.poll_events()
         requests, self._requests = self._requests, []
         return requests
+
+    def take_mouse(self) -> list[MouseEvent]:
+        """What the mouse did since it was last asked, as of the last `take_requests`; of moves in a row the last."""
+        events, self._mouse = self._mouse, []
+        return events
 
     @property
     def is_closing(self) -> bool:
@@ -102,12 +111,32 @@ class Window:
     def _monitor(self) -> Any:
         return glfw.get_window_monitor(self._window) or glfw.get_primary_monitor()
 
-    def _on_key(self, _window: object, key: int, scancode: int, action: int, _modifiers: int) -> None:
-        # GLFW's letters are places on a US keyboard; what counts is what stands on the key.
-        label = glfw.get_key_name(key, scancode) or ""
-        request = REQUEST_BY_KEY.get(label.upper()) if label.isalpha() else REQUEST_BY_GLFW_KEY.get(key)
-        if request is not None and action == glfw.PRESS:
+    def _on_key(self, _window: object, key: int, scancode: int, action: int, modifiers: int) -> None:
+        self._shift = bool(modifiers & glfw.MOD_SHIFT)
+        # GLFW's letters are places on a US keyboard; what counts is what stands on the key. A keyboard without Latin
+        # letters has them at those places when it is switched over.
+        label = (glfw.get_key_name(key, scancode) or "").upper()
+        name = label if label.isascii() and label.isalpha() else NAME_BY_GLFW_KEY.get(key)
+        request = request_for(name, self._shift)
+        if request is None:
+            return
+        if action == glfw.PRESS or (action == glfw.REPEAT and request.command in REPEATED):
             self._requests.append(request)
+
+    def _on_move(self, _window: object, x: float, y: float) -> None:
+        if self._mouse and self._mouse[-1].action is MouseAction.MOVED:
+            del self._mouse[-1]
+        self._mouse.append(self._mouse_event(MouseAction.MOVED, x, y))
+
+    def _on_button(self, _window: object, button: int, action: int, modifiers: int) -> None:
+        if button == glfw.MOUSE_BUTTON_LEFT:
+            self._shift = bool(modifiers & glfw.MOD_SHIFT)
+            kind = MouseAction.PRESSED if action == glfw.PRESS else MouseAction.RELEASED
+            self._mouse.append(self._mouse_event(kind, *glfw.get_cursor_pos(self._window)))
+
+    def _mouse_event(self, action: MouseAction, x: float, y: float) -> MouseEvent:
+        (width, height), (width_px, height_px) = glfw.get_window_size(self._window), self.framebuffer_size
+        return MouseEvent(action, x * width_px / max(1, width), y * height_px / max(1, height), self._shift)
 
 
 def _fitting(size: Size) -> Size:

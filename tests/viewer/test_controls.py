@@ -2,8 +2,8 @@
 
 from collections import Counter
 
-from ashe_live.viewer.controls import BINDINGS, REQUEST_BY_KEY, Command, Request, help_rows
-from ashe_live.viewer.window import REQUEST_BY_GLFW_KEY
+from ashe_live.viewer.controls import BINDINGS, REQUEST_BY_KEY, SHIFT, Command, Request, help_rows, request_for
+from ashe_live.viewer.window import NAME_BY_GLFW_KEY
 
 
 def test_every_command_is_bound_exactly_once():
@@ -16,7 +16,14 @@ def test_no_key_asks_for_two_things():
 
 
 def test_glfw_knows_every_key():
-    assert Counter(REQUEST_BY_GLFW_KEY.values()) == Counter(REQUEST_BY_KEY.values())
+    assert set(NAME_BY_GLFW_KEY.values()) == {key.removeprefix(SHIFT) for key in REQUEST_BY_KEY}
+
+
+def test_shift_changes_only_what_the_table_says():
+    for key, request in REQUEST_BY_KEY.items():
+        assert request_for(key.removeprefix(SHIFT), key.startswith(SHIFT)) is request
+    assert request_for("P", True) == request_for("P", False) == Request(Command.PAUSE)
+    assert request_for("no such key", True) is request_for(None, False) is None
 
 
 def test_the_number_keys_choose_by_place():

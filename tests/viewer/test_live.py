@@ -10,7 +10,7 @@ from ashe_live.core.quality import FAST
 from ashe_live.errors import UserError
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer import live as live_module
-from ashe_live.viewer.controls import Command, Request
+from ashe_live.viewer.controls import Command, MouseEvent, Request
 from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.session import EstimatePolicy, Session
 
@@ -37,6 +37,9 @@ class ScriptedWindow:
             return []
         requests, self.requests = self.requests, []
         return requests
+
+    def take_mouse(self) -> list[MouseEvent]:
+        return []
 
     def swap(self) -> None:
         if not self.steps:
