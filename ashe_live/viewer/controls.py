@@ -35,12 +35,17 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Binding:
-    """Keys, by GLFW's names without KEY_, that ask for one command."""
+    """Keys that ask for one command.
 
-    keys: tuple[str, ...]  # after SHIFT where it is held, too
+    A key is what stands on it ("A", "+") or GLFW's name without KEY_ ("LEFT"); before it what is held: CTRL+, ALT+,
+    SHIFT+, in this order.
+    """
+
+    keys: tuple[str, ...]
     command: Command
     shown: str  # how the help writes the keys
     help: str
+    arguments: tuple[int, ...] = ()  # of the keys, one each; else 0
     repeats: bool = False  # again and again while the key is held
 
 
@@ -62,10 +67,10 @@ class MouseEvent:
     shift: bool = False
 
 
-SHIFT = "SHIFT+"
+HELD = CTRL, ALT, SHIFT = "CTRL+", "ALT+", "SHIFT+"
 
 BINDINGS = (
-    Binding(tuple("123456789"), Command.CHOOSE_MODEL, "1 to 9", "choose the model"),
+    Binding(tuple("123456789"), Command.CHOOSE_MODEL, "1 to 9", "choose the model", tuple(range(9))),
     Binding(("LEFT",), Command.PREVIOUS_MODEL, "Left", "previous model"),
     Binding(("RIGHT",), Command.NEXT_MODEL, "Right", "next model"),
     Binding(("SPACE",), Command.ESTIMATE, "Space", "estimate the light from this frame"),
@@ -84,18 +89,29 @@ BINDINGS = (
 )
 
 REQUEST_BY_KEY: dict[str, Request] = {
-    key: Request(binding.command, place if binding.command is Command.CHOOSE_MODEL else 0)
+    key: Request(binding.command, argument)
     for binding in BINDINGS
-    for place, key in enumerate(binding.keys)
+    for key, argument in zip(binding.keys, binding.arguments or (0,) * len(binding.keys), strict=True)
 }
 REPEATED = frozenset(binding.command for binding in BINDINGS if binding.repeats)
 
 
-def request_for(key: str | None, shift: bool) -> Request | None:
-    """What the key of that name asks for; with Shift the same as without, unless the table says otherwise."""
-    if key is None:
-        return None
-    return (REQUEST_BY_KEY.get(SHIFT + key) if shift else None) or REQUEST_BY_KEY.get(key)
+def request_for(label: str, place: str | None, held: str = "") -> Request | None:
+    """What a key asks for: `label` stands on it ("" for none), `place` is what GLFW calls it, as on a US keyboard.
+
+    `held`: what of HELD is, joined. Letters count by their label, where that is Latin; number keys by their place, as
+    some layouts have the digits on their upper half. With Shift the same as without, unless the table says otherwise.
+    """
+    names = [label, place or ""]
+    if label.isascii() and label.isalpha():
+        names = [label.upper()]
+    elif place is not None and place.isdecimal():
+        names = [place]
+    for modifiers in (held, held.replace(SHIFT, "")):
+        for name in names:
+            if (request := REQUEST_BY_KEY.get(modifiers + name)) is not None:
+                return request
+    return None
 
 
 def help_rows() -> tuple[tuple[str, str], ...]:

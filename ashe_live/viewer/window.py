@@ -8,9 +8,13 @@ import glfw
 from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
 from ashe_live.render.offscreen import window_context
-from ashe_live.viewer.controls import REPEATED, REQUEST_BY_KEY, SHIFT, MouseAction, MouseEvent, Request, request_for
+from ashe_live.viewer.controls import HELD, REPEATED, REQUEST_BY_KEY, MouseAction, MouseEvent, Request, request_for
 
-NAME_BY_GLFW_KEY = {getattr(glfw, f"KEY_{name}"): name for name in (key.removeprefix(SHIFT) for key in REQUEST_BY_KEY)}
+BOUND_NAMES = {key.rpartition("+")[2] for key in REQUEST_BY_KEY}
+# What has no such number stands on a key in some layouts only, and is known by that.
+NAME_BY_GLFW_KEY = {getattr(glfw, f"KEY_{name}"): name for name in BOUND_NAMES if hasattr(glfw, f"KEY_{name}")}
+# Cmd as well, as macOS keeps some of Ctrl's keys to itself.
+MODIFIERS = (glfw.MOD_CONTROL | glfw.MOD_SUPER, glfw.MOD_ALT, glfw.MOD_SHIFT)
 
 
 class Window:
@@ -113,11 +117,8 @@ class Window:
 
     def _on_key(self, _window: object, key: int, scancode: int, action: int, modifiers: int) -> None:
         self._shift = bool(modifiers & glfw.MOD_SHIFT)
-        # GLFW's letters are places on a US keyboard; what counts is what stands on the key. A keyboard without Latin
-        # letters has them at those places when it is switched over.
-        label = (glfw.get_key_name(key, scancode) or "").upper()
-        name = label if label.isascii() and label.isalpha() else NAME_BY_GLFW_KEY.get(key)
-        request = request_for(name, self._shift)
+        label = glfw.get_key_name(key, scancode) or ""
+        request = request_for(label, NAME_BY_GLFW_KEY.get(key), held(modifiers))
         if request is None:
             return
         if action == glfw.PRESS or (action == glfw.REPEAT and request.command in REPEATED):
@@ -137,6 +138,11 @@ class Window:
     def _mouse_event(self, action: MouseAction, x: float, y: float) -> MouseEvent:
         (width, height), (width_px, height_px) = glfw.get_window_size(self._window), self.framebuffer_size
         return MouseEvent(action, x * width_px / max(1, width), y * height_px / max(1, height), self._shift)
+
+
+def held(modifiers: int) -> str:
+    """GLFW's bits as the table of keys writes them."""
+    return "".join(name for name, bits in zip(HELD, MODIFIERS, strict=True) if modifiers & bits)
 
 
 def _fitting(size: Size) -> Size:

@@ -2,8 +2,19 @@
 
 from collections import Counter
 
-from ashe_live.viewer.controls import BINDINGS, REQUEST_BY_KEY, SHIFT, Command, Request, help_rows, request_for
-from ashe_live.viewer.window import NAME_BY_GLFW_KEY
+import glfw
+import pytest
+
+from ashe_live.viewer.controls import BINDINGS, HELD, REQUEST_BY_KEY, Command, Request, help_rows, request_for
+from ashe_live.viewer.window import NAME_BY_GLFW_KEY, held
+
+
+def split(key: str) -> tuple[str, str]:
+    """Modifiers in the table's order, and the key's name."""
+    name = key
+    for modifier in HELD:
+        name = name.removeprefix(modifier)
+    return key.removesuffix(name), name
 
 
 def test_every_command_is_bound_exactly_once():
@@ -16,19 +27,50 @@ def test_no_key_asks_for_two_things():
 
 
 def test_glfw_knows_every_key():
-    assert set(NAME_BY_GLFW_KEY.values()) == {key.removeprefix(SHIFT) for key in REQUEST_BY_KEY}
-
-
-def test_shift_changes_only_what_the_table_says():
-    for key, request in REQUEST_BY_KEY.items():
-        assert request_for(key.removeprefix(SHIFT), key.startswith(SHIFT)) is request
-    assert request_for("P", True) == request_for("P", False) == Request(Command.PAUSE)
-    assert request_for("no such key", True) is request_for(None, False) is None
+    """By its name, where that is longer than what stands on a key."""
+    for key in REQUEST_BY_KEY:
+        _, name = split(key)
+        assert len(name) == 1 or name in NAME_BY_GLFW_KEY.values()
 
 
 def test_the_number_keys_choose_by_place():
-    chosen = [REQUEST_BY_KEY[key] for key in "123456789"]
+    chosen = [request_for(label, key) for key, label in zip("123456789", "&é\"'(-è_ç", strict=True)]  # French
     assert chosen == [Request(Command.CHOOSE_MODEL, place) for place in range(9)]
+
+
+@pytest.mark.parametrize(
+    ("label", "place", "command"),
+    [
+        ("a", "A", Command.AUTOMATIC),
+        ("a", "Q", Command.AUTOMATIC),  # French: what stands on the key counts
+        ("ф", "A", Command.AUTOMATIC),  # Russian: no Latin letter stands there
+        ("", "LEFT", Command.PREVIOUS_MODEL),
+        ("o", "S", None),  # Dvorak
+        ("", None, None),
+    ],
+)
+def test_keys_are_known_by_what_stands_on_them(label, place, command):
+    request = request_for(label, place)
+    assert (None if request is None else request.command) is command
+
+
+def test_shift_is_heeded_only_where_that_is_bound():
+    assert request_for("s", "S", "SHIFT+") == Request(Command.SNAPSHOT)
+    assert request_for("s", "S", "CTRL+") is None
+    assert request_for("s", "S", "ALT+SHIFT+") is None
+
+
+def test_each_key_asks_for_what_the_table_says():
+    for key, request in REQUEST_BY_KEY.items():
+        modifiers, name = split(key)
+        assert request_for(name if len(name) == 1 else "", name, modifiers) is request
+
+
+def test_modifiers_have_names():
+    assert held(0) == ""
+    assert held(glfw.MOD_SHIFT | glfw.MOD_CONTROL) == "CTRL+SHIFT+"
+    assert held(glfw.MOD_SUPER) == "CTRL+"
+    assert held(glfw.MOD_CAPS_LOCK | glfw.MOD_ALT) == "ALT+"
 
 
 def test_the_help_lists_every_binding():
