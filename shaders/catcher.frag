@@ -11,13 +11,14 @@ uniform vec3 sky;  // of lit level ground's light, linear RGB; with the suns' sh
 uniform vec3 sun_on_ground[LIGHTS];
 #endif
 uniform sampler2D contact;  // share of the sky that the model hides
-uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, marker frame
+uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
 
 in vec2 ground;
+in vec2 ground_placed;
 out vec4 encoded;
 
 void main() {
-    vec2 at = (ground - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
+    vec2 at = (ground_placed - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
     // Ends smoothly at the patch's border, so that the video beyond it is untouched.
     vec2 inside = smoothstep(0.0, CONTACT_FADE, 0.5 - abs(at - 0.5));
     vec3 before = sky;

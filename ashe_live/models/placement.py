@@ -1,4 +1,4 @@
-"""Where a model stands: over the marker's centre, on the ground, as large as the marker allows."""
+"""Where a model stands: over the marker's centre, on the ground, as large as the marker allows; then as it is moved."""
 
 import math
 from dataclasses import dataclass, field
@@ -27,6 +27,32 @@ class PlacedModel:
 
     def __post_init__(self) -> None:
         set_frozen(self, outline=frozen_floats(_outline(self.model), (-1, 3), "outline"))
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """How a placed model was moved since: scaled and turned about the marker's centre, then shifted on its plane.
+
+    Raises ValueError for a scale that is not positive, and for what is not finite.
+    """
+
+    scale: float = 1.0
+    turn_rad: float = 0.0  # counter-clockwise, seen from above
+    shift_m: tuple[float, float] = (0.0, 0.0)  # x, y; marker frame
+
+    def __post_init__(self) -> None:
+        if not (self.scale > 0 and all(map(math.isfinite, (self.scale, self.turn_rad, *self.shift_m)))):
+            raise ValueError(f"a model cannot be scaled by {self.scale}, turned by {self.turn_rad} to {self.shift_m}")
+
+    @property
+    def marker_from_placed(self) -> Float:
+        """(4, 4) similarity that keeps the plane z = 0."""
+        along, across = self.scale * math.cos(self.turn_rad), self.scale * math.sin(self.turn_rad)
+        (x, y), up = self.shift_m, self.scale
+        return np.array([(along, -across, 0, x), (across, along, 0, y), (0, 0, up, 0), (0, 0, 0, 1)])
+
+
+UNMOVED = Placement()
 
 
 def placed_on_marker(model: Model, side_m: float) -> PlacedModel:

@@ -42,10 +42,10 @@ class LightArrow:
             held.release()
 
 
-def arrow_placement(bounds: Float, to_light: Float) -> Float:
-    """(4, 4) marker frame from the unit arrow, beside a model of `bounds` (2, 3), from a light at `to_light`."""
-    centre = bounds.mean(axis=0)
-    radius = float(np.linalg.norm(bounds[1] - bounds[0])) / 2
+def arrow_placement(corners: Float, to_light: Float) -> Float:
+    """(4, 4) marker frame from the unit arrow, beside a model in a box of `corners` (8, 3), from a light."""
+    centre = corners.mean(axis=0)
+    radius = float(np.linalg.norm(corners - centre, axis=1).max())
     placement = inverse_rigid(light_view(to_light))
     placement[:3, :3] *= LENGTH_RADII * radius
     placement[:3, 3] = centre + GAP_RADII * radius * to_light

@@ -7,13 +7,13 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.render.contact import FADE, ContactPatch
+from ashe_live.render.contact import FADE
 from ashe_live.render.framing import Framing
-from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lighting import Lighting, Sun
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
+from ashe_live.render.standing import StandingModel
 from ashe_live.render.video import Video
 
 MAX_SHADOW_HEIGHTS = 30.0  # a shadow is drawn this many heights of the model long at most
@@ -25,19 +25,18 @@ class ShadowCatcher:
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
         self._programs = programs
-        self._outline: tuple[GpuModel, Lighting] | None = None
+        self._outline: tuple[StandingModel, Lighting] | None = None
         self._buffer: moderngl.Buffer | None = None
         self._fan: tuple[moderngl.Program, moderngl.VertexArray] | None = None
         self.polygon: Float = np.zeros((0, 3))  # (n, 3) convex, metres, marker frame
 
-    def fit(self, model: GpuModel, lighting: Lighting, shadows: ShadowMaps, contact: ContactPatch) -> None:
+    def fit(self, model: StandingModel, lighting: Lighting, shadows: ShadowMaps) -> None:
         """Finds the convex polygon of the plane that can be darkened, unless it is known."""
         if self._outline is not None and self._outline[0] is model and self._outline[1] is lighting:
             return
-        (x0, y0), (x1, y1) = contact.bounds
-        points = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)])
         blur_m = shadows.blur_texels * shadows.texel_m
-        points = np.concatenate([points, *(_shadow_points(model.points, sun, blur_m) for sun in lighting.suns)])
+        shadows_of_suns = (_shadow_points(model.points, sun, blur_m) for sun in lighting.suns)
+        points = np.concatenate([model.contact_corners, *shadows_of_suns])
         hull = cv2.convexHull(points.astype(np.float32)).reshape(-1, 2)
         self.polygon = np.column_stack([hull, np.zeros(len(hull))]).astype(np.float64)
         self.forget()
@@ -51,7 +50,7 @@ class ShadowCatcher:
         lighting: Lighting,
         shadows: GroundShadows,
         casters: int,
-        contact: ContactPatch,
+        model: StandingModel,
     ) -> None:
         """Draws behind the model's depth; nothing where the camera is below the plane."""
         if framing.eye_marker[2] <= 0 or self._buffer is None:
@@ -62,10 +61,11 @@ class ShadowCatcher:
         self._ctx.polygon_offset = 1.0, 1.0
         video.bind(0)
         shadows.bind(program)
-        contact.bind(program, 2)
+        model.contact.bind(program, 2)
         set_uniforms(
             program,
             clip_from_marker=framing.clip_from_marker,
+            placed_from_marker=model.placed_from_marker,
             video=0,
             viewport=tuple(float(value) for value in framing.viewport),
             **lighting.uniforms(),

@@ -7,6 +7,7 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import transform_points
 from ashe_live.models.material import BLACK, Alpha, Material
 from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing
@@ -15,6 +16,7 @@ from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
+from ashe_live.render.standing import StandingModel
 
 NOWHERE: Float = np.zeros((4, 4))
 # A lobe narrower than this is a point that flickers between pixels.
@@ -57,19 +59,20 @@ class ModelPass:
             part.draw(program)
             yield
 
-    def draw_opaque(self, model: GpuModel, view: View) -> None:
+    def draw_opaque(self, standing: StandingModel, view: View) -> None:
         """Whatever hides what is behind it."""
-        for part in model.parts:
+        for part in standing.model.parts:
             if part.material.alpha is not Alpha.BLEND:
                 self._ctx.enable_only(flags_of(part.material))
-                self._draw(part, view)
+                self._draw(part, standing, view)
 
-    def draw_blended(self, model: GpuModel, view: View) -> None:
+    def draw_blended(self, standing: StandingModel, view: View) -> None:
         """What lets through what is behind it, after all of that is drawn: far before near, backs before fronts."""
-        blended = [part for part in model.parts if part.material.alpha is Alpha.BLEND]
+        blended = [part for part in standing.model.parts if part.material.alpha is Alpha.BLEND]
         if not blended:
             return
-        blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - view.framing.eye_marker)))
+        (eye_placed,) = transform_points(standing.placed_from_marker, view.framing.eye_marker[None])
+        blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - eye_placed)))
         # Alpha is the share of the video in the picture.
         blend = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE_MINUS_SRC_ALPHA
         self._ctx.blend_func = blend  # type: ignore[assignment]  # moderngl's stub knows two of the four
@@ -77,15 +80,16 @@ class ModelPass:
             self._ctx.enable_only(flags_of(part.material))
             for culled in ("front", "back") if part.material.double_sided else ("back",):
                 self._ctx.cull_face = culled
-                self._draw(part, view)
+                self._draw(part, standing, view)
         self._ctx.cull_face = "back"
 
-    def _draw(self, part: GpuPart, view: View) -> None:
+    def _draw(self, part: GpuPart, standing: StandingModel, view: View) -> None:
         material = part.material
         program = self._bound_program(part, view.looked_up)
         set_uniforms(
             program,
             clip_from_marker=view.framing.clip_from_marker,
+            marker_from_placed=standing.marker_from_placed,
             eye=tuple(view.framing.eye_marker),
             exposure=view.exposure,
             base_colour=material.base_colour,

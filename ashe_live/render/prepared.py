@@ -9,10 +9,11 @@ from collections.abc import Callable, Iterator
 
 import moderngl
 
-from ashe_live.models.placement import PlacedModel
+from ashe_live.models.placement import PlacedModel, Placement
 from ashe_live.render.contact import ContactPatch
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.programs import Programs
+from ashe_live.render.standing import StandingModel
 
 # Of each picture's time; a step that was begun is finished, and takes a few more.
 BUDGET_S = 0.003
@@ -28,6 +29,7 @@ class PreparedModel:
         self.placed = placed
         self.model = GpuModel(ctx, placed, programs)
         self.contact = ContactPatch(ctx, programs, self.model)
+        self._standing: StandingModel | None = None
         self._ctx = ctx
         self._steps = itertools.chain(self.model.upload(), self.contact.draw(), last_steps(self.model))
 
@@ -45,6 +47,12 @@ class PreparedModel:
         """All at once."""
         for _ in self._steps:
             pass
+
+    def standing(self, placement: Placement) -> StandingModel:
+        """The same object for the same placement: what depends on it is then not drawn anew."""
+        if self._standing is None or self._standing.placement != placement:
+            self._standing = StandingModel(self.model, self.contact, placement)
+        return self._standing
 
     def release(self) -> None:
         self.contact.release()

@@ -14,7 +14,7 @@ from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.camera_match import CameraMatch
 from ashe_live.render.caster import RealObject
 from ashe_live.render.environment import Environment
-from ashe_live.render.framing import Framing, Rectangle, box_corners, framing, letterbox
+from ashe_live.render.framing import Framing, Rectangle, framing, letterbox
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
@@ -23,10 +23,11 @@ from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.model_pass import LookedUp, ModelPass, View
 from ashe_live.render.overlays import OverlayPass
 from ashe_live.render.photometry import Photometry
-from ashe_live.render.prepared import ModelSwitch, PreparedModel
+from ashe_live.render.prepared import ModelSwitch
 from ashe_live.render.programs import Programs
 from ashe_live.render.scene import Scene
 from ashe_live.render.shadow_maps import ShadowMaps
+from ashe_live.render.standing import StandingModel
 from ashe_live.render.surface import Surface
 from ashe_live.render.video import Video
 
@@ -129,7 +130,7 @@ class Renderer:
                 self._lens.keep_bare(self._surface.colour)
             region = NOWHERE
             if self._models.shown is not None and scene.tracked.marker is not None:
-                region = self._draw_model(self._models.shown, scene, camera)
+                region = self._draw_model(self._models.shown.standing(scene.placement), scene, camera)
             if bends:
                 self._lens.draw(self._surface.colour, scene.tracked, viewport, region)
         self._surface.colour.use()
@@ -166,34 +167,33 @@ class Renderer:
         ):
             held.release()
 
-    def _draw_model(self, prepared: PreparedModel, scene: Scene, camera: Camera) -> Rectangle:
+    def _draw_model(self, model: StandingModel, scene: Scene, camera: Camera) -> Rectangle:
         """As a pinhole camera sees it; returns the part of the picture that it may have changed."""
         assert scene.tracked is not None
         assert scene.tracked.marker is not None
         lighting = self._photometry.lighting(scene)
-        model = prepared.model
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting.suns)
         self._ground_shadows.render(self._shadows, lighting.suns)
-        self._catcher.fit(model, lighting, self._shadows, prepared.contact)
+        self._catcher.fit(model, lighting, self._shadows)
         arrows = []
         if scene.shows_light:
-            arrows = [arrow_placement(model.placed.bounds, light.to_light_marker) for light in scene.lights]
+            arrows = [arrow_placement(model.corners, light.to_light_marker) for light in scene.lights]
         viewport = letterbox(scene.tracked.frame.size, self.size)
         points = self._drawn_points(model, arrows)
         frame = framing(camera, scene.tracked.marker.T_cam_marker, points, viewport)
         if frame is None:
             return NOWHERE
         look = self._photometry.look(scene.tracked)
-        if model.mirrors:
+        if model.model.mirrors:
             self._environment.show(scene.surroundings or scene.tracked, scene.ground_rgb)
-        self._draw_framed(prepared, frame, lighting, look.white_rgb, arrows)
-        part = frame.part(box_corners(model.placed.bounds))
+        self._draw_framed(model, frame, lighting, look.white_rgb, arrows)
+        part = frame.part(model.corners)
         self._camera_match.draw(self._surface.colour, part, viewport, scene.tracked.frame, look)
         return frame.region
 
     def _draw_framed(
         self,
-        prepared: PreparedModel,
+        model: StandingModel,
         frame: Framing,
         lighting: Lighting,
         white: RGB,
@@ -207,18 +207,16 @@ class Renderer:
                 self.video.draw()
             if self._real is not None:
                 self._real.draw(frame, self.video, lighting, self._shadows)
-            self._model_pass.draw_opaque(prepared.model, view)
+            self._model_pass.draw_opaque(model, view)
             for arrow in arrows:
                 self._arrow.draw(frame, arrow)
             casters = 2 if self._shadows.shadows_meet else 1
-            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, prepared.contact)
-            self._model_pass.draw_blended(prepared.model, view)
+            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model)
+            self._model_pass.draw_blended(model, view)
 
-    def _drawn_points(self, model: GpuModel, arrows: list[Float]) -> Float:
+    def _drawn_points(self, model: StandingModel, arrows: list[Float]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""
-        return np.concatenate(
-            [box_corners(model.placed.bounds), self._catcher.polygon, *(arrow_extent(arrow) for arrow in arrows)]
-        )
+        return np.concatenate([model.corners, self._catcher.polygon, *(arrow_extent(arrow) for arrow in arrows)])
 
     @property
     def _looked_up(self) -> LookedUp:

@@ -7,7 +7,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image, frozen_view, set_frozen
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import DirectionalLight, TrackedFrame
-from ashe_live.models.placement import PlacedModel
+from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,4 +42,5 @@ class Scene:
     caster: Proxy | None = None  # the real object
     ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that no light reaches over lit ground
     ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the picture
+    placement: Placement = UNMOVED  # of the model
     surroundings: TrackedFrame | None = None  # with a marker: what polished surfaces mirror; None: `tracked`

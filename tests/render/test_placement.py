@@ -1,0 +1,125 @@
+"""A model that was moved by hand: the same picture as of a model that was built there, and nothing uploaded for it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.quality import BALANCED, FAST, QUALITIES
+from ashe_live.core.transforms import direction_from_angles, raycast_to_plane
+from ashe_live.models.catalogue import load_model
+from ashe_live.models.mesh import Mesh, Model
+from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
+from ashe_live.models.primitives import box
+from ashe_live.render.offscreen import live_gl_objects
+from ashe_live.render.scene import Scene
+
+GROUND = 200
+GREEN = (0.0, 1.0, 0.0, 1.0)
+RATIO = (0.2, 0.2, 0.2)
+
+
+def _built_there(model: Model, placement: Placement) -> PlacedModel:
+    matrix = placement.marker_from_placed
+    turn = matrix[:3, :3] / placement.scale
+    parts = tuple(
+        Mesh(
+            (part.vertices @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32),
+            (part.normals @ turn.T).astype(np.float32),
+            part.triangles,
+            part.uvs,
+            part.colours,
+            part.material,
+        )
+        for part in model.parts
+    )
+    moved = Model(model.name, parts)
+    return PlacedModel(moved, moved.bounds)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize("name", ["mug", "goblet"])  # textured; polished, with something to be seen through
+def test_it_looks_as_if_it_had_been_built_there(make_renderer, stage, quality: str, name: str) -> None:
+    model = placed_on_marker(load_model(name), 0.08)
+    placement = Placement(1.4, math.radians(70), (0.03, -0.02))
+    cup = Proxy("cup", np.array([(-0.07, 0.02, z, 0.02, 0) for z in (0.0, 0.05)]))
+    tracked = stage.tracked(stage.noise(), stage.pose(-70, 40, 0.6))
+    pictures = []
+    for shown, moved in ((model, placement), (_built_there(model.model, placement), Placement())):
+        renderer = make_renderer(QUALITIES[quality].render)
+        lights = (stage.light(120, 40, RATIO), stage.light(20, 60, (0.8, 0.8, 0.8)))
+        renderer.render(Scene(tracked, shown, lights, caster=cup, placement=moved))
+        pictures.append(renderer.read_bgr().astype(float))
+    here = np.abs(pictures[0] - pictures[1]).max(axis=2)
+    changed = np.abs(pictures[1] - tracked.frame.image_bgr).max(axis=2) > 8
+    assert changed.sum() > 10_000
+    # Texels of depth maps and the directions of the sky that the contact is made of fall a little differently.
+    print(np.mean(here[changed] > 8), here.mean())
+    assert np.mean(here[changed] > 8) < 0.002
+    assert here.mean() < 0.1
+
+
+def _shadow_points(picture: np.ndarray, tracked) -> np.ndarray:
+    """(n, 2) ground of the pixels that are in full shadow."""
+    blue, green, red = np.moveaxis(picture.astype(int), 2, 0)
+    is_shadow = ~((green > red + 10) & (green > blue + 10)) & (green < 150)
+    rows, columns = np.nonzero(is_shadow)
+    pixels = np.column_stack([columns, rows]).astype(float)
+    return raycast_to_plane(tracked.camera, tracked.marker.T_cam_marker, pixels)[:, :2]
+
+
+@pytest.mark.parametrize("scale", [0.5, 1.7])
+def test_its_shadow_grows_with_it_about_its_foot(make_renderer, stage, scale: float) -> None:
+    """From far above, so that the box hides nothing of its shadow's end."""
+    pole = stage.placed(box((0.02, 0.02, 0.05), GREEN))
+    foot = np.array((0.03, -0.02))
+    tracked = stage.tracked(GROUND, stage.pose(-90, 70, 0.6, target=(0, 0, 0)))
+    light = stage.light(150, 35, RATIO)
+    away = -light.to_light_marker[:2] / np.linalg.norm(light.to_light_marker[:2])
+    reach = []
+    for placement in (Placement(1.0, 0.0, tuple(foot)), Placement(scale, 0.0, tuple(foot))):
+        renderer = make_renderer(FAST.render)
+        renderer.render(Scene(tracked, pole, (light,), placement=placement))
+        points = _shadow_points(renderer.read_bgr(), tracked) - foot
+        reach.append(float((points @ away).max()))
+    expected = 0.05 / math.tan(math.radians(35)) + 0.01 * np.abs(away).sum()  # the far corner of the top
+    assert reach[0] == pytest.approx(expected, abs=0.0025)  # a pixel is 1.2 mm there
+    assert reach[1] / reach[0] == pytest.approx(scale, rel=0.03)
+
+
+def test_moving_it_uploads_nothing(make_renderer, stage) -> None:
+    renderer, model = make_renderer(BALANCED.render), placed_on_marker(load_model("mug"), 0.08)
+    tracked, light = stage.tracked(GROUND, stage.pose(-90, 40)), stage.light(120, 40)
+    renderer.render(Scene(tracked, model, (light,)))
+    before, draws = live_gl_objects(), renderer.shadow_map_renders
+    for step in range(1, 5):
+        renderer.render(Scene(tracked, model, (light,), placement=Placement(1 + step / 10, step, (step / 100, 0.0))))
+    assert live_gl_objects() == before
+    assert renderer.shadow_map_renders == draws + 4
+    for _ in range(3):  # an equal one, whichever object
+        renderer.render(Scene(tracked, model, (light,), placement=Placement(1.4, 4, (0.04, 0.0))))
+    assert renderer.shadow_map_renders == draws + 4
+
+
+@pytest.mark.parametrize("shift_m", [(40.0, 0.0), (0.0, -5.0), (-0.2, -0.35)])  # beside, behind, around the camera
+def test_out_of_the_picture_it_leaves_the_video_alone(make_renderer, stage, shift_m) -> None:
+    renderer = make_renderer(BALANCED.render)
+    image = stage.noise()
+    tracked = stage.tracked(image, stage.pose(-90, 40))
+    model = stage.placed(box((0.03, 0.03, 0.03)))
+    renderer.render(Scene(tracked, model, (stage.light(90, 60),), True, placement=Placement(1.0, 0.0, shift_m)))
+    np.testing.assert_array_equal(renderer.read_bgr(), image)
+
+
+def test_placements_keep_the_plane_and_are_finite() -> None:
+    matrix = Placement(2.0, math.radians(90), (0.5, 0.25)).marker_from_placed
+    np.testing.assert_allclose(matrix @ (0.1, 0, 0, 1), (0.5, 0.45, 0, 1), atol=1e-12)
+    np.testing.assert_allclose(matrix @ (0, 0, 0.1, 1), (0.5, 0.25, 0.2, 1), atol=1e-12)
+    up = direction_from_angles(0, math.pi / 2)
+    np.testing.assert_allclose(matrix[:3, :3] @ up, 2 * up, atol=1e-12)
+    for wrong in ((0.0, 0.0), (-1.0, 0.0), (math.nan, 0.0), (math.inf, 0.0), (1.0, math.nan)):
+        with pytest.raises(ValueError, match="cannot be scaled"):
+            Placement(*wrong)
+    with pytest.raises(ValueError, match="cannot be scaled"):
+        Placement(shift_m=(math.nan, 0.0))
