@@ -114,6 +114,12 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
     render.add_argument("--memory-frames", type=_count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
     _add_results_folder(render, "render.json")
 
+    soak = benches.add_parser("soak", help="very many frames: leaks, drift, and how old a picture is on the screen")
+    soak.add_argument("--frames", type=_count, default=100_000, metavar="N", help="frames (default 100000)")
+    soak.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures there")
+    soak.add_argument("--overwrite", action="store_true", help="replace an existing file")
+    _add_quality_options(soak, default="fast")
+
     light = benches.add_parser("light", help="the estimators' errors on scenes whose light is known")
     light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
     _add_results_folder(light, "results.json")

@@ -4,10 +4,10 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
+from ashe_live.bench.resources_held import resident_mib
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import direction_from_angles, rigid
@@ -123,16 +123,6 @@ def memory_growth(
         if number in (frames // 5, frames - 1):
             when = "end" if number == frames - 1 else "start"
             found[f"{when}_gl_objects"] = live_gl_objects()
-            found[f"{when}_mib"] = _resident_mib()
+            found[f"{when}_mib"] = resident_mib()
     renderer.release()
     return found
-
-
-def _resident_mib() -> float:
-    """Of this process; on a software rasteriser this holds the graphics card's part, too."""
-    pages = Path("/proc/self/statm")
-    if pages.exists():
-        import resource
-
-        return int(pages.read_text().split()[1]) * resource.getpagesize() / 2**20
-    return math.nan

@@ -3,12 +3,12 @@
 import argparse
 
 from ashe_live.cli import DEFAULT_ESTIMATOR
-from ashe_live.core.quality import QUALITIES
+from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.errors import ExitStatus, UserError
 
 
 def run(options: argparse.Namespace) -> int:
-    {"viewer": _viewer, "render": _render, "light": _light, "track": _track}[options.bench](options)
+    {"viewer": _viewer, "soak": _soak, "render": _render, "light": _light, "track": _track}[options.bench](options)
     return ExitStatus.ANSWERED
 
 
@@ -16,12 +16,24 @@ def _viewer(options: argparse.Namespace) -> None:
     from ashe_live.bench.viewer import ViewerBench
     from ashe_live.capture.known_clip import shipped_clip
 
-    if options.quality not in QUALITIES:
-        raise UserError(f"quality {options.quality} changes as it runs", f"measure one of {', '.join(QUALITIES)}")
-    quality = QUALITIES[options.quality]
-    ViewerBench(shipped_clip(), quality, options.estimator, options.frames, options.size).run(
+    ViewerBench(shipped_clip(), _fixed_quality(options), options.estimator, options.frames, options.size).run(
         options.out, options.overwrite
     )
+
+
+def _soak(options: argparse.Namespace) -> None:
+    from ashe_live.bench.soak import SoakBench
+    from ashe_live.capture.known_clip import shipped_clip
+
+    SoakBench(shipped_clip(), _fixed_quality(options), options.estimator, options.frames).run(
+        options.out, options.overwrite
+    )
+
+
+def _fixed_quality(options: argparse.Namespace) -> Quality:
+    if options.quality not in QUALITIES:
+        raise UserError(f"quality {options.quality} changes as it runs", f"measure one of {', '.join(QUALITIES)}")
+    return QUALITIES[options.quality]
 
 
 def _render(options: argparse.Namespace) -> None:

@@ -41,6 +41,9 @@ def window_context() -> moderngl.Context:
 
 
 def live_gl_objects() -> int:
-    """Buffers, textures, framebuffers, programs and the like that this process holds."""
+    """Buffers, textures, framebuffers, programs and the like that this process holds.
+
+    No other thread may be inside OpenCV meanwhile: it fails when anybody looks at the tuples that it is making.
+    """
     gc.collect()
     return sum(isinstance(thing, GL_TYPES) for thing in gc.get_objects())

@@ -1,0 +1,63 @@
+"""A window without a screen: what the viewer's loop needs of one, with a stopwatch in it."""
+
+import time
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Size
+from ashe_live.render.offscreen import Context
+from ashe_live.viewer.controls import Request
+
+
+class Picture(NamedTuple):
+    """When the viewer began with a picture, and when it was on the screen."""
+
+    begun_s: float  # monotonic clock
+    shown_s: float
+    cpu_s: float  # of the viewer's thread in between
+
+
+class OffscreenWindow:
+    """Plays `Window`'s part for LiveViewer; `on_picture` hears of each picture."""
+
+    content_scale = 1.0
+    is_closing = False
+
+    def __init__(self, ctx: Context, size: Size, rate_hz: float, on_picture: Callable[[Picture], None]) -> None:
+        self.framebuffer_size = size
+        self.refresh_rate_hz = rate_hz
+        self.requests: list[Request] = []  # what the next picture obeys
+        self._ctx = ctx
+        self._on_picture = on_picture
+        self._colour = ctx.renderbuffer(size)
+        self._screen = ctx.framebuffer([self._colour])
+        self.context = SimpleNamespace(screen=self._screen)
+        self._begun_s = self._begun_cpu_s = 0.0
+
+    def take_requests(self, wait_s: float) -> list[Request]:
+        if wait_s > 0:
+            time.sleep(wait_s)
+            return []
+        self._begun_s, self._begun_cpu_s = time.monotonic(), time.thread_time()
+        requests, self.requests = self.requests, []
+        return requests
+
+    def swap(self) -> None:
+        """The picture is on the screen when it is drawn."""
+        self._ctx.finish()
+        self._on_picture(Picture(self._begun_s, time.monotonic(), time.thread_time() - self._begun_cpu_s))
+
+    def read_bgr(self) -> Image:
+        """(h, w, 3) uint8: what is on the screen."""
+        width, height = self.framebuffer_size
+        rgb = np.frombuffer(self._screen.read(components=3, alignment=1), np.uint8).reshape(height, width, 3)
+        return np.asarray(cv2.cvtColor(rgb[::-1], cv2.COLOR_RGB2BGR), dtype=np.uint8)
+
+    def release(self) -> None:
+        self._screen.release()
+        self._colour.release()

@@ -1,0 +1,88 @@
+"""What a process holds as it runs, how fast that grows, and what is left of it at the end."""
+
+import math
+import multiprocessing
+import os
+import threading
+from pathlib import Path
+
+import numpy as np
+
+from ashe_live.core.contract import Json
+from ashe_live.render.offscreen import live_gl_objects
+
+PROC = Path("/proc")
+# Of what is held, over the whole run: an allocator's own unrest stays below.
+TOLERATED_GROWTH = 0.02
+
+
+def resident_mib(process: int | str = "self") -> float:
+    """NaN where the system does not tell or the process has gone; a software rasteriser's textures are in it too."""
+    try:
+        pages = (PROC / str(process) / "statm").read_text().split()[1]
+    except OSError:
+        return math.nan
+    return int(pages) * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+
+def held_now() -> dict[str, float]:
+    """By what is held: of this process, and the memory of its children."""
+    return {
+        "rss_mib": resident_mib(),
+        "children_rss_mib": sum(resident_mib(child.pid or "none") for child in multiprocessing.active_children()),
+        "gl_objects": live_gl_objects(),
+        "open_files": _entries(PROC / "self" / "fd"),
+        "threads": _entries(PROC / "self" / "task"),
+    }
+
+
+class Held:
+    """Samples of what is held, by the number of frames shown so far."""
+
+    def __init__(self) -> None:
+        self._frames: list[int] = []
+        self._samples: list[dict[str, float]] = []
+
+    def sample(self, frame: int) -> None:
+        self._frames.append(frame)
+        self._samples.append(held_now())
+
+    def to_json(self, warm_up: int) -> Json:
+        """The samples, and their growth after frame `warm_up`; what the system does not tell is null."""
+        by_name = {name: [sample[name] for sample in self._samples] for name in self._samples[0]}
+        return {
+            "frames": self._frames,
+            **{
+                name: {
+                    "samples": [value if math.isfinite(value) else None for value in values],
+                    **growth(self._frames, values, warm_up),
+                }
+                for name, values in by_name.items()
+            },
+        }
+
+
+def growth(frames: list[int], values: list[float], warm_up: int) -> Json:
+    """From frame `warm_up` on: the values at both ends, the slope in 1000 frames, and whether it is flat over the run.
+
+    The slope is the median of those between all pairs of samples (Theil and Sen): single jumps do not move it.
+    """
+    x, y = np.array(frames, float), np.array(values, float)
+    known = (x >= warm_up) & np.isfinite(y)
+    x, y = x[known], y[known]
+    if len(x) < 3:
+        return {"first": None, "last": None, "per_1000_frames": None, "is_flat": None}
+    earlier, later = np.triu_indices(len(x), 1)
+    slope = float(np.median((y[later] - y[earlier]) / (x[later] - x[earlier])))
+    is_flat = slope * (x[-1] - x[0]) <= TOLERATED_GROWTH * float(np.median(y))
+    return {"first": float(y[0]), "last": float(y[-1]), "per_1000_frames": slope * 1000, "is_flat": bool(is_flat)}
+
+
+def left_running(before: set[threading.Thread]) -> list[str]:
+    """Names of the threads that were not there before, and of child processes."""
+    threads = [thread.name for thread in threading.enumerate() if thread not in before]
+    return [*threads, *(child.name for child in multiprocessing.active_children())]
+
+
+def _entries(folder: Path) -> float:
+    return len(os.listdir(folder)) if folder.is_dir() else math.nan  # noqa: PTH208 - names are enough
