@@ -10,8 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ashe_live.errors import UserError
+from ashe_live.models.gltf_amounts import GltfAmounts, amounts_of
 
 GLB_MAGIC, GLB_JSON = 0x46546C67, 0x4E4F534A
+TRIANGLES = (4, 5)  # the modes of primitives that trimesh reads as such: triangles and strips
 RAW_ATTRIBUTES = ("TEXCOORD_0", "TEXCOORD_1", "COLOR_0")
 # Textures and materials may look a little plainer than meant; geometry that cannot be decoded is not there at all.
 TOLERATED_EXTENSIONS = ("KHR_materials_", "KHR_texture_transform", "EXT_texture_webp", "KHR_lights_punctual")
@@ -45,8 +47,7 @@ class GltfFile:
 
     content: bytes
     materials: tuple[MaterialNotes, ...]  # trimesh's material is named by its place here
-    triangles: int  # as the nodes use them
-    largest_accessor: int  # elements
+    amounts: GltfAmounts
 
 
 def read_gltf(content: bytes) -> GltfFile:
@@ -56,23 +57,23 @@ def read_gltf(content: bytes) -> GltfFile:
     unknown = [name for name in required if not str(name).startswith(TOLERATED_EXTENSIONS)]
     if unknown:
         raise UserError(f"the model file needs {unknown[0]}, which is not known here", "export it without compression")
-    accessors, meshes = header.get("accessors", []), header.get("meshes", [])
-    counts = [sum(_triangles(primitive, accessors) for primitive in mesh["primitives"]) for mesh in meshes]
-    for mesh in meshes:
+    amounts = amounts_of(header)
+    for mesh in header.get("meshes", []):
+        # Of points and lines trimesh makes objects that nothing here draws.
+        mesh["primitives"] = [primitive for primitive in mesh["primitives"] if primitive.get("mode", 4) in TRIANGLES]
         for primitive in mesh["primitives"]:
+            primitive.pop("extensions", None)  # compressed geometry, in the size that its blob says
             attributes = primitive["attributes"]
             for name in RAW_ATTRIBUTES:
                 if name in attributes:
                     attributes[f"_{name}"] = attributes.pop(name)
+    for material in header.get("materials", []):
+        _take_specular_glossiness(material)
     notes = tuple(_notes(material) for material in header.get("materials", []))
     for place, material in enumerate(header.get("materials", [])):
         material["name"] = str(place)
-    return GltfFile(
-        _joined(header, rest),
-        notes,
-        sum(counts[node["mesh"]] for node in header.get("nodes", []) if "mesh" in node),
-        max((int(accessor["count"]) for accessor in accessors), default=0),
-    )
+        material.pop("extensions", None)
+    return GltfFile(_joined(header, rest), notes, amounts)
 
 
 def _split(content: bytes) -> tuple[dict[str, Any], bytes | None]:
@@ -99,15 +100,16 @@ def _joined(header: dict[str, Any], rest: bytes | None) -> bytes:
     return lengths + text + rest
 
 
-def _triangles(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
-    corners = int(accessors[primitive.get("indices", primitive["attributes"]["POSITION"])]["count"])
-    match primitive.get("mode", 4):
-        case 4:
-            return corners // 3
-        case 5 | 6:
-            return max(corners - 2, 0)
-        case _:
-            return 0
+def _take_specular_glossiness(material: dict[str, Any]) -> None:
+    """What of the old model the new one has too; trimesh would convert whole pictures, whatever their size."""
+    old = material.get("extensions", {}).get("KHR_materials_pbrSpecularGlossiness")
+    if old is None or "pbrMetallicRoughness" in material:
+        return
+    new = {"metallicFactor": 0.0, "roughnessFactor": 1 - float(old.get("glossinessFactor", 1.0))}
+    for theirs, ours in (("diffuseFactor", "baseColorFactor"), ("diffuseTexture", "baseColorTexture")):
+        if theirs in old:
+            new[ours] = old[theirs]
+    material["pbrMetallicRoughness"] = new
 
 
 def _notes(material: dict[str, Any]) -> MaterialNotes:

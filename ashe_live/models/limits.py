@@ -6,43 +6,82 @@ from pathlib import Path
 from PIL import Image as PillowImage
 
 from ashe_live.errors import UserError
+from ashe_live.models.gltf_amounts import GltfAmounts
 
-MAX_FILE_BYTES = 200_000_000
+MAX_FILE_BYTES = 200_000_000  # of the model's file, and of all others that it names together
 MAX_TRIANGLES = 2_000_000
+MAX_VERTICES = 3 * MAX_TRIANGLES
+MAX_PARTS = 10_000  # meshes, as often as they are drawn
+MAX_GROUPS = 1_000  # an OBJ's materials, a text STL's solids: each is looked for among all others
+MAX_LINES = 4 * MAX_TRIANGLES  # of a text PLY
+MAX_DEPTH = 200  # of nodes within nodes
 MAX_TEXTURE_PX = 2048  # a side; larger pictures are reduced to it
 MAX_PICTURE_TEXELS = 8192 * 8192  # of one picture in the file
 MAX_MODEL_TEXELS = 16 * 2048 * 2048  # of all maps together, as reduced
+# Pillow knows more, among them one that is a program and runs.
+PICTURE_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TGA", "TIFF", "GIF")
 
 STL_HEADER_BYTES, STL_TRIANGLE_BYTES = 84, 50
 PLY_FACES = re.compile(rb"element\s+face\s+(\d+)")
+# A line may go on after a backslash. Possessive, as the stack of a long line would be larger than the line.
+OBJ_FACES = re.compile(rb"^f(?:[^\n\\]++|\\\r?\n|\\)*+", re.MULTILINE)
+OBJ_MATERIALS = re.compile(rb"^usemtl[^\n]*", re.MULTILINE)
+SPACES = b" \t\v\f\r"
+# What text is split at: str.splitlines.
+LINE_ENDS = (b"\n", b"\r", b"\v", b"\f", b"\x1c", b"\x1d", b"\x1e", b"\xc2\x85", b"\xe2\x80\xa8", b"\xe2\x80\xa9")
 HEADER_BYTES = 65536
 
 
-def stated_triangles(suffix: str, content: bytes) -> int:
-    """How many triangles the content of an .obj, .ply or .stl says that it has, at least."""
+def check_text(path: Path, content: bytes) -> None:
+    """What the content of an .obj, .ply or .stl says of its amounts. Raises UserError when they are too large."""
+    suffix = path.suffix.lower()
+    header = content[:HEADER_BYTES]
     if suffix == ".ply":
-        found = PLY_FACES.search(content[:HEADER_BYTES])
-        return int(found[1]) if found else 0
-    if suffix == ".stl":
-        is_text = content.lstrip().startswith(b"solid") and b"facet" in content[:HEADER_BYTES]
-        return 0 if is_text else (len(content) - STL_HEADER_BYTES) // STL_TRIANGLE_BYTES
-    return content.count(b"\nf ")
+        found = PLY_FACES.search(header)
+        check_triangles(path, int(found[1]) if found else 0)
+        if b"ascii" in header:
+            _check(path, sum(content.count(end) for end in LINE_ENDS), MAX_LINES, "lines")
+    elif suffix == ".obj":
+        check_triangles(path, _obj_triangles(content))
+        _check(path, len(set(OBJ_MATERIALS.findall(content))), MAX_GROUPS, "materials")
+    elif content.lstrip().startswith(b"solid") and b"facet" in header:
+        lower = content.lower()
+        check_triangles(path, lower.count(b"vertex") // 3)
+        _check(path, lower.count(b"endsolid"), MAX_GROUPS, "solids")
+    else:
+        check_triangles(path, (len(content) - STL_HEADER_BYTES) // STL_TRIANGLE_BYTES)
+
+
+def _obj_triangles(content: bytes) -> int:
+    """Of polygons; looked at one by one only when there could be too many of them."""
+    if len(content) - len(content.translate(None, SPACES)) <= MAX_TRIANGLES:
+        return content.count(b"\nf ")
+    faces = (found[0] for found in OBJ_FACES.finditer(content))
+    return sum(max(len(face) - len(face.translate(None, SPACES)) - 2, 1) for face in faces)
 
 
 def check_triangles(path: Path, triangles: int) -> None:
-    if triangles > MAX_TRIANGLES:
-        raise UserError(
-            f"the model file {path} has {triangles:,} triangles", f"reduce it to {MAX_TRIANGLES:,} or fewer"
-        )
+    _check(path, triangles, MAX_TRIANGLES, "triangles")
 
 
-def check_accessor(path: Path, elements: int) -> None:
-    if elements > 3 * MAX_TRIANGLES:
-        raise UserError(f"the model file {path} has {elements:,} vertices", "export it again")
+def check_gltf(path: Path, amounts: GltfAmounts) -> None:
+    """Raises UserError when one of them is too large."""
+    check_triangles(path, amounts.triangles)
+    _check(path, amounts.vertices, MAX_VERTICES, "vertices")
+    _check(path, amounts.parts, MAX_PARTS, "parts")
+    _check(path, amounts.depth, MAX_DEPTH, "nodes within nodes")
+    _check(path, amounts.bytes, MAX_FILE_BYTES, "bytes of arrays")
+
+
+def _check(path: Path, count: int, most: int, what: str) -> None:
+    if count > most:
+        raise UserError(f"the model file {path} has {count:,} {what}", f"reduce it to {most:,} or fewer")
 
 
 def check_picture(picture: PillowImage.Image) -> None:
     """Of a picture whose header is read and whose texels are not."""
+    if picture.format not in PICTURE_FORMATS:
+        raise UserError(f"a texture of the model is of the kind {picture.format}", "save it as PNG or JPEG")
     width, height = picture.size
     if width * height > MAX_PICTURE_TEXELS:
         raise UserError(f"a texture of the model has {width} x {height} texels", "reduce it to 8192 x 8192 or fewer")

@@ -102,7 +102,8 @@ class Surfaces:
                 picture.draft("RGB", (MAX_TEXTURE_PX, MAX_TEXTURE_PX))
             reduced = picture.convert("RGBA")
             reduced.thumbnail((MAX_TEXTURE_PX, MAX_TEXTURE_PX), PillowImage.Resampling.LANCZOS)
-            # The picture is kept, as its id is only its own while it lives.
+            # The picture is kept, as its id is only its own while it lives, but not its texels.
+            picture.close()
             self._texels[id(picture)] = picture, np.asarray(reduced, dtype=np.uint8)
             check_texels(sum(texels.size // 4 for _, texels in self._texels.values()))
         return self._texels[id(picture)][1]

@@ -7,6 +7,7 @@ viewer goes on.
 import multiprocessing
 import os
 import signal
+import sys
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -19,6 +20,8 @@ from ashe_live.models.placement import PlacedModel, placed_on_marker
 # Read in a few milliseconds at a time.
 SMALL_FILE_BYTES = 2_000_000
 NICENESS = 10
+# Of address space. What the limits let pass takes less than half; text that is made to be many words takes more.
+MAX_MEMORY_BYTES = 6 << 30
 
 
 def read_model(name: str, marker_side_m: float) -> PlacedModel:
@@ -54,6 +57,7 @@ def _answer(connection: Connection, name: str, marker_side_m: float) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "nice"):
         os.nice(NICENESS)
+    _limit_memory()
     outcome: PlacedModel | UserError
     try:
         outcome = placed_on_marker(load_model(name), marker_side_m)
@@ -62,3 +66,14 @@ def _answer(connection: Connection, name: str, marker_side_m: float) -> None:
     # The viewer may be gone, and nobody wants the answer.
     with suppress(OSError):
         send_value(connection, outcome)
+
+
+def _limit_memory() -> None:
+    """Of this process, where the system can; a file that takes more is malformed like any other."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    with suppress(ValueError, OSError):
+        resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY_BYTES, most))

@@ -1,0 +1,280 @@
+"""Model files made to harm: each is refused with one line, before much memory is taken, and reads nothing else."""
+
+import os
+import socket
+import struct
+import tracemalloc
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from ashe_live.errors import UserError
+from ashe_live.models import limits, loading
+from ashe_live.models.loading import load_model_file
+from tests.models.gltf_files import UVS, Document, png
+
+LITTLE_BYTES = 20e6
+RED = (255, 0, 0)
+TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+
+
+def claimed_png(width: int, height: int) -> bytes:
+    """A picture of that size by its header, and of one byte by its content."""
+
+    def chunk(kind: bytes, content: bytes) -> bytes:
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    header = chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0))
+    return b"\x89PNG\r\n\x1a\n" + header + chunk(b"IDAT", zlib.compress(b"\0")) + chunk(b"IEND", b"")
+
+
+def with_material(make: Callable[[dict[str, int]], dict[str, Any]], *pictures: bytes) -> Document:
+    document = Document()
+    for picture in pictures:
+        document.quad(material=make(document.embedded(picture)), TEXCOORD_0=document.accessor(UVS))
+    return document
+
+
+def textured(*pictures: bytes) -> Document:
+    return with_material(lambda texture: {"pbrMetallicRoughness": {"baseColorTexture": texture}}, *pictures)
+
+
+def old_material(*pictures: bytes) -> Document:
+    extension = "KHR_materials_pbrSpecularGlossiness"
+    return with_material(lambda texture: {"extensions": {extension: {"diffuseTexture": texture}}}, *pictures)
+
+
+def changed(change: Callable[[Document, dict[str, Any]], object]) -> Document:
+    """A good quad, then changed."""
+    document = Document()
+    document.quad()
+    change(document, document.json)
+    return document
+
+
+def _overlapping_views(document: Document, it: dict[str, Any]) -> None:
+    document.view(bytes(2_000_000))
+    it["bufferViews"] += [{"buffer": 0, "byteOffset": 1, "byteLength": 2_000_000}] * 100
+
+
+def _shared_accessor(document: Document, it: dict[str, Any]) -> None:
+    position = document.accessor(np.zeros((100_000, 3), np.float32))
+    primitive = {"attributes": {"POSITION": position}, "indices": it["meshes"][0]["primitives"][0]["indices"]}
+    it["meshes"][0]["primitives"] = [primitive] * 100
+
+
+def _unused_meshes(document: Document, it: dict[str, Any]) -> None:
+    indices = document.accessor(np.zeros(300_000, np.uint16))
+    it["meshes"] += [{"primitives": [{"attributes": {"POSITION": 0}, "indices": indices}]}] * 30
+
+
+def _many_nodes(_: Document, it: dict[str, Any]) -> None:
+    it["nodes"] = [{"mesh": 0}] * (limits.MAX_PARTS + 1)
+    it["scenes"][0]["nodes"] = list(range(limits.MAX_PARTS + 1))
+
+
+def _deep_nodes(_: Document, it: dict[str, Any]) -> None:
+    it["nodes"] = [{"children": [place + 1], "mesh": 0} for place in range(5000)] + [{"mesh": 0}]
+
+
+def _diamond(_: Document, it: dict[str, Any]) -> None:
+    it["nodes"] = [{"children": [1, 2]}, {"children": [3]}, {"children": [3]}, {"mesh": 0}]
+
+
+BODYLESS = {"componentType": 5126, "count": 5_000_000, "type": "MAT4"}
+GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
+    "views that overlap": ("bytes", lambda: changed(_overlapping_views)),
+    "a view that makes room": (
+        "byteLength is -9",
+        lambda: changed(lambda _, it: it["bufferViews"].append({"buffer": 0, "byteLength": -9})),
+    ),
+    "accessors of nothing": ("bytes", lambda: changed(lambda _, it: it["accessors"].extend([BODYLESS] * 9))),
+    "a shared accessor": ("vertices", lambda: changed(_shared_accessor)),
+    "meshes that no node uses": ("triangles", lambda: changed(_unused_meshes)),
+    "too many parts": ("parts", lambda: changed(_many_nodes)),
+    "nodes too deep": ("nodes within nodes", lambda: changed(_deep_nodes)),
+    "a node within itself": ("two places", lambda: changed(lambda _, it: it["nodes"][0].update(children=[0]))),
+    "a node in two places": ("two places", lambda: changed(_diamond)),
+    "a stride past the end": (
+        "malformed",
+        lambda: changed(lambda _, it: it["bufferViews"][0].update(byteStride=2**40)),
+    ),
+    "a stride backwards": ("malformed", lambda: changed(lambda _, it: it["bufferViews"][0].update(byteStride=-12))),
+    "an offset before the start": (
+        "malformed",
+        lambda: changed(lambda _, it: it["bufferViews"][0].update(byteOffset=-(10**6))),
+    ),
+    "a place that is no number": (
+        "not finite",
+        lambda: changed(lambda _, it: it["nodes"][0].update(translation=[float("nan"), 0, 0])),
+    ),
+    "lines": ("no triangles", lambda: changed(lambda _, it: it["meshes"][0]["primitives"][0].update(mode=1))),
+    "a mesh of nothing": ("no triangles", lambda: changed(lambda _, it: it["meshes"][0].update(primitives=[]))),
+    "a picture of 30,000 x 30,000": ("cannot be read", lambda: textured(claimed_png(30_000, 30_000))),
+    "a picture of 9,000 x 9,000": ("9000 x 9000", lambda: textured(claimed_png(9_000, 9_000))),
+    "an old material's picture": ("9000 x 9000", lambda: old_material(claimed_png(9_000, 9_000))),
+    "a picture that is a program": (
+        "kind EPS",
+        lambda: textured(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\nshowpage\n"),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", GLTF)
+def test_a_hostile_gltf_is_refused_with_little_memory(tmp_path: Path, name: str) -> None:
+    said, make = GLTF[name]
+    assert_refused_with_little_memory(make().save(tmp_path / "hostile.glb"), said)
+
+
+PLY = b"ply\nformat %s 1.0\nelement vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+LIST = b"element face %d\nproperty list %s int vertex_indices\nend_header\n"
+LITTLE_ENDIAN = b"binary_little_endian"
+FACET = b"facet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+TEXTS: dict[str, tuple[str, str, Callable[[], bytes]]] = {
+    "a polygon of all corners": ("obj", "triangles", lambda: TRIANGLE + b"f" + b" 1 2 3" * 700_000),
+    "a polygon over many lines": ("obj", "triangles", lambda: TRIANGLE + b"f" + b" 1 2 3 \\\r\n" * 700_000),
+    "a material for each face": (
+        "obj",
+        "materials",
+        lambda: TRIANGLE + b"".join(b"usemtl m%d\nf 1 2 3\n" % number for number in range(1001)),
+    ),
+    "a corner that is not there": ("obj", "malformed", lambda: TRIANGLE + b"f 1 2 99999999999\n"),
+    "a solid for each face": ("stl", "solids", lambda: b"solid a\n" + (FACET + b"endsolid\nsolid\n") * 1001),
+    "text of many facets": ("stl", "triangles", lambda: b"solid a\n" + FACET + b"vertex 0 0 0\n" * 6_000_000),
+    "lines of nothing": (
+        "ply",
+        "lines",
+        lambda: PLY % (b"ascii", 3) + LIST % (1, b"uchar") + b"\r" * (limits.MAX_LINES + 1),
+    ),
+    "vertices of nothing": ("ply", "malformed", lambda: PLY % (LITTLE_ENDIAN, 10**14) + LIST % (1, b"uchar")),
+    "a list of 2^32": ("ply", "malformed", lambda: PLY % (LITTLE_ENDIAN, 0) + LIST % (9, b"uint") + b"\xff" * 99),
+    "faces of nothing": ("ply", "triangles", lambda: PLY % (LITTLE_ENDIAN, 3) + LIST % (10**9, b"uchar") + bytes(99)),
+    "a zip": ("glb", "malformed", lambda: b"PK\x03\x04" + bytes(1000)),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_a_hostile_file_is_refused_with_little_memory(tmp_path: Path, name: str) -> None:
+    suffix, said, make = TEXTS[name]
+    path = tmp_path / f"hostile.{suffix}"
+    path.write_bytes(make())
+    assert_refused_with_little_memory(path, said)
+
+
+def assert_refused_with_little_memory(path: Path, said: str) -> None:
+    tracemalloc.start()
+    try:
+        with pytest.raises(UserError, match=said):
+            load_model_file(path)
+        assert tracemalloc.get_traced_memory()[1] < LITTLE_BYTES + 3 * path.stat().st_size
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.fixture
+def no_network(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object) -> None:
+        raise AssertionError("a connection was tried")
+
+    monkeypatch.setattr(socket.socket, "connect", refuse)
+    monkeypatch.setattr(socket, "getaddrinfo", refuse)
+
+
+@pytest.mark.usefixtures("no_network")
+@pytest.mark.parametrize(
+    "uri",
+    [
+        "http://127.0.0.1/a.png",
+        "https://example.org/a.png",
+        "ftp://example.org/a.png",
+        "file:///etc/hostname",
+        "//example.org/share/a.png",
+        "\\\\example.org\\share\\a.png",
+        "C:\\secret.png",
+        "C:/secret.png",
+        "..\\secret.png",
+        "%2e%2e%2fsecret.png",
+        "a.png/../../secret.png",
+        "/proc/self/environ",
+        "",
+        ".",
+        "\0",
+    ],
+)
+def test_nothing_but_files_of_the_folder_is_read(tmp_path: Path, uri: str) -> None:
+    (tmp_path / "secret.png").write_bytes(png(RED))
+    (tmp_path / "model").mkdir()
+    document = Document()
+    material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": uri})}}
+    document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
+    with pytest.raises(UserError, match=r"hostile\.glb|not a file"):
+        load_model_file(document.save(tmp_path / "model" / "hostile.glb"))
+
+
+def test_a_folder_behind_a_link_is_outside(tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "a.png").write_bytes(png(RED))
+    (tmp_path / "model").mkdir()
+    (tmp_path / "model" / "inside").symlink_to(tmp_path / "elsewhere")
+    document = Document()
+    material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": "inside/a.png"})}}
+    document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
+    with pytest.raises(UserError, match="outside its own folder"):
+        load_model_file(document.save(tmp_path / "model" / "a.glb"))
+
+
+def test_material_file_of_an_obj_outside_its_folder_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.mtl").write_text("newmtl m\nKd 1 0 0\n")
+    (tmp_path / "model").mkdir()
+    (tmp_path / "model" / "a.obj").write_bytes(b"mtllib ../a.mtl\nusemtl m\n" + TRIANGLE + b"f 1 2 3\n")
+    with pytest.raises(UserError, match="outside its own folder"):
+        load_model_file(tmp_path / "model" / "a.obj")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe.glb")
+    with pytest.raises(UserError, match="not a file"):
+        load_model_file(tmp_path / "pipe.glb")
+    document = Document()
+    material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": "pipe.glb"})}}
+    document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
+    with pytest.raises(UserError, match="not a file"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
+def test_files_are_small_together_and_not_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    noise = np.random.default_rng(1).integers(0, 255, (64, 64, 3), dtype=np.uint8)
+    Image.fromarray(noise).save(tmp_path / "a.png")
+    document = Document()
+    for _ in range(3):
+        material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": "a.png"})}}
+        document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
+    path = document.save(tmp_path / "a.glb")
+    assert len(load_model_file(path).parts) == 3
+    monkeypatch.setattr(loading, "MAX_FILE_BYTES", 2 * (tmp_path / "a.png").stat().st_size)
+    with pytest.raises(UserError, match="too large"):
+        load_model_file(path)
+
+
+def test_old_material_keeps_its_colour(tmp_path: Path) -> None:
+    extension = {"diffuseFactor": [1, 0, 0, 1], "glossinessFactor": 0.75}
+    document = Document()
+    document.quad(material={"extensions": {"KHR_materials_pbrSpecularGlossiness": extension}})
+    material = load_model_file(document.save(tmp_path / "old.glb")).parts[0].material
+    assert material.base_colour == (1, 0, 0, 1)
+    assert material.metallic == 0
+    assert material.roughness == pytest.approx(0.25)
+
+
+def test_polygons_are_counted_as_triangles(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(limits, "MAX_TRIANGLES", 20)
+    places = b"v 0 0 0\n" * 7
+    limits.check_text(Path("a.obj"), places + b"f 1 2 3 4\n" * 10)
+    with pytest.raises(UserError, match="22 triangles"):
+        limits.check_text(Path("a.obj"), places + b"f 1 2 3 4\n" * 11)
