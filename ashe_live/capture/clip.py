@@ -1,32 +1,24 @@
-"""A recorded clip as a source, decoded by FFmpeg through PyAV.
+"""A recorded clip as a source in which one can go to and fro."""
 
-PyAV and not OpenCV: it tells each frame's exact time and whether it is damaged, and a damaged packet is not the end.
-Both decode alike; OpenCV saves one copy, 0.1 to 0.4 ms a frame at 640x480.
-"""
-
-from collections.abc import Iterator
+from collections import deque
 from pathlib import Path
 
-import av
 import numpy as np
-from av.container import InputContainer
 from av.video.frame import VideoFrame
 from av.video.reformatter import Colorspace
-from av.video.stream import VideoStream
 
+from ashe_live.capture.clip_index import ClipIndex
+from ashe_live.capture.clip_pictures import ClipPictures, Picture
 from ashe_live.capture.sources import Source, check_readable
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
-from ashe_live.errors import UserError
 
-FALLBACK_FPS = 30.0
-# A second decoding thread is taken from the renderer, so only frames too large for one get it.
-ONE_THREAD_PIXELS = 1_000_000
 # FFmpeg's number for "the clip does not say".
 UNSPECIFIED_MATRIX = 2
 HD_HEIGHT_PX = 720
-# By how much the duration that a whole clip states may exceed its frames.
-TOLERATED_GAP_FRAMES = 2
+# Decoded pictures are kept that long, so that stepping back is as fast as stepping on: 46 of 1280x720, 20 of 1920x1080.
+KEPT_BYTES = 64_000_000
+BYTES_PER_PIXEL = 1.5  # as most cameras encode
 
 
 class ClipSource(Source):
@@ -40,79 +32,130 @@ class ClipSource(Source):
         self._path = Path(path)
         check_readable(self._path)
         self.name = self._path.name
-        self._container: InputContainer | None = None
-        self._pictures: Iterator[VideoFrame] = iter(())
-        self._next: VideoFrame | None = None
+        self._pictures: ClipPictures | None = None
+        self._index: ClipIndex | None = None
+        self._has_looked_for_index = False
+        self._is_damaged = False  # in any part that was read since it was opened
+        self._behind: deque[Picture] = deque()  # read or passed, the last one last
+        self._ahead: deque[Picture] = deque()  # to be read before any other is decoded
         self.rewind()
 
     def rewind(self) -> None:
         # Opened anew: seeking to the start is inexact in some containers and impossible in others.
         self.close()
         self.note: str | None = None
-        self._index = 0
-        self._damaged = 0
-        try:
-            self._container = av.open(str(self._path), metadata_errors="replace")
-            self._stream = self._container.streams.video[0]
-            if self._stream.codec_context is None:  # whatever the stub says: of a codec that FFmpeg does not know
-                raise IndexError
-        except (av.error.FFmpegError, OSError, IndexError):
-            self.close()
-            raise UserError(f"{self._path} is not a clip that can be read", "convert it to MP4 (H.264)") from None
-        self.fps = float(self._stream.average_rate or self._stream.guessed_rate or FALLBACK_FPS)
-        codec = self._stream.codec_context
-        codec.thread_count = 1 if codec.width * codec.height <= ONE_THREAD_PIXELS else 2
-        codec.thread_type = "FRAME"
-        self._pictures = self._decode(self._container, self._stream)
-        self._next = next(self._pictures, None)
-        if self._next is None:
-            self.close()
-            raise UserError(f"{self._path} has no readable picture in it", "copy or record it again")
-        self._decoded_size = (self._next.width, self._next.height)
-        self._start_pts = self._next.pts
-        self.size = self._decoded_size[::-1] if _quarter_turns(self._next) % 2 else self._decoded_size
+        self._pictures = ClipPictures(self._path)
+        first = self._pictures.first
+        self._ahead.append(first)
+        self._decoded_size = (first.video.width, first.video.height)
+        self.size = self._decoded_size[::-1] if _quarter_turns(first.video) % 2 else self._decoded_size
+        self.fps = self._pictures.fps
+        self.duration_s = self._pictures.stated_duration_s() if self._index is None else self._index.duration_s
+        self._kept = max(2, int(KEPT_BYTES / (BYTES_PER_PIXEL * first.video.width * first.video.height)))
 
     def read(self) -> Frame | None:
-        picture, self._next = self._next or next(self._pictures, None), None
+        picture = self._next()
         if picture is None:
             self._note_what_is_missing()
             return None
-        frame = Frame(self._upright_bgr(picture), self._index, self._time_s(picture))
-        self._index += 1
-        self._end_pts = (picture.pts or 0) + (picture.duration or 0)
-        return frame
+        return Frame(self._upright_bgr(picture.video), picture.index, picture.time_s)
+
+    def seek(self, time_s: float) -> None:
+        """The next frame read is the one shown at `time_s`: the first before all, the last after all.
+
+        Decoding begins at the keyframe before it, or at the start where the clip does not tell its frames' times.
+        """
+        index = self._trusted_index()
+        if index is not None:
+            self.seek_frame(index.frame_at(time_s))
+            return
+        while self._behind and self._behind[-1].time_s > time_s:
+            self._ahead.appendleft(self._behind.pop())
+        if not self._behind:
+            self.rewind()
+        while (picture := self._next()) is not None and picture.time_s <= time_s:
+            pass
+        if self._behind:  # the last one that is not too late, or the first
+            self._back_to(self._behind[-1 if picture is None else max(-2, -len(self._behind))].index)
+
+    def seek_frame(self, index: int) -> None:
+        """The next frame read is number `index`, or the end when there is none.
+
+        Frames have the numbers that they have when all are read; after damage that was jumped over, larger ones.
+        """
+        index, clip_index = max(0, index), self._trusted_index()
+        keyframe = 0 if clip_index is None else clip_index.keyframe_before(index)
+        self._back_to(index)
+        if keyframe <= self._upcoming <= index:
+            self._pass_until(index)
+            return
+        self._jump(keyframe)
+        passed = self._pass_until(index)
+        if clip_index is not None and passed is not None and clip_index.frame_of(passed.video.pts) != passed.index:
+            self.rewind()
+            self._pass_until(index)
 
     def close(self) -> None:
-        self._pictures, self._next = iter(()), None
-        if self._container is not None:
-            self._container.close()
-        self._container = None
+        self._behind.clear()
+        self._ahead.clear()
+        if self._pictures is not None:
+            self._is_damaged |= self._pictures.damaged > 0
+            self._pictures.close()
+        self._pictures = None
 
-    def _decode(self, container: InputContainer, stream: VideoStream) -> Iterator[VideoFrame]:
-        packets = container.demux(stream)
-        while True:
-            try:
-                # The packet after the last one is empty and fetches what the decoder still holds.
-                packet = next(packets, None)
-                pictures = packet.decode() if packet is not None else None
-            except EOFError:
-                return
-            except av.error.FFmpegError:
-                self._damaged += 1
-                continue
-            if pictures is None:
-                return
-            for picture in pictures:
-                assert isinstance(picture, VideoFrame)
-                if picture.is_corrupt:
-                    self._damaged += 1
-                else:
-                    yield picture
+    @property
+    def _upcoming(self) -> int:
+        """The index of what is read next."""
+        if self._ahead:
+            return self._ahead[0].index
+        return 0 if self._pictures is None else self._pictures.decoded
 
-    def _time_s(self, picture: VideoFrame) -> float:
-        if picture.pts is None or self._start_pts is None or picture.time_base is None:
-            return self._index / self.fps
-        return float((picture.pts - self._start_pts) * picture.time_base)
+    def _next(self) -> Picture | None:
+        """Passes on to the next picture."""
+        if self._ahead:
+            picture: Picture | None = self._ahead.popleft()
+        else:
+            picture = None if self._pictures is None else self._pictures.next()
+        if picture is not None:
+            self._behind.append(picture)
+            if len(self._behind) > self._kept:
+                self._behind.popleft()
+        return picture
+
+    def _pass_until(self, index: int) -> Picture | None:
+        """Returns the last picture passed; `index` comes next."""
+        passed = None
+        while self._upcoming < index and (picture := self._next()) is not None:
+            passed = picture
+        return passed
+
+    def _back_to(self, index: int) -> None:
+        """As far as pictures are kept."""
+        while self._behind and self._behind[-1].index >= index:
+            self._ahead.appendleft(self._behind.pop())
+
+    def _jump(self, keyframe: int) -> None:
+        """To a frame at which decoding can begin, or to the start where the clip cannot."""
+        self._behind.clear()
+        self._ahead.clear()
+        landed = None
+        if keyframe > 0 and self._index is not None and self._pictures is not None:
+            landed = self._pictures.jump(self._index, keyframe)
+        if landed is None:
+            self.rewind()
+        else:
+            self._ahead.append(landed)
+
+    def _trusted_index(self) -> ClipIndex | None:
+        """Read when it is first needed; None where counting from the start is the only way."""
+        if not self._has_looked_for_index:
+            self._has_looked_for_index = True
+            index = ClipIndex.read(self._path)
+            if index is not None and self._pictures is not None and index.pts[0] == self._pictures.start_pts:
+                self._index, self.duration_s = index, index.duration_s
+        # The index has the damaged frames, which the count has not.
+        is_damaged = self._is_damaged or (self._pictures is not None and self._pictures.damaged > 0)
+        return None if is_damaged else self._index
 
     def _upright_bgr(self, picture: VideoFrame) -> Image:
         """(h, w, 3) uint8 of the source's size."""
@@ -125,15 +168,9 @@ class ClipSource(Source):
         return np.ascontiguousarray(np.rot90(image, _quarter_turns(picture)))
 
     def _note_what_is_missing(self) -> None:
-        if self._damaged or self._ends_early():
-            self.note = f"{self.name} is truncated or damaged: only {self._index} frames could be read"
-
-    def _ends_early(self) -> bool:
-        """A clip cut between two packets is no error to FFmpeg, but its index promises more than came."""
-        if self._container is None or not self._stream.duration or not self._stream.time_base:
-            return False
-        missing = self._stream.duration - (self._end_pts - (self._start_pts or 0))
-        return float(missing * self._stream.time_base) > TOLERATED_GAP_FRAMES / self.fps
+        pictures = self._pictures
+        if pictures is not None and (pictures.damaged or pictures.ends_early()):
+            self.note = f"{self.name} is truncated or damaged: only {pictures.decoded} frames could be read"
 
 
 def _quarter_turns(picture: VideoFrame) -> int:

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 from types import TracebackType
-from typing import Protocol, Self
+from typing import Protocol, Self, runtime_checkable
 
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -43,6 +43,21 @@ class Source(Protocol):
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
+
+
+@runtime_checkable
+class Seekable(Protocol):
+    """What a clip can beyond a source."""
+
+    duration_s: float | None  # from the first frame to the last; None: not known
+
+    def seek(self, time_s: float) -> None:
+        """The next frame read is the one shown `time_s` after the first: the first before all, the last after all."""
+        ...
+
+    def seek_frame(self, index: int) -> None:
+        """The next frame read is number `index`, 0 before all, or the end when there is none."""
+        ...
 
 
 def open_source(path: str | Path) -> Source:

@@ -1,0 +1,58 @@
+"""Where the frames of a clip are, read from its packets without decoding them."""
+
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Self
+
+import av
+
+# Of a time that was computed from one of a frame; no two frames are that close.
+ROUNDING_S = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class ClipIndex:
+    """The frames in the order in which they are shown, and those at which decoding can begin."""
+
+    pts: tuple[int, ...]  # of each frame, ascending
+    keyframes: tuple[int, ...]  # indices, ascending, the first is 0
+    time_base: Fraction  # seconds
+
+    @classmethod
+    def read(cls, path: Path) -> Self | None:
+        """None where the packets do not tell one order of frames, as in streams without times."""
+        try:
+            with av.open(str(path), metadata_errors="replace") as container:
+                stream = container.streams.video[0]
+                # The last packet is empty: it only ends the decoding. Some are decoded for others and never shown.
+                shown = [packet for packet in container.demux(stream) if packet.size and not packet.is_discard]
+                keys = {packet.pts for packet in shown if packet.is_keyframe}
+                times = [packet.pts for packet in shown]
+                time_base = stream.time_base
+        except (av.error.FFmpegError, OSError, IndexError):
+            return None
+        pts = sorted(time for time in times if time is not None)
+        if len(set(pts)) < max(1, len(times)) or pts[0] not in keys or time_base is None:
+            return None
+        return cls(tuple(pts), tuple(index for index, time in enumerate(pts) if time in keys), time_base)
+
+    @property
+    def duration_s(self) -> float:
+        """From the first frame to the last."""
+        return float((self.pts[-1] - self.pts[0]) * self.time_base)
+
+    def frame_at(self, time_s: float) -> int:
+        """The frame that is shown `time_s` after the first one: the first before it all, the last after it all."""
+        pts = self.pts[0] + Fraction(time_s + ROUNDING_S) / self.time_base
+        return max(0, bisect_right(self.pts, pts) - 1)
+
+    def frame_of(self, pts: int | None) -> int | None:
+        """The frame with exactly this time, if there is one."""
+        at = 0 if pts is None else bisect_left(self.pts, pts)
+        return at if at < len(self.pts) and self.pts[at] == pts else None
+
+    def keyframe_before(self, frame: int) -> int:
+        """The last at or before `frame`."""
+        return self.keyframes[bisect_right(self.keyframes, frame) - 1]

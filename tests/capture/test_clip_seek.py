@@ -1,0 +1,177 @@
+"""After a seek a clip gives the very frames, numbers and times that it gives when it is read through."""
+
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from av.video.frame import VideoFrame
+
+from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clip_index import ClipIndex
+from ashe_live.core.arrays import Image
+from ashe_live.core.types import Frame
+
+REAL = Path(__file__).resolve().parents[2].parent / "shared" / "real"
+COUNT = 80
+EVEN = [40 * i for i in range(COUNT)]  # milliseconds
+UNEVEN = [40 * i + (i * 7919) % 31 for i in range(COUNT)]
+# Ways to jump: near and far, on, just before and beyond frames of every kind.
+JUMPS = (41, 40, 3, 79, 78, 60, 61, 0, 33, 17, 16, 15, 70, 1, 0, 79)
+
+
+@pytest.fixture
+def film(tmp_path: Path, picture: Callable[[int], Image]) -> Callable[..., Path]:
+    """Writes a clip frame by frame at given times."""
+
+    def film(times_ms: list[int], name: str = "film.mp4", turns: int = 0, codec: str = "libx264", **options: str):
+        path = tmp_path / name
+        with av.open(str(path), "w", options={"avoid_negative_ts": "disabled"}) as container:
+            stream = container.add_stream(codec, rate=25, options=options)
+            stream.width, stream.height, stream.pix_fmt = 96, 64, "yuv420p"
+            tick_ms = 40 if path.suffix == ".avi" else 1  # AVI has no times, only a rate
+            stream.codec_context.time_base = Fraction(tick_ms, 1000)
+            stream.set_display_rotation(90.0 * turns)
+            for i, time_ms in enumerate(times_ms):
+                frame = VideoFrame.from_ndarray(picture(i), "bgr24")
+                frame.pts, frame.time_base = time_ms // tick_ms, Fraction(tick_ms, 1000)
+                container.mux(stream.encode(frame))
+            container.mux(stream.encode(None))
+        return path
+
+    return film
+
+
+def read_through(path: Path) -> list[Frame]:
+    with ClipSource(path) as source:
+        return list(iter(source.read, None))
+
+
+def assert_same(frame: Frame | None, wanted: Frame) -> None:
+    assert frame is not None
+    assert (frame.index, frame.time_s) == (wanted.index, wanted.time_s)
+    np.testing.assert_array_equal(frame.image_bgr, wanted.image_bgr)
+
+
+def assert_seeks_right(path: Path, count: int = COUNT) -> None:
+    """By number, by time and between two times; then the clip goes on, through to its end."""
+    frames = read_through(path)
+    assert len(frames) == count
+    with ClipSource(path) as source:
+        for place in JUMPS:
+            source.seek_frame(place)
+            assert_same(source.read(), frames[place])
+            source.seek(frames[place].time_s)
+            assert_same(source.read(), frames[place])
+            later_s = frames[min(place + 1, count - 1)].time_s
+            source.seek((frames[place].time_s + later_s) / 2)
+            assert_same(source.read(), frames[place])
+        source.seek(frames[50].time_s)
+        for wanted in frames[50:]:
+            assert_same(source.read(), wanted)
+        assert source.read() is None
+        assert source.note is None
+        for time_s, wanted in ((1e9, frames[-1]), (-1.0, frames[0])):
+            source.seek(time_s)
+            assert_same(source.read(), wanted)
+        source.seek_frame(count)
+        assert source.read() is None
+        source.seek_frame(-3)
+        assert_same(source.read(), frames[0])
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        pytest.param({"bf": "0", "g": "12"}, id="no B-frames"),
+        pytest.param({"bf": "3", "g": "12", "x264-params": "b-adapt=0"}, id="B-frames"),
+        pytest.param({"bf": "3", "g": "12", "x264-params": "b-adapt=0:open-gop=1:scenecut=0"}, id="open groups"),
+        pytest.param({"bf": "3", "g": "250", "x264-params": "scenecut=0"}, id="one group"),
+        pytest.param({"bf": "0", "x264-params": "intra-refresh=1:keyint=12"}, id="no keyframes"),
+    ],
+)
+@pytest.mark.parametrize("times_ms", [EVEN, UNEVEN, [time + 7000 for time in UNEVEN]], ids=["even", "uneven", "late"])
+def test_frames_after_a_seek_are_those_of_the_whole(film, options: dict[str, str], times_ms) -> None:
+    assert_seeks_right(film(times_ms, **options))
+
+
+@pytest.mark.parametrize("name", ["film.mkv", "film.ts", "film.avi", "film.mov", "film.mp4"])
+def test_whatever_the_container(film, name: str) -> None:
+    assert_seeks_right(film(EVEN, name, bf="0" if name.endswith("avi") else "2", g="12"))
+
+
+def test_whatever_the_codec(film) -> None:
+    assert_seeks_right(film(EVEN, "film.avi", codec="mpeg4", g="12"))
+    assert_seeks_right(film(EVEN, "film.mkv", codec="mjpeg", strict="unofficial"))
+
+
+def test_of_a_rotated_clip(film) -> None:
+    path = film(UNEVEN, turns=1, bf="2", g="12")
+    assert read_through(path)[0].size == (64, 96)
+    assert_seeks_right(path)
+
+
+def test_without_any_times(film) -> None:
+    """A bare stream: counted from the start."""
+    path = film(EVEN, "film.h264", bf="2", g="12")
+    assert ClipIndex.read(path) is None
+    assert_seeks_right(path)
+
+
+def test_where_pictures_are_hardly_kept(film, monkeypatch) -> None:
+    monkeypatch.setattr("ashe_live.capture.clip.KEPT_BYTES", 1)
+    assert_seeks_right(film(UNEVEN, bf="3", g="12"))
+    assert_seeks_right(film(EVEN, "film.h264", bf="2", g="12"))
+
+
+def test_an_index_that_is_wrong_is_not_believed(film, monkeypatch) -> None:
+    """Its keyframes are none."""
+    path = film(EVEN, bf="2", g="30")
+    monkeypatch.setattr(ClipIndex, "keyframe_before", lambda _self, frame: max(0, frame - 2))
+    assert_seeks_right(path)
+
+
+def test_stepping_back_in_a_long_group_decodes_nothing_again(film, monkeypatch) -> None:
+    path = film(EVEN, g="250")
+    frames = read_through(path)
+    with ClipSource(path) as source:
+        source.seek_frame(60)
+        monkeypatch.setattr(source, "_jump", lambda _keyframe: pytest.fail("decoded again"))
+        for place in range(60, 10, -1):
+            source.seek_frame(place)
+            assert_same(source.read(), frames[place])
+
+
+def test_damage_is_no_end_and_known_damage_is_counted_as_before(clip: Path, tmp_path: Path) -> None:
+    content = bytearray(clip.read_bytes())
+    middle = len(content) * 3 // 5
+    content[middle : middle + 200] = bytes(200)
+    damaged = tmp_path / "damaged.mp4"
+    damaged.write_bytes(content)
+    with ClipSource(damaged) as source:
+        frames = list(iter(source.read, None))
+        for place in (len(frames) - 1, 5, len(frames) // 2):
+            source.seek_frame(place)
+            assert_same(source.read(), frames[place])
+        source.seek(1e9)
+        assert_same(source.read(), frames[-1])
+
+
+def test_the_duration_is_known_before_the_end(film) -> None:
+    with ClipSource(film([time + 7000 for time in EVEN], bf="2")) as source:
+        assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=0.05)
+        source.seek(1.0)
+        source.rewind()
+        assert source.duration_s == pytest.approx(EVEN[-1] / 1000, abs=1e-6)
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason="no shared/real beside the checkout")
+def test_of_a_phones_clip() -> None:
+    path = REAL / "vid_12.mp4"
+    frames = read_through(path)
+    with ClipSource(path) as source:
+        for place in (70, 35, 0):
+            source.seek(frames[place].time_s)
+            assert_same(source.read(), frames[place])
