@@ -106,7 +106,7 @@ def show_in_window(view: View) -> int:
         recorder = None
         if options.out is not None:
             recorder = Recorder(options.out, view.source.size, pipeline.fps, options.overwrite)
-        viewer = LiveViewer(window, renderer, pipeline, view.tracker, session, options.quality, recorder)
+        viewer = LiveViewer(window, renderer, pipeline, view.tracker, session, options.quality, recorder, options.loop)
         viewer.run(options.frames)
     return ExitStatus.ANSWERED
 

@@ -25,7 +25,12 @@ def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float
 
 
 def frozen_view(array: NDArray[Any]) -> NDArray[Any]:
-    """A read-only view of `array`, without a copy: what images of several megabytes deserve."""
+    """A read-only view of `array`, without a copy: what images of several megabytes deserve.
+
+    One that is a read-only view already is given back as it is, so that whoever knows it by identity knows it again.
+    """
+    if array.base is not None and not array.flags.writeable:
+        return array
     view = array.view()
     view.flags.writeable = False
     return view

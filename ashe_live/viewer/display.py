@@ -11,6 +11,7 @@ from ashe_live.viewer.controls import help_rows
 from ashe_live.viewer.estimate_inset import inset_overlays
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
+from ashe_live.viewer.time_bar import Moment, TimeBar, bar_at
 
 # Numbers that change with every frame stay that long: to be read, and as drawing text takes as long as tracking.
 READINGS_SHOWN_FOR_S = 0.5
@@ -38,6 +39,7 @@ class Display:
 
     def __init__(self) -> None:
         self._hud = Hud()
+        self._time_bar = TimeBar()
         self._inset: tuple[LightEstimate, Size, tuple[Overlay, ...]] | None = None
         self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
         self._read_s = -math.inf
@@ -51,8 +53,9 @@ class Display:
         fps: float | None = None,
         source_status: str | None = None,
         content_scale: float = 1.0,
+        moment: Moment | None = None,
     ) -> Scene:
-        """The bare scene under status, masks and help, for a framebuffer of `size` pixels."""
+        """The bare scene under status, masks, help and time bar, for a framebuffer of `size` pixels."""
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
         status = status_lines(session, fps_read, quality, marker_read)
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
@@ -60,7 +63,11 @@ class Display:
             text = HudText()
         if session.show_help:  # alone, as a small window has no room for more
             text = HudText(help=help_rows())
-        overlays = (*self._masks(session, size), *self._hud.overlays(text, size, content_scale))
+        bar: tuple[Overlay, ...] = ()
+        if moment is not None and session.show_hud:
+            bar = self._time_bar.overlays(moment, size, content_scale)
+            size = size[0], max(1, size[1] - bar_at(size, content_scale).height)  # what else there is stands above it
+        overlays = (*self._masks(session, size), *self._hud.overlays(text, size, content_scale), *bar)
         return replace(bare_scene(session), overlays=overlays)
 
     def _steady_readings(

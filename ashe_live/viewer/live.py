@@ -21,6 +21,7 @@ from ashe_live.viewer.auto_quality import AutoQuality
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.display import Display, bare_scene
 from ashe_live.viewer.pipeline import Pipeline
+from ashe_live.viewer.playback import Playback
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import light_line
 from ashe_live.viewer.window import Window
@@ -44,6 +45,7 @@ class LiveViewer:
         session: Session,
         quality_name: str,
         recorder: Recorder | None = None,
+        loop: bool = False,
     ) -> None:
         self._window = window
         self._renderer = renderer
@@ -57,13 +59,11 @@ class LiveViewer:
         self._recorder = recorder
         self._still: Renderer | None = None
         self._source_error: str | None = None
-        self._paused = False
+        self._playback = Playback(pipeline, session, loop)
         self._quit = False
         self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
         self._recorded_s = -math.inf
         self._commands: dict[Command, Callable[[float], None]] = {
-            Command.PAUSE: self._pause,
-            Command.RESTART: self._restart,
             Command.SNAPSHOT: self._snapshot,
             Command.RECORD: self._record,
             Command.QUALITY: self._next_quality,
@@ -82,6 +82,7 @@ class LiveViewer:
                 due_s = max(due_s + self._interval_s, now_s)
                 for request in self._window.take_requests(0.0):
                     self._obey(request, now_s)
+                self._follow_mouse(now_s)
                 is_new = self._take_frame(now_s)
                 self._draw(now_s)
                 self._adapt_quality(now_s)
@@ -132,7 +133,8 @@ class LiveViewer:
             self._renderer.resize(size)
         status = self._source_error or self._pipeline.status
         scale = self._window.content_scale
-        scene = self._display.scene(self._session, size, self._quality_shown, now_s, self._fps(), status, scale)
+        moment = self._playback.moment(self._session.tracked, now_s)
+        scene = self._display.scene(self._session, size, self._quality_shown, now_s, self._fps(), status, scale, moment)
         self._renderer.render(scene)
         self._renderer.present(self._window.context.screen)
 
@@ -154,19 +156,15 @@ class LiveViewer:
             self._apply(self._auto.quality)
 
     def _obey(self, request: Request, now_s: float) -> None:
-        if not self._session.handle(request, now_s):
+        if not (self._session.handle(request, now_s) or self._playback.handle(request, now_s)):
             self._commands[request.command](now_s)
+
+    def _follow_mouse(self, now_s: float) -> None:
+        for event in self._window.take_mouse():
+            self._playback.take_mouse(event, self._window.framebuffer_size, self._window.content_scale, now_s)
 
     def _stop(self) -> None:
         self._quit = True
-
-    def _pause(self, now_s: float) -> None:
-        self._paused = not self._paused
-        self._pipeline.pause(self._paused)
-        self._session.say("paused: P goes on" if self._paused else "playing", now_s)
-
-    def _restart(self, _now_s: float) -> None:
-        self._pipeline.restart()
 
     def _next_quality(self, _now_s: float) -> None:
         self._set_quality(QUALITY_NAMES[(QUALITY_NAMES.index(self._quality_name) + 1) % len(QUALITY_NAMES)])

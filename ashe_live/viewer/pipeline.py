@@ -1,16 +1,28 @@
 """The capture thread: reads a frame, tracks the marker in it, and hands both over as one value."""
 
+import math
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
-from ashe_live.capture.sources import Source, SourceLost
+from ashe_live.capture.sources import Seekable, Source, SourceLost
 from ashe_live.core.mailbox import Closed, LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.tracking.tracker import Tracker
 
 RECONNECT_EVERY_S = 0.5
 FALLEN_BEHIND_S = 0.25
+# Played faster, a clip has more frames than displays show.
+FAST_HZ = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A frame of a clip."""
+
+    time_s: float
+    index: int | None = None  # None: what is shown at `time_s`
 
 
 class Pipeline:
@@ -25,20 +37,46 @@ class Pipeline:
         self.status: str | None = None
         self._source = source
         self._tracker = tracker
+        self._clip = source if isinstance(source, Seekable) else None
         self._loop = loop
+        self._speed = 1.0
         self._flaw: str | None = None  # of a clip that goes round: what its end has told
         self._changed = threading.Condition()
         self._paused = False
         self._restart = False
+        self._wanted: _Place | None = None  # where to go on; the latest wish only, so that none queues
+        self._shown = self._at = _Place(0.0, 0)  # handed over last; the same, or what is on its way
+        self._has_ended = False
         self._stopping = False
         self._due_s: float | None = None  # when the last frame was to be shown; None: start counting anew
         self._last_time_s = 0.0
+        self._left_out: Frame | None = None  # the last frame, if it came too late
+        self._next_fast_s = -math.inf  # no frame is tracked before it when there are too many
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
 
     @property
     def fps(self) -> float:
         """Nominal frames a second; 30 for a photo."""
         return self._source.fps or 30.0
+
+    @property
+    def is_clip(self) -> bool:
+        """Whether one can go to and fro in it."""
+        return self._clip is not None
+
+    @property
+    def is_photo(self) -> bool:
+        return self._source.is_photo
+
+    @property
+    def duration_s(self) -> float | None:
+        """Of a clip from its first frame to its last, where it is known."""
+        return None if self._clip is None else self._clip.duration_s
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether a clip stands at its end."""
+        return self._has_ended
 
     def start(self) -> None:
         self._thread.start()
@@ -51,8 +89,39 @@ class Pipeline:
     def restart(self) -> None:
         """From the first frame; also at the end of the clip, and while paused (which it stays)."""
         with self._changed:
-            self._restart = True
+            self._restart, self._wanted = True, None
             self._changed.notify_all()
+
+    def play(self, speed: float, loop: bool) -> None:
+        """From now on at `speed` times a clip's own pace, and again and again or once."""
+        with self._changed:
+            self._speed, self._loop = speed, loop
+            self._changed.notify_all()
+
+    def seek(self, time_s: float) -> None:
+        """Goes on from what a clip shows then; while paused it shows that frame."""
+        if self._clip is None:
+            return
+        with self._changed:
+            self._wanted = _Place(max(0.0, time_s if self.duration_s is None else min(time_s, self.duration_s)))
+            self._changed.notify_all()
+
+    def seek_by(self, seconds: float) -> None:
+        """From where it is, or will be once it has gone where it was sent last."""
+        with self._changed:
+            place = self._wanted or self._at
+        self.seek(place.time_s + seconds)
+
+    def step(self, frames: int) -> None:
+        """Pauses at the frame that comes so many after the one that is shown, or before it; at the ends it stays."""
+        if self._clip is None:
+            return
+        with self._changed:
+            self._paused = True
+            place = self._wanted or self._at
+            if place.index is not None:
+                self._wanted = _Place(place.time_s + frames / self.fps, max(0, place.index + frames))
+                self._changed.notify_all()
 
     def close(self, timeout_s: float = 0.7) -> None:
         """Ends the thread; one that hangs in a driver is left behind (it is a daemon)."""
@@ -80,26 +149,44 @@ class Pipeline:
             self._due_s = None
         if self._take_restart():
             self._rewind()
+        self._go_where_sent()
         frame = self._read()
         if frame is None:
             if not self._source.is_live:
                 self._end_of_clip()
             return
         self.status = self._flaw
-        if self._source.is_live or self._is_on_time(frame):
-            self.frames.put(self._tracker.track(frame))
+        is_on_time = self._source.is_live or self._is_on_time(frame)
+        if self._wanted is not None:
+            return
+        self._left_out = None if is_on_time else frame
+        if is_on_time:
+            self._hand_over(frame)
+
+    def _hand_over(self, frame: Frame) -> None:
+        with self._changed:
+            self._shown = self._at = _Place(frame.time_s, frame.index)
+        self.frames.put(self._tracker.track(frame))
 
     def _end_of_clip(self) -> None:
+        self._at = self._shown
+        if self._paused and self._clip is not None:  # stepped off the end
+            return
         if self._loop and not self._source.is_photo:
             self._flaw = self._source.note
             last_due_s = self._due_s
             self._rewind()
             if last_due_s is not None:  # the last frame is shown as long as any other
-                self._due_s, self._last_time_s = last_due_s + 1 / self.fps, 0.0
+                self._due_s, self._last_time_s = last_due_s + self._period_s, 0.0
             return
+        if self._left_out is not None:  # it stays on screen, so it counts
+            self._hand_over(self._left_out)
+            self._left_out = None
         if not self._source.is_photo:
             self.status = self._source.note or "end of the clip: R starts it again"
-        self._wait(lambda: False)
+        self._has_ended = self._clip is not None
+        self._wait(lambda: self._loop and self._has_ended)
+        self._has_ended = False
 
     def _read(self) -> Frame | None:
         try:
@@ -112,17 +199,41 @@ class Pipeline:
             self._tracker.reset()
             return None
 
+    @property
+    def _period_s(self) -> float:
+        """How long a frame of a clip is shown."""
+        return 1 / (self.fps * self._speed)
+
     def _is_on_time(self, frame: Frame) -> bool:
-        """Waits until the frame is due. False for one that comes too late to be worth tracking."""
+        """Waits until the frame is due. False for one that is too late, or too soon after another, to be tracked."""
         now = time.monotonic()
-        due = now if self._due_s is None else self._due_s + frame.time_s - self._last_time_s
+        due = now if self._due_s is None else self._due_s + (frame.time_s - self._last_time_s) / self._speed
         late_s = now - due
         if late_s > FALLEN_BEHIND_S:  # too slow a machine for the clip's pace: go on from here
             due = now
         elif late_s < 0:
             self._wait(lambda: self._paused, -late_s)
         self._due_s, self._last_time_s = due, frame.time_s
-        return late_s * (self._source.fps or 0) <= 1 or late_s > FALLEN_BEHIND_S
+        if self._speed > 1 and due < self._next_fast_s:
+            return False
+        # Half a period early, as the frames of most clips do not divide a display's pictures evenly.
+        self._next_fast_s = due + 1 / FAST_HZ - self._period_s / 2
+        return late_s <= self._period_s or late_s > FALLEN_BEHIND_S
+
+    def _go_where_sent(self) -> None:
+        """The next frame in a row is tracked from the one before; anything else is a cut."""
+        with self._changed:
+            wanted, self._wanted = self._wanted, None
+            before, self._at = self._at, wanted or self._at
+        if wanted is None or self._clip is None:
+            return
+        if wanted.index is None:
+            self._clip.seek(wanted.time_s)
+        else:
+            self._clip.seek_frame(wanted.index)
+        if wanted.index is None or before.index is None or wanted.index != before.index + 1:
+            self._tracker.reset()
+        self._due_s = None
 
     def _take_restart(self) -> bool:
         with self._changed:
@@ -136,4 +247,6 @@ class Pipeline:
 
     def _wait(self, until: Callable[[], bool], timeout_s: float | None = None) -> None:
         with self._changed:
-            self._changed.wait_for(lambda: self._stopping or self._restart or until(), timeout_s)
+            self._changed.wait_for(
+                lambda: self._stopping or self._restart or self._wanted is not None or until(), timeout_s
+            )

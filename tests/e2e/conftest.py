@@ -81,17 +81,28 @@ class Running:
     def press(self, *keys: str) -> None:
         self.screen.xdotool("key", *keys)
 
+    def click_at(self, x: float, y: float) -> None:
+        """In parts of the window's size. The pointer goes out of the way then."""
+        left, top, width, height = self.geometry
+        self.screen.xdotool("mousemove", str(left + round(x * width)), str(top + round(y * height)), "click", "1")
+        self.screen.xdotool("mousemove", str(left + width // 2), str(top + height // 3))
+
     def picture(self) -> np.ndarray:
         """(h, w, 3) int RGB: where the window is on the screen, without what a fullscreen one adds."""
         return self.screen.picture()
 
     def part(self, left: float, top: float, right: float, bottom: float) -> np.ndarray:
         """A part of the window's picture, in parts of its size."""
-        geometry = self.screen.xdotool("getwindowgeometry", "--shell", self.window)
-        at = {name: int(value) for name, value in (line.split("=") for line in geometry.split())}
-        x, y, width, height = at["X"], at["Y"], at["WIDTH"], at["HEIGHT"]
+        x, y, width, height = self.geometry
         whole = self.picture()[y : y + height, x : x + width]
         return whole[round(top * height) : round(bottom * height), round(left * width) : round(right * width)]
+
+    @property
+    def geometry(self) -> tuple[int, int, int, int]:
+        """Left, top, width and height on the screen."""
+        geometry = self.screen.xdotool("getwindowgeometry", "--shell", self.window)
+        at = {name: int(value) for name, value in (line.split("=") for line in geometry.split())}
+        return at["X"], at["Y"], at["WIDTH"], at["HEIGHT"]
 
     def files(self, pattern: str) -> list[Path]:
         return sorted(path for path in self.folder.glob(pattern) if not path.name.startswith("."))

@@ -17,6 +17,7 @@ QUALITY = (0.1, 0.02, 0.35, 0.08)
 BODY = (0.0, 0.25, 0.6, 0.85)
 HELP = (0.3, 0.3, 0.7, 0.7)
 INSET = (0.65, 0.65, 1.0, 1.0)
+BAR = (0.5, 0.96, 0.9, 1.0)
 STILL_S = 0.7
 
 
@@ -134,6 +135,35 @@ def test_pause_and_restart(estimated):
     estimated.press("p")
     first = estimated.part(*BODY)
     await_part(estimated, BODY, first)
+
+
+def test_steps_seeks_and_the_bar(estimated):
+    """To and fro brings the same pictures again; the light holds."""
+    lights = estimated.output.count("light:")
+    before = paused(estimated)
+    estimated.press(*["period"] * 6)
+    await_part(estimated, BODY, before)
+    on = await_still(estimated, BODY)
+    estimated.press(*["comma"] * 6)
+    await_part(estimated, BODY, on)
+    again = await_still(estimated, BODY)
+    assert difference(before, again) < difference(before, on) / 3
+    estimated.click_at(0.9, 0.99)
+    await_part(estimated, BODY, again)
+    late = await_still(estimated, BODY)
+    estimated.press("shift+Left")  # by more than the film is long
+    await_part(estimated, BODY, late)
+    first = await_still(estimated, BODY)
+    estimated.press("r")
+    assert difference(first, await_still(estimated, BODY)) < 0.05
+    bar = estimated.part(*BAR)
+    estimated.press("i")
+    await_part(estimated, BAR, bar)
+    estimated.press("i")
+    await_part(estimated, BAR, bar, differs=False)
+    estimated.press("p", "o", "z", "x", "o")
+    await_part(estimated, BODY, first)
+    assert estimated.output.count("light:") == lights
 
 
 def test_snapshot_and_recording_land_in_the_folder(estimated):

@@ -61,6 +61,22 @@ class FakeSource:
         self.closed.set()
 
 
+class FakeClip(FakeSource):
+    """A source in which one can go to and fro. `sought` has where to."""
+
+    def __init__(self, count: int = 5, fps: float = 200.0) -> None:
+        super().__init__(count, fps)
+        self.duration_s = (count - 1) / fps
+        self.sought: list[int] = []
+
+    def seek(self, time_s: float) -> None:
+        self.seek_frame(min(round(time_s * self.fps), self._count - 1))
+
+    def seek_frame(self, index: int) -> None:
+        self.sought.append(index)
+        self._index = index
+
+
 class FakeTracker:
     """Finds the marker in every frame. `hook(frame)` runs first."""
 
@@ -159,7 +175,14 @@ class FakeRenderer:
 class Fakes:
     """All of the above by name, as a conftest cannot be imported."""
 
-    Source, Tracker, Worker, Shelf, Renderer = FakeSource, FakeTracker, FakeWorker, FakeShelf, FakeRenderer
+    Source, Clip, Tracker, Worker, Shelf, Renderer = (
+        FakeSource,
+        FakeClip,
+        FakeTracker,
+        FakeWorker,
+        FakeShelf,
+        FakeRenderer,
+    )
     tracked = staticmethod(tracked)
 
     @staticmethod

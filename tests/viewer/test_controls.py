@@ -45,7 +45,9 @@ def test_the_number_keys_choose_by_place():
         ("a", "Q", Command.AUTOMATIC),  # French: what stands on the key counts
         ("ф", "A", Command.AUTOMATIC),  # Russian: no Latin letter stands there
         ("", "LEFT", Command.PREVIOUS_MODEL),
-        ("o", "S", None),  # Dvorak
+        ("o", "S", Command.LOOP),  # Dvorak
+        ("ö", "SEMICOLON", None),
+        (",", "M", Command.STEP),  # French
         ("", None, None),
     ],
 )

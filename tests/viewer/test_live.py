@@ -56,6 +56,7 @@ class ScriptedPipeline:
     """Frames that the test puts in."""
 
     fps, status = 100.0, None
+    is_clip, is_photo, duration_s, has_ended = True, False, 2.0, False
 
     def __init__(self) -> None:
         self.frames = LatestMailbox()

@@ -34,6 +34,15 @@ def indices(pipeline: Pipeline, until: int) -> list[int]:
     return taken
 
 
+def settled(pipeline: Pipeline) -> int:
+    """The frame on which it stands in the end."""
+    last = None
+    while (tracked := pipeline.frames.take(A_WHILE_S)) is not None:
+        last = tracked.frame.index
+    assert last is not None
+    return last
+
+
 @pytest.fixture
 def run(fakes) -> Iterator[Callable[..., Pipeline]]:
     """Starts a pipeline, and closes it in the end."""
@@ -56,6 +65,26 @@ def test_frames_come_in_order_and_the_end_holds(run, fakes):
     assert "R starts it again" in pipeline.status
     assert pipeline.frames.take(A_WHILE_S) is None
     assert not pipeline.frames.is_closed
+
+
+def test_the_last_frame_is_shown_however_late(fakes, monkeypatch):
+    """It stays on screen. Where the others are late too, they are left out."""
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    monkeypatch.setattr(pipeline_module, "time", clock)
+    source = fakes.Source(4, fps=200.0)
+
+    def be_late(_index: int) -> None:
+        clock.now += 0.01
+
+    source.hook = be_late
+    pipeline = Pipeline(source, fakes.Tracker(), False)
+    seen = []
+    monkeypatch.setattr(pipeline, "_wait", lambda *_: None)
+    for _ in range(5):
+        pipeline._step()
+        tracked = pipeline.frames.take(0.0)
+        seen += [] if tracked is None else [tracked.frame.index]
+    assert (seen[0], seen[-1], len(seen)) == (0, 3, 2)
 
 
 def test_restart_begins_anew_also_at_the_end(run, fakes):
@@ -124,6 +153,151 @@ def test_restart_while_paused_shows_the_first_frame_and_stays_paused(run, fakes)
     pipeline.restart()
     assert pipeline.frames.take(PATIENCE_S).frame.index == 0
     assert pipeline.frames.take(A_WHILE_S) is None
+
+
+@pytest.fixture
+def held(run, fakes) -> tuple[Pipeline, object, object]:
+    """A pipeline that is paused at frame 50 of 1000, with its clip and tracker."""
+    source, tracker = fakes.Clip(1000), fakes.Tracker()
+    pipeline = run(source, tracker=tracker)
+    pipeline.pause(True)
+    pipeline.seek(50 / source.fps)
+    assert settled(pipeline) == 50
+    tracker.resets, source.sought = 0, []
+    return pipeline, source, tracker
+
+
+def test_steps_while_paused_are_tracked_and_shown(held):
+    pipeline, _, tracker = held
+    for by, wanted, resets in ((1, 51, 0), (1, 52, 0), (-1, 51, 1), (-1, 50, 2), (-1, 49, 3), (1, 50, 3)):
+        pipeline.step(by)
+        tracked = pipeline.frames.take(PATIENCE_S)
+        assert (tracked.frame.index, tracked.marker is not None) == (wanted, True)
+        assert tracker.resets == resets  # the next one in a row is no cut
+    assert pipeline.frames.take(A_WHILE_S) is None
+
+
+def test_a_step_pauses_at_the_very_next_frame(run, fakes):
+    source = fakes.Clip(10_000, fps=5.0)
+    pipeline = run(source)
+    for shown in (0, 1):
+        assert pipeline.frames.take(PATIENCE_S).frame.index == shown
+    pipeline.step(1)
+    assert pipeline.frames.take(PATIENCE_S).frame.index == 2
+    pipeline.step(-1)
+    assert pipeline.frames.take(PATIENCE_S).frame.index == 1
+    assert pipeline.frames.take(A_WHILE_S) is None
+
+
+def test_a_held_key_does_not_queue(held):
+    """While one jump is under way, all that is asked for becomes one more."""
+    pipeline, source, _ = held
+    jumps, may_go_on = threading.Event(), threading.Event()
+
+    def hang(_index: int) -> None:
+        jumps.set()
+        may_go_on.wait(PATIENCE_S)
+
+    source.hook = hang
+    pipeline.step(-1)
+    assert jumps.wait(PATIENCE_S)
+    for _ in range(20):
+        pipeline.step(-1)
+    may_go_on.set()
+    assert settled(pipeline) == 50 - 21
+    assert source.sought == [49, 29]
+    source.sought.clear()
+    may_go_on.clear()
+    jumps.clear()
+    pipeline.seek(0.5)
+    assert jumps.wait(PATIENCE_S)
+    for _ in range(10):
+        pipeline.seek_by(0.1)
+    may_go_on.set()
+    assert settled(pipeline) == 300
+    assert source.sought == [100, 300]
+
+
+def test_stepping_off_the_ends_stays_there(run, fakes):
+    for loop in (False, True):
+        source = fakes.Clip(10)
+        pipeline = run(source, loop=loop)
+        pipeline.step(0)
+        pipeline.seek(1.0)
+        assert settled(pipeline) == 9
+        pipeline.step(1)
+        pipeline.step(1)
+        assert pipeline.frames.take(A_WHILE_S) is None
+        pipeline.step(-1)
+        assert settled(pipeline) == 8
+        pipeline.step(-20)
+        assert settled(pipeline) == 0
+        pipeline.step(-1)
+        assert settled(pipeline) == 0
+
+
+def test_a_seek_is_a_cut_and_playing_goes_on_from_there(run, fakes):
+    source, tracker = fakes.Clip(10_000), fakes.Tracker()
+    pipeline = run(source, tracker=tracker)
+    indices(pipeline, until=3)
+    pipeline.seek(40.0)
+    indices(pipeline, until=8050)
+    assert tracker.resets == 1
+    pipeline.seek_by(-20.0)
+    taken = [pipeline.frames.take(PATIENCE_S).frame.index for _ in range(30)]
+    first = next(index for index in taken if index < 8000)
+    assert 4000 <= first < 6000
+    assert taken == sorted(taken[: taken.index(first)]) + sorted(taken[taken.index(first) :])
+    assert tracker.resets == 2
+
+
+def test_a_seek_back_from_the_end_plays_on(run, fakes):
+    pipeline = run(fakes.Clip(10))
+    indices(pipeline, until=9)
+    await_that(lambda: pipeline.has_ended)
+    pipeline.seek_by(-0.02)
+    taken = indices(pipeline, until=9)
+    assert taken[0] >= 5
+    await_that(lambda: pipeline.has_ended)
+    pipeline.play(1.0, loop=True)
+    await_that(lambda: not pipeline.has_ended)
+    assert pipeline.frames.take(PATIENCE_S) is not None
+
+
+def test_what_is_no_clip_cannot_be_gone_through(run, fakes):
+    pipeline = run(fakes.Source(1, fps=None, is_photo=True))
+    indices(pipeline, until=0)
+    assert (pipeline.is_clip, pipeline.duration_s) == (False, None)
+    pipeline.seek(1.0)
+    pipeline.seek_by(1.0)
+    pipeline.step(1)
+    assert pipeline.frames.take(A_WHILE_S) is None
+
+
+@pytest.mark.parametrize(("speed", "hz"), [(0.25, 7.5), (0.5, 15), (2.0, 60), (4.0, 60)])
+def test_speed_changes_the_pace_and_never_the_lag(fakes, monkeypatch, speed, hz):
+    """Frames are tracked when they are due; of more than a display shows, some are left out."""
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    source, tracker = fakes.Clip(240, fps=30.0), fakes.Tracker()
+    pipeline = Pipeline(source, tracker, False)
+    pipeline.play(speed, loop=False)
+    lags_s, seen = [], []
+
+    def wait(_until: object, timeout_s: float | None = None) -> None:
+        clock.now += timeout_s or 0.0
+
+    def note(frame) -> None:
+        lags_s.append(clock.now - frame.time_s / speed)
+        seen.append(clock.now)
+        clock.now += 0.004
+
+    tracker.hook = note
+    monkeypatch.setattr(pipeline_module, "time", clock)
+    monkeypatch.setattr(pipeline, "_wait", wait)
+    for _ in range(240):
+        pipeline._step()
+    assert max(map(abs, lags_s)) < 1e-9
+    assert (len(seen) - 1) / (seen[-1] - seen[0]) == pytest.approx(hz, rel=0.02)
 
 
 def test_a_clip_is_played_at_its_own_pace(fakes, monkeypatch):

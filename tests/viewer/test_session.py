@@ -147,7 +147,7 @@ def test_switches_toggle(make):
 
 def test_what_needs_the_window_is_left_to_it(make):
     left = {command for command in Command if not make().handle(Request(command), 0.0)}
-    names = ("PAUSE", "RESTART", "SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "QUIT")
+    names = ("PAUSE", "RESTART", "STEP", "SEEK", "SPEED", "LOOP", "SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "QUIT")
     assert left == {Command[name] for name in names}
 
 

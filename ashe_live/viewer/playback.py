@@ -1,0 +1,107 @@
+"""How a clip is gone through by keys and on the time bar; and why photos and cameras are not."""
+
+import math
+
+from ashe_live.core.camera import Size
+from ashe_live.core.types import TrackedFrame
+from ashe_live.viewer.controls import Command, MouseAction, MouseEvent, Request
+from ashe_live.viewer.pipeline import Pipeline
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.time_bar import Moment, bar_at
+
+SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0)
+# The bar stays so long after the pointer has moved near it, and after a key has gone through the clip.
+BAR_SHOWN_S = 2.0
+A_PHOTO = "a photo is one moment: keys that go through time are for clips"
+A_CAMERA = "a camera shows what is there now: keys that go through time are for clips (V records one)"
+
+
+class Playback:
+    """Pause, place, speed and loop of what is played. Used by the main thread only."""
+
+    def __init__(self, pipeline: Pipeline, session: Session, loop: bool = False) -> None:
+        self._pipeline = pipeline
+        self._session = session
+        self._paused = False
+        self._speed = 1.0
+        self._loop = loop
+        self._dragged_to_s: float | None = None
+        self._bar_until_s = -math.inf
+
+    def handle(self, request: Request, now_s: float) -> bool:
+        """Obeys a request about time; False for any other."""
+        match request.command:
+            case Command.PAUSE if not self._pipeline.is_photo:
+                self._pause(now_s)
+            case Command.PAUSE | Command.RESTART | Command.STEP | Command.SEEK | Command.SPEED | Command.LOOP if (
+                not self._pipeline.is_clip
+            ):
+                self._session.say(A_PHOTO if self._pipeline.is_photo else A_CAMERA, now_s)
+            case Command.RESTART:
+                self._pipeline.restart()
+            case Command.STEP:
+                self._paused = True
+                self._pipeline.step(request.argument)
+            case Command.SEEK:
+                self._pipeline.seek_by(request.argument)
+                self._bar_until_s = now_s + BAR_SHOWN_S
+            case Command.SPEED:
+                place = SPEEDS.index(self._speed) + request.argument
+                self._speed = SPEEDS[min(max(place, 0), len(SPEEDS) - 1)]
+                self._play(f"speed {self._speed:g}x", now_s)
+            case Command.LOOP:
+                self._loop = not self._loop
+                self._play("played again and again: O ends it" if self._loop else "played once", now_s)
+            case _:
+                return False
+        return True
+
+    def take_mouse(self, event: MouseEvent, size: Size, content_scale: float, now_s: float) -> bool:
+        """Shows the bar near the pointer and goes where it is dragged to; False when the event is not the bar's."""
+        duration_s = self._pipeline.duration_s
+        if duration_s is None or not self._session.show_hud:
+            return False
+        bar = bar_at(size, content_scale)
+        is_over = bar.is_near(event.y_px)
+        if is_over:
+            self._bar_until_s = now_s + BAR_SHOWN_S
+        match event.action:
+            case MouseAction.PRESSED if is_over:
+                self._pipeline.pause(True)
+            case MouseAction.RELEASED if self._dragged_to_s is not None:
+                self._dragged_to_s = None
+                self._pipeline.pause(self._paused)
+                return True
+            case MouseAction.MOVED if self._dragged_to_s is not None:
+                self._bar_until_s = now_s + BAR_SHOWN_S
+            case _:
+                return False
+        self._dragged_to_s = duration_s * bar.share_at(event.x_px)
+        self._pipeline.seek(self._dragged_to_s)
+        return True
+
+    def moment(self, shown: TrackedFrame | None, now_s: float) -> Moment | None:
+        """What the bar shows now; None when there is none to show."""
+        duration_s = self._pipeline.duration_s
+        if duration_s is None or shown is None:
+            return None
+        if self._dragged_to_s is not None:
+            return Moment(self._dragged_to_s, duration_s, None, self._speed, self._loop)
+        stands_still = self._paused or self._pipeline.has_ended
+        if not stands_still and now_s >= self._bar_until_s:
+            return None
+        frame = shown.frame.index if stands_still else None
+        return Moment(shown.frame.time_s, duration_s, frame, self._speed, self._loop)
+
+    def _pause(self, now_s: float) -> None:
+        if self._pipeline.has_ended and not self._paused:
+            self._pipeline.restart()
+            return
+        self._paused = not self._paused
+        self._pipeline.pause(self._paused)
+        self._session.say("paused: P goes on" if self._paused else "playing", now_s)
+
+    def _play(self, said: str, now_s: float) -> None:
+        self._pipeline.play(self._speed, self._loop)
+        self._session.say(said, now_s)
+        self._bar_until_s = now_s + BAR_SHOWN_S

@@ -1,0 +1,142 @@
+"""The time bar at the window's bottom: where in a clip the picture is, and where a click would go."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from PIL import Image as PillowImage
+from PIL import ImageDraw, ImageFont
+
+from ashe_live.core.arrays import Image, frozen_view
+from ashe_live.core.camera import Size
+from ashe_live.render.hud import PLATE_SRGBA, TEXT_SRGBA
+from ashe_live.render.scene import Overlay
+
+# In points: a display's pixels are `content_scale` times as many.
+HEIGHT_PT, LINE_PT, KNOB_PT, FONT_PT, GAP_PT = 26, 4, 12, 13, 10
+# How far above the bar the pointer brings it up, and a press is still meant for it.
+NEAR_PT = 14
+# A narrower window has room for the line and the time alone.
+WIDE_PT = 460
+REST_SRGBA = (150, 150, 146, 200)
+SUPERSAMPLING = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What the bar says."""
+
+    time_s: float
+    duration_s: float
+    frame: int | None = None  # while it stands still
+    speed: float = 1.0
+    loops: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """Where the bar's parts are, in pixels of the framebuffer."""
+
+    size: Size  # of the framebuffer
+    height: int
+    left: int  # of the line
+    right: int
+    near_from: int  # the pointer is near below this
+
+    def is_near(self, y_px: float) -> bool:
+        return self.near_from <= y_px <= self.size[1]
+
+    def share_at(self, x_px: float) -> float:
+        """0 at the clip's start, 1 at its end, and beyond both."""
+        return min(1.0, max(0.0, (x_px - self.left) / max(1, self.right - self.left)))
+
+
+def bar_at(size: Size, content_scale: float) -> Bar:
+    """For a framebuffer of `size` whose display shows `content_scale` pixels a point."""
+    height, gap = round(HEIGHT_PT * content_scale), round(GAP_PT * content_scale)
+    longest = "0:00.0 / 0:00.0 " if size[0] < WIDE_PT * content_scale else "0:00.0 / 0:00.0   frame 0000   0.25x loop "
+    left = 2 * gap + round(_font(content_scale).getlength(longest))
+    near_from = size[1] - height - round(NEAR_PT * content_scale)
+    return Bar(size, height, left, max(left + 1, size[0] - 2 * gap), near_from)
+
+
+class TimeBar:
+    """Draws the bar; what has not changed is not uploaded again."""
+
+    def __init__(self) -> None:
+        self._plate, self._rest, self._played = (
+            _one_pixel(srgba) for srgba in ((*PLATE_SRGBA[:3], 210), REST_SRGBA, TEXT_SRGBA)
+        )
+        self._text: tuple[str, float, Image] | None = None
+
+    def overlays(self, moment: Moment, size: Size, content_scale: float) -> tuple[Overlay, ...]:
+        bar = bar_at(size, content_scale)
+        line = max(1, round(LINE_PT * content_scale))
+        top = size[1] - bar.height
+        middle = top + bar.height // 2
+        share = min(1.0, max(0.0, moment.time_s / moment.duration_s)) if moment.duration_s > 0 else 0.0
+        at = round(bar.left + share * (bar.right - bar.left))
+        text = self._written(text_of(moment, size[0] >= WIDE_PT * content_scale), content_scale)
+        knob = _knob(round(KNOB_PT * content_scale))
+        return (
+            Overlay(self._plate, 0, top, (size[0], bar.height)),
+            Overlay(text, round(GAP_PT * content_scale), middle - text.shape[0] // 2),
+            Overlay(self._rest, bar.left, middle - line // 2, (bar.right - bar.left, line)),
+            Overlay(self._played, bar.left, middle - line // 2, (max(1, at - bar.left), line)),
+            Overlay(knob, at - knob.shape[1] // 2, middle - line // 2 + line // 2 - knob.shape[0] // 2),
+        )
+
+    def _written(self, text: str, content_scale: float) -> Image:
+        if self._text is None or self._text[:2] != (text, content_scale):
+            self._text = text, content_scale, _writing(text, content_scale)
+        return self._text[2]
+
+
+def text_of(moment: Moment, is_wide: bool) -> str:
+    """Tenths of seconds while it stands still; in a wide window also the frame, the speed and the loop."""
+    still = moment.frame is not None
+    parts = [f"{clock(moment.time_s, still)} / {clock(moment.duration_s, still)}"]
+    if is_wide:
+        parts += [f"frame {moment.frame}"] if still else []
+        parts += [" ".join([f"{moment.speed:g}x"] * (moment.speed != 1) + ["loop"] * moment.loops)]
+    return "   ".join(part for part in parts if part)
+
+
+def clock(time_s: float, with_tenths: bool) -> str:
+    """Minutes and seconds, never rounded up to what is not reached yet."""
+    tenths = int(time_s * 10 + 1e-6)
+    minutes, seconds = divmod(tenths // 10, 60)
+    return f"{minutes}:{seconds:02d}" + (f".{tenths % 10}" if with_tenths else "")
+
+
+def _one_pixel(srgba: tuple[int, int, int, int]) -> Image:
+    return frozen_view(np.array(srgba, np.uint8).reshape(1, 1, 4))
+
+
+@lru_cache(maxsize=2)
+def _font(content_scale: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(FONT_PT * content_scale)
+
+
+@lru_cache(maxsize=2)
+def _knob(diameter: int) -> Image:
+    """(h, w, 4) uint8: a disc with smooth edges."""
+    side = SUPERSAMPLING * diameter
+    disc = PillowImage.new("L", (side, side))
+    ImageDraw.Draw(disc).ellipse((0, 0, side - 1, side - 1), fill=255)
+    picture = np.empty((diameter, diameter, 4), np.uint8)
+    picture[..., :3] = TEXT_SRGBA[:3]
+    picture[..., 3] = np.asarray(disc.resize((diameter, diameter), PillowImage.Resampling.BOX))
+    return frozen_view(picture)
+
+
+def _writing(text: str, content_scale: float) -> Image:
+    """(h, w, 4) uint8: the text alone."""
+    font = _font(content_scale)
+    size = max(1, round(font.getlength(text)) + 2), round(1.4 * FONT_PT * content_scale)
+    ink = PillowImage.new("L", size)
+    ImageDraw.Draw(ink).text((0, size[1] / 2), text, fill=255, font=font, anchor="lm")
+    picture = np.empty((size[1], size[0], 4), np.uint8)
+    picture[..., :3] = TEXT_SRGBA[:3]
+    picture[..., 3] = np.asarray(ink)
+    return frozen_view(picture)
