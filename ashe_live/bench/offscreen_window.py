@@ -11,7 +11,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.offscreen import Context
-from ashe_live.viewer.controls import Request
+from ashe_live.viewer.controls import MouseEvent, Request
 
 
 class Picture(NamedTuple):
@@ -46,6 +46,10 @@ class OffscreenWindow:
         self._begun_s, self._begun_cpu_s = time.monotonic(), time.thread_time()
         requests, self.requests = self.requests, []
         return requests
+
+    def take_mouse(self) -> list[MouseEvent]:
+        """Nobody holds one here."""
+        return []
 
     def swap(self) -> None:
         """The picture is on the screen when it is drawn."""
