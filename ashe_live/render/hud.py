@@ -13,7 +13,7 @@ from ashe_live.render.scene import Overlay
 Rows = tuple[tuple[str, ...], ...]  # of one or more columns
 
 FONT_PT = 15
-MIN_FONT_PX = 8.0
+MIN_FONT_PX = 6.0
 PLATE_SRGBA = (12, 14, 18, 175)
 TEXT_SRGBA = (246, 246, 242, 255)
 

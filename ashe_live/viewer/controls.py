@@ -1,4 +1,4 @@
-"""The one table of keys: what the window obeys and what the help shows; and what the mouse tells."""
+"""The one table of keys and of what the mouse does: what the window obeys and what the help shows."""
 
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -25,8 +25,28 @@ class Command(Enum):
     QUALITY = auto()
     FULLSCREEN = auto()
     TOGGLE_HUD = auto()
+    MOVE_LIGHT = auto()
+    MOVE_MODEL = auto()
+    SCALE_MODEL = auto()
+    TURN_MODEL = auto()
+    RESET = auto()
     HELP = auto()
     QUIT = auto()
+
+
+@dataclass(frozen=True, slots=True)
+class Drag:
+    """The mouse, moved while its button is down."""
+
+    begin_px: tuple[
+        float, float
+    ]  # from the left and top edges; of the framebuffer, and for whom it moves, of the video
+    now_px: tuple[float, float]
+    is_first: bool  # of the moves since the button went down
+
+
+Step = tuple[int, int]  # to the right, up
+Argument = int | float | Step | Drag
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +54,23 @@ class Request:
     """A command and, where it has one, its argument."""
 
     command: Command
-    argument: int = 0
+    argument: Argument = 0
+
+    @property
+    def number(self) -> int:
+        """The argument, of a command whose argument is a whole number."""
+        assert isinstance(self.argument, int)
+        return self.argument
+
+
+class Gesture(Enum):
+    """What the mouse does, its left button where it is one of a button."""
+
+    DRAG = auto()
+    SHIFT_DRAG = auto()
+    WHEEL = auto()
+    SHIFT_WHEEL = auto()
+    DOUBLE_CLICK = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +85,9 @@ class Binding:
     command: Command
     shown: str  # how the help writes the keys
     help: str
-    arguments: tuple[int, ...] = ()  # of the keys, one each; else 0
+    arguments: tuple[Argument, ...] = ()  # of the keys, one each; else 0
     repeats: bool = False  # again and again while the key is held
+    gesture: Gesture | None = None  # that asks for it as well
 
 
 class MouseAction(Enum):
@@ -59,6 +96,7 @@ class MouseAction(Enum):
     MOVED = auto()
     PRESSED = auto()
     RELEASED = auto()
+    SCROLLED = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,9 +107,12 @@ class MouseEvent:
     x_px: float  # from the left edge, in pixels of the framebuffer
     y_px: float  # from the top edge
     shift: bool = False
+    notches: float = 0.0  # of the wheel, away from the hand
 
 
 HELD = CTRL, ALT, SHIFT = "CTRL+", "ALT+", "SHIFT+"
+ARROWS = ("LEFT", "RIGHT", "DOWN", "UP")
+STEPS = ((-1, 0), (1, 0), (0, -1), (0, 1))
 
 BINDINGS = (
     Binding(tuple("123456789"), Command.CHOOSE_MODEL, "1 to 9", "choose the model", tuple(range(9))),
@@ -81,6 +122,49 @@ BINDINGS = (
     Binding(("A",), Command.AUTOMATIC, "A", "estimate again and again, fused (--auto)"),
     Binding(("L",), Command.TOGGLE_LIGHT, "L", "show where the light is"),
     Binding(("D",), Command.TOGGLE_MASKS, "D", "show what the estimator saw"),
+    Binding(
+        tuple(CTRL + arrow for arrow in ARROWS),
+        Command.MOVE_LIGHT,
+        "drag, Ctrl+arrows",
+        "light by hand: drags the shadow's end",
+        STEPS,
+        repeats=True,
+        gesture=Gesture.DRAG,
+    ),
+    Binding(
+        tuple(ALT + arrow for arrow in ARROWS),
+        Command.MOVE_MODEL,
+        "Shift+drag, Alt+arrows",
+        "move the model on the table",
+        STEPS,
+        repeats=True,
+        gesture=Gesture.SHIFT_DRAG,
+    ),
+    Binding(
+        ("[", "]", "PAGE_UP", "PAGE_DOWN"),
+        Command.TURN_MODEL,
+        "Shift+wheel, [ ]",
+        "turn the model",
+        (1, -1, 1, -1),
+        repeats=True,
+        gesture=Gesture.SHIFT_WHEEL,
+    ),
+    Binding(
+        ("+", "=", "-"),
+        Command.SCALE_MODEL,
+        "wheel, + -",
+        "make the model larger or smaller",
+        (1, 1, -1),
+        repeats=True,
+        gesture=Gesture.WHEEL,
+    ),
+    Binding(
+        ("BACKSPACE",),
+        Command.RESET,
+        "double click, Backspace",
+        "light as estimated, model as it was",
+        gesture=Gesture.DOUBLE_CLICK,
+    ),
     Binding(("P",), Command.PAUSE, "P", "pause"),
     Binding(("R",), Command.RESTART, "R", "start the clip again"),
     Binding((",", ".", "COMMA", "PERIOD"), Command.STEP, ", and .", "one frame back, one on", (-1, 1, -1, 1), True),
@@ -101,6 +185,7 @@ REQUEST_BY_KEY: dict[str, Request] = {
     for binding in BINDINGS
     for key, argument in zip(binding.keys, binding.arguments or (0,) * len(binding.keys), strict=True)
 }
+COMMAND_BY_GESTURE = {binding.gesture: binding.command for binding in BINDINGS if binding.gesture is not None}
 REPEATED = frozenset(binding.command for binding in BINDINGS if binding.repeats)
 
 

@@ -20,17 +20,21 @@ READINGS_SHOWN_FOR_S = 0.5
 def bare_scene(session: Session) -> Scene:
     """Video, model and light, as recordings and snapshots want them."""
     estimate = session.shown
-    if estimate is None:
-        return Scene(session.tracked, session.model, shows_light=session.show_light, surroundings=session.surroundings)
-    return Scene(
+    unlit = Scene(
         session.tracked,
         session.model,
-        estimate.lights,
-        session.show_light,
+        shows_light=session.show_light,
+        placement=session.hand.placement,
+        surroundings=session.surroundings,
+    )
+    if estimate is None:
+        return unlit
+    return replace(
+        unlit,
+        lights=estimate.lights,
         caster=estimate.caster,
         ambient_rgb_ratio=estimate.ambient_rgb_ratio,
         ground_rgb=estimate.ground_rgb,
-        surroundings=session.surroundings,
     )
 
 

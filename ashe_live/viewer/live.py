@@ -20,8 +20,10 @@ from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.auto_quality import AutoQuality
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.display import Display, bare_scene
+from ashe_live.viewer.gestures import Gestures
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.playback import Playback
+from ashe_live.viewer.pointing import in_video
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import light_line
 from ashe_live.viewer.window import Window
@@ -53,6 +55,7 @@ class LiveViewer:
         self._tracker = tracker
         self._session = session
         self._display = Display()
+        self._gestures = Gestures(window.content_scale)
         self._quality_name = quality_name
         self._interval_s = 1 / window.refresh_rate_hz
         self._auto: AutoQuality | None = None
@@ -160,8 +163,13 @@ class LiveViewer:
             self._commands[request.command](now_s)
 
     def _follow_mouse(self, now_s: float) -> None:
+        size, scale = self._window.framebuffer_size, self._window.content_scale
         for event in self._window.take_mouse():
-            self._playback.take_mouse(event, self._window.framebuffer_size, self._window.content_scale, now_s)
+            if self._playback.take_mouse(event, size, scale, now_s):
+                continue
+            request = self._gestures.add(event, now_s)
+            if request is not None:
+                self._obey(in_video(request, size, self._session.tracked), now_s)
 
     def _stop(self) -> None:
         self._quit = True

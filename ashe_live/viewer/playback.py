@@ -41,12 +41,12 @@ class Playback:
                 self._pipeline.restart()
             case Command.STEP:
                 self._paused = True
-                self._pipeline.step(request.argument)
+                self._pipeline.step(request.number)
             case Command.SEEK:
-                self._pipeline.seek_by(request.argument)
+                self._pipeline.seek_by(request.number)
                 self._bar_until_s = now_s + BAR_SHOWN_S
             case Command.SPEED:
-                place = SPEEDS.index(self._speed) + request.argument
+                place = SPEEDS.index(self._speed) + request.number
                 self._speed = SPEEDS[min(max(place, 0), len(SPEEDS) - 1)]
                 self._play(f"speed {self._speed:g}x", now_s)
             case Command.LOOP:

@@ -12,6 +12,7 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
+from ashe_live.viewer.hand import Hand, Sight
 from ashe_live.viewer.shelf import Shelf
 
 NOTICE_S = 4.0
@@ -50,7 +51,8 @@ class Session:
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
         self.estimated_from: TrackedFrame | None = None
-        self.shown: LightEstimate | None = None  # on its way to `estimate`
+        self.shown: LightEstimate | None = None  # on its way to `lit_by`
+        self.hand = Hand()
         self.fusion: LightFusion | None = LightFusion() if policy.automatic else None  # None: each estimate by itself
         self.surroundings: TrackedFrame | None = None  # what polished surfaces mirror; with a marker
         self.light_preset = "balanced"
@@ -65,7 +67,7 @@ class Session:
         self._policy_is_done = False
         self._steadiness = steadiness
         self._easing = LightEasing()
-        self._asked_s = -math.inf
+        self._asked_s = self._by_hand_s = -math.inf
         self._notice: tuple[str, float] | None = None
 
     @property
@@ -80,6 +82,11 @@ class Session:
     def model_progress(self) -> str | None:
         """What is said while a model is awaited."""
         return self._shelf.progress
+
+    @property
+    def lit_by(self) -> LightEstimate | None:
+        """The light as a person has set it, else as it was estimated."""
+        return self.estimate if self.hand.light is None else self.hand.light
 
     @property
     def is_estimating(self) -> bool:
@@ -137,20 +144,22 @@ class Session:
         if (error := self._shelf.take_error()) is not None:
             self.say(str(error), now_s)
         outcome = self._accept(self._worker.poll(), now_s)
-        self.shown = self._easing.at(self.estimate, now_s)
+        # What follows the mouse must not lag behind it.
+        by_hand = self.hand.light
+        self.shown = self._easing.at(self.estimate, now_s) if by_hand is None else self._easing.jump(by_hand)
         return outcome
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
         outcome = self._accept(self._worker.wait(timeout_s), now_s) if self._worker.busy else None
-        self.shown = self._easing.jump(self.estimate)
+        self.shown = self._easing.jump(self.lit_by)
         return outcome
 
     def handle(self, request: Request, now_s: float) -> bool:
         """Obeys a request that needs neither window nor source; False for any other."""
         match request.command:
             case Command.CHOOSE_MODEL:
-                if not self._shelf.choose(request.argument):
+                if not self._shelf.choose(request.number):
                     self.say(f"there are {len(self._shelf.names)} models", now_s)
             case Command.PREVIOUS_MODEL:
                 self._shelf.step(-1)
@@ -162,12 +171,16 @@ class Session:
                 self._toggle_automatic(now_s)
             case Command.TOGGLE_LIGHT:
                 self.show_light = not self.show_light
-                if self.show_light and (self.estimate is None or self.estimate.light is None):
+                if self.show_light and (self.lit_by is None or self.lit_by.light is None):
                     self.say("the arrow appears when the light is known: Space estimates it", now_s)
             case Command.TOGGLE_MASKS:
                 self.show_masks = not self.show_masks
                 if self.show_masks and self.estimate is None:
                     self.say("nothing has been estimated yet: Space does it", now_s)
+            case Command.MOVE_LIGHT | Command.MOVE_MODEL | Command.SCALE_MODEL | Command.TURN_MODEL:
+                self._obey_hand(request, now_s)
+            case Command.RESET:
+                self.hand.reset()
             case Command.HELP:
                 self.show_help = not self.show_help
             case Command.TOGGLE_HUD:
@@ -184,7 +197,25 @@ class Session:
             return None
         self.estimate = outcome if self.fusion is None else self.fusion.answer
         self.estimated_from = self.surroundings = self._frozen
+        # One that was asked for before the light was set by hand is not what ends that.
+        if self.hand.light is not None and self._asked_s >= self._by_hand_s:
+            if outcome.light is None:
+                self.say(f"no clear light: {outcome.reason}; it stays as set by hand", now_s)
+            else:
+                self.hand.light = None
         return self.estimate
+
+    def _obey_hand(self, request: Request, now_s: float) -> None:
+        before = self.hand.light
+        if (said := self.hand.obey(request, Sight(self.tracked, self.estimate, self.model))) is not None:
+            self.say(said, now_s)
+        if self.hand.light is before:
+            return
+        self._by_hand_s = now_s
+        self._policy_is_done = True
+        if self.fusion is not None:
+            self.fusion = None
+            self.say("the light is by hand: A estimates it again and again", now_s)
 
     def _toggle_automatic(self, now_s: float) -> None:
         if self.fusion is None:

@@ -9,6 +9,7 @@ from ashe_live.viewer.session import Session
 FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
 AWAITED = "estimated as soon as the marker is steady"
 AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain surface, clear of the marker; then Space"
+BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
@@ -17,7 +18,7 @@ NO_MARKER = (
 
 def light_line(session: Session) -> str:
     """The light's state; an estimate under way does not hide the last answer."""
-    estimate = session.estimate
+    estimate = session.lit_by
     if estimate is None and session.is_estimating:
         return "light: estimating…"
     if estimate is None:
@@ -27,7 +28,8 @@ def light_line(session: Session) -> str:
     else:
         light = estimate.light
         sigma = "" if light.sigma_rad is None else f" ± {math.degrees(light.sigma_rad):.1f}°"
-        text = f"light: azimuth {light.azimuth_deg:.0f}°, elevation {light.elevation_deg:.0f}°{sigma}"
+        name = "light" if session.hand.light is None else "light by hand"
+        text = f"{name}: azimuth {light.azimuth_deg:.0f}°, elevation {light.elevation_deg:.0f}°{sigma}"
         if session.fusion is not None and session.fusion.count > 1:
             text += f", of {session.fusion.count} estimates"
         if (count := len(estimate.lights)) > 1:
@@ -81,6 +83,6 @@ def guidance(session: Session) -> tuple[str, ...]:
     """How to get on from where nothing is known yet."""
     if session.tracked is not None and session.surroundings is None:  # no marker in any frame so far
         return NO_MARKER
-    if session.estimate is not None and session.estimate.light is None and not session.is_estimating:
-        return (f"what helps: {AFTER_NONE}",)
+    if session.lit_by is not None and session.lit_by.light is None and not session.is_estimating:
+        return f"what helps: {AFTER_NONE}", BY_HAND
     return ()

@@ -1,5 +1,6 @@
 """A GLFW window with an OpenGL 3.3 core context, which gives requests instead of key events."""
 
+from dataclasses import replace
 from types import TracebackType
 from typing import Any, Self
 
@@ -46,6 +47,7 @@ class Window:
         glfw.set_key_callback(self._window, self._on_key)
         glfw.set_cursor_pos_callback(self._window, self._on_move)
         glfw.set_mouse_button_callback(self._window, self._on_button)
+        glfw.set_scroll_callback(self._window, self._on_scroll)
         glfw.make_context_current(self._window)
         glfw.swap_interval(1)
         try:
@@ -134,6 +136,13 @@ class Window:
             self._shift = bool(modifiers & glfw.MOD_SHIFT)
             kind = MouseAction.PRESSED if action == glfw.PRESS else MouseAction.RELEASED
             self._mouse.append(self._mouse_event(kind, *glfw.get_cursor_pos(self._window)))
+
+    def _on_scroll(self, _window: object, x: float, y: float) -> None:
+        # GLFW says no modifiers here; and with Shift macOS scrolls sideways.
+        keys = (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
+        self._shift = any(glfw.get_key(self._window, key) == glfw.PRESS for key in keys)
+        event = self._mouse_event(MouseAction.SCROLLED, *glfw.get_cursor_pos(self._window))
+        self._mouse.append(replace(event, notches=y or x))
 
     def _mouse_event(self, action: MouseAction, x: float, y: float) -> MouseEvent:
         (width, height), (width_px, height_px) = glfw.get_window_size(self._window), self.framebuffer_size

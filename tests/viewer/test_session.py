@@ -11,6 +11,7 @@ from ashe_live.errors import UserError
 from ashe_live.light.worker_process import WorkerFailure
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
+from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.session import AUTO_EVERY_S, AUTO_SETTLED_EVERY_S, NOTICE_S, EstimatePolicy, Session
 from ashe_live.viewer.status import camera_line, guidance, light_line, marker_line, source_lines, status_lines
 
@@ -216,8 +217,9 @@ def test_after_no_light_it_says_what_to_change(make, fakes):
     session.request_estimate(0.0)
     session._worker.answer = fakes.estimate(with_light=False)
     session.poll(0.0)
-    (line,) = guidance(session)
+    line, by_hand = guidance(session)
     assert line.startswith("what helps")
+    assert "by hand" in by_hand
     session.request_estimate(0.0)
     assert guidance(session) == ()
 
@@ -271,3 +273,86 @@ def test_no_status_line_is_empty(make):
     assert source_lines(session, None, 0.0) == []
     session.say("saved", 0.0)
     assert source_lines(session, "end of the clip", 0.0) == ["end of the clip", "saved"]
+
+
+def by_hand(session, now_s: float) -> None:
+    session.handle(Request(Command.MOVE_LIGHT, (1, 0)), now_s)
+    session.poll(now_s)
+
+
+def estimated(session, fakes, asked_s: float, with_light: bool = True) -> None:
+    session.request_estimate(asked_s)
+    session._worker.answer = fakes.estimate(with_light=with_light)
+    session.poll(asked_s + 0.1)
+
+
+def test_a_light_by_hand_is_shown_at_once_and_said_to_be_so(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    by_hand(session, 1.0)
+    assert session.shown is session.lit_by is session.hand.light
+    assert session.estimate is None
+    assert light_line(session).startswith("light by hand: azimuth")
+    assert "±" not in light_line(session)
+    assert bare_scene(session).lights == session.hand.light.lights
+
+
+def test_a_new_estimate_ends_the_light_by_hand_and_one_asked_for_before_does_not(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    session.request_estimate(1.0)
+    by_hand(session, 2.0)
+    session._worker.answer = fakes.estimate()
+    session.poll(3.0)
+    assert session.estimate is not None
+    assert session.lit_by is session.hand.light is not None
+    estimated(session, fakes, 4.0)
+    assert session.hand.light is None
+    assert session.lit_by is session.estimate
+
+
+def test_an_estimate_without_a_light_leaves_the_one_by_hand(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    by_hand(session, 1.0)
+    estimated(session, fakes, 2.0, with_light=False)
+    assert session.lit_by is session.hand.light is not None
+    assert "stays as set by hand" in session.notice(2.1)
+
+
+def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(make, fakes):
+    session = make(EstimatePolicy(on_first_steady=True, automatic=True))
+    session.take(fakes.tracked(), 0.0)
+    by_hand(session, 0.0)
+    assert session.fusion is None
+    for index in range(1, 30):
+        session.take(fakes.tracked(index), index / 10)
+    assert not session.is_estimating
+    assert session.hand.light is not None
+
+
+def test_reset_gives_light_and_model_back_to_the_estimate(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    estimated(session, fakes, 0.0)
+    before = session.poll(5.0), bare_scene(session)
+    by_hand(session, 6.0)
+    for command in (Command.SCALE_MODEL, Command.TURN_MODEL):
+        session.handle(Request(command, 3), 6.0)
+    session.handle(Request(Command.MOVE_MODEL, (2, 2)), 6.0)
+    assert bare_scene(session).placement != before[1].placement
+    session.handle(Request(Command.RESET), 7.0)
+    session.poll(7.0)
+    session.poll(9.0)
+    assert bare_scene(session) == before[1]
+    assert session.lit_by is session.estimate
+
+
+def test_where_the_model_stands_does_not_touch_the_light(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    estimated(session, fakes, 0.0)
+    session.handle(Request(Command.MOVE_MODEL, (1, 0)), 1.0)
+    session.handle(Request(Command.SCALE_MODEL, 1), 1.0)
+    assert session.hand.light is None
+    assert light_line(session).startswith("light: azimuth")

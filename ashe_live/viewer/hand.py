@@ -1,0 +1,173 @@
+"""The light and the model as a person sets them, in place of what was estimated."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import angles_from_direction, direction_from_angles
+from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.models.placement import UNMOVED, PlacedModel
+from ashe_live.viewer.controls import Command, Drag, Request
+from ashe_live.viewer.pointing import Pixel, ground_at, picture_axes, pixel_of
+
+BY_HAND = "by hand"  # the estimator's name of such a light
+# What a key's press or a notch of the wheel does.
+LIGHT_STEP_RAD = math.radians(2)
+TURN_STEP_RAD = math.radians(5)
+SCALE_STEP = 1.1
+MOVE_STEP_SIDES = 0.05
+# As far as it goes; keys stop before the zenith, where the azimuth would be lost.
+LOWEST_RAD, HIGHEST_RAD = math.radians(5), math.radians(89)
+SMALLEST, LARGEST = 0.1, 10.0
+MOST_NOTCHES = 20.0
+FARTHEST_SIDES = 50.0
+# Where nothing was estimated, the light comes from the left in the picture.
+FIRST_ELEVATION_RAD = math.radians(45)
+LEAST_HEIGHT_SIDES = 0.25  # a flat model's shadow is dragged as if it were so high
+NO_MARKER = "no marker in view: without it nobody knows where the table is"
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """What a person sees, and by what it is lit and stood on."""
+
+    tracked: TrackedFrame | None
+    estimate: LightEstimate | None
+    model: PlacedModel | None
+
+
+@dataclass(frozen=True, slots=True)
+class Grip:
+    """What a drag has hold of."""
+
+    point: Float  # (2,) metres, marker frame, on the plane
+    pixel: Pixel  # where the picture shows it, while the mouse is where the drag begins
+    carried: Float  # (2,) metres, marker frame, on the plane: what moves as far as `point` does
+
+
+class Hand:
+    """`light` is None while the estimate holds."""
+
+    def __init__(self) -> None:
+        self.light: LightEstimate | None = None
+        self.placement = UNMOVED
+        self._grip: Grip | None = None
+
+    def reset(self) -> None:
+        self.light, self.placement, self._grip = None, UNMOVED, None
+
+    def obey(self, request: Request, sight: Sight) -> str | None:
+        """Does what the request asks of light or model; what stands against it is said."""
+        match request:
+            case Request(Command.SCALE_MODEL, int() | float() as notches):
+                return self._scale(notches)
+            case Request(Command.TURN_MODEL, int() | float() as notches):
+                turned = (self.placement.turn_rad + notches * TURN_STEP_RAD) % math.tau
+                self.placement = replace(self.placement, turn_rad=turned)
+                return None
+        tracked = sight.tracked
+        if tracked is None or tracked.marker is None:
+            return NO_MARKER
+        match request:
+            case Request(Command.MOVE_LIGHT, (right, up)):
+                self._step_light(tracked, sight, right, up)
+            case Request(Command.MOVE_LIGHT, Drag() as drag):
+                self._drag_light(tracked, sight, drag)
+            case Request(Command.MOVE_MODEL, (right, up)):
+                to_right, away = picture_axes(tracked)
+                step = MOVE_STEP_SIDES * tracked.marker.side_m
+                self._move(tracked, self.placement.shift_m + step * (right * to_right + up * away))
+            case Request(Command.MOVE_MODEL, Drag() as drag):
+                self._drag_model(tracked, drag)
+        return None
+
+    def _scale(self, notches: float) -> str | None:
+        wanted = self.placement.scale * SCALE_STEP ** min(max(notches, -MOST_NOTCHES), MOST_NOTCHES)
+        scale = min(max(wanted, SMALLEST), LARGEST)
+        self.placement = replace(self.placement, scale=scale)
+        return None if scale == wanted else f"the model goes from {SMALLEST:.0%} to {LARGEST:.0%} of its size"
+
+    def _move(self, tracked: TrackedFrame, to_m: Float) -> None:
+        assert tracked.marker is not None
+        length, longest = float(np.linalg.norm(to_m)), FARTHEST_SIDES * tracked.marker.side_m
+        x, y = to_m * min(1.0, longest / max(length, longest))
+        self.placement = replace(self.placement, shift_m=(float(x), float(y)))
+
+    def _drag_model(self, tracked: TrackedFrame, drag: Drag) -> None:
+        if drag.is_first or self._grip is None:
+            point = ground_at(tracked, drag.begin_px)
+            self._grip = None if point is None else Grip(point, drag.begin_px, np.array(self.placement.shift_m))
+        moved = self._carried(tracked, drag)
+        if moved is not None:
+            self._move(tracked, moved)
+
+    def _step_light(self, tracked: TrackedFrame, sight: Sight, right: float, up: float) -> None:
+        base = self._light_to_move(tracked, sight)
+        azimuth, elevation = angles_from_direction(base.lights[0].to_light_marker)
+        elevation = min(max(elevation + up * LIGHT_STEP_RAD, LOWEST_RAD), HIGHEST_RAD)
+        self._set_light(tracked, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
+
+    def _drag_light(self, tracked: TrackedFrame, sight: Sight, drag: Drag) -> None:
+        """The end of the model's shadow goes with the mouse."""
+        assert tracked.marker is not None
+        base = self._light_to_move(tracked, sight)
+        foot = np.array(self.placement.shift_m)
+        height = LEAST_HEIGHT_SIDES * tracked.marker.side_m
+        if sight.model is not None:
+            height = max(height, float(sight.model.bounds[1, 2])) * self.placement.scale
+        if drag.is_first or self._grip is None:
+            x, y, z = base.lights[0].to_light_marker
+            end = foot - height * np.array((x, y)) / max(z, math.sin(LOWEST_RAD))
+            self._grip = _grip_on(tracked, drag.begin_px, end, foot)
+        end_now = self._carried(tracked, drag)
+        if end_now is None:
+            return
+        slope = (foot - end_now) / height
+        steepness = max(float(np.linalg.norm(slope)), 1e-12)
+        slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
+        self._set_light(tracked, base, np.array((*slope, 1.0)))
+
+    def _carried(self, tracked: TrackedFrame, drag: Drag) -> Float | None:
+        """(2,) where the drag has brought what it carries; None where there is no plane under the mouse."""
+        if self._grip is None:
+            return None
+        grip, (x0, y0), (x, y) = self._grip, drag.begin_px, drag.now_px
+        point = ground_at(tracked, (grip.pixel[0] + x - x0, grip.pixel[1] + y - y0))
+        return None if point is None else np.asarray(grip.carried + point - grip.point)
+
+    def _light_to_move(self, tracked: TrackedFrame, sight: Sight) -> LightEstimate:
+        """As it was set last, else as estimated, else a first one."""
+        if self.light is not None:
+            return self.light
+        if sight.estimate is not None and sight.estimate.lights:
+            return sight.estimate
+        right, _ = picture_axes(tracked)
+        first = direction_from_angles(math.atan2(-right[1], -right[0]), FIRST_ELEVATION_RAD)
+        return LightEstimate(BY_HAND, tracked.frame.index, (DirectionalLight(first),))
+
+    def _set_light(self, tracked: TrackedFrame, base: LightEstimate, to_light: Float) -> None:
+        """Of several lights the strongest; measured colours stay, what was known of the direction does not."""
+        moved, *others = base.lights
+        light = DirectionalLight(
+            to_light, angular_size_rad=moved.angular_size_rad, shadow_rgb_ratio=moved.shadow_rgb_ratio
+        )
+        self.light = LightEstimate(
+            BY_HAND,
+            tracked.frame.index,
+            (light, *others),
+            caster=base.caster,
+            ambient_rgb_ratio=base.ambient_rgb_ratio,
+            ground_rgb=base.ground_rgb,
+        )
+
+
+def _grip_on(tracked: TrackedFrame, begin_px: Pixel, end: Float, foot: Float) -> Grip | None:
+    """On the shadow's end, or on the foot where the picture does not show that, or on whatever is under the mouse."""
+    for point in (end, foot):
+        pixel = pixel_of(tracked, point)
+        if pixel is not None:
+            return Grip(point, pixel, end)
+    under = ground_at(tracked, begin_px)
+    return None if under is None else Grip(under, begin_px, end)
