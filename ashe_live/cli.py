@@ -14,7 +14,11 @@ from ashe_live.errors import ExitStatus, UserError
 
 Number = TypeVar("Number", int, float)
 
-EPILOG = "Start with `ashe-live demo`; print a marker with `ashe-live marker --out marker.pdf`."
+EPILOG = (
+    "Without COMMAND: your camera, with the options of webcam, or the demo where there is none. "
+    "Print a marker with `ashe-live marker --out marker.pdf`."
+)
+START = "start"
 DEFAULT_MARKER = "aruco:4x4_50:0"
 DEFAULT_ESTIMATOR = "proxy"
 MARKER_HELP = (
@@ -40,6 +44,12 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     webcam.add_argument("--camera", default="0", metavar="N|PATH", help="number or path of the camera (default 0)")
     _add_scene_options(webcam)
     _add_view_options(webcam)
+
+    # Without help it is not listed: nobody has to know its name.
+    start = commands.add_parser(START, prog="ashe-live")
+    start.add_argument("--camera", metavar="N|PATH", help="number or path of the camera (default: the first one)")
+    _add_scene_options(start)
+    _add_view_options(start)
 
     play = commands.add_parser("play", help="a recorded clip, or a photo")
     play.add_argument("file", type=Path, metavar="FILE")
@@ -237,8 +247,15 @@ class _SettingsParser(argparse.ArgumentParser):
         raise UserError(f"{settings_path()}: {message.removeprefix('argument --')}", "mend that line, or remove it")
 
 
+def with_command(arguments: Sequence[str]) -> Sequence[str]:
+    """START where there is none."""
+    is_there = bool(arguments) and (not arguments[0].startswith("-") or arguments[0] in ("-h", "--help", "--version"))
+    return arguments if is_there else [START, *arguments]
+
+
 def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     """The options, with the settings where no flag says otherwise. Raises UserError for settings that cannot be."""
+    arguments = with_command(arguments)
     options = build_parser().parse_args(arguments)
     # Only here, as --help and wrong use do not come so far.
     from ashe_live.core.settings import COMMANDS, ONE_OF, flags_of, read_settings, settings_path

@@ -5,6 +5,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -220,7 +221,22 @@ def camera_error(camera: int | str, devices: Path = Path("/dev")) -> UserError:
             f"no permission to use {device}",
             "add yourself to the group video (sudo usermod -aG video $USER) and log in again",
         )
+    users = ", ".join(sorted(programs_using(device)))
+    if users:
+        return UserError(f"{device} is busy: {users} uses it", "close that program")
     return UserError(
         f"{device} gives no pictures",
         "close other programs that use it; a camera can have several devices, so try the next number too",
     )
+
+
+def programs_using(device: Path, processes: Path = Path("/proc")) -> set[str]:
+    """Names of this user's other processes that have `device` open, where the system tells as Linux does."""
+    names = set()
+    for opened in processes.glob("[0-9]*/fd/*"):
+        # Processes end meanwhile, and those of others are not told.
+        with suppress(OSError):
+            process = opened.parents[1]
+            if opened.readlink() == device.resolve() and int(process.name) != os.getpid():
+                names.add((process / "comm").read_text(encoding="utf-8", errors="replace").strip())
+    return names

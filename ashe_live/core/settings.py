@@ -18,8 +18,8 @@ Value = str | int | float
 
 TEXT, NUMBER, EITHER = "text in quotes", "a number", "a number, or text in quotes"
 KINDS: Mapping[str, tuple[type, ...]] = {TEXT: (str,), NUMBER: (int, float), EITHER: (int, str)}
-SEEN = ("webcam", "play", "estimate")
-SHOWN = ("demo", "webcam", "play")
+SEEN = ("start", "webcam", "play", "estimate")
+SHOWN = ("start", "demo", "webcam", "play")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Setting:
 
 
 SETTINGS: Mapping[str, Setting] = {
-    "camera": Setting(EITHER, ("webcam",)),
+    "camera": Setting(EITHER, ("start", "webcam")),
     "marker": Setting(TEXT, SEEN),
     "marker-size": Setting(NUMBER, SEEN),
     "camera-file": Setting(TEXT, SEEN),

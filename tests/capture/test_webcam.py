@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import subprocess
 import sys
 import threading
 from collections.abc import Callable
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.sources import SourceLost
-from ashe_live.capture.webcam import WebcamSource, camera_error
+from ashe_live.capture.webcam import WebcamSource, camera_error, programs_using
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 
@@ -194,6 +195,17 @@ class TestRemedy:
     def test_busy_camera_names_other_programs(self, tmp_path: Path) -> None:
         (tmp_path / "video0").touch()
         assert "other programs" in camera_error(str(tmp_path / "video0")).remedy
+
+    def test_busy_camera_names_the_program_that_uses_it(self, tmp_path: Path) -> None:
+        device = tmp_path / "video0"
+        device.touch()
+        assert programs_using(device) == set()
+        with subprocess.Popen(["sleep", "60"], stdin=device.open()) as other:
+            try:
+                assert programs_using(device) == {"sleep"}
+                assert "sleep uses it" in camera_error(str(device)).message
+            finally:
+                other.kill()
 
     def test_opencv_says_nothing_of_its_own(self, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
         with pytest.raises(UserError, match="there is no camera"):

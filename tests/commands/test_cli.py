@@ -20,7 +20,8 @@ COMMANDS = (
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ([], "COMMAND"),
+        (["--wings"], "--wings"),
+        (["--quality", "best"], "best"),
         (["fly"], "fly"),
         (["play"], "FILE"),
         (["play", "a.mp4", "--wings"], "--wings"),

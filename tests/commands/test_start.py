@@ -1,0 +1,57 @@
+"""`ashe-live` alone: the camera, or the demo where there is none."""
+
+import pytest
+
+from ashe_live import cli
+from ashe_live.capture.cameras import Device
+from ashe_live.commands import demo, start, webcam
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str | None, str]]:
+    """What was started instead of a window: command, camera and model."""
+    started = []
+    for module in (demo, webcam):
+        name = module.__name__.rpartition(".")[2]
+        monkeypatch.setattr(
+            module, "run", lambda options, name=name: started.append((name, options.camera, options.model)) or 0
+        )
+    return started
+
+
+def connect(monkeypatch: pytest.MonkeyPatch, *numbers: int) -> None:
+    monkeypatch.setattr(start, "connected", lambda: [Device(number, "a camera", None) for number in numbers])
+
+
+def test_the_first_camera_there_is(run, started, monkeypatch):
+    connect(monkeypatch, 2, 3)
+    assert run().status == run("--model", "mug").status == 0
+    assert started == [("webcam", "2", "cube"), ("webcam", "2", "mug")]
+
+
+def test_without_a_camera_one_line_and_the_demo(run, started, monkeypatch):
+    connect(monkeypatch)
+    outcome = run("--model", "mug")
+    assert started == [("demo", None, "mug")]
+    assert (outcome.status, len(outcome.err)) == (0, 1)
+    assert "no camera" in outcome.err[0]
+
+
+def test_a_camera_that_is_asked_for_is_not_replaced(run, started, monkeypatch):
+    connect(monkeypatch)
+    run("--camera", "7")
+    assert started == [("webcam", "7", "cube")]
+
+
+def test_the_demo_takes_the_options_of_the_start(run, instant, monkeypatch, tmp_path):  # noqa: ARG001
+    connect(monkeypatch)
+    report = tmp_path / "report.json"
+    outcome = run("--headless", "--frames", "3", "--out", tmp_path / "o.mp4", "--report", report, "--quality", "fast")
+    assert outcome.status == 0
+    assert report.exists()
+
+
+def test_help_is_the_programs_or_the_options_of_the_start(run):
+    assert "COMMAND" in run("--help").out[0]
+    assert any("--camera" in line for line in run("--model", "mug", "--help").out)
+    assert not any(cli.START in line.split() for line in run("--help").out)
