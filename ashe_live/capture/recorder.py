@@ -142,7 +142,10 @@ class Recorder:
         return max(pts, self._last_pts + 1)
 
     def _index_first(self) -> None:
-        """Copies the fragments' packets into an MP4 with the index in front, and gives that the final name."""
+        """Copies the fragments' packets into an MP4 with the index in front, and gives that the final name.
+
+        Where there is no room for a second copy the fragments, which can be played too, get it.
+        """
         finished = self._partial.with_name(f".{self.path.stem}.finished.mp4")
         try:
             with (
@@ -157,6 +160,8 @@ class Recorder:
                         packet.stream = stream
                         clip.mux(packet)
             finished.replace(self.path)
+        except (OSError, av.error.FFmpegError):
+            self._partial.replace(self.path)
         finally:
             finished.unlink(missing_ok=True)
 
@@ -166,7 +171,7 @@ class Recorder:
         with suppress(OSError, av.error.FFmpegError):
             self._release()
         failure = cannot_write(self.path, error)
-        if _has_picture(self._partial):
+        if has_picture(self._partial):
             self._partial.replace(self.path)
             failure = UserError(f"{failure.message}; the first part of the recording is saved", failure.remedy)
         self._partial.unlink(missing_ok=True)
@@ -178,7 +183,8 @@ class Recorder:
             container.close()
 
 
-def _has_picture(path: Path) -> bool:
+def has_picture(path: Path) -> bool:
+    """Whether it is a clip of which at least one picture can be decoded."""
     try:
         with av.open(str(path)) as clip:
             return next(clip.decode(video=0), None) is not None

@@ -1,19 +1,31 @@
 """Writes a picture as PNG, whole or not at all."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
-import cv2
+import numpy as np
+import PIL.Image
+from PIL.PngImagePlugin import PngInfo
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.output_files import check_output, written_whole
 
+# A little larger than Pillow's 6, in a fifth of the time: the viewer waits for it.
+COMPRESSION = 1
 
-def write_png(path: str | Path, image_bgr: Image, overwrite: bool = False) -> None:
-    """Writes (h, w, 3) uint8. Raises UserError when `path` exists (without `overwrite`) or cannot be written."""
+
+def write_png(
+    path: str | Path, image_bgr: Image, overwrite: bool = False, texts: Mapping[str, str] | None = None
+) -> None:
+    """Writes (h, w, 3) uint8, with `texts` by keyword in chunks of the kind iTXt (PNG specification, 11.3.3.4).
+
+    Raises UserError when `path` exists (without `overwrite`) or cannot be written.
+    """
     path = Path(path)
     check_output(path, overwrite)
-    encoded_well, png = cv2.imencode(".png", image_bgr)
-    if not encoded_well:
-        raise ValueError(f"an image of shape {image_bgr.shape} cannot be a PNG")
+    info = PngInfo()
+    for keyword, text in (texts or {}).items():
+        info.add_itxt(keyword, text)
+    picture = PIL.Image.fromarray(np.ascontiguousarray(image_bgr[:, :, ::-1]))
     with written_whole(path) as partial:
-        partial.write_bytes(png.tobytes())
+        picture.save(partial, format="PNG", pnginfo=info, compress_level=COMPRESSION)

@@ -100,9 +100,10 @@ class WebcamSource(Source):
     def read(self) -> Frame:
         """The newest frame that was not read yet, timed when it arrived. Raises SourceLost when there are no more."""
         arrival, self._first = self._first or self._next(SILENCE_S), None
-        if arrival is None:
+        if arrival is None or arrival.size != self.size:
             self.close()
-            raise SourceLost(f"{self.name} gives no more pictures", "plug it in again; it is tried until it is back")
+            what = "gives no more pictures" if arrival is None else f"gives pictures of {_by(arrival.size)} now"
+            raise SourceLost(f"{self.name} {what}", "plug it in again; it is tried until it is back")
         if self._start_s is None:
             self._start_s = arrival.seen_s
         frame = Frame(arrival.image, self._index, arrival.seen_s - self._start_s)

@@ -7,8 +7,10 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from types import FrameType
 
+from ashe_live.capture.cut_short import rescue_recordings
 from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.sources import Source
 from ashe_live.commands.setup import quality_of
@@ -17,7 +19,7 @@ from ashe_live.core.camera import Size
 from ashe_live.core.output_files import check_output
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.light.worker import LightWorker
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
 from ashe_live.render.renderer import Renderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.steadiness import Steadiness
@@ -88,13 +90,16 @@ def show_in_window(view: View) -> int:
     # Only here, so that playing without a display does without GLFW.
     from ashe_live.viewer.live import LiveViewer
     from ashe_live.viewer.pipeline import Pipeline
+    from ashe_live.viewer.recording import Recording
     from ashe_live.viewer.window import Window
 
     options = view.options
     if not has_display():
         raise UserError("there is no display for a window", "give --headless --out VIDEO.mp4")
+    _tell_of_recordings_cut_short(options.out)
     with contextlib.ExitStack() as stack:
         stack.enter_context(_ended_by_signals())
+        stack.enter_context(graphics_failures_told())
         # First, as its process starts while the window opens, and a model that cannot be read opens none.
         session = stack.enter_context(opened_session(view))
         window = stack.enter_context(Window(f"ashe-live: {view.source.name}", view.size))
@@ -103,10 +108,10 @@ def show_in_window(view: View) -> int:
         pipeline.start()
         preset = quality_of(options).render
         renderer = Renderer(window.context, preset, window.framebuffer_size, switches_at_once=False)
-        recorder = None
+        recording = None
         if options.out is not None:
-            recorder = Recorder(options.out, view.source.size, pipeline.fps, options.overwrite)
-        viewer = LiveViewer(window, renderer, pipeline, view.tracker, session, options.quality, recorder, options.loop)
+            recording = Recording(options.out, view.source.size, pipeline.fps, options.overwrite)
+        viewer = LiveViewer(window, renderer, pipeline, view.tracker, session, options.quality, recording, options.loop)
         viewer.run(options.frames)
     return ExitStatus.ANSWERED
 
@@ -114,8 +119,10 @@ def show_in_window(view: View) -> int:
 def show_without_window(view: View, scene: Callable[[Session], Scene], *takers: Callable[[Image, float], None]) -> int:
     """Every frame; `takers` get each picture (h, w, 3) uint8 BGR and its time in seconds."""
     options = view.options
+    _tell_of_recordings_cut_short(options.out)
     with contextlib.ExitStack() as stack:
         stack.enter_context(_ended_by_signals())
+        stack.enter_context(graphics_failures_told())
         stack.enter_context(view.source)
         renderer = Renderer(offscreen_context(), quality_of(options).render, view.size)
         stack.callback(renderer.release)
@@ -158,19 +165,30 @@ def _notices(view: View, session: Session, found: set[int]) -> Iterator[str]:
         yield camera
 
 
+def _tell_of_recordings_cut_short(out: Path | None) -> None:
+    """Of a program that was killed, at the next one's start."""
+    for folder in {Path.cwd(), *([] if out is None else [out.absolute().parent])}:
+        for path in rescue_recordings(folder):
+            print(f"ashe-live: a recording that was cut short is now {path}", file=sys.stderr)
+
+
 @contextlib.contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """Within, a request to terminate unwinds the stack like any error, so that a recording is finished."""
+    """Within, a request to end unwinds the stack like any error, so that a recording is finished."""
 
     def end(number: int, _stack: FrameType | None) -> None:
         # Impatience must not cut short what unwinding finishes.
-        for each in numbers:
+        for each in before:
             signal.signal(each, signal.SIG_IGN)
-        raise SystemExit(128 + number)
+        raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
 
-    numbers = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {number: signal.signal(number, end) for number in numbers}
+    names = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
+    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
+    # One that is ignored already (nohup, a shell's background job) is not meant for us.
+    before = {number: was for number in numbers if (was := signal.getsignal(number)) is not signal.SIG_IGN}
     try:
+        for number in before:
+            signal.signal(number, end)
         yield
     finally:
         for number, handler in before.items():

@@ -12,9 +12,10 @@ from typing import Any
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
+from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose, TrackedFrame
 
 SCHEMA = 1
+SNAPSHOT_KEYWORD = "ashe-live"
 STAGES = ("detect", "segment", "associate", "fit", "judge", "total")
 
 Json = dict[str, Any]
@@ -74,6 +75,22 @@ def estimate_json(estimate: LightEstimate) -> Json:
         "ambient_rgb_ratio": _listed(estimate.ambient_rgb_ratio),
         "ground_rgb": _listed(estimate.ground_rgb),
         "caster": caster_json(estimate.caster),
+    }
+
+
+def snapshot_json(tracked: TrackedFrame, model: str, estimate: LightEstimate | None) -> Json:
+    """What is known of a snapshot: written into it under the keyword SNAPSHOT_KEYWORD."""
+    light = None
+    if estimate is not None:
+        light = {"frame": estimate.frame_index, "estimator": estimate.estimator, **estimate_json(estimate)}
+    return {
+        "schema": SCHEMA,
+        "frame": tracked.frame.index,
+        "time_s": tracked.frame.time_s,
+        "camera": camera_json(tracked.camera),
+        "marker": marker_json(tracked.marker),
+        "model": model,
+        "estimate": light,
     }
 
 

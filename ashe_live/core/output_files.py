@@ -72,9 +72,12 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
 
 def unused_name(folder: Path, stem: str, suffix: str, at: datetime) -> Path:
     """`stem-20261121-140312.png` (suffix ".png"), with -2, -3... where that exists already."""
-    name = f"{stem}-{at:%Y%m%d-%H%M%S}"
-    path = folder / f"{name}{suffix}"
-    numbers = count(2)
+    return unused(folder / f"{stem}-{at:%Y%m%d-%H%M%S}{suffix}")
+
+
+def unused(path: Path) -> Path:
+    """`path`, with -2, -3... behind its stem where that exists already."""
+    wanted, numbers = path, count(2)
     while path.exists():
-        path = folder / f"{name}-{next(numbers)}{suffix}"
+        path = wanted.with_stem(f"{wanted.stem}-{next(numbers)}")
     return path

@@ -6,6 +6,7 @@ A thread would share the interpreter's lock and its full priority with the loop;
 import multiprocessing
 import os
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
@@ -24,6 +25,8 @@ from ashe_live.light.worker_process import WorkerFailure
 
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
 THREAD_TIMEOUT_S = 0.05
+# The paper's estimator takes ten seconds, on a crowded machine several times that.
+LONGEST_ESTIMATE_S = 120.0
 
 Outcome = LightEstimate | WorkerFailure
 
@@ -40,6 +43,7 @@ class LightWorker:
             make_estimator(estimator)  # raises here, not later in the process
         self._make = partial(make_estimator, estimator) if isinstance(estimator, str) else estimator
         self._asked_index: int | None = None
+        self._asked_s = 0.0
         self._closed = False
         self._process: _Process | None = _Process(self._make)
 
@@ -60,7 +64,7 @@ class LightWorker:
         if self._process is None or self._process.has_ended:
             self._discard()
             self._process = _Process(self._make)
-        self._asked_index = tracked.frame.index
+        self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
         self._process.send(tracked, preset)
         return True
 
@@ -76,6 +80,9 @@ class LightWorker:
             outcome = self._process.outcomes.take(timeout_s)
         except EOFError:
             outcome = WorkerFailure(self._asked_index, "the light estimator's process has died")
+            self._discard()
+        if outcome is None and time.monotonic() - self._asked_s > LONGEST_ESTIMATE_S:
+            outcome = WorkerFailure(self._asked_index, f"no answer in {LONGEST_ESTIMATE_S:.0f} s")
             self._discard()
         if outcome is not None:
             self._asked_index = None

@@ -1,6 +1,8 @@
 """An OpenGL context without a window, by EGL: what playing without a display and the tests draw with."""
 
+import contextlib
 import gc
+from collections.abc import Iterator
 from typing import Any
 
 import moderngl
@@ -38,6 +40,18 @@ def window_context() -> moderngl.Context:
         return moderngl.create_context(require=GL_VERSION)
     except Exception as error:  # moderngl raises ValueError, RuntimeError and bare Exception
         raise UserError(f"OpenGL 3.3 does not work here ({error})", "update the graphics driver") from error
+
+
+@contextlib.contextmanager
+def graphics_failures_told() -> Iterator[None]:
+    """Within, what OpenGL refuses in mid-run (a lost context, no memory left) is a UserError."""
+    try:
+        yield
+    except moderngl.Error as error:
+        detail = " ".join(str(error).split()) or "no reason given"
+        raise UserError(
+            f"the graphics driver failed ({detail})", "start again; if that happens often, update the driver"
+        ) from error
 
 
 def live_gl_objects() -> int:

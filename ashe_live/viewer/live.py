@@ -1,6 +1,6 @@
 """The loop on the main thread: keys in, the latest tracked frame in, a picture out at the display's own rate."""
 
-import math
+import json
 import sys
 import time
 from collections import deque
@@ -8,9 +8,9 @@ from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 
-from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
+from ashe_live.core.contract import SNAPSHOT_KEYWORD, snapshot_json
 from ashe_live.core.mailbox import Closed
 from ashe_live.core.output_files import unused_name
 from ashe_live.core.quality import QUALITIES, Quality
@@ -24,6 +24,7 @@ from ashe_live.viewer.gestures import Gestures
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.playback import Playback
 from ashe_live.viewer.pointing import in_video
+from ashe_live.viewer.recording import Recording
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import light_line
 from ashe_live.viewer.window import Window
@@ -31,8 +32,6 @@ from ashe_live.viewer.window import Window
 AUTO = "auto"
 QUALITY_NAMES = (*QUALITIES, AUTO)
 FPS_OVER_FRAMES = 30
-# Of the clip's period: after so long without a new frame (paused, a photo), a recording takes the last one again.
-RECORD_AGAIN_AFTER = 1.5
 
 
 class LiveViewer:
@@ -46,7 +45,7 @@ class LiveViewer:
         tracker: Tracker,
         session: Session,
         quality_name: str,
-        recorder: Recorder | None = None,
+        recording: Recording | None = None,
         loop: bool = False,
     ) -> None:
         self._window = window
@@ -59,13 +58,12 @@ class LiveViewer:
         self._quality_name = quality_name
         self._interval_s = 1 / window.refresh_rate_hz
         self._auto: AutoQuality | None = None
-        self._recorder = recorder
+        self._recording = recording
         self._still: Renderer | None = None
         self._source_error: str | None = None
         self._playback = Playback(pipeline, session, loop)
         self._quit = False
         self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
-        self._recorded_s = -math.inf
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: self._snapshot,
             Command.RECORD: self._record,
@@ -134,7 +132,7 @@ class LiveViewer:
             return
         if size != self._renderer.size:
             self._renderer.resize(size)
-        status = self._source_error or self._pipeline.status
+        status = self._source_error or self._pipeline.stall or self._pipeline.status
         scale = self._window.content_scale
         moment = self._playback.moment(self._session.tracked, now_s)
         scene = self._display.scene(self._session, size, self._quality_shown, now_s, self._fps(), status, scale, moment)
@@ -200,53 +198,47 @@ class LiveViewer:
             self._still.resize(size)
         self._still.preset = self._renderer.preset
         # A snapshot shows what is chosen; a recording must not stall the window.
-        self._still.switches_at_once = self._recorder is None
+        self._still.switches_at_once = self._recording is None
         self._still.render(bare_scene(self._session))
         return self._still.read_bgr()
 
     def _snapshot(self, now_s: float) -> None:
-        path = unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
+        session, path = self._session, unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
+        texts = {}
+        if session.tracked is not None:
+            texts[SNAPSHOT_KEYWORD] = json.dumps(snapshot_json(session.tracked, session.model_name, session.estimate))
         try:
-            write_png(path, self._picture())
-            self._session.say(f"saved {path.name}", now_s)
+            write_png(path, self._picture(), texts=texts)
+            self._tell(f"saved {path}", now_s)
         except UserError as error:
-            self._session.say(str(error), now_s)
+            self._tell(str(error), now_s)
 
     def _record(self, now_s: float) -> None:
-        if self._recorder is not None:
+        if self._recording is not None:
             self._finish_recording(now_s)
             return
         if self._session.tracked is None:
             return
         path = unused_name(Path.cwd(), "ashe-live", ".mp4", datetime.now())
         try:
-            self._recorder = Recorder(path, self._session.tracked.frame.size, self._pipeline.fps)
-            self._recorded_s = -math.inf
-            self._session.say(f"recording {path.name}: V stops", now_s)
+            self._recording = Recording(path, self._session.tracked.frame.size, self._pipeline.fps)
+            self._session.say(f"recording {path}: V stops", now_s)
         except UserError as error:
-            self._session.say(str(error), now_s)
+            self._tell(str(error), now_s)
 
     def _record_picture(self, is_new: bool, now_s: float) -> None:
-        if self._recorder is None or self._session.tracked is None:
+        if self._recording is None or self._session.tracked is None:
             return
-        if not is_new and now_s - self._recorded_s < RECORD_AGAIN_AFTER / self._pipeline.fps:
-            return
-        try:
-            self._recorder.write(self._picture(), now_s)
-            self._recorded_s = now_s
-        except UserError as error:
-            self._recorder = None
-            self._session.say(str(error), now_s)
+        self._recording.take(self._picture, is_new, now_s)
+        if self._recording.failure is not None:
+            self._finish_recording(now_s)
 
     def _finish_recording(self, now_s: float) -> None:
-        if self._recorder is None:
-            return
-        recorder, self._recorder = self._recorder, None
-        try:
-            recorder.close()
-            frames = recorder.frame_count
-            text = f"saved {recorder.path} ({frames} frames)" if frames else "nothing recorded"
-        except UserError as error:
-            text = str(error)
+        if self._recording is not None:
+            recording, self._recording = self._recording, None
+            self._tell(recording.finish(), now_s)
+
+    def _tell(self, text: str, now_s: float) -> None:
+        """On the screen and, to be found when it has gone from there, in the terminal."""
         self._session.say(text, now_s)
         print(text, flush=True)

@@ -9,10 +9,13 @@ from dataclasses import dataclass
 from ashe_live.capture.sources import Seekable, Source, SourceLost
 from ashe_live.core.mailbox import Closed, LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.errors import UserError
 from ashe_live.tracking.tracker import Tracker
 
 RECONNECT_EVERY_S = 0.5
 FALLEN_BEHIND_S = 0.25
+# A disk that must wake up or a camera that adjusts itself takes less.
+STALLED_AFTER_S = 2.0
 # Played faster, a clip has more frames than displays show.
 FAST_HZ = 60.0
 
@@ -52,6 +55,7 @@ class Pipeline:
         self._last_time_s = 0.0
         self._left_out: Frame | None = None  # the last frame, if it came too late
         self._next_fast_s = -math.inf  # no frame is tracked before it when there are too many
+        self._asked_s: float | None = None  # since when the source has been asked for a frame; None: it is not
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
 
     @property
@@ -77,6 +81,14 @@ class Pipeline:
     def has_ended(self) -> bool:
         """Whether a clip stands at its end."""
         return self._has_ended
+
+    @property
+    def stall(self) -> str | None:
+        """What to say of a source that neither gives a frame nor fails: a network that hangs, a driver."""
+        asked_s = self._asked_s
+        if asked_s is None or time.monotonic() - asked_s < STALLED_AFTER_S:
+            return None
+        return f"{self._source.name} has given no picture for {time.monotonic() - asked_s:.0f} s: waiting for it"
 
     def start(self) -> None:
         self._thread.start()
@@ -189,15 +201,23 @@ class Pipeline:
         self._has_ended = False
 
     def _read(self) -> Frame | None:
+        self._asked_s = time.monotonic()
         try:
-            return self._source.read()
+            frame = self._source.read()
+            if frame is not None and frame.size != self._source.size:
+                given, wanted = (f"{width}x{height}" for width, height in (frame.size, self._source.size))
+                raise UserError(f"{self._source.name} gives a picture of {given} and not {wanted}", "start again")
+            return frame
         except SourceLost as lost:
+            self._asked_s = None
             self.status = f"{lost.message}: waiting for it to come back"
             while not self._stopping and not self._source.reopen():
                 self._take_restart()  # a camera has no start, and the wait must not end for it at once
                 self._wait(lambda: False, RECONNECT_EVERY_S)
             self._tracker.reset()
             return None
+        finally:
+            self._asked_s = None
 
     @property
     def _period_s(self) -> float:

@@ -1,5 +1,6 @@
 """What goes into a Recorder comes out of a ClipSource; what goes wrong leaves no broken file under the final name."""
 
+import errno
 import itertools
 import resource
 import subprocess
@@ -215,3 +216,21 @@ def test_full_disk_saves_what_was_recorded(tmp_path: Path) -> None:
     recorder.close()
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
     assert len(frames_of(tmp_path / "a.mp4")) >= 4
+
+
+def test_without_room_for_a_second_copy_the_fragments_are_the_clip(
+    tmp_path: Path, picture: Draw, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    really_open = av.open
+
+    def open_unless_finishing(name: str, *arguments: object, **options: object) -> object:
+        if ".finished" in name:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return really_open(name, *arguments, **options)
+
+    monkeypatch.setattr(av, "open", open_unless_finishing)
+    with Recorder(tmp_path / "a.mp4", (96, 64), 30) as recorder:
+        for i in range(70):
+            recorder.write(picture(i))
+    assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
+    assert len(frames_of(tmp_path / "a.mp4")) == 70

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import PIL.Image
 import pytest
 
 from ashe_live.capture.contact_sheet import contact_sheet
@@ -20,6 +21,13 @@ def test_png_holds_the_very_pixels(tmp_path: Path) -> None:
     write_png(tmp_path / "a.png", image)
     np.testing.assert_array_equal(cv2.imread(str(tmp_path / "a.png")), image)
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_texts_are_read_as_they_were_written(tmp_path: Path) -> None:
+    texts = {"ashe-live": '{"azimuth": "30°"}', "Title": "a table"}
+    write_png(tmp_path / "a.png", np.zeros((4, 4, 3), np.uint8), texts=texts)
+    with PIL.Image.open(tmp_path / "a.png") as picture:
+        assert picture.text == texts
 
 
 def test_existing_picture_is_replaced_only_on_request(tmp_path: Path) -> None:

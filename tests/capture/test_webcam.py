@@ -139,6 +139,18 @@ def test_reopening_asks_for_the_size_it_had_and_accepts_no_other() -> None:
     assert asked == [(640, 480), (64, 48)]
 
 
+def test_another_size_in_mid_run_counts_as_lost_and_it_may_come_back_as_it_was() -> None:
+    first, back = FakeCapture(9), FakeCapture(9)
+    source = WebcamSource(0, open_capture=one_after_another(first, back))
+    source.read()
+    first.size = (32, 24)
+    first.tick()
+    with pytest.raises(SourceLost, match="32x24 now"):
+        source.read()
+    assert source.reopen()
+    assert source.read().size == (64, 48)
+
+
 def test_a_size_that_the_camera_does_not_have_is_said() -> None:
     source = WebcamSource(0, (1920, 1080), one_after_another(FakeCapture(9)))
     assert source.note == "camera 0 has no pictures of 1920x1080: it gives 64x48"

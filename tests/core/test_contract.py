@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.contract import FileRecord
+from ashe_live.core.contract import FileRecord, snapshot_json
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
+from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
 
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs" / "contract.schema.json").read_text(encoding="utf-8"))
 POSE = MarkerPose(np.eye(4), np.zeros((4, 2)), 0.08, 0.2, None)
@@ -49,6 +49,17 @@ def test_a_record_is_one_line_that_validates(kind: str) -> None:
     line = RECORDS[kind].to_line()
     assert "\n" not in line
     jsonschema.validate(json.loads(line), SCHEMA)
+
+
+@pytest.mark.parametrize("pose", [POSE, None])
+@pytest.mark.parametrize("light", [WHOLE, estimate(), None])
+def test_what_a_snapshot_carries_validates(pose: MarkerPose | None, light: LightEstimate | None) -> None:
+    tracked = TrackedFrame(Frame(np.zeros((480, 640, 3), np.uint8), 9, 0.3), CAMERA, pose)
+    record = json.loads(json.dumps(snapshot_json(tracked, "mug", light), allow_nan=False))
+    jsonschema.validate(record, SCHEMA)
+    assert record["frame"] == 9
+    assert (record["estimate"] is None) is (light is None)
+    assert light is None or record["estimate"]["frame"] == 3
 
 
 def test_the_strongest_light_comes_first_and_stands_alone() -> None:

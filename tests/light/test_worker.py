@@ -11,6 +11,7 @@ import pytest
 
 from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.light import worker as worker_module
 from ashe_live.light.paper import PaperEstimator, PaperSteps
 from ashe_live.light.worker import LightWorker, WorkerFailure
 
@@ -99,6 +100,25 @@ def test_a_process_killed_between_requests_is_replaced(worker, scene):
         os.sched_yield()
     worker.request(scene.tracked)
     assert isinstance(worker.wait(PATIENCE_S), LightEstimate)
+
+
+def test_one_that_hangs_is_given_up_told_once_and_replaced(scene, without_marker, monkeypatch):
+    with LightWorker(endless) as worker:
+        worker.request(without_marker)
+        worker.wait(PATIENCE_S)
+        (first,) = children()
+        worker.request(scene.tracked)
+        assert worker.poll() is None
+        monkeypatch.setattr(worker_module, "LONGEST_ESTIMATE_S", 0.0)
+        failure = worker.poll()
+        monkeypatch.undo()
+        assert isinstance(failure, WorkerFailure)
+        assert failure.frame_index == scene.tracked.frame.index
+        assert "no answer" in failure.message
+        assert first not in children()
+        assert worker.poll() is None
+        assert worker.request(without_marker)
+        assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
 
 
 def test_closing_ends_an_estimate_in_its_middle(scene, without_marker):

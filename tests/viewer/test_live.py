@@ -1,15 +1,22 @@
 """The main thread's loop, with a window that is worked by a script."""
 
+import errno
+import json
 import threading
 
+import moderngl
+import PIL.Image
 import pytest
 
 from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.recorder import Recorder
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.quality import FAST
 from ashe_live.errors import UserError
+from ashe_live.render.offscreen import graphics_failures_told
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer import live as live_module
+from ashe_live.viewer import recording as recording_module
 from ashe_live.viewer.controls import Command, MouseEvent, Request
 from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.session import EstimatePolicy, Session
@@ -55,8 +62,8 @@ class ScriptedWindow:
 class ScriptedPipeline:
     """Frames that the test puts in."""
 
-    fps, status = 100.0, None
     is_clip, is_photo, duration_s, has_ended = True, False, 2.0, False
+    fps, status, stall = 100.0, None, None
 
     def __init__(self) -> None:
         self.frames = LatestMailbox()
@@ -193,6 +200,61 @@ def test_whatever_ends_it_a_recording_is_finished(stage, tmp_path, error):
     (path,) = tmp_path.iterdir()
     with ClipSource(path) as clip:
         assert clip.read() is not None
+
+
+class FullDisk(Recorder):
+    """Full once the first two pictures are on it."""
+
+    def write(self, image_bgr, time_s=None) -> None:
+        if self.frame_count == 2:
+            self._container.mux(self._stream.encode(None))
+            self._save_and_raise(OSError(errno.ENOSPC, "No space left on device"))
+        super().write(image_bgr, time_s)
+
+
+def test_a_full_disk_ends_the_recording_but_not_the_viewer(stage, tmp_path, monkeypatch, capfd):
+    monkeypatch.setattr(recording_module, "Recorder", FullDisk)
+    stage.put(0)
+    steps = [lambda index=index: stage.put(index) for index in range(1, 90)]
+    stage.run(Command.RECORD, *steps)
+    assert len(stage.renderer.scenes) == 91, "it went on to the script's end"
+    out = capfd.readouterr().out
+    assert out.count("No space left") == out.count("first part of the recording is saved") == out.count("\n") == 1
+    (path,) = tmp_path.iterdir()
+    assert str(path) in out
+    with ClipSource(path) as clip:
+        assert clip.read() is not None
+    assert "No space left" in stage.session.last_notice
+
+
+def test_a_graphics_driver_that_fails_ends_it_in_one_line_with_the_recording_finished(stage, tmp_path):
+    stage.put(0)
+
+    def lose_context() -> None:
+        def render(_scene) -> None:
+            raise moderngl.Error("GL_CONTEXT_LOST")
+
+        stage.renderer.render = render
+
+    steps = [lambda index=index: stage.put(index) for index in range(1, 9)]
+    with pytest.raises(UserError, match=r"the graphics driver failed \(GL_CONTEXT_LOST\)"), graphics_failures_told():
+        stage.run(Command.RECORD, *steps, lose_context, lambda: pytest.fail("still running"))
+    (path,) = tmp_path.iterdir()
+    with ClipSource(path) as clip:
+        assert clip.read() is not None
+
+
+def test_a_snapshot_carries_the_estimate(stage, tmp_path, capfd):
+    stage.put(4)
+    stage.session.estimate = stage.fakes.estimate(2)
+    stage.run(Command.SNAPSHOT, None)
+    (path,) = tmp_path.glob("*.png")
+    with PIL.Image.open(path) as picture:
+        carried = json.loads(picture.text["ashe-live"])
+    assert (carried["frame"], carried["estimate"]["frame"], carried["model"]) == (4, 2, "cube")
+    assert carried["estimate"]["light"]["elevation_deg"] == pytest.approx(45)
+    assert capfd.readouterr().out == f"saved {path}\n"
+    assert str(path) in stage.session.last_notice
 
 
 def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):

@@ -5,10 +5,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 
+import numpy as np
 import pytest
 
 from ashe_live.capture.sources import SourceLost
 from ashe_live.core.mailbox import Closed
+from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 from ashe_live.viewer import pipeline as pipeline_module
 from ashe_live.viewer.pipeline import Pipeline
@@ -391,6 +393,66 @@ def test_an_error_reaches_the_other_side(run, fakes, error):
         pipeline.frames.take(0.0)
     assert met.value is error
     assert source.closed.wait(PATIENCE_S)
+
+
+@pytest.mark.parametrize("size", [(128, 96), (0, 0)])
+def test_a_picture_of_another_size_is_an_error_that_names_both(run, fakes, size):
+    source = fakes.Source(5)
+    whole = source.read
+
+    def read():
+        frame = whole()
+        return frame if frame.index < 2 else Frame(np.zeros((size[1], size[0], 3), np.uint8), frame.index, frame.time_s)
+
+    source.read = read
+    pipeline = run(source)
+    await_that(lambda: pipeline.frames.is_closed)
+    pipeline.frames.take(0.0)
+    with pytest.raises(UserError, match=f"{size[0]}x{size[1]} and not 64x48"):
+        pipeline.frames.take(0.0)
+
+
+def test_a_source_that_hangs_is_told_until_it_goes_on(run, fakes, monkeypatch):
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.02)
+    source, goes_on = fakes.Source(10_000), threading.Event()
+    source.hook = lambda index: index < 3 or goes_on.wait(PATIENCE_S)
+    pipeline = run(source)
+    await_that(lambda: pipeline.stall is not None)
+    assert "fake has given no picture" in pipeline.stall
+    monkeypatch.undo()
+    goes_on.set()
+    indices(pipeline, until=5)
+    assert pipeline.stall is None
+
+
+def test_waiting_for_the_user_or_at_the_end_is_no_stall(run, fakes, monkeypatch):
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.0)
+    pipeline = run(fakes.Source(2))
+    await_that(lambda: pipeline.status is not None)
+    assert pipeline.stall is None
+
+
+def test_who_looks_late_gets_the_newest_frame_and_never_one_before_it(run, fakes):
+    """No queue: however many frames were tracked since the display last looked, the last one is what it gets."""
+    source, tracked_up_to, gates = fakes.Source(10_000, is_live=True), threading.Semaphore(0), threading.Semaphore(0)
+
+    def wait_at_gate(_index: int) -> None:
+        tracked_up_to.release()  # all frames before this one have been handed over
+        assert gates.acquire(timeout=PATIENCE_S)
+
+    source.hook = wait_at_gate
+    pipeline = run(source)
+    assert tracked_up_to.acquire(timeout=PATIENCE_S)
+    shown = []
+    for batch in (1, 7, 2, 30):
+        for _ in range(batch):
+            gates.release()
+            assert tracked_up_to.acquire(timeout=PATIENCE_S)
+        shown.append(pipeline.frames.take(0.0).frame.index)
+        assert pipeline.frames.take(0.0) is None
+    assert shown == [0, 7, 9, 39]
+    source.hook = lambda _index: None
+    gates.release()
 
 
 def test_an_error_of_the_tracker_reaches_the_other_side(run, fakes):

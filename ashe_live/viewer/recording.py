@@ -1,0 +1,67 @@
+"""A recording in the making: which pictures it takes, and at which times, so that it has the source's own rate."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from ashe_live.capture.recorder import Recorder
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Size
+from ashe_live.errors import UserError
+
+
+class Slots:
+    """The places on a clip's grid of even times.
+
+    A display shows each of the source's pictures up to one interval late; a picture takes the next slot all the same,
+    unless that is a whole period off.
+    """
+
+    def __init__(self, fps: float) -> None:
+        self._fps = fps
+        self._start_s: float | None = None
+        self._last = -1
+
+    def time_s(self, now_s: float, is_new: bool) -> float | None:
+        """Since the first picture; None for a picture too many.
+
+        Without a new picture from the source (paused, a photo) the last one is taken again when a slot is overdue.
+        """
+        if self._start_s is None:
+            self._start_s = now_s
+        at = (now_s - self._start_s) * self._fps
+        ahead = at - (self._last + 1)
+        if ahead <= -1 or (not is_new and ahead < 0.5):
+            return None
+        self._last = self._last + 1 if ahead < 1 else round(at)
+        return self._last / self._fps
+
+
+class Recording:
+    """Into a new MP4 file. After the disk or the encoder has failed nothing more is taken, and `failure` says so."""
+
+    def __init__(self, path: Path, size: Size, fps: float, overwrite: bool = False) -> None:
+        """Raises UserError as Recorder does."""
+        self.failure: str | None = None
+        self._recorder = Recorder(path, size, fps, overwrite)
+        self._slots = Slots(fps)
+
+    def take(self, picture: Callable[[], Image], is_new: bool, now_s: float) -> None:
+        """`picture` is asked only for a picture that is wanted, (h, w, 3) uint8 BGR."""
+        time_s = None if self.failure is not None else self._slots.time_s(now_s, is_new)
+        if time_s is None:
+            return
+        try:
+            self._recorder.write(picture(), time_s)
+        except UserError as error:
+            self.failure = str(error)
+
+    def finish(self) -> str:
+        """Closes the clip; says in one line what has become of it. May be called twice."""
+        try:
+            self._recorder.close()
+        except UserError as error:
+            self.failure = str(error)
+        if self.failure is not None:
+            return self.failure
+        frames = self._recorder.frame_count
+        return f"saved {self._recorder.path} ({frames} frames)" if frames else "nothing recorded"
