@@ -4,13 +4,14 @@ import contextlib
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
 from ashe_live.bench.loops import PacedTimes, StageTimes, time_blit, time_paced, time_unpaced
 from ashe_live.bench.machine import machine_json, versions_json
+from ashe_live.bench.starts import time_start
 from ashe_live.bench.viewer_tables import print_viewer_record
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
@@ -51,6 +52,7 @@ class ViewerBench:
     estimator: str | Callable[[str], Estimator]
     frames: int  # in each run
     size: Size | None = None  # of the framebuffer; None: the clip's
+    starts: int = 5  # runs from the command to the first picture, without a window and in one
 
     def run(self, out: Path | None = None, overwrite: bool = False) -> Json:
         """Measures, prints, and writes the record to `out`; returns it too.
@@ -89,9 +91,16 @@ class ViewerBench:
             "size": list(size),
             "quality": self.quality.name,
             "frames": self.frames,
+            "first_picture": self._first_picture(),
             "unpaced": unpaced,
             "paced": paced,
         }
+
+    def _first_picture(self) -> Json:
+        """Seconds of the command `play` until it has shown one frame; None in a window where there is no display."""
+        ways = {"headless": ("--headless",), "window": ()}
+        timed = {name: time_start(self.clip, self.quality.name, self.starts, *ways[name]) for name in ways}
+        return {name: None if start is None else asdict(start) for name, start in timed.items()}
 
     def _unpaced(self, source: ClipSource, tracker: Tracker, renderer: Renderer, scene: "BenchScene") -> Json:
         stages = time_unpaced(source, tracker, renderer, scene, self.frames)

@@ -16,6 +16,11 @@ def print_viewer_record(record: Json) -> None:
         f"{machine['cpus']} CPU cores, load {'?' if load is None else f'{load:.1f}'}, {machine['gl_renderer']}"
     )
 
+    for name, start in record["first_picture"].items():
+        if start is not None:
+            console.print(f"first picture, {name}: {start['wall_s']:.2f} s ({start['cpu_s']:.2f} s of processor time)")
+    console.print()
+
     stages = _table("unpaced, ms a frame", "median", "p95", "p99", "CPU")
     for name, ms in unpaced["stages_ms"].items():
         label = "(the bare video)" if name == "blit" else name

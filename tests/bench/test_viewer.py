@@ -57,12 +57,16 @@ def clip(tmp_path_factory):
 
 def test_the_record_is_whole_and_adds_up(clip, tmp_path, capsys):
     out = tmp_path / "viewer.json"
-    record = ViewerBench(clip, FAST, BlindEstimator, FRAMES).run(out)
+    record = ViewerBench(clip, FAST, BlindEstimator, FRAMES, starts=1).run(out)
     assert json.loads(out.read_text()) == record
     assert record["schema"] == 1
     assert (record["quality"], record["size"], record["frames"]) == ("fast", list(SIZE), FRAMES)
     assert record["machine"]["cpus"] >= 1
     assert record["machine"]["gl_renderer"]
+
+    start = record["first_picture"]["headless"]
+    assert start["wall_s"] > 0
+    assert start["cpu_s"] > 0
 
     stages = record["unpaced"]["stages_ms"]
     assert stages.keys() == {"decode", "track", "render", "whole", "blit"}

@@ -1,0 +1,48 @@
+"""From the command to the first picture with the model in it, in processes of their own."""
+
+import os
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+
+from ashe_live.capture.known_clip import KnownClip
+
+LONGEST_START_S = 120.0
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """Of several runs the least: what else runs on the machine only ever adds."""
+
+    wall_s: float  # of the whole command, which ends after that picture
+    cpu_s: float  # of all its threads and processes; 0 where the system does not tell
+
+
+def time_start(clip: KnownClip, quality: str, runs: int, *options: str) -> Start | None:
+    """Plays one frame of `clip`, `runs` times; None when that cannot be, as in a window without a display."""
+    focal_px = str(clip.camera.K[0, 0])
+    command = [sys.executable, "-m", "ashe_live", "play", str(clip.path), "--frames", "1", "--quality", quality]
+    command += [
+        "--marker",
+        clip.marker_spec,
+        "--marker-size",
+        str(clip.marker_side_m),
+        "--focal-px",
+        focal_px,
+        *options,
+    ]
+    walls_s, cpus_s = [], []
+    for _ in range(runs):
+        begun_s, begun_cpu_s = time.perf_counter(), _childrens_cpu_s()
+        outcome = subprocess.run(command, capture_output=True, timeout=LONGEST_START_S)
+        walls_s.append(time.perf_counter() - begun_s)
+        cpus_s.append(_childrens_cpu_s() - begun_cpu_s)
+        if outcome.returncode != 0:
+            return None
+    return Start(min(walls_s), min(cpus_s))
+
+
+def _childrens_cpu_s() -> float:
+    times = os.times()
+    return times.children_user + times.children_system
