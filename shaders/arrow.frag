@@ -1,4 +1,4 @@
-// Brighter towards the eye, so that the arrow reads as round on any video.
+// Bright towards the eye and dark at its rim, so that the arrow reads as round and stands out from any video.
 #version 330 core
 
 uniform vec3 eye;  // metres, marker frame
@@ -10,5 +10,5 @@ out vec4 encoded;
 
 void main() {
     float facing = max(0.0, dot(normalize(normal), normalize(eye - position)));
-    encoded = vec4(encoded_colour * (0.35 + 0.65 * facing), 1.0);
+    encoded = vec4(encoded_colour * mix(0.1, 0.85 + 0.15 * facing, smoothstep(0.35, 0.75, facing)), 1.0);
 }

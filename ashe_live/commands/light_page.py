@@ -11,14 +11,13 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.output_files import written_whole
 from ashe_live.core.transforms import project
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.light.debug_view import PAPER_BGR, with_body, with_masks
+from ashe_live.light.debug_view import LIGHT_BGR, PAPER_BGR, with_body, with_masks
 from ashe_live.light.view import View
 
 WIDTH_PX = 480
 JPEG_QUALITY = 85
 # From so far above the marker's centre the arrow comes, in sides of the marker.
 ARROW_FROM, ARROW_TO = 1.8, 0.5
-ARROW_BGR = (66, 228, 240)  # Okabe and Ito's yellow, which object and shadow do not have
 
 PAGE = """<!doctype html>
 <html lang="en">
@@ -84,7 +83,7 @@ def _with_arrows(picture_bgr: Image, view: View, estimate: LightEstimate) -> Ima
         if not np.isfinite(ends).all() or np.abs(ends).max() > 1e4:
             continue
         start, end = (tuple(int(value) for value in np.round(point)) for point in ends)
-        for width, colour in ((5, PAPER_BGR), (2, ARROW_BGR)):
+        for width, colour in ((5, PAPER_BGR), (2, LIGHT_BGR)):
             cv2.arrowedLine(picture, start, end, colour, width, cv2.LINE_AA, tipLength=0.25)
     return picture
 

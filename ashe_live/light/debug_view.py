@@ -23,16 +23,18 @@ from ashe_live.light.log_colour import linear_rgb, log_opponent
 from ashe_live.light.predicted import outline, predicted, shadow_outline
 from ashe_live.light.view import View
 
-# Told apart also by the colour-blind (Okabe and Ito's sky blue, orange, vermilion and bluish green).
+# Told apart also by the colour-blind: Okabe and Ito's sky blue, orange, vermilion and bluish green, and with those
+# a light yellow, as theirs is too near their orange.
 OBJECT_BGR = (233, 180, 86)
 SHADOW_BGR = (0, 159, 230)
 UNEXPLAINED_BGR, UNSEEN_BGR = (0, 94, 213), (115, 158, 0)
-PAPER_BGR, INK_BGR, FAINT_BGR = (28, 24, 22), (235, 235, 235), (120, 112, 106)
+LIGHT_BGR = (180, 248, 255)
+PAPER_BGR, INK_BGR, FAINT_BGR = (28, 24, 22), (235, 235, 235), (150, 146, 140)
 TINT = 0.6
 COARSE_WIDTH_PX = 320
 SURPRISING = 12.0  # squared Mahalanobis distance from the lit ground's colours
 REACH_SHARE = 0.08  # of the picture's width: from how far around unlit areas are painted over
-LEAST_LABELLED_PX = 80  # radius of a rose with room for elevations
+LEAST_LABELLED_PX = 100  # side of a rose with room for azimuths; twice that has room for elevations
 SUBPIXEL_BITS = 4
 # Squared radii, in sigmas, of the ellipses that hold a 2D normal distribution's sample with probability 0.68 and 0.95.
 ELLIPSES = (-2 * math.log(1 - 0.68), -2 * math.log(1 - 0.95))
@@ -118,7 +120,8 @@ def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: 
     Each light with its ellipses of 68 and 95 %; with `camera_marker` (3,), a triangle shows where one looks from.
     """
     font_px = max(9.0, size_px / 26)
-    radius = size_px / 2 - 2.2 * font_px
+    has_labels = size_px >= LEAST_LABELLED_PX
+    radius = size_px / 2 - (2.6 if has_labels else 0.4) * font_px
     sheet = PillowImage.new("RGB", (size_px, size_px), PAPER_BGR[::-1])
     draw = ImageDraw.Draw(sheet)
     font = ImageFont.load_default(font_px)
@@ -132,13 +135,14 @@ def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: 
     for elevation_deg in (0, 30, 60):
         ring = radius * (1 - elevation_deg / 90)
         draw.circle((centre, centre), ring, outline=faint)
-        if radius > LEAST_LABELLED_PX:
+        if size_px >= 2 * LEAST_LABELLED_PX:
             draw.text((centre + 2, centre - ring), f"{elevation_deg}°", faint, font, anchor="la")
     for azimuth_deg in range(0, 360, 90):
         rim = direction_from_angles(math.radians(azimuth_deg), 0.0)
         draw.line((centre, centre, *at(rim)), faint)
-        label = centre + (radius + 1.2 * font_px) * rim[0], centre - (radius + 1.2 * font_px) * rim[1]
-        draw.text(label, f"{azimuth_deg}°", faint, font, anchor="mm")
+        if has_labels:
+            label = centre + (radius + 1.2 * font_px) * rim[0], centre - (radius + 1.2 * font_px) * rim[1]
+            draw.text(label, f"{azimuth_deg}°", faint, font, anchor="mm")
     if camera_marker is not None:
         draw.regular_polygon((*at(camera_marker), 0.6 * font_px), 3, fill=faint)
     for light in lights:

@@ -11,7 +11,7 @@ from ashe_live.render.programs import build_program, set_uniforms
 
 # Radius and height of a unit arrow, its point at the origin and its tail along +z.
 PROFILE = ((0.0, 0.0), (0.11, 0.3), (0.04, 0.3), (0.04, 1.0), (0.0, 1.0))
-COLOUR_SRGB = (1.0, 0.82, 0.2)
+COLOUR_SRGB = (1.0, 0.9, 0.45)
 LENGTH_RADII = 1.1  # the arrow's length in radii of the model
 GAP_RADII = 1.05  # from the model's centre to the point
 

@@ -1,6 +1,12 @@
-"""Text on the video: lines on dark translucent plates, drawn by Pillow and kept until they change."""
+"""Text on the video: lines on dark translucent plates, drawn by Pillow and kept until they change.
 
+Lines that are wider than their place are broken between words; where that is not enough, the letters become smaller.
+"""
+
+import math
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from PIL import Image as PillowImage
@@ -13,7 +19,11 @@ from ashe_live.render.scene import Overlay
 Rows = tuple[tuple[str, ...], ...]  # of one or more columns
 
 FONT_PT = 15
+GAP_PT = 8  # around plates
 MIN_FONT_PX = 6.0
+SMALLER = 0.95
+# So many pixels high a picture is looked at as a whole, however many pixels there are.
+FULL_HEIGHT_PX = 1080
 PLATE_SRGBA = (12, 14, 18, 175)
 TEXT_SRGBA = (246, 246, 242, 255)
 
@@ -27,50 +37,122 @@ class HudText:
     help: Rows = ()  # centre; a row's cells stand in columns
 
 
+class _Block(NamedTuple):
+    place: str
+    rows: Rows
+    font_px: float
+
+
 class Hud:
     """Turns text into overlays; what has not changed comes back as the same objects, so it is not uploaded again."""
 
     def __init__(self) -> None:
-        self._drawn: dict[tuple[str, Rows, Size, float], Overlay] = {}
+        self._asked: tuple[HudText, Size, float, int | None] | None = None
+        self._plates: dict[tuple[_Block, Size, float], Overlay] = {}
 
-    def overlays(self, text: HudText, size: Size, content_scale: float = 1.0) -> tuple[Overlay, ...]:
-        """Plates for a framebuffer of `size` pixels whose display shows `content_scale` pixels a point."""
-        corners = {
-            "top left": tuple((line,) for line in text.status),
-            "bottom left": tuple((line,) for line in text.hint),
-            "centre": text.help,
-        }
-        keys = [(place, rows, size, content_scale) for place, rows in corners.items() if rows]
-        self._drawn = {key: self._drawn.get(key) or _overlay(*key) for key in keys}
-        return tuple(self._drawn.values())
+    def overlays(
+        self, text: HudText, size: Size, content_scale: float = 1.0, free_width: int | None = None
+    ) -> tuple[Overlay, ...]:
+        """Plates for a framebuffer of `size` pixels whose display shows `content_scale` pixels a point.
+
+        `free_width`: pixels from the left that status and hint may have, where something else is at the right.
+        """
+        asked = text, size, content_scale, free_width
+        if asked != self._asked:
+            gap = round(GAP_PT * content_scale)
+            blocks = _blocks(text, size, content_scale, gap, (free_width or size[0]) - 2 * gap)
+            keys = [(block, size, content_scale) for block in blocks]
+            self._plates = {key: self._plates.get(key) or _overlay(key[0], size, gap) for key in keys}
+            self._asked = asked
+        return tuple(self._plates.values())
 
 
-def _overlay(place: str, rows: Rows, size: Size, content_scale: float) -> Overlay:
+def readable_scale(size: Size, content_scale: float) -> float:
+    """Pixels a point for a framebuffer of `size`: what the display says, or more where it says 1 of a 4K picture."""
+    return max(content_scale, math.floor(4 * size[1] / FULL_HEIGHT_PX) / 4)
+
+
+def _blocks(text: HudText, size: Size, content_scale: float, gap: int, width: int) -> list[_Block]:
+    """With letters as large as wanted, or as fit."""
     font_px = FONT_PT * content_scale
-    plate = _plate(rows, font_px)
-    gap = round(8 * content_scale)
-    # A long line in a small window: smaller letters rather than cut ones. Hinting makes their widths uneven steps.
-    while font_px > MIN_FONT_PX and (plate.shape[1] > size[0] - 2 * gap or plate.shape[0] > size[1] - 2 * gap):
-        font_px = max(MIN_FONT_PX, 0.9 * font_px)
-        plate = _plate(rows, font_px)
+    while True:
+        corners = [
+            _Block(place, tuple((part,) for line in lines for part in _wrapped(line, font_px, width)), font_px)
+            for place, lines in (("top left", text.status), ("bottom left", text.hint))
+            if lines
+        ]
+        heights = [_extent(block.rows, font_px)[1] for block in corners]
+        fits = sum(heights) + (len(heights) + 1) * gap <= size[1]
+        fits &= all(_extent(block.rows, font_px)[0] <= width for block in corners)
+        centred = []
+        if text.help:
+            one_or_two = [rows for rows in (text.help, _in_two(text.help)) if _fits(rows, font_px, size, gap)]
+            centred = [_Block("centre", (one_or_two or [text.help])[0], font_px)]
+            fits &= bool(one_or_two)
+        if fits or font_px <= MIN_FONT_PX:
+            return corners + centred
+        font_px = max(MIN_FONT_PX, SMALLER * font_px)
+
+
+def _in_two(rows: Rows) -> Rows:
+    """The second half beside the first."""
+    half = (len(rows) + 1) // 2
+    columns = max(len(row) for row in rows)
+    filled = [row + ("",) * (columns - len(row)) for row in rows]
+    return tuple(left + right for left, right in zip(filled, [*filled[half:], ("",) * columns], strict=False))[:half]
+
+
+def _fits(rows: Rows, font_px: float, size: Size, gap: int) -> bool:
+    width, height = _extent(rows, font_px)
+    return width <= size[0] - 2 * gap and height <= size[1] - 2 * gap
+
+
+def _wrapped(line: str, font_px: float, width: int) -> list[str]:
+    """Parts of a line, broken between words where it is wider than a plate of `width` holds."""
+    parts = [line]
+    while _extent(((parts[-1],),), font_px)[0] > width and " " in parts[-1].strip():
+        words = parts.pop().split(" ")
+        count = len(words) - 1
+        while count > 1 and _extent(((" ".join(words[:count]),),), font_px)[0] > width:
+            count -= 1
+        parts += [" ".join(words[:count]), " ".join(words[count:])]
+    return parts
+
+
+def _overlay(block: _Block, size: Size, gap: int) -> Overlay:
+    plate = _plate(block.rows, block.font_px)
     height, width = plate.shape[:2]
     left, top = {
         "top left": (gap, gap),
         "bottom left": (gap, size[1] - height - gap),
         "centre": ((size[0] - width) // 2, (size[1] - height) // 2),
-    }[place]
+    }[block.place]
     return Overlay(plate, left, top)
+
+
+@lru_cache(maxsize=4)
+def _font(font_px: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size=font_px)
+
+
+def _column_widths(rows: Rows, font_px: float) -> list[int]:
+    columns = max(len(row) for row in rows)
+    return [max(round(_font(font_px).getlength(row[at])) for row in rows if at < len(row)) for at in range(columns)]
+
+
+def _extent(rows: Rows, font_px: float) -> Size:
+    """Width and height of a plate, in pixels."""
+    widths = _column_widths(rows, font_px)
+    padding, column_gap = round(0.6 * font_px), round(1.4 * font_px)
+    return sum(widths) + column_gap * (len(widths) - 1) + 2 * padding, round(1.35 * font_px) * len(rows) + 2 * padding
 
 
 def _plate(rows: Rows, font_px: float) -> Image:
     """(h, w, 4) uint8 sRGB, straight alpha: rows of text in aligned columns on a rounded rectangle."""
-    font = ImageFont.load_default(size=font_px)
+    font, widths = _font(font_px), _column_widths(rows, font_px)
     line_px = round(1.35 * font_px)
     padding, column_gap = round(0.6 * font_px), round(1.4 * font_px)
-    columns = max(len(row) for row in rows)
-    widths = [max(round(font.getlength(row[at])) for row in rows if at < len(row)) for at in range(columns)]
-    width = sum(widths) + column_gap * (columns - 1) + 2 * padding
-    height = line_px * len(rows) + 2 * padding
+    width, height = _extent(rows, font_px)
     picture = PillowImage.new("RGBA", (width, height))
     draw = ImageDraw.Draw(picture)
     draw.rounded_rectangle((0, 0, width - 1, height - 1), radius=round(0.5 * font_px), fill=PLATE_SRGBA)

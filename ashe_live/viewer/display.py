@@ -71,7 +71,9 @@ class Display:
         if moment is not None and session.show_hud:
             bar = self._time_bar.overlays(moment, size, content_scale)
             size = size[0], max(1, size[1] - bar_at(size, content_scale).height)  # what else there is stands above it
-        overlays = (*self._masks(session, size), *self._hud.overlays(text, size, content_scale), *bar)
+        masks = self._masks(session, size)
+        free_width = min((mask.left_px for mask in masks), default=size[0])
+        overlays = (*masks, *self._hud.overlays(text, size, content_scale, free_width), *bar)
         return replace(bare_scene(session), overlays=overlays)
 
     def _steady_readings(

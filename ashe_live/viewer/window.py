@@ -8,6 +8,7 @@ import glfw
 
 from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
+from ashe_live.render.hud import readable_scale
 from ashe_live.render.offscreen import window_context
 from ashe_live.viewer.controls import HELD, REPEATED, REQUEST_BY_KEY, MouseAction, MouseEvent, Request, request_for
 
@@ -64,7 +65,8 @@ class Window:
 
     @property
     def content_scale(self) -> float:
-        return float(glfw.get_window_content_scale(self._window)[0])
+        """Pixels a point, as text wants it."""
+        return readable_scale(self.framebuffer_size, float(glfw.get_window_content_scale(self._window)[0]))
 
     @property
     def refresh_rate_hz(self) -> float:

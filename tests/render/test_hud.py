@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
-from ashe_live.render.hud import Hud, HudText
+from ashe_live.render.hud import Hud, HudText, readable_scale
 from ashe_live.render.scene import Overlay, Scene
 
 TEXT = HudText(("60 fps", "light 120° / 35° ± 4°"), ("H help",), (("Space", "estimate the light"), ("Esc", "quit")))
@@ -32,25 +32,56 @@ def test_text_is_legible_on_any_video(make_renderer, stage, value: int) -> None:
     assert (letters + 0.05) / (background + 0.05) >= 4.5
 
 
-@pytest.mark.parametrize("content_scale", [1.0, 2.0])
-@pytest.mark.parametrize("size", [(480, 360), (1280, 720)])
-def test_plates_lie_inside_the_window(content_scale: float, size: tuple[int, int]) -> None:
-    for overlay in Hud().overlays(TEXT, size, content_scale):
-        width, height = overlay.shown_size
-        assert 0 <= overlay.left_px <= overlay.left_px + width <= size[0]
-        assert 0 <= overlay.top_px <= overlay.top_px + height <= size[1]
+LONG = HudText(
+    ("60 fps   lantern   auto (balanced)", "marker: 0.02 px", "no clear light: " + "a reason that goes on " * 4),
+    ("what helps: " + "this and that, " * 6, "recording ashe-live-2026-01-01-12-00-00.mp4: V stops"),
+)
+HELP = HudText(help=tuple((f"key {number}", "does something that takes a while to say") for number in range(26)))
+SIZES = [(320, 240), (480, 360), (640, 360), (1280, 720), (1366, 768), (3840, 2160)]
+
+
+@pytest.mark.parametrize("content_scale", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("text", [TEXT, LONG, HELP])
+@pytest.mark.parametrize("size", SIZES)
+def test_no_text_is_cut_and_none_lies_on_other_text(size: tuple[int, int], text: HudText, content_scale: float) -> None:
+    corners = HudText(text.status, text.hint)
+    for shown, free_width in ((corners, size[0]), (corners, round(0.6 * size[0])), (HudText(help=text.help), size[0])):
+        overlays = Hud().overlays(shown, size, content_scale, free_width)
+        assert len(overlays) == bool(shown.status) + bool(shown.hint) + bool(shown.help)
+        for overlay in overlays:
+            width, height = overlay.shown_size
+            assert 0 <= overlay.left_px <= overlay.left_px + width <= free_width
+            assert 0 <= overlay.top_px <= overlay.top_px + height <= size[1]
+        if len(overlays) == 2:
+            status, hint = overlays
+            assert status.top_px + status.shown_size[1] <= hint.top_px
+
+
+def test_a_line_is_broken_before_its_letters_become_smaller() -> None:
+    (short,) = Hud().overlays(HudText(("a word",)), (400, 300))
+    (broken,) = Hud().overlays(HudText(("a word " * 12,)), (400, 300))
+    lines, rest = divmod(broken.shown_size[1] - short.shown_size[1], 20)
+    assert lines >= 1
+    assert rest == 0
+
+
+def test_help_stands_in_two_halves_where_it_is_too_long_for_one() -> None:
+    (tall,) = Hud().overlays(HELP, (1280, 800))
+    (wide,) = Hud().overlays(HELP, (1280, 400))
+    assert tall.shown_size[1] > 1.9 * wide.shown_size[1] - 40
+    assert wide.shown_size[0] > 1.9 * tall.shown_size[0] - 40
+
+
+@pytest.mark.parametrize(
+    ("size", "said", "scale"), [((1280, 720), 1, 1), ((3840, 2160), 1, 2), ((3840, 2160), 2.5, 2.5)]
+)
+def test_letters_follow_the_picture_where_the_display_does_not_say(size, said, scale) -> None:
+    assert readable_scale(size, said) == scale
 
 
 def test_letters_grow_with_the_displays_scale() -> None:
     (small,), (large,) = (Hud().overlays(HudText(("60 fps",)), (1280, 720), scale) for scale in (1.0, 2.0))
     assert large.shown_size[1] == pytest.approx(2 * small.shown_size[1], abs=3)
-
-
-def test_long_help_shrinks_to_fit_a_small_window() -> None:
-    rows = tuple((f"key {number}", "does something that takes a while to explain") for number in range(14))
-    (plate,) = Hud().overlays(HudText(help=rows), (400, 280))
-    assert plate.shown_size[0] <= 400
-    assert plate.shown_size[1] <= 280
 
 
 def test_nothing_to_say_is_nothing_to_draw() -> None:
