@@ -36,13 +36,13 @@ def indices(pipeline: Pipeline, until: int) -> list[int]:
     return taken
 
 
-def settled(pipeline: Pipeline) -> int:
-    """The frame on which it stands in the end."""
-    last = None
-    while (tracked := pipeline.frames.take(A_WHILE_S)) is not None:
-        last = tracked.frame.index
-    assert last is not None
-    return last
+def assert_settles(pipeline: Pipeline, at: int) -> None:
+    """Frame `at` comes, and no other after it."""
+    tracked = None
+    while tracked is None or tracked.frame.index != at:
+        tracked = pipeline.frames.take(PATIENCE_S)
+        assert tracked is not None
+    assert pipeline.frames.take(A_WHILE_S) is None
 
 
 @pytest.fixture
@@ -164,7 +164,7 @@ def held(run, fakes) -> tuple[Pipeline, object, object]:
     pipeline = run(source, tracker=tracker)
     pipeline.pause(True)
     pipeline.seek(50 / source.fps)
-    assert settled(pipeline) == 50
+    assert_settles(pipeline, at=50)
     tracker.resets, source.sought = 0, []
     return pipeline, source, tracker
 
@@ -180,15 +180,12 @@ def test_steps_while_paused_are_tracked_and_shown(held):
 
 
 def test_a_step_pauses_at_the_very_next_frame(run, fakes):
-    source = fakes.Clip(10_000, fps=5.0)
-    pipeline = run(source)
-    for shown in (0, 1):
-        assert pipeline.frames.take(PATIENCE_S).frame.index == shown
-    pipeline.step(1)
-    assert pipeline.frames.take(PATIENCE_S).frame.index == 2
-    pipeline.step(-1)
+    pipeline = run(fakes.Clip(10_000, fps=0.1))
+    assert pipeline.frames.take(PATIENCE_S).frame.index == 0
+    pipeline.step(1)  # while the next frame is waiting to be due
     assert pipeline.frames.take(PATIENCE_S).frame.index == 1
-    assert pipeline.frames.take(A_WHILE_S) is None
+    pipeline.step(-1)
+    assert_settles(pipeline, at=0)
 
 
 def test_a_held_key_does_not_queue(held):
@@ -206,7 +203,7 @@ def test_a_held_key_does_not_queue(held):
     for _ in range(20):
         pipeline.step(-1)
     may_go_on.set()
-    assert settled(pipeline) == 50 - 21
+    assert_settles(pipeline, at=50 - 21)
     assert source.sought == [49, 29]
     source.sought.clear()
     may_go_on.clear()
@@ -216,26 +213,27 @@ def test_a_held_key_does_not_queue(held):
     for _ in range(10):
         pipeline.seek_by(0.1)
     may_go_on.set()
-    assert settled(pipeline) == 300
+    assert_settles(pipeline, at=300)
     assert source.sought == [100, 300]
 
 
-def test_stepping_off_the_ends_stays_there(run, fakes):
-    for loop in (False, True):
-        source = fakes.Clip(10)
-        pipeline = run(source, loop=loop)
-        pipeline.step(0)
-        pipeline.seek(1.0)
-        assert settled(pipeline) == 9
-        pipeline.step(1)
-        pipeline.step(1)
-        assert pipeline.frames.take(A_WHILE_S) is None
-        pipeline.step(-1)
-        assert settled(pipeline) == 8
-        pipeline.step(-20)
-        assert settled(pipeline) == 0
-        pipeline.step(-1)
-        assert settled(pipeline) == 0
+@pytest.mark.parametrize("loop", [False, True])
+def test_stepping_off_the_ends_stays_there(run, fakes, loop):
+    source = fakes.Clip(10)
+    pipeline = run(source, loop=loop)
+    pipeline.step(0)
+    pipeline.seek(1.0)
+    assert_settles(pipeline, at=9)
+    pipeline.step(1)
+    pipeline.step(1)
+    await_that(lambda: pipeline._wanted is None and pipeline._at.index == 9)
+    assert pipeline.frames.take(A_WHILE_S) is None
+    pipeline.step(-1)
+    assert_settles(pipeline, at=8)
+    pipeline.step(-20)
+    assert_settles(pipeline, at=0)
+    pipeline.step(-1)
+    assert_settles(pipeline, at=0)
 
 
 def test_a_seek_is_a_cut_and_playing_goes_on_from_there(run, fakes):
