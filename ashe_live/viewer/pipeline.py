@@ -1,6 +1,5 @@
 """The capture thread: reads a frame, tracks the marker in it, and hands both over as one value."""
 
-import math
 import threading
 import time
 from collections.abc import Callable
@@ -11,13 +10,11 @@ from ashe_live.core.mailbox import Closed, LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.pace import Pace
 
 RECONNECT_EVERY_S = 0.5
-FALLEN_BEHIND_S = 0.25
 # A disk that must wake up or a camera that adjusts itself takes less.
 STALLED_AFTER_S = 2.0
-# Played faster, a clip has more frames than displays show.
-FAST_HZ = 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +39,7 @@ class Pipeline:
         self._tracker = tracker
         self._clip = source if isinstance(source, Seekable) else None
         self._loop = loop
-        self._speed = 1.0
+        self._pace = Pace()
         self._flaw: str | None = None  # of a clip that goes round: what its end has told
         self._changed = threading.Condition()
         self._paused = False
@@ -51,10 +48,7 @@ class Pipeline:
         self._shown = self._at = _Place(0.0, 0)  # handed over last; the same, or what is on its way
         self._has_ended = False
         self._stopping = False
-        self._due_s: float | None = None  # when the last frame was to be shown; None: start counting anew
-        self._last_time_s = 0.0
         self._left_out: Frame | None = None  # the last frame, if it came too late
-        self._next_fast_s = -math.inf  # no frame is tracked before it when there are too many
         self._asked_s: float | None = None  # since when the source has been asked for a frame; None: it is not
         self._thread = threading.Thread(target=self._run, name="capture", daemon=True)
 
@@ -107,7 +101,7 @@ class Pipeline:
     def play(self, speed: float, loop: bool) -> None:
         """From now on at `speed` times a clip's own pace, and again and again or once."""
         with self._changed:
-            self._speed, self._loop = speed, loop
+            self._pace.speed, self._loop = speed, loop
             self._changed.notify_all()
 
     def seek(self, time_s: float) -> None:
@@ -158,9 +152,10 @@ class Pipeline:
     def _step(self) -> None:
         if self._paused:
             self._wait(lambda: not self._paused)
-            self._due_s = None
+            self._pace.begin_anew()
         if self._take_restart():
             self._rewind()
+            self._pace.begin_anew()
         self._go_where_sent()
         frame = self._read()
         if frame is None:
@@ -186,10 +181,8 @@ class Pipeline:
             return
         if self._loop and not self._source.is_photo:
             self._flaw = self._source.note
-            last_due_s = self._due_s
             self._rewind()
-            if last_due_s is not None:  # the last frame is shown as long as any other
-                self._due_s, self._last_time_s = last_due_s + self._period_s, 0.0
+            self._pace.go_round(1 / self.fps)
             return
         if self._left_out is not None:  # it stays on screen, so it counts
             self._hand_over(self._left_out)
@@ -219,26 +212,12 @@ class Pipeline:
         finally:
             self._asked_s = None
 
-    @property
-    def _period_s(self) -> float:
-        """How long a frame of a clip is shown."""
-        return 1 / (self.fps * self._speed)
-
     def _is_on_time(self, frame: Frame) -> bool:
         """Waits until the frame is due. False for one that is too late, or too soon after another, to be tracked."""
-        now = time.monotonic()
-        due = now if self._due_s is None else self._due_s + (frame.time_s - self._last_time_s) / self._speed
-        late_s = now - due
-        if late_s > FALLEN_BEHIND_S:  # too slow a machine for the clip's pace: go on from here
-            due = now
-        elif late_s < 0:
-            self._wait(lambda: self._paused, -late_s)
-        self._due_s, self._last_time_s = due, frame.time_s
-        if self._speed > 1 and due < self._next_fast_s:
-            return False
-        # Half a period early, as the frames of most clips do not divide a display's pictures evenly.
-        self._next_fast_s = due + 1 / FAST_HZ - self._period_s / 2
-        return late_s <= self._period_s or late_s > FALLEN_BEHIND_S
+        due = self._pace.next(frame.time_s, 1 / self.fps, time.monotonic())
+        if due.wait_s > 0:
+            self._wait(lambda: self._paused, due.wait_s)
+        return due.is_shown
 
     def _go_where_sent(self) -> None:
         """The next frame in a row is tracked from the one before; anything else is a cut."""
@@ -253,7 +232,7 @@ class Pipeline:
             self._clip.seek_frame(wanted.index)
         if wanted.index is None or before.index is None or wanted.index != before.index + 1:
             self._tracker.reset()
-        self._due_s = None
+        self._pace.begin_anew()
 
     def _take_restart(self) -> bool:
         with self._changed:
@@ -263,7 +242,6 @@ class Pipeline:
     def _rewind(self) -> None:
         self._source.rewind()
         self._tracker.reset()
-        self._due_s = None
 
     def _wait(self, until: Callable[[], bool], timeout_s: float | None = None) -> None:
         with self._changed:
