@@ -93,6 +93,11 @@ class Playback:
         frame = shown.frame.index if stands_still else None
         return Moment(shown.frame.time_s, duration_s, frame, self._speed, self._loop)
 
+    @property
+    def speed_shown(self) -> str:
+        """Empty at a clip's own pace."""
+        return "" if self._speed == 1 else f"{self._speed:g}x"
+
     def _pause(self, now_s: float) -> None:
         if self._pipeline.has_ended and not self._paused:
             self._pipeline.restart()

@@ -31,7 +31,7 @@ class EstimatePolicy:
 
     def wants(self, tracked: TrackedFrame, is_steady: bool) -> bool:
         if self.at_frame is not None:
-            return tracked.frame.index == self.at_frame
+            return tracked.frame.index >= self.at_frame  # that one may have come too late to be tracked
         return self.on_first_steady and is_steady
 
 

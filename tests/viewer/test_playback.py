@@ -67,6 +67,12 @@ def test_speeds_go_from_a_quarter_to_four_and_stay_there(stage):
     assert (SPEEDS[0], SPEEDS[-1]) == (0.25, 4.0)
 
 
+def test_a_speed_that_is_not_the_clips_own_is_shown(stage):
+    assert stage.playback.speed_shown == ""
+    stage.ask(Command.SPEED, -1)
+    assert stage.playback.speed_shown == "0.5x"
+
+
 def test_p_goes_on_after_a_step(stage):
     stage.ask(Command.STEP, 1)
     assert stage.ask(Command.PAUSE) == [("pause", False)]

@@ -48,6 +48,25 @@ def test_a_chosen_frame_is_estimated_and_no_other(make, fakes):
     assert [frozen.frame.index for frozen in session._worker.requested] == [7]
 
 
+def test_when_the_chosen_frame_came_too_late_the_next_one_is_taken(make, fakes):
+    session = make(EstimatePolicy(at_frame=7))
+    for index in (5, 6, 9, 10):
+        session.take(fakes.tracked(index), 0.0)
+    assert [frozen.frame.index for frozen in session._worker.requested] == [9]
+
+
+def test_the_estimate_holds_wherever_the_clip_goes(make, fakes):
+    session = make(EstimatePolicy(on_first_steady=True))
+    session.take(fakes.tracked(40), 0.0)
+    assert session.request_estimate(0.0)
+    session._worker.answer = fakes.estimate(40)
+    held = session.poll(0.0)
+    for index in (41, 3, 2, 1, 90, 0, 1):  # on, sought back, stepped back, sought on, started again
+        session.take(fakes.tracked(index), 1.0)
+        session.poll(1.0)
+        assert session.estimate is session.shown is held
+
+
 def test_without_a_policy_nothing_is_estimated_unasked(make, fakes):
     session = make()
     for index in range(20):
