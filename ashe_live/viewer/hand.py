@@ -38,25 +38,17 @@ class Sight:
     model: PlacedModel | None
 
 
-@dataclass(frozen=True, slots=True)
-class Grip:
-    """What a drag has hold of."""
-
-    point: Float  # (2,) metres, marker frame, on the plane
-    pixel: Pixel  # where the picture shows it, while the mouse is where the drag begins
-    carried: Float  # (2,) metres, marker frame, on the plane: what moves as far as `point` does
-
-
 class Hand:
     """`light` is None while the estimate holds."""
 
     def __init__(self) -> None:
         self.light: LightEstimate | None = None
         self.placement = UNMOVED
-        self._grip: Grip | None = None
+        self._shadow_end_px: Pixel = (0.0, 0.0)  # when the drag of the light began; of the video
+        self._held: tuple[Float, Float] | None = None  # the plane's point that a drag took hold of, and the shift then
 
     def reset(self) -> None:
-        self.light, self.placement, self._grip = None, UNMOVED, None
+        self.light, self.placement, self._held = None, UNMOVED, None
 
     def obey(self, request: Request, sight: Sight) -> str | None:
         """Does what the request asks of light or model; what stands against it is said."""
@@ -96,12 +88,13 @@ class Hand:
         self.placement = replace(self.placement, shift_m=(float(x), float(y)))
 
     def _drag_model(self, tracked: TrackedFrame, drag: Drag) -> None:
-        if drag.is_first or self._grip is None:
+        if drag.is_first:
             point = ground_at(tracked, drag.begin_px)
-            self._grip = None if point is None else Grip(point, drag.begin_px, np.array(self.placement.shift_m))
-        moved = self._carried(tracked, drag)
-        if moved is not None:
-            self._move(tracked, moved)
+            self._held = None if point is None else (point, np.array(self.placement.shift_m))
+        now = ground_at(tracked, drag.now_px)
+        if self._held is not None and now is not None:
+            point, shift_m = self._held
+            self._move(tracked, shift_m + now - point)
 
     def _step_light(self, tracked: TrackedFrame, sight: Sight, right: float, up: float) -> None:
         base = self._light_to_move(tracked, sight)
@@ -110,32 +103,24 @@ class Hand:
         self._set_light(tracked, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
 
     def _drag_light(self, tracked: TrackedFrame, sight: Sight, drag: Drag) -> None:
-        """The end of the model's shadow goes with the mouse."""
+        """The end of the model's shadow goes with the mouse; one that the picture does not show comes to it first."""
         assert tracked.marker is not None
         base = self._light_to_move(tracked, sight)
         foot = np.array(self.placement.shift_m)
         height = LEAST_HEIGHT_SIDES * tracked.marker.side_m
         if sight.model is not None:
             height = max(height, float(sight.model.bounds[1, 2])) * self.placement.scale
-        if drag.is_first or self._grip is None:
+        if drag.is_first:
             x, y, z = base.lights[0].to_light_marker
-            end = foot - height * np.array((x, y)) / max(z, math.sin(LOWEST_RAD))
-            self._grip = _grip_on(tracked, drag.begin_px, end, foot)
-        end_now = self._carried(tracked, drag)
+            end = pixel_of(tracked, foot - height / z * np.array((x, y))) if z > 0 else None
+            self._shadow_end_px = drag.begin_px if end is None else end
+        end_now = ground_at(tracked, _brought(drag, self._shadow_end_px))
         if end_now is None:
             return
         slope = (foot - end_now) / height
         steepness = max(float(np.linalg.norm(slope)), 1e-12)
         slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
         self._set_light(tracked, base, np.array((*slope, 1.0)))
-
-    def _carried(self, tracked: TrackedFrame, drag: Drag) -> Float | None:
-        """(2,) where the drag has brought what it carries; None where there is no plane under the mouse."""
-        if self._grip is None:
-            return None
-        grip, (x0, y0), (x, y) = self._grip, drag.begin_px, drag.now_px
-        point = ground_at(tracked, (grip.pixel[0] + x - x0, grip.pixel[1] + y - y0))
-        return None if point is None else np.asarray(grip.carried + point - grip.point)
 
     def _light_to_move(self, tracked: TrackedFrame, sight: Sight) -> LightEstimate:
         """As it was set last, else as estimated, else a first one."""
@@ -163,11 +148,7 @@ class Hand:
         )
 
 
-def _grip_on(tracked: TrackedFrame, begin_px: Pixel, end: Float, foot: Float) -> Grip | None:
-    """On the shadow's end, or on the foot where the picture does not show that, or on whatever is under the mouse."""
-    for point in (end, foot):
-        pixel = pixel_of(tracked, point)
-        if pixel is not None:
-            return Grip(point, pixel, end)
-    under = ground_at(tracked, begin_px)
-    return None if under is None else Grip(under, begin_px, end)
+def _brought(drag: Drag, pixel: Pixel) -> Pixel:
+    """Where a drag has brought what was at `pixel` when it began."""
+    (x0, y0), (x, y) = drag.begin_px, drag.now_px
+    return pixel[0] + x - x0, pixel[1] + y - y0

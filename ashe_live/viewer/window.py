@@ -45,6 +45,7 @@ class Window:
         self._requests: list[Request] = []
         self._mouse: list[MouseEvent] = []
         self._shift = False
+        self._cursor: tuple[float, float] = glfw.get_cursor_pos(self._window)
         glfw.set_key_callback(self._window, self._on_key)
         glfw.set_cursor_pos_callback(self._window, self._on_move)
         glfw.set_mouse_button_callback(self._window, self._on_button)
@@ -131,22 +132,25 @@ class Window:
     def _on_move(self, _window: object, x: float, y: float) -> None:
         if self._mouse and self._mouse[-1].action is MouseAction.MOVED:
             del self._mouse[-1]
-        self._mouse.append(self._mouse_event(MouseAction.MOVED, x, y))
+        self._cursor = x, y
+        self._mouse.append(self._mouse_event(MouseAction.MOVED))
 
     def _on_button(self, _window: object, button: int, action: int, modifiers: int) -> None:
         if button == glfw.MOUSE_BUTTON_LEFT:
             self._shift = bool(modifiers & glfw.MOD_SHIFT)
             kind = MouseAction.PRESSED if action == glfw.PRESS else MouseAction.RELEASED
-            self._mouse.append(self._mouse_event(kind, *glfw.get_cursor_pos(self._window)))
+            self._mouse.append(self._mouse_event(kind))
 
     def _on_scroll(self, _window: object, x: float, y: float) -> None:
         # GLFW says no modifiers here; and with Shift macOS scrolls sideways.
         keys = (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
         self._shift = any(glfw.get_key(self._window, key) == glfw.PRESS for key in keys)
-        event = self._mouse_event(MouseAction.SCROLLED, *glfw.get_cursor_pos(self._window))
+        event = self._mouse_event(MouseAction.SCROLLED)
         self._mouse.append(replace(event, notches=y or x))
 
-    def _mouse_event(self, action: MouseAction, x: float, y: float) -> MouseEvent:
+    def _mouse_event(self, action: MouseAction) -> MouseEvent:
+        """Where the mouse was then: what GLFW tells when it is asked is where it is now."""
+        x, y = self._cursor
         (width, height), (width_px, height_px) = glfw.get_window_size(self._window), self.framebuffer_size
         return MouseEvent(action, x * width_px / max(1, width), y * height_px / max(1, height), self._shift)
 

@@ -87,6 +87,21 @@ class Running:
         self.screen.xdotool("mousemove", str(left + round(x * width)), str(top + round(y * height)), "click", "1")
         self.screen.xdotool("mousemove", str(left + width // 2), str(top + height // 3))
 
+    def drag(self, begin: tuple[float, float], end: tuple[float, float], held: str | None = None) -> None:
+        """With the left button, between places in parts of the window's size."""
+        height, width = self.part(0, 0, 1, 1).shape[:2]
+        (x0, y0), (x1, y1) = ((round(x * width), round(y * height)) for x, y in (begin, end))
+        steps = [(round(x0 + (x1 - x0) * at / 5), round(y0 + (y1 - y0) * at / 5)) for at in range(1, 6)]
+        moves = [word for x, y in steps for word in ("mousemove", "--window", self.window, str(x), str(y))]
+        hold, let_go = (["keydown", held], ["keyup", held]) if held else ([], [])
+        to_begin = ["mousemove", "--window", self.window, str(x0), str(y0)]
+        self.screen.xdotool(*hold, *to_begin, "mousedown", "1", *moves, "mouseup", "1", *let_go)
+
+    def scroll(self, notches: int, held: str | None = None) -> None:
+        hold, let_go = (["keydown", held], ["keyup", held]) if held else ([], [])
+        wheel = ["click", "--repeat", str(abs(notches)), "--delay", "20", "4" if notches > 0 else "5"]
+        self.screen.xdotool(*hold, *wheel, *let_go)
+
     def picture(self) -> np.ndarray:
         """(h, w, 3) int RGB: where the window is on the screen, without what a fullscreen one adds."""
         return self.screen.picture()

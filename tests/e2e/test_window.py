@@ -127,6 +127,70 @@ def test_overlays_come_and_go(estimated):
     estimated.press("p")
 
 
+def changed(viewer, was: np.ndarray) -> np.ndarray:
+    await_part(viewer, BODY, was)
+    return await_still(viewer, BODY)
+
+
+def test_the_mouse_sets_light_and_model_and_a_double_click_gives_them_back(estimated):
+    estimated.press("1")
+    plain = paused(estimated)
+    estimated.drag((0.3, 0.6), (0.45, 0.7))
+    lit = changed(estimated, plain)
+    estimated.drag((0.4, 0.5), (0.3, 0.6), "shift")
+    moved = changed(estimated, lit)
+    estimated.scroll(3)
+    scaled = changed(estimated, moved)
+    estimated.scroll(-3, "shift")
+    turned = changed(estimated, scaled)
+    estimated.scroll(3, "shift")
+    estimated.scroll(-3)
+    await_part(estimated, BODY, moved, differs=False)
+    assert difference(turned, plain) > 0.2
+    estimated.screen.xdotool("click", "--repeat", "2", "--delay", "50", "1")
+    await_part(estimated, BODY, plain, differs=False)
+    estimated.press("p")
+
+
+def test_keys_set_light_and_model_and_backspace_gives_them_back(estimated):
+    def estimate() -> np.ndarray:
+        """From the frame that is shown."""
+        lines = estimated.output.count("light: azimuth")
+        estimated.press("space")
+        await_that(lambda: estimated.output.count("light: azimuth") > lines, "an estimate")
+        return await_still(estimated, BODY)
+
+    estimated.press("1")
+    paused(estimated)
+    plain = estimate()
+    seen = [plain]
+    for keys in (["ctrl+Right"] * 8, ["ctrl+Down"] * 4, ["alt+Left"] * 3, ["bracketleft"] * 3, ["plus"] * 3):
+        estimated.press(*keys)
+        seen.append(changed(estimated, seen[-1]))
+    estimated.press("minus", "KP_Subtract", "minus")
+    await_part(estimated, BODY, seen[-2], differs=False)
+    with_light_by_hand = await_still(estimated, BODY)
+    assert difference(estimate(), with_light_by_hand) > 0.2
+    assert difference(estimated.part(*BODY), plain) > 0.2  # the model stays as it is
+    estimated.press("BackSpace")
+    await_part(estimated, BODY, plain, differs=False)
+    estimated.press("p")
+
+
+def test_a_held_key_goes_on(estimated):
+    plain = paused(estimated)
+    estimated.screen.xdotool("keydown", "equal")
+    first = estimated.part(*BODY)
+    await_part(estimated, BODY, plain)
+    for _ in range(3):
+        await_part(estimated, BODY, first)
+        first = estimated.part(*BODY)
+    estimated.screen.xdotool("keyup", "equal")
+    estimated.press("BackSpace")
+    await_part(estimated, BODY, plain, differs=False)
+    estimated.press("p")
+
+
 def test_pause_and_restart(estimated):
     held = paused(estimated)
     estimated.press("r")

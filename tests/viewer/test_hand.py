@@ -114,6 +114,14 @@ def test_the_shadows_end_follows_the_mouse(eye, camera, estimate):
             assert pixel_of(tracked, shadow_end(hand)) == pytest.approx((x + dx, y + dy), abs=0.01)
 
 
+@pytest.mark.parametrize("elevation_deg", [-10, 0.5, 8])
+def test_a_shadow_whose_end_is_out_of_the_picture_comes_to_the_mouse(elevation_deg):
+    estimate = replace(ESTIMATE, lights=(DirectionalLight(direction_from_angles(1.0, math.radians(elevation_deg))),))
+    tracked, hand = seen_from(EYES[0]), Hand()
+    drag(hand, Command.MOVE_LIGHT, sight(tracked, estimate), (250.0, 300.0), (255.0, 300.0), (300.0, 310.0))
+    assert pixel_of(tracked, shadow_end(hand)) == pytest.approx((300.0, 310.0), abs=0.01)
+
+
 @pytest.mark.parametrize("eye", EYES)
 def test_dragging_turns_the_light_the_way_the_shadow_goes(eye):
     """Around the foot clockwise on the table, the azimuth falls by as much; away from the foot, the light sinks."""
