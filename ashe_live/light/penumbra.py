@@ -17,7 +17,8 @@ REACH_PX = 11.0  # on either side of the edge
 STEP_PX = 0.5
 END_SAMPLES = 6  # that tell how deep it is inside and outside
 LEAST_DEPTH = 0.6  # shares of the shift between the two, in an edge worth measuring
-APART_M = 0.004
+APART_M, MOST_PLACES = 0.004, 50  # between the places on a straight edge, and their number
+ACROSS_M = 1e-3
 BESIDE_OBJECT_PX = 2
 FEWEST_EDGES = 12
 # The penumbra's part of the widest edges' variance, over the blur's, below which it cannot be told from blur.
@@ -61,50 +62,47 @@ def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicte
     cast = points[:, :2] - points[:, 2:] * slant
     rim = cv2.convexHull(cast.astype(np.float32), returnPoints=False)[:, 0]
     corners, heights = cast[rim], points[rim, 2]
+    along, rise = np.roll(corners, -1, axis=0) - corners, np.roll(heights, -1) - heights
+    length = np.hypot(*along.T)
+    outward = np.column_stack([along[:, 1], -along[:, 0]]) / np.maximum(length, 1e-9)[:, None]
+    outward[((corners + 0.5 * along - corners.mean(axis=0)) * outward).sum(axis=1) < 0] *= -1
+
+    count = np.where(length < 1e-9, 0, np.clip(length / APART_M, 1, MOST_PLACES).astype(int))
+    edge = np.repeat(np.arange(len(count)), count)
+    part = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[edge]
+    ends = np.zeros((len(edge), 2, 3))
+    ends[:, :, :2] = (corners[edge] + part[:, None] * along[edge])[:, None]
+    ends[:, 1, :2] += ACROSS_M * outward[edge]
+    pixels = project(view.camera, view.T_cam_marker, ends.reshape(-1, 3)).reshape(-1, 2, 2)
+    across = pixels[:, 1] - pixels[:, 0]
+    scale = np.hypot(*across.T)
+    seen = scale > 1e-6  # nor is it NaN, as behind the camera
+
     by_direction = np.linalg.inv(tangent_basis(to_light_marker)[:, :2] / math.hypot(*slant, 1.0))
+    smeared = np.linalg.norm(outward @ by_direction, axis=1)[edge]
+    spreads = (heights[edge] + part * rise[edge]) * smeared / 4 * scale / ACROSS_M
     clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)
-    offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
-    centre = corners.mean(axis=0)
-    spreads, variances = [], []
-    for start, end, low, high in zip(corners, np.roll(corners, -1, axis=0), heights, np.roll(heights, -1), strict=True):
-        along = end - start
-        length = math.hypot(*along)
-        if length < 1e-9:
-            continue
-        outward = np.array([along[1], -along[0]]) / length
-        outward *= np.sign(outward @ (0.5 * (start + end) - centre)) or 1.0
-        count = max(1, min(int(length / APART_M), 50))
-        for part in (np.arange(count) + 0.5) / count:
-            place = start + part * along
-            step = 1e-3 * outward
-            pixels = project(view.camera, view.T_cam_marker, np.array([[*place, 0.0], [*(place + step), 0.0]]))
-            across = pixels[1] - pixels[0]
-            scale = math.hypot(*across)
-            if not (math.isfinite(scale) and scale > 1e-6):
-                continue
-            variance = _variance(share, clear, pixels[0] + offsets[:, None] * (across / scale), offsets)
-            if variance is not None:
-                height = low + part * (high - low)
-                spreads.append(height * float(np.linalg.norm(by_direction.T @ outward)) / 4 * scale / 1e-3)
-                variances.append(variance)
-    return np.array(spreads), np.array(variances)
+    kept, variances = _variances(share, clear, pixels[seen, 0], across[seen] / scale[seen, None])
+    return spreads[seen][kept], variances
 
 
-def _variance(share: Float32, clear: Mask, line_px: Float, offsets: Float) -> float | None:
-    """Variance (px^2) of the step from shadow to light along a line from within; None where there is no clear step."""
+def _variances(share: Float32, clear: Mask, places: Float, across: Float) -> tuple[Mask, Float]:
+    """(n,) at which places (n, 2) there is a clear step from shadow to light along `across`; their variances (px^2)."""
     height, width = share.shape
-    nearest = np.rint(line_px).astype(int)
-    if nearest.min() < 1 or nearest[:, 0].max() > width - 2 or nearest[:, 1].max() > height - 2:
-        return None
-    if not clear[nearest[:, 1], nearest[:, 0]].all():
-        return None
-    x, y = line_px.astype(np.float32).T
-    profile = cv2.remap(share, x[None], y[None], cv2.INTER_LINEAR)[0]
-    inside, outside = float(np.median(profile[:END_SAMPLES])), float(np.median(profile[-END_SAMPLES:]))
-    if inside - outside < LEAST_DEPTH:
-        return None
-    lost = np.maximum(-np.diff(np.clip((profile - outside) / (inside - outside), 0, 1)), 0.0)
+    offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
+    lines = places[:, None] + offsets[:, None] * across[:, None]
+    column, row = np.moveaxis(np.rint(np.clip(lines, -1e6, 1e6)).astype(int), 2, 0)
+    inside = (column >= 1) & (row >= 1) & (column <= width - 2) & (row <= height - 2)
+    kept = (inside & clear[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)]).all(axis=1)
+    if not kept.any():
+        return kept, np.empty(0)
+    x, y = np.moveaxis(lines[kept].astype(np.float32), 2, 0)
+    profiles = cv2.remap(share, x, y, cv2.INTER_LINEAR)
+    dark, lit = (np.median(end, axis=1) for end in (profiles[:, :END_SAMPLES], profiles[:, -END_SAMPLES:]))
+    deep = dark - lit >= LEAST_DEPTH
+    kept[kept] = deep
+    falling = np.clip((profiles[deep] - lit[deep, None]) / (dark - lit)[deep, None], 0, 1)
+    lost = np.maximum(-np.diff(falling, axis=1), 0.0)
+    lost /= np.maximum(lost.sum(axis=1, keepdims=True), 1e-9)
     middles = 0.5 * (offsets[1:] + offsets[:-1])
-    lost /= max(float(lost.sum()), 1e-9)
-    mean = float(lost @ middles)
-    return float(lost @ (middles - mean) ** 2)
+    return kept, (lost * (middles - (lost @ middles)[:, None]) ** 2).sum(axis=1)
