@@ -7,7 +7,7 @@ from ashe_live.bench.cases import Case
 from ashe_live.bench.metrics import angular_error_deg, overlap
 from ashe_live.core.arrays import Mask
 from ashe_live.core.types import LightEstimate
-from ashe_live.light.fit import FitFailure, FitPreset, fit_light
+from ashe_live.light.fit import FitFailure, FitPreset, Masks, fit_light
 
 TRUE_EDGE_SIGMA_PX = 0.2
 
@@ -26,7 +26,7 @@ def error_on_true_masks_deg(case: Case, preset: FitPreset) -> float | None:
     if body is None or not shadows or case.to_lights_marker is None or not len(case.to_lights_marker):
         return None
     pose = case.marker.T_cam_marker
-    found = fit_light(body, shadows, case.camera, pose, case.mask("clutter"), TRUE_EDGE_SIGMA_PX, preset)
+    found = fit_light(Masks(body, shadows, case.camera, pose, case.mask("clutter"), TRUE_EDGE_SIGMA_PX), preset)
     if isinstance(found, FitFailure):
         return None
     return angular_error_deg(found.lights[0].to_light_marker, case.to_lights_marker[0])

@@ -10,68 +10,81 @@ import numpy as np
 from ashe_live.core.arrays import Float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Jet:
-    """Values (n, k) and their exact derivatives by the q parameters of each of n candidates."""
+    """Values and their exact derivatives by the q parameters of each of n candidates, in one array."""
 
-    value: Float
-    slope: Float  # (n, k, q), or 1 in the place of n or k where all are the same
+    numbers: Float  # (n, k, 1 + q), the values first
 
-    def __add__(self, other: Jet | Float | float) -> Jet:
-        if isinstance(other, Jet):
-            return Jet(self.value + other.value, self.slope + other.slope)
-        return Jet(self.value + other, self.slope)
+    def __add__(self, other: Jet) -> Jet:
+        return Jet(self.numbers + other.numbers)
 
     def __sub__(self, other: Jet) -> Jet:
-        return Jet(self.value - other.value, self.slope - other.slope)
+        return Jet(self.numbers - other.numbers)
 
-    def __mul__(self, other: Jet | Float | float) -> Jet:
-        if isinstance(other, Jet):
-            slope = self.slope * other.value[..., None] + other.slope * self.value[..., None]
-            return Jet(self.value * other.value, slope)
-        factor = np.asarray(other, dtype=np.float64)
-        return Jet(self.value * factor, self.slope * factor[..., None])
+    def __mul__(self, other: Jet) -> Jet:
+        one, two = self.numbers, other.numbers
+        product = one * two[..., :1] + two * one[..., :1]
+        product[..., 0] *= 0.5
+        return Jet(product)
 
-    __rmul__ = __mul__
-    __radd__ = __add__
+    def times(self, factors: Float) -> Jet:
+        """Multiples (n, k) by k plain numbers."""
+        return Jet(self.numbers * factors[:, None])
+
+    @property
+    def real(self) -> Jet:
+        return Jet(self.numbers.real)
+
+    @property
+    def imag(self) -> Jet:
+        return Jet(self.numbers.imag)
 
 
 def parameters(theta: Float) -> list[Jet]:
     """The q columns of theta (n, q) as jets (n, 1), the ones with respect to which slopes are taken."""
-    one_hot = np.eye(theta.shape[1])
-    return [Jet(theta[:, i : i + 1], one_hot[None, i : i + 1]) for i in range(theta.shape[1])]
+    n, q = theta.shape
+    numbers = np.empty((n, q, 1 + q))
+    numbers[..., 0], numbers[..., 1:] = theta, np.eye(q)
+    return [Jet(numbers[:, i : i + 1]) for i in range(q)]
 
 
 def exp(jet: Jet) -> Jet:
-    value = np.exp(np.minimum(np.maximum(jet.value, -30.0), 30.0))
-    return Jet(value, value[..., None] * jet.slope)
+    value = np.exp(np.minimum(np.maximum(jet.numbers[..., :1], -30.0), 30.0))
+    return _chained(jet, value, value)
 
 
 def share(jet: Jet) -> Jet:
     """The logistic function, between 0 and 1."""
-    value = 1 / (1 + np.exp(np.minimum(np.maximum(-jet.value, -30.0), 30.0)))
-    return Jet(value, (value * (1 - value))[..., None] * jet.slope)
+    value = 1 / (1 + np.exp(np.minimum(np.maximum(-jet.numbers[..., :1], -30.0), 30.0)))
+    return _chained(jet, value, value * (1 - value))
 
 
-def cos(jet: Jet) -> Jet:
-    return Jet(np.cos(jet.value), -np.sin(jet.value)[..., None] * jet.slope)
+def turn(jet: Jet) -> Jet:
+    """The complex number by which the plane turns by an angle."""
+    value = np.exp(1j * jet.numbers[..., :1])
+    return _chained(jet, value, 1j * value)
 
 
-def sin(jet: Jet) -> Jet:
-    return Jet(np.sin(jet.value), np.cos(jet.value)[..., None] * jet.slope)
+def joined(*jets: Jet) -> Jet:
+    """(n, sum of their k)"""
+    return Jet(np.concatenate([jet.numbers for jet in jets], axis=1))
 
 
 def stacked(groups: Sequence[tuple[Jet | None, ...]], counts: Sequence[int]) -> tuple[Float, Float]:
     """(n, k, f) values and (n, k, f, q) slopes of groups of rows, each of f jets (n, 1 or count); None stands for 0."""
-    first = next(jet for jet in groups[0] if jet is not None)
-    n, q = first.value.shape[0], first.slope.shape[2]
-    values = np.zeros((n, sum(counts), len(groups[0])))
-    slopes = np.zeros((*values.shape, q))
+    first = next(jet for jet in groups[0] if jet is not None).numbers
+    numbers = np.zeros((first.shape[0], sum(counts), len(groups[0]), first.shape[2]))
     begin = 0
     for group, count in zip(groups, counts, strict=True):
         for field, jet in enumerate(group):
             if jet is not None:
-                values[:, begin : begin + count, field] = jet.value
-                slopes[:, begin : begin + count, field] = jet.slope
+                numbers[:, begin : begin + count, field] = jet.numbers
         begin += count
-    return values, slopes
+    return numbers[..., 0], numbers[..., 1:]
+
+
+def _chained(jet: Jet, value: Float, slope: Float) -> Jet:
+    numbers = slope * jet.numbers
+    numbers[..., :1] = value
+    return Jet(numbers)

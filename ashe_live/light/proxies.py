@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.jets import Jet, cos, exp, parameters, share, sin, stacked
+from ashe_live.light.jets import Jet, exp, joined, parameters, share, stacked, turn
 
 Parts = tuple[Float, Float]  # (n, k, 5) spheroids, (n, k, 5, q) their derivatives
 
@@ -19,6 +19,10 @@ Parts = tuple[Float, Float]  # (n, k, 5) spheroids, (n, k, 5, q) their derivativ
 CORNER_X = np.array([-1.0, 1.0, 1.0, -1.0] * 2)
 CORNER_Y = np.array([-1.0, -1.0, 1.0, 1.0] * 2)
 CORNER_Z = np.array([0.0] * 4 + [1.0] * 4)
+# The four corners of a box at the +x side of another one.
+SIDE_X, SIDE_Y, SIDE_Z = np.ones(4), CORNER_Y[::2], CORNER_Z[::2]
+HALF, NOTHING = np.array([0.5]), np.zeros(4)
+UPWARDS = np.array([1j])  # in the plane of complex numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,43 +74,41 @@ def _egg(theta: Float) -> Parts:
 
 def _box(theta: Float) -> Parts:
     x, y, yaw, breadth, depth, height = parameters(theta)
-    corners = _turned(x, y, yaw, exp(breadth) * CORNER_X, exp(depth) * CORNER_Y)
-    return stacked([(*corners, exp(height) * CORNER_Z, None, None)], [8])
+    corners = _turned(x, y, yaw, exp(breadth).times(CORNER_X), exp(depth).times(CORNER_Y))
+    return stacked([(*corners, exp(height).times(CORNER_Z), None, None)], [8])
 
 
 def _ell(theta: Float) -> Parts:
     """A box and a lower one of the same depth at one of its sides."""
     x, y, yaw, breadth, depth, height, length, level = parameters(theta)
-    half, side, top = exp(breadth), exp(depth), exp(height)
-    tall = _turned(x, y, yaw, half * CORNER_X, side * CORNER_Y)
-    low = _turned(x, y, yaw, (half + exp(length)) * np.ones(4), side * CORNER_Y[[0, 2, 4, 6]])
-    step = share(level) * top * CORNER_Z[[0, 2, 4, 6]]
-    return stacked([(*tall, top * CORNER_Z, None, None), (*low, step, None, None)], [8, 4])
+    half, top = exp(breadth), exp(height)
+    across = joined(half.times(CORNER_X), (half + exp(length)).times(SIDE_X))
+    along = exp(depth).times(np.append(CORNER_Y, SIDE_Y))
+    levels = joined(top.times(CORNER_Z), (share(level) * top).times(SIDE_Z))
+    return stacked([(*_turned(x, y, yaw, across, along), levels, None, None)], [12])
 
 
 def _wagon(theta: Float) -> Parts:
     """An L raised above the ground, on four feet."""
     x, y, yaw, breadth, depth, height, length, level, clearance, inset = parameters(theta)
-    half, side, top, reach = exp(breadth), exp(depth), exp(height), exp(length)
-    lift = share(clearance) * top
+    half, top = exp(breadth), exp(height)
+    lift, front = share(clearance) * top, half + exp(length)
     rise = top - lift
-    tall = _turned(x, y, yaw, half * CORNER_X, side * CORNER_Y)
-    low = _turned(x, y, yaw, (half + reach) * np.ones(4), side * CORNER_Y[[0, 2, 4, 6]])
-    front, back = half + reach, half * -1.0
-    middle, span = (front + back) * 0.5, (front - back) * 0.5
-    feet = _turned(x, y, yaw, middle + span * share(inset) * CORNER_X[:4], side * CORNER_Y[:4])
-    levels = rise * CORNER_Z + lift, share(level) * rise * CORNER_Z[[0, 2, 4, 6]] + lift
-    return stacked(
-        [(*tall, levels[0], None, None), (*low, levels[1], None, None), (*feet, None, None, None)], [8, 4, 4]
-    )
+    middle, span = (front - half).times(HALF), (front + half).times(HALF)
+    feet = middle + (span * share(inset)).times(CORNER_X[:4])
+    across = joined(half.times(CORNER_X), front.times(SIDE_X), feet)
+    along = exp(depth).times(np.concatenate([CORNER_Y, SIDE_Y, CORNER_Y[:4]]))
+    tall, low = rise.times(CORNER_Z) + lift, (share(level) * rise).times(SIDE_Z) + lift
+    corners = _turned(x, y, yaw, across, along)
+    return stacked([(*corners, joined(tall, low, lift.times(NOTHING)), None, None)], [16])
 
 
 def _pylon(theta: Float) -> Parts:
     """A cone on a square plate."""
     x, y, yaw, breadth, thickness, height, radius = parameters(theta)
     half, top = exp(breadth), exp(height)
-    plate = _turned(x, y, yaw, half * CORNER_X, half * CORNER_Y)
-    return stacked([(*plate, share(thickness) * top * CORNER_Z, None, None), (x, y, top, radius, None)], [8, 1])
+    plate = _turned(x, y, yaw, half.times(CORNER_X), half.times(CORNER_Y))
+    return stacked([(*plate, (share(thickness) * top).times(CORNER_Z), None, None), (x, y, top, radius, None)], [8, 1])
 
 
 def _mug(theta: Float) -> Parts:
@@ -118,8 +120,8 @@ def _mug(theta: Float) -> Parts:
 
 
 def _turned(x: Jet, y: Jet, yaw: Jet, across: Jet, along: Jet) -> tuple[Jet, Jet]:
-    c, s = cos(yaw), sin(yaw)
-    return x + (c * across - s * along), y + (s * across + c * along)
+    places = x + y.times(UPWARDS) + turn(yaw) * (across + along.times(UPWARDS))
+    return places.real, places.imag
 
 
 # Starts: from the parameters of the family that this one grows out of.

@@ -6,7 +6,7 @@ light that explains both outlines, `relabel` corrects the outlines by it, and `j
 explanation, or that there is nothing to believe.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -107,6 +107,18 @@ ACCURATE = ProxySteps(
     first_fit=fitting.BALANCED,
     fine_fit=fitting.ACCURATE,
 )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposal:
+    """A region taken for an object and its shadow."""
+
+    region: Region
+    materials: Materials
+    split: Split
+    near: Float | None = None  # (l, 2) displacements by which the shadows may fall
+
+
 PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}
 
 
@@ -146,10 +158,8 @@ class ProxyEstimator:
         shifts = shadow_shifts(ground, unlit, steps.shifts)
         proposals = [proposal for region in regions for proposal in self._proposals(region, ground, shifts)]
         clock.end("associate")
-        first = [
-            explained for proposal in self._tried(proposals) if (explained := _explained(*proposal, steps.first_fit))
-        ]
-        refined = [finer for rough in self._promising(first) for finer in self._refined(rough)]
+        first = [rough for rough in _explained(self._tried(proposals), steps.first_fit) if rough]
+        refined = self._refined(self._promising(first))
         clock.end("fit")
         if not refined:
             return answer("no shadow found: the light may be diffuse, or the shadow out of view")
@@ -168,9 +178,7 @@ class ProxyEstimator:
         found = answer(None, *lights, body=body, shadow=shadow)
         return replace(found, caster=best.fit.proxy, ambient_rgb_ratio=ratios[-1], ground_rgb=lit_rgb(ground))
 
-    def _proposals(
-        self, region: Region, ground: LitGround, shifts: list[Float]
-    ) -> Iterator[tuple[Region, Materials, Split]]:
+    def _proposals(self, region: Region, ground: LitGround, shifts: list[Float]) -> Iterator[Proposal]:
         alone = [materials_of(region, ground, shift) for shift in shifts]
         pairs = combinations(alone[: self._steps.paired_shifts], 2)
         together = [both for one, other in pairs if (both := materials_of_two(region, ground, one, other))]
@@ -179,18 +187,18 @@ class ProxyEstimator:
                 split = replace(whole, parts=parted(materials, whole.shadow_mask))
                 if materials.lights == 2:
                     if are_two(split.parts):
-                        yield region, materials, split
+                        yield Proposal(region, materials, split)
                     continue
-                yield region, materials, split
+                yield Proposal(region, materials, split)
                 doubtful = doubted(split)
                 if doubtful is not None:
-                    yield region, materials, doubtful
+                    yield Proposal(region, materials, doubtful)
 
-    def _tried(self, proposals: list[tuple[Region, Materials, Split]]) -> list[tuple[Region, Materials, Split]]:
+    def _tried(self, proposals: list[Proposal]) -> list[Proposal]:
         """Those that look best, of one light and of two."""
-        ranked = sorted(proposals, key=lambda proposal: promise(*proposal), reverse=True)
-        alone = [proposal for proposal in ranked if proposal[1].lights == 1]
-        together = [proposal for proposal in ranked if proposal[1].lights == 2]
+        ranked = sorted(proposals, key=lambda one: promise(one.region, one.materials, one.split), reverse=True)
+        alone = [proposal for proposal in ranked if proposal.materials.lights == 1]
+        together = [proposal for proposal in ranked if proposal.materials.lights == 2]
         return alone[: self._steps.tried] + together[: self._steps.pairs_tried]
 
     def _promising(self, explanations: list[Explanation]) -> list[Explanation]:
@@ -203,44 +211,56 @@ class ProxyEstimator:
                 kept.append(explanation)
         return kept
 
-    def _refined(self, rough: Explanation) -> Iterator[Explanation]:
-        """Labels and fit, each corrected by the other in turn."""
-        current = rough
+    def _refined(self, roughs: list[Explanation]) -> list[Explanation]:
+        """Labels and fit, each corrected by the other in turn; the rough ones themselves of which nothing comes."""
+        chains = [[rough] for rough in roughs]
+        going = chains
         for _ in range(self._steps.rounds):
-            split = relabelled(current.region, current.materials, current.own, current.predicted)
-            if current.materials.lights == 2 and not are_two(split.parts):
-                break
-            towards = np.array([light.to_light_marker for light in current.fit.lights])
-            near = towards[:, :2] / towards[:, 2:] if towards[:, 2].min() > LOWEST_Z else None
-            finer = _explained(current.region, current.materials, split, self._steps.fine_fit, near)
-            if finer is None:
-                break
-            yield finer
-            current = finer
-        if current is rough:
-            yield rough
+            proposals = [(chain, proposal) for chain in going if (proposal := _relabelled(chain[-1]))]
+            explanations = _explained([proposal for _, proposal in proposals], self._steps.fine_fit)
+            going = []
+            for (chain, _), finer in zip(proposals, explanations, strict=True):
+                if finer:
+                    chain.append(finer)
+                    going.append(chain)
+        return [explanation for chain in chains for explanation in chain[1:] or chain]
 
 
-def _explained(
-    region: Region, materials: Materials, split: Split, preset: fitting.FitPreset, near: Float | None = None
-) -> Explanation | None:
-    """What follows from a split; None if no light does. `near`: (l, 2) displacements to start from as well."""
-    view = region.view
-    found = fitting.fit_light(
-        split.object_mask,
-        split.shadows,
-        view.camera,
-        view.T_cam_marker,
-        region.unreliable,
-        EDGE_SIGMA_PX,
-        preset,
-        split.either,
-        near,
-    )
-    if isinstance(found, fitting.FitFailure):
+def _relabelled(last: Explanation) -> Proposal | None:
+    """What a fit makes of the labels that led to it; None where two lights' shadows have become one."""
+    split = relabelled(last.region, last.materials, last.own, last.predicted)
+    if last.materials.lights == 2 and not are_two(split.parts):
         return None
-    expected = predicted(found.proxy, [light.to_light_marker for light in found.lights], view)
-    return Explanation(region, materials, split, found, expected, _own_cost(region, split, expected))
+    towards = np.array([light.to_light_marker for light in last.fit.lights])
+    near = towards[:, :2] / towards[:, 2:] if towards[:, 2].min() > LOWEST_Z else None
+    return Proposal(last.region, last.materials, split, near)
+
+
+def _explained(proposals: Sequence[Proposal], preset: fitting.FitPreset) -> list[Explanation | None]:
+    """What follows from splits; None where no light does."""
+    masks = [
+        fitting.Masks(
+            proposal.split.object_mask,
+            proposal.split.shadows,
+            proposal.region.view.camera,
+            proposal.region.view.T_cam_marker,
+            proposal.region.unreliable,
+            EDGE_SIGMA_PX,
+            proposal.split.either,
+            proposal.near,
+        )
+        for proposal in proposals
+    ]
+    return [
+        None if isinstance(found, fitting.FitFailure) else _explanation(proposal, found)
+        for proposal, found in zip(proposals, fitting.fit_lights(masks, preset), strict=True)
+    ]
+
+
+def _explanation(proposal: Proposal, found: fitting.Fit) -> Explanation:
+    region, split = proposal.region, proposal.split
+    expected = predicted(found.proxy, [light.to_light_marker for light in found.lights], region.view)
+    return Explanation(region, proposal.materials, split, found, expected, _own_cost(region, split, expected))
 
 
 def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:

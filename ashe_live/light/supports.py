@@ -8,6 +8,7 @@ spheroid solves a quadratic; so does one that touches its shadow, the spheroid f
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 
@@ -24,73 +25,72 @@ class Supports:
     """
 
     reach_px: Float  # (n, 1 + l, d) max of u . p over the outline of body n, for direction u
-    by_parts: Float  # (n, 1 + l, d, 5 k) derivative by every spheroid's x, y, z, radius, half height
+    part: NDArray[np.intp]  # (n, 1 + l, d) the spheroid that reaches so far
+    by_part: Float  # (n, 1 + l, d, 5) derivative by that spheroid's x, y, z, radius, half height
     by_slant: Float  # (n, l, d, 2) derivative of a shadow's reach by its s
 
 
 def outline_supports(P: Float, parts: Float, slants: Float, directions: Float) -> Supports:
     """Supports of the images of n bodies and of the shadows they cast on the plane z = 0.
 
-    P: (3, 4) pixels from the parts' frame, with positive depth at its origin. parts: (n, k, 5) centre x, y, z,
-    horizontal radius, half height of spheroids. slants: (n, l, 2) displacements s. directions: (d, 2) unit vectors.
+    P: (n, 3, 4) pixels from the parts' frame, with positive depth at its origin. parts: (n, k, 5) centre x, y, z,
+    horizontal radius, half height of spheroids. slants: (n, l, 2) displacements s. directions: (n, d, 2) unit vectors.
     """
-    (n, k), lights, d = parts.shape[:2], slants.shape[1], len(directions)
-    centres = np.empty((n, 1 + lights, k, 3))
-    centres[:, 0] = parts[..., :3]
-    centres[:, 1:, :, :2] = parts[:, None, :, :2] - slants[:, :, None] * parts[:, None, :, 2:3]
-    centres[:, 1:, :, 2] = 0.0
-    axes = np.empty((n, 1 + lights, 3, 3))  # rows: homogeneous images of the unit vectors x, y, z
-    axes[:, :, :2] = P[:, :2].T
-    axes[:, 0, 2] = P[:, 2]
-    axes[:, 1:, 2] = -slants @ P[:, :2].T  # z, flattened along the light
-    images = centres @ P[:, :3].T + P[:, 3]
-    conic, radii = _dual_conics(images, axes, parts[:, None, :, 3:] ** 2, NEAREST_DEPTH * P[2, 3])
-
-    ux, uy = directions.T
-    across = conic[..., :3] @ np.array([ux * ux, 2 * ux * uy, uy * uy])
-    mixed = conic[..., 3:5] @ directions.T
-    depth = conic[..., 5:]
-    # A point's root is 0; rounding would make it 1e-6 px, too coarse for derivatives by differences.
-    blunt = radii.max(axis=-1, keepdims=True) > 0
-    reach = (mixed + blunt * np.sqrt(np.maximum(mixed * mixed - depth * across, 0.0))) / depth
+    (n, k), outlines = parts.shape[:2], 1 + slants.shape[1]
+    nearest = NEAREST_DEPTH * P[:, 2, 3, None, None]
+    axes = np.repeat(P.swapaxes(1, 2)[:, None], outlines, axis=1)  # rows: homogeneous images of x, y, z, the origin
+    axes[:, 1:, 2] = -slants @ axes[:, 0, :2]  # z, flattened along the light
+    axes, origin = axes[:, :, :3], axes[:, :, 3:]
+    images = parts[:, None, :, :3] @ axes + origin
+    radii = np.repeat(parts[:, None, :, 3:], outlines, axis=1)
+    reach = _reaches(images, axes, radii, directions, nearest)
     part = reach.argmax(axis=2)
     reach_px = reach.max(axis=2)
 
     # The touching line as a form on the axes; by the envelope theorem its slopes there are all that is needed.
-    slopes = directions @ axes[..., :2].swapaxes(2, 3) - reach_px[..., None] * axes[:, :, None, :, 2]
-    body = np.arange(n)[:, None, None]
-    touched = body, np.arange(1 + lights)[:, None], part
-    squares = radii[touched]
+    slopes = directions[:, None] @ axes[..., :2].swapaxes(2, 3) - reach_px[..., None] * axes[:, :, None, :, 2]
+    touched = part + k * np.arange(n * outlines).reshape(n, outlines, 1)
+    own = np.concatenate([radii, images[..., 2:], np.repeat(parts[:, None, :, 2:3], outlines, axis=1)], axis=3)
+    radius, half, depth, height = np.moveaxis(own.reshape(-1, 4).take(touched, axis=0), 3, 0)
     flat = slopes[..., 0] ** 2 + slopes[..., 1] ** 2
     tall = slopes[..., 2] ** 2
-    lean = np.maximum(np.sqrt(squares[..., 0] * flat + squares[..., 1] * tall), 1e-30)
-    lift = squares[..., 1] * slopes[..., 2] / lean
-    depth_touched = images[..., 2][touched] + lift * axes[..., 2, 2, None]
-    depth_touched += squares[..., 0] / lean * (slopes[..., :2] @ axes[..., :2, 2, None])[..., 0]
-    depth_touched = np.maximum(depth_touched, NEAREST_DEPTH * P[2, 3])
-    slopes /= depth_touched[..., None]
-    own = parts[body, part]
-    growth = np.sign(own[..., 3:]) * np.sqrt(squares) * np.stack([flat, tall], axis=-1)
-    growth /= (lean * depth_touched)[..., None]
-    by_parts = np.zeros((part.size * k, 5))
-    by_parts[np.arange(part.size) * k + part.ravel()] = np.concatenate([slopes, growth], axis=-1).reshape(-1, 5)
-    by_slant = -slopes[:, 1:, :, :2] * (own[:, 1:, :, 2] + lift[:, 1:])[..., None]
-    return Supports(reach_px, by_parts.reshape(n, 1 + lights, d, 5 * k), by_slant)
+    lean = np.maximum(np.sqrt(radius**2 * flat + half**2 * tall), 1e-30)
+    lift = half**2 / lean * slopes[..., 2]
+    sideways = (slopes[..., :2] @ axes[..., :2, 2:])[..., 0]
+    depth += radius**2 / lean * sideways + lift * axes[:, :, 2:, 2]
+    by_part = np.empty((*part.shape, 5))
+    by_part[..., :3] = slopes
+    by_part[..., 3] = radius * flat / lean
+    by_part[..., 4] = half * tall / lean
+    by_part /= np.maximum(depth, nearest)[..., None]
+    by_slant = -by_part[:, 1:, :, :2] * (height + lift)[:, 1:, :, None]
+    return Supports(reach_px, part, by_part, by_slant)
 
 
-def _dual_conics(images: Float, axes: Float, radii: Float, nearest: float) -> tuple[Float, Float]:
-    """(n, 1 + l, k, 6) entries xx, xy, yy, xw, yw, ww of the dual conics, and the squared radii that count.
+def _reaches(images: Float, axes: Float, radii: Float, directions: Float, nearest: Float) -> Float:
+    """(n, 1 + l, k, d) reach of every spheroid's outline.
 
-    `images` (n, 1 + l, k, 3) of the centres are mended in place where they lie behind the camera.
+    `images` (n, 1 + l, k, 3) of the centres and `radii` (n, 1 + l, k, 2) are mended in place where they lie behind the
+    camera.
     """
-    first, second = [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]
-    squares = axes[..., first] * axes[..., second]
-    spread = radii @ np.stack([squares[:, :, 0] + squares[:, :, 1], squares[:, :, 2]], axis=2)
-    radii = np.broadcast_to(radii, (*images.shape[:3], 2))
+    across = directions.swapaxes(1, 2)[:, None]
     depth = images[..., 2]
-    behind = (depth < nearest) | (depth**2 - spread[..., 5] < nearest**2)
+    if not radii.any():
+        np.maximum(depth, nearest, out=depth)
+        return np.asarray((images[..., :2] / images[..., 2:]) @ across)
+    squares = axes[..., :, None] * axes[..., None, :]
+    squares[:, :, 1] += squares[:, :, 0]
+    spread = (radii**2 @ squares[:, :, 1:].reshape(*axes.shape[:2], 2, 9)).reshape(*images.shape, 3)
+    behind = (depth < nearest) | (depth**2 - spread[..., 2, 2] < nearest**2)
     if behind.any():
-        images[..., 2] = np.where(behind, np.maximum(depth, nearest), depth)
-        radii = np.where(behind[..., None], 0.0, radii)
+        np.maximum(depth, nearest, out=depth, where=behind)
+        radii[behind] = 0.0
         spread[behind] = 0.0
-    return images[..., first] * images[..., second] - spread, radii
+    conic = images[..., :, None] * images[..., None, :] - spread
+    conic /= conic[..., 2:, 2:].copy()
+    middle = conic[..., :2, 2] @ across
+    pairs = (directions[..., :, None] * directions[..., None, :]).reshape(len(directions), 1, -1, 4).swapaxes(2, 3)
+    # A point's root is 0; rounding would make it 1e-6 px, too coarse for derivatives by differences.
+    blunt = np.abs(radii).max(axis=3, keepdims=True) > 0
+    squared = middle**2 - conic[..., :2, :2].reshape(*depth.shape, 4) @ pairs
+    return np.asarray(middle + blunt * np.sqrt(np.maximum(squared, 0.0)))

@@ -12,7 +12,7 @@ from ashe_live.bench.cases import read_cases
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, rigid, tangent_basis
-from ashe_live.light.fit import ACCURATE, BALANCED, FAST, Fit, FitFailure, FitPreset, fit_light
+from ashe_live.light.fit import ACCURATE, BALANCED, FAST, Fit, FitFailure, FitPreset, Masks, fit_light
 from tests.light.synthetic_masks import (
     MaskedScene,
     Parts,
@@ -39,7 +39,7 @@ LIGHT = direction(200.0, 40.0)
 
 
 def fitted(scene: MaskedScene, preset: FitPreset = BALANCED) -> Fit:
-    fit = fit_light(scene.body, scene.shadows, scene.camera, scene.T_cam_marker, None, 0.2, preset)
+    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, scene.T_cam_marker, None, 0.2), preset)
     assert isinstance(fit, Fit), fit
     return fit
 
@@ -83,7 +83,7 @@ def test_soft_masks_are_measured_below_a_pixel() -> None:
     fine = render(BODIES["box"](), [LIGHT], VIEW, (1280, 960))
     soft = [cv2.resize(mask.astype(np.float64), (320, 240), interpolation=cv2.INTER_AREA) for mask in
             (fine.body, *fine.shadows)]  # fmt: skip
-    fit = fit_light(soft[0], soft[1:], scene.camera, VIEW, None, 0.2)
+    fit = fit_light(Masks(soft[0], soft[1:], scene.camera, VIEW, None, 0.2))
     assert isinstance(fit, Fit)
     assert error_deg(fit, LIGHT) < 1.5
 
@@ -144,7 +144,7 @@ def test_doubtful_edges_widen_the_covariance() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     areas = []
     for edge_sigma_px in (0.2, 0.5, 1.0, 2.0):
-        fit = fit_light(scene.body, scene.shadows, scene.camera, VIEW, None, edge_sigma_px)
+        fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, edge_sigma_px))
         assert isinstance(fit, Fit)
         areas.append(float(np.linalg.det(fit.lights[0].covariance_rad2)))
     assert areas == sorted(areas)
@@ -157,8 +157,8 @@ def test_what_is_unreliable_is_not_measured() -> None:
     hidden[:, int(np.quantile(xs, 0.8)) :] = True
     shadow = scene.shadows[0] & ~hidden
     body = scene.body & ~hidden
-    known = fit_light(body, [shadow], scene.camera, VIEW, hidden, 0.2)
-    unknown = fit_light(body, [shadow], scene.camera, VIEW, None, 0.2)
+    known = fit_light(Masks(body, [shadow], scene.camera, VIEW, hidden, 0.2))
+    unknown = fit_light(Masks(body, [shadow], scene.camera, VIEW, None, 0.2))
     assert isinstance(known, Fit)
     assert isinstance(unknown, Fit)
     assert error_deg(known, LIGHT) < error_deg(unknown, LIGHT)
@@ -180,19 +180,19 @@ def test_what_may_be_either_is_known_by_the_outline_of_the_whole(name: str, whos
     body, shadow = scene.body, scene.shadows[0]
     either = nearest_part(body, shadow, share) if whose == "the object's" else nearest_part(shadow, body, share)
     sure = body & ~either, shadow & ~either
-    fit = fit_light(sure[0], [sure[1]], scene.camera, VIEW, None, 0.2, either=either)
+    fit = fit_light(Masks(sure[0], [sure[1]], scene.camera, VIEW, None, 0.2, either=either))
     assert isinstance(fit, Fit)
     assert error_deg(fit, LIGHT) < 2.0
     # Given to the wrong one, they mislead.
     wrong = (sure[0], shadow | either) if whose == "the object's" else (body | either, sure[1])
-    misled = fit_light(wrong[0], [wrong[1]], scene.camera, VIEW, None, 0.2)
+    misled = fit_light(Masks(wrong[0], [wrong[1]], scene.camera, VIEW, None, 0.2))
     assert isinstance(misled, FitFailure) or error_deg(misled, LIGHT) > error_deg(fit, LIGHT)
 
 
 def test_nothing_that_may_be_either_changes_nothing() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     nothing = np.zeros_like(scene.body)
-    fit = fit_light(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, either=nothing)
+    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, either=nothing))
     assert isinstance(fit, Fit)
     assert fit.lights[0].to_light_marker.tobytes() == fitted(scene).lights[0].to_light_marker.tobytes()
 
@@ -200,7 +200,7 @@ def test_nothing_that_may_be_either_changes_nothing() -> None:
 @pytest.mark.parametrize("near", [(0.0, 0.0), (3.0, -3.0), (-40.0, 40.0)])
 def test_a_wrong_start_beside_the_guess_does_no_harm(near: tuple[float, float]) -> None:
     scene = render(BODIES["cylinder"](), [LIGHT], VIEW)
-    fit = fit_light(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, near=np.array([near]))
+    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, near=np.array([near])))
     assert isinstance(fit, Fit)
     assert error_deg(fit, LIGHT) < 1.5
 
@@ -213,7 +213,7 @@ def test_a_wrong_start_beside_the_guess_does_no_harm(near: tuple[float, float]) 
 def test_high_and_low_lights_are_within_their_covariance(name: str, elevation_deg: float) -> None:
     light = direction(160.0, elevation_deg)
     scene = render(BODIES[name](), [light], VIEW)
-    fit = fit_light(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2)
+    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2))
     if scene.shadows[0].sum() < 10:
         assert isinstance(fit, FitFailure)
         return
@@ -270,7 +270,7 @@ def test_no_masks_and_no_pose_break_it() -> None:
             masks = [mask > 0.5 for mask in masks]
         sigma_px, either = float(rng.choice([0.0, 0.2, 2.0])), random_mask(rng, (45, 60)) > 0.5
         either = either if rng.integers(2) else None
-        fit = fit_light(masks[0], masks[1:2], camera, view, masks[2] > 0.9, sigma_px, FAST, either)
+        fit = fit_light(Masks(masks[0], masks[1:2], camera, view, masks[2] > 0.9, sigma_px, either=either), FAST)
         if isinstance(fit, FitFailure):
             assert fit.reason
             continue
@@ -293,15 +293,15 @@ def test_reasons_say_what_is_missing() -> None:
         (scene.body, scene.shadows[0], below, "the camera looks along the ground or from below it"),
     ]
     for body, shadow, view, reason in cases:
-        assert fit_light(body, [shadow], scene.camera, view) == FitFailure(reason)
+        assert fit_light(Masks(body, [shadow], scene.camera, view)) == FitFailure(reason)
 
 
 def test_wrong_use_is_a_value_error() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     with pytest.raises(ValueError, match="shape"):
-        fit_light(scene.body[1:], scene.shadows, scene.camera, VIEW)
+        fit_light(Masks(scene.body[1:], scene.shadows, scene.camera, VIEW))
     with pytest.raises(ValueError, match="shape"):
-        fit_light(scene.body, [], scene.camera, VIEW)
+        fit_light(Masks(scene.body, [], scene.camera, VIEW))
 
 
 # Rendered scenes, with their true masks
@@ -316,7 +316,7 @@ def test_the_papers_scenes_are_solved() -> None:
     errors = []
     for case in read_cases(folder):
         masks = [cv2.imread(str(case.mask_paths[name]), cv2.IMREAD_GRAYSCALE) > 127 for name in ("object", "shadow")]
-        fit = fit_light(masks[0], masks[1:], case.camera, case.marker.T_cam_marker, None, 0.2)
+        fit = fit_light(Masks(masks[0], masks[1:], case.camera, case.marker.T_cam_marker, None, 0.2))
         assert isinstance(fit, Fit)
         assert case.to_lights_marker is not None
         errors.append(error_deg(fit, case.to_lights_marker[0]))
@@ -336,7 +336,7 @@ def test_rendered_scenes_are_solved_and_their_errors_foretold() -> None:
         masks = {name: cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) > 127 for name, path in case.mask_paths.items()}
         shadow = masks.get("shadow_caster", masks["shadow"])
         pose, clutter = case.marker.T_cam_marker, masks.get("clutter")
-        fit = fit_light(masks["object"], [shadow], case.camera, pose, clutter, 0.2)
+        fit = fit_light(Masks(masks["object"], [shadow], case.camera, pose, clutter, 0.2))
         assert isinstance(fit, Fit), case.id
         errors.append(error_deg(fit, case.to_lights_marker[0]))
         sigmas.append(sigmas_off(fit, case.to_lights_marker[0]))

@@ -51,7 +51,7 @@ def test_parts_have_exact_derivatives(name: str) -> None:
 def test_reaches_are_those_of_the_bodys_points(name: str) -> None:
     family: Family = FAMILIES[name]
     parts = family.parts(member(name))[0]
-    supports = outline_supports(P, parts, SLANTS, DIRECTIONS)
+    supports = outline_supports(P[None], parts, SLANTS, DIRECTIONS[None])
     points = Proxy(name, np.abs(parts[0]) * np.sign(np.where(parts[0] < 0, [1, 1, 1, -1, -1], 1)) * np.where(
         parts[0] < 0, [-1, -1, -1, -1, -1], 1)).points_marker(400)  # fmt: skip
     outlines = [points]
@@ -71,9 +71,11 @@ def test_reaches_are_those_of_the_bodys_points(name: str) -> None:
 @pytest.mark.parametrize("name", FAMILIES)
 def test_reaches_have_exact_derivatives(name: str) -> None:
     family, shape = FAMILIES[name], member(name)
-    supports = outline_supports(P, family.parts(shape)[0], SLANTS, DIRECTIONS)
-    by_shape = supports.by_parts @ family.parts(shape)[1].reshape(1, 1, -1, shape.shape[1])
-    expected = numerical(lambda t: outline_supports(P, family.parts(t)[0], SLANTS, DIRECTIONS).reach_px, shape)
+    supports = outline_supports(P[None], family.parts(shape)[0], SLANTS, DIRECTIONS[None])
+    by_shape = np.einsum("nodf,nodfq->nodq", supports.by_part, family.parts(shape)[1][0, supports.part])
+    expected = numerical(
+        lambda t: outline_supports(P[None], family.parts(t)[0], SLANTS, DIRECTIONS[None]).reach_px, shape
+    )
     assert np.allclose(by_shape, expected, atol=2e-2, rtol=1e-4)
 
     parts = family.parts(shape)[0]
@@ -82,7 +84,7 @@ def test_reaches_have_exact_derivatives(name: str) -> None:
         def reach(slant: Float, light: int = light) -> Float:
             slants = SLANTS.copy()
             slants[:, light] = slant
-            return outline_supports(P, parts, slants, DIRECTIONS).reach_px
+            return outline_supports(P[None], parts, slants, DIRECTIONS[None]).reach_px
 
         expected = numerical(reach, SLANTS[:, light])
         assert np.allclose(supports.by_slant[:, light], expected[:, 1 + light], atol=2e-2, rtol=1e-4)
@@ -97,7 +99,7 @@ def test_a_spheres_outline_is_exact() -> None:
     K[:2, 2] = 0.0
     pose = np.hstack([np.diag([1.0, -1.0, -1.0]), np.array([[0.0], [0.0], [4.0]])])
     ball = np.array([[[0.0, 0.0, 1.0, 0.6, 0.6]]])
-    reach_px = outline_supports(K @ pose, ball, np.zeros((1, 0, 2)), DIRECTIONS).reach_px
+    reach_px = outline_supports((K @ pose)[None], ball, np.zeros((1, 0, 2)), DIRECTIONS[None]).reach_px
     assert np.allclose(reach_px, 500 * math.tan(math.asin(0.6 / 3.0)))
 
 
@@ -105,6 +107,7 @@ def test_what_lies_behind_the_camera_stays_finite() -> None:
     parts = FAMILIES["box"].parts(member("box"))[0]
     for size in (1e2, 1e4):
         slants = size * np.array([[[0.0, 1.0]], [[0.0, -1.0]], [[1.0, 0.0]]])
-        supports = outline_supports(P, np.repeat(parts, 3, axis=0), slants, DIRECTIONS)
-        for values in (supports.reach_px, supports.by_parts, supports.by_slant):
+        cameras, bodies, directions = (np.repeat(one[None], 3, axis=0) for one in (P, parts[0], DIRECTIONS))
+        supports = outline_supports(cameras, bodies, slants, directions)
+        for values in (supports.reach_px, supports.by_part, supports.by_slant):
             assert np.isfinite(values).all()
