@@ -92,7 +92,9 @@ class SoakBench:
         with self._stage(TimeCodeCamera(self.clip, SOAK_HZ), SOAK_HZ) as stage:
             run = SoakRun(stage.window, stage.session, stage.tracker, self.frames)
             stage.on_picture = run.add
-            stage.viewer.run(self.frames)
+            # Hours are not to be lost: Ctrl-C gives the figures of the frames so far.
+            with contextlib.suppress(KeyboardInterrupt):
+                stage.viewer.run(self.frames)
         return {**run.to_json(), "left_running": left_running(before)}
 
     @contextlib.contextmanager

@@ -1,5 +1,6 @@
 """A long session at the viewer: its keys, how long its pictures take, and what it holds."""
 
+import sys
 import threading
 import time
 
@@ -17,6 +18,7 @@ from ashe_live.viewer.session import Session
 
 SWITCH_EVERY, ESTIMATE_EVERY = 100, 300
 SAMPLES = 200
+PROGRESS_LINES = 40
 DRIFT_TOLERATED = 1.1
 
 
@@ -70,6 +72,8 @@ class SoakRun:
         if self._count % self._sample_every == 0:
             with self._tracker.at_rest:
                 self._held.sample(self._count)
+        if self._count % max(1, len(self._times_ms) // PROGRESS_LINES) == 0:
+            print(f"{self._count} frames in {time.monotonic() - self._begun_s:.0f} s", file=sys.stderr, flush=True)
 
     def to_json(self) -> Json:
         # Every model is then known, and its shaders are; twice, as an estimate changes how they are drawn.

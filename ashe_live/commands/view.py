@@ -176,11 +176,14 @@ def _tell_of_recordings_cut_short(out: Path | None) -> None:
 def _ended_by_signals() -> Iterator[None]:
     """Within, a request to end unwinds the stack like any error, so that a recording is finished."""
 
+    is_ending = False
+
     def end(number: int, _stack: FrameType | None) -> None:
+        nonlocal is_ending
         # Impatience must not cut short what unwinding finishes.
-        for each in before:
-            signal.signal(each, signal.SIG_IGN)
-        raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
+        if not is_ending:
+            is_ending = True
+            raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
 
     names = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
     numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]

@@ -52,6 +52,21 @@ def test_it_runs_to_its_end_and_leaves_nothing_running(clip, tmp_path, monkeypat
     assert "left running at the end: nothing" in capsys.readouterr().out
 
 
+def test_interrupted_it_tells_of_the_frames_so_far(clip, monkeypatch):
+    monkeypatch.setattr(soak, "CAMERA_HZ", ())
+    whole = soak_run.SoakRun.add
+
+    def add_ten(run, picture) -> None:
+        whole(run, picture)
+        if run._count == 10:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(soak_run.SoakRun, "add", add_ten)
+    record = SoakBench(clip, FAST, BlindEstimator, FRAMES).run()
+    assert (record["frames"], record["soak"]["frames"]) == (FRAMES, 10)
+    assert record["soak"]["left_running"] == []
+
+
 def test_an_existing_file_is_refused_before_anything_is_measured(clip, tmp_path):
     out = tmp_path / "soak.json"
     out.write_text("precious")
