@@ -4,6 +4,7 @@ import math
 import multiprocessing
 import os
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,8 @@ from ashe_live.render.offscreen import live_gl_objects
 PROC = Path("/proc")
 # Of what is held, over the whole run: an allocator's own unrest stays below.
 TOLERATED_GROWTH = 0.02
+# On a crowded machine; a thread that waits for something that never comes is there longer.
+TIME_TO_END_S = 10.0
 
 
 def resident_mib(process: int | str = "self") -> float:
@@ -79,9 +82,12 @@ def growth(frames: list[int], values: list[float], warm_up: int) -> Json:
 
 
 def left_running(before: set[threading.Thread]) -> list[str]:
-    """Names of the threads that were not there before, and of child processes."""
-    threads = [thread.name for thread in threading.enumerate() if thread not in before]
-    return [*threads, *(child.name for child in multiprocessing.active_children())]
+    """Names of the threads that were not there before and of child processes, after time enough to end."""
+    deadline_s = time.monotonic() + TIME_TO_END_S
+    left = [thread for thread in threading.enumerate() if thread not in before]
+    for each in (*left, *multiprocessing.active_children()):
+        each.join(max(0.0, deadline_s - time.monotonic()))
+    return [each.name for each in (*left, *multiprocessing.active_children()) if each.is_alive()]
 
 
 def _entries(folder: Path) -> float:

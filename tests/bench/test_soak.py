@@ -7,7 +7,7 @@ import threading
 import numpy as np
 import pytest
 
-from ashe_live.bench import soak, soak_run
+from ashe_live.bench import resources_held, soak, soak_run
 from ashe_live.bench.resources_held import growth, left_running
 from ashe_live.bench.soak import SoakBench
 from ashe_live.bench.soak_run import drift_json
@@ -134,7 +134,8 @@ def test_slow_by_its_own_doing_is_slow_by_the_clock_and_on_the_processor(last, i
     assert drift_json(times_ms, round_frames=101) is None
 
 
-def test_a_thread_that_is_left_is_named():
+def test_a_thread_that_is_left_is_named(monkeypatch):
+    monkeypatch.setattr(resources_held, "TIME_TO_END_S", 0.0)
     before, end = set(threading.enumerate()), threading.Event()
     thread = threading.Thread(target=end.wait, name="forgotten")
     thread.start()
