@@ -85,9 +85,14 @@ def left_running(before: set[threading.Thread]) -> list[str]:
     """Names of the threads that were not there before and of child processes, after time enough to end."""
     deadline_s = time.monotonic() + TIME_TO_END_S
     left = [thread for thread in threading.enumerate() if thread not in before]
-    for each in (*left, *multiprocessing.active_children()):
-        each.join(max(0.0, deadline_s - time.monotonic()))
-    return [each.name for each in (*left, *multiprocessing.active_children()) if each.is_alive()]
+    for thread in left:
+        thread.join(max(0.0, deadline_s - time.monotonic()))
+    for child in multiprocessing.active_children():
+        child.join(max(0.0, deadline_s - time.monotonic()))
+    return [
+        *(thread.name for thread in left if thread.is_alive()),
+        *(child.name for child in multiprocessing.active_children()),
+    ]
 
 
 def _entries(folder: Path) -> float:
