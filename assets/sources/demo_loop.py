@@ -1,0 +1,94 @@
+"""Draws docs/demo.webp, the README's moving picture: the shipped clip, its light estimated, one model after another.
+
+    python demo_loop.py [--out ../../docs/demo.webp]
+
+Needs ashe_live and OpenGL; half a minute of one core. Everything in it is what the viewer shows; only the captions are larger.
+"""
+
+import argparse
+from pathlib import Path
+
+import cv2
+from PIL import Image
+
+import ashe_live as al
+from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.known_clip import shipped_clip
+from ashe_live.core.quality import QUALITIES
+from ashe_live.models.catalogue import load_model
+from ashe_live.models.placement import placed_on_marker
+from ashe_live.render.hud import Hud, HudText
+from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.renderer import Renderer
+from ashe_live.render.scene import Scene
+from ashe_live.viewer.easing import LightEasing
+
+SIZE = (480, 360)
+EVERY = 2  # frames of the clip
+ESTIMATED_AT_S, ARROW_UNTIL_S = 1.5, 3.2
+MODELS = ((0.0, "mug"), (3.2, "goblet"), (4.2, "lantern"), (5.2, "tree"), (6.2, "cube"))
+CAPTIONS = (
+    (0.0, "a virtual mug beside a real cup: its light is not known yet"),
+    (ESTIMATED_AT_S, "Space: the light, estimated from this one frame"),
+    (ARROW_UNTIL_S, "1 to 9: other models in the same light"),
+)
+LETTERS = 1.15
+WEBP = {"quality": 80, "method": 6, "minimize_size": True, "loop": 0}
+
+
+def latest(table, time_s):
+    return [entry[1] for entry in table if entry[0] <= time_s][-1]
+
+
+def pictures():
+    """PIL images, and the clip's frame rate."""
+    clip = shipped_clip()
+    tracker = al.Tracker(clip.camera, clip.marker_spec, clip.marker_side_m)
+    estimator, easing, hud = al.make_estimator("proxy"), LightEasing(), Hud()
+    renderer = Renderer(offscreen_context(), QUALITIES["accurate"].render, SIZE)
+    placed = {name: placed_on_marker(load_model(name), clip.marker_side_m) for _, name in MODELS}
+    estimate, surroundings = None, None
+    with ClipSource(clip.path) as source:
+        while (frame := source.read()) is not None:
+            tracked = tracker.track(frame.image_bgr, frame.time_s)
+            surroundings = surroundings or tracked
+            if estimate is None and frame.time_s >= ESTIMATED_AT_S:
+                estimate, surroundings = estimator.estimate(tracked), tracked
+            if frame.index % EVERY:
+                continue
+            shown = easing.at(estimate, frame.time_s)
+            known = (
+                {}
+                if shown is None
+                else {
+                    "lights": shown.lights,
+                    "caster": shown.caster,
+                    "ambient_rgb_ratio": shown.ambient_rgb_ratio,
+                    "ground_rgb": shown.ground_rgb,
+                }
+            )
+            scene = Scene(
+                tracked,
+                placed[latest(MODELS, frame.time_s)],
+                shows_light=frame.time_s < ARROW_UNTIL_S,
+                overlays=hud.overlays(HudText(hint=(latest(CAPTIONS, frame.time_s),)), SIZE, LETTERS),
+                surroundings=surroundings,
+                **known,
+            )
+            renderer.render(scene)
+            yield Image.fromarray(cv2.cvtColor(renderer.read_bgr(), cv2.COLOR_BGR2RGB))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, default=Path(__file__).parents[2] / "docs" / "demo.webp")
+    options = parser.parse_args()
+    first, *others = pictures()
+    with ClipSource(shipped_clip().path) as source:
+        period_ms = round(1000 * EVERY / source.fps)
+    first.save(options.out, save_all=True, append_images=others, duration=period_ms, **WEBP)
+    print(f"{options.out}: {1 + len(others)} pictures, {options.out.stat().st_size / 1e6:.2f} MB")
+
+
+if __name__ == "__main__":
+    main()
