@@ -2,7 +2,7 @@
 
     python demo_loop.py [--out ../../docs/demo.webp]
 
-Needs ashe_live and OpenGL; half a minute of one core. Everything in it is what the viewer shows; only the captions are larger.
+Needs ashe_live and OpenGL; half a minute of one core. It shows what the viewer shows; the captions are its own.
 """
 
 import argparse
