@@ -2,6 +2,7 @@
 
 import contextlib
 import gc
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -19,7 +20,8 @@ GL_TYPES = (
     moderngl.VertexArray,
     moderngl.Program,
 )
-STANDALONE: dict[str, Any] = {"standalone": True, "backend": "egl"}
+# Only Linux has EGL; elsewhere the system's own way is moderngl's default.
+STANDALONE: dict[str, Any] = {"standalone": True} | ({"backend": "egl"} if sys.platform.startswith("linux") else {})
 
 
 def offscreen_context() -> moderngl.Context:
