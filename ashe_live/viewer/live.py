@@ -230,9 +230,12 @@ class LiveViewer:
     def _record_picture(self, is_new: bool, now_s: float) -> None:
         if self._recording is None or self._session.tracked is None:
             return
-        self._recording.take(self._picture, is_new, now_s)
-        if self._recording.failure is not None:
-            self._finish_recording(now_s)
+        # A clip has one size: with another source the recording is over.
+        if self._recording.size == self._session.tracked.frame.size:
+            self._recording.take(self._picture, is_new, now_s)
+            if self._recording.failure is None:
+                return
+        self._finish_recording(now_s)
 
     def _finish_recording(self, now_s: float) -> None:
         if self._recording is not None:

@@ -41,6 +41,7 @@ class Recording:
 
     def __init__(self, path: Path, size: Size, fps: float, overwrite: bool = False) -> None:
         """Raises UserError as Recorder does."""
+        self.size = size
         self.failure: str | None = None
         self._recorder = Recorder(path, size, fps, overwrite)
         self._slots = Slots(fps)

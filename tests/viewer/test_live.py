@@ -5,13 +5,16 @@ import json
 import threading
 
 import moderngl
+import numpy as np
 import PIL.Image
 import pytest
 
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.recorder import Recorder
+from ashe_live.core.camera import Camera
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.quality import FAST
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.render.offscreen import graphics_failures_told
 from ashe_live.tracking.steadiness import Steadiness
@@ -200,6 +203,26 @@ def test_whatever_ends_it_a_recording_is_finished(stage, tmp_path, error):
     (path,) = tmp_path.iterdir()
     with ClipSource(path) as clip:
         assert clip.read() is not None
+
+
+@pytest.mark.parametrize("last", [None, Command.QUIT])
+def test_closing_the_window_and_esc_finish_a_recording_too(stage, tmp_path, capfd, last):
+    stage.put(0)
+    stage.run(Command.RECORD, None, lambda: stage.put(1), None, last, *[None] * (last is not None))
+    (path,) = tmp_path.iterdir()
+    assert capfd.readouterr().out.startswith(f"saved {path} (")
+    with ClipSource(path) as clip:
+        assert clip.read() is not None
+
+
+def test_a_picture_of_another_size_ends_the_recording(stage, tmp_path, capfd):
+    stage.put(0)
+    other = TrackedFrame(Frame(np.zeros((96, 128, 3), np.uint8), 0, 0.0), Camera.from_hfov((128, 96), 60), None)
+    stage.run(Command.RECORD, None, lambda: stage.pipeline.frames.put(other), None, None)
+    (path,) = tmp_path.iterdir()
+    assert capfd.readouterr().out.startswith(f"saved {path} (")
+    with ClipSource(path) as clip:
+        assert clip.size == (64, 48)
 
 
 class FullDisk(Recorder):
