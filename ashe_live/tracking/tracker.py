@@ -70,7 +70,17 @@ class Tracker:
         self._lost_frames = 0
         self._census_s: float | None = None
         self._note: str | None = None
+        self._before_jump: MarkerPose | None = None
         self._filter.reset()
+
+    def jump(self) -> None:
+        """As reset, but between a square's two poses the last one still decides: another time, and no other place.
+
+        Without it a seek could turn the model over that stood upright when the clip was played.
+        """
+        pose = self._before_jump if self._last is None else self._last.pose
+        self.reset()
+        self._before_jump = pose
 
     def use_camera(self, camera: Camera) -> None:
         """From now on `camera` explains frames of its size, until their size changes; the marker stays found."""
@@ -171,7 +181,7 @@ class Tracker:
 
     def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: _Memory | None) -> MarkerPose | None:
         sightings = [Sighting(self.side_m * self._members[number].corners, squares[number]) for number in squares]
-        previous = None if last is None else last.pose
+        previous = self._before_jump if last is None else last.pose
         return pose_of_squares(sightings, camera, self.side_m, previous, self.preset.refines_pose)
 
     def _flowed(self, image: Image, camera: Camera, last: _Memory) -> dict[int, FittedSquare]:
@@ -211,6 +221,7 @@ class Tracker:
                 velocities[number] = (corners_px[number] - last.corners_px[number]) / elapsed_s
         self._last = _Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, bridged)
         self._lost_frames = 0
+        self._before_jump = None
 
 
 def _resized(camera: Camera, size: Size) -> Camera:

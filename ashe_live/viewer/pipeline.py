@@ -231,7 +231,7 @@ class Pipeline:
         else:
             self._clip.seek_frame(wanted.index)
         if wanted.index is None or before.index is None or wanted.index != before.index + 1:
-            self._tracker.reset()
+            self._tracker.jump()
         self._pace.begin_anew()
 
     def _take_restart(self) -> bool:

@@ -74,6 +74,19 @@ def test_the_region_alone_finds_what_has_hardly_moved() -> None:
     check(followed.track(frame(picture(ARUCO, CAMERA, moved), 1)).marker, moved, CAMERA)
 
 
+def test_after_a_jump_the_last_pose_decides_between_the_two_of_a_square() -> None:
+    """A print over the camera, from far: taken for one on a table, unless it was seen from near before."""
+    near, far = pose(0.4, -40), pose(1.5, -14)
+    image = frame(picture(ARUCO, CAMERA, far), 900)
+    followed = tracker()
+    assert turn_deg(followed.track(image).marker.T_cam_marker, far) > 15
+    for is_right, forget in ((True, Tracker.jump), (False, Tracker.reset)):
+        followed.reset()
+        followed.track(frame(picture(ARUCO, CAMERA, near)))
+        forget(followed)
+        assert (turn_deg(followed.track(image).marker.T_cam_marker, far) < 8) is is_right
+
+
 def test_reset_and_rewind_forget_the_last_pose() -> None:
     truth = pose(0.5, 40)
     image = picture(ARUCO, CAMERA, truth)

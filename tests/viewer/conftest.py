@@ -81,7 +81,7 @@ class FakeTracker:
     """Finds the marker in every frame. `hook(frame)` runs first."""
 
     def __init__(self) -> None:
-        self.resets = 0
+        self.resets = self.jumps = 0
         self.hook: Callable[[Frame], None] = lambda _frame: None
 
     def track(self, frame: Frame) -> TrackedFrame:
@@ -90,6 +90,9 @@ class FakeTracker:
 
     def reset(self) -> None:
         self.resets += 1
+
+    def jump(self) -> None:
+        self.jumps += 1
 
 
 class FakeWorker:

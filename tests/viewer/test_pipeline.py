@@ -165,17 +165,17 @@ def held(run, fakes) -> tuple[Pipeline, object, object]:
     pipeline.pause(True)
     pipeline.seek(50 / source.fps)
     assert_settles(pipeline, at=50)
-    tracker.resets, source.sought = 0, []
+    tracker.jumps, source.sought = 0, []
     return pipeline, source, tracker
 
 
 def test_steps_while_paused_are_tracked_and_shown(held):
     pipeline, _, tracker = held
-    for by, wanted, resets in ((1, 51, 0), (1, 52, 0), (-1, 51, 1), (-1, 50, 2), (-1, 49, 3), (1, 50, 3)):
+    for by, wanted, jumps in ((1, 51, 0), (1, 52, 0), (-1, 51, 1), (-1, 50, 2), (-1, 49, 3), (1, 50, 3)):
         pipeline.step(by)
         tracked = pipeline.frames.take(PATIENCE_S)
         assert (tracked.frame.index, tracked.marker is not None) == (wanted, True)
-        assert tracker.resets == resets  # the next one in a row is no cut
+        assert tracker.jumps == jumps  # the next one in a row is no cut
     assert pipeline.frames.take(A_WHILE_S) is None
 
 
@@ -242,13 +242,13 @@ def test_a_seek_is_a_cut_and_playing_goes_on_from_there(run, fakes):
     indices(pipeline, until=3)
     pipeline.seek(40.0)
     indices(pipeline, until=8050)
-    assert tracker.resets == 1
+    assert tracker.jumps == 1
     pipeline.seek_by(-20.0)
     taken = [pipeline.frames.take(PATIENCE_S).frame.index for _ in range(30)]
     first = next(index for index in taken if index < 8000)
     assert 4000 <= first < 6000
     assert taken == sorted(taken[: taken.index(first)]) + sorted(taken[taken.index(first) :])
-    assert tracker.resets == 2
+    assert tracker.jumps == 2
 
 
 def test_a_seek_back_from_the_end_plays_on(run, fakes):
