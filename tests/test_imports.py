@@ -1,5 +1,6 @@
 """What each package must not load: the layers, held by a subprocess that imports the package's every module."""
 
+import ast
 import json
 import subprocess
 import sys
@@ -68,3 +69,20 @@ def test_only_render_names_moderngl_and_only_the_viewer_glfw() -> None:
             if any(line.split()[:2] in (["import", name], ["from", name]) for line in path.read_text().splitlines())
         }
         assert users == {home}
+
+
+def test_no_file_is_unpickled_or_evaluated_and_no_network_is_asked() -> None:
+    """core/pipes.py pickles between the program's own processes, and nothing else does."""
+    never = {"marshal", "shelve", "socket", "urllib.request", "http", "ftplib", "ssl", "requests"}
+    for path in (CHECKOUT / "ashe_live").rglob("*.py"):
+        imported, called = set(), set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                imported |= {name.name for name in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                imported |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
+            elif isinstance(node, ast.Call):
+                called.add(ast.unparse(node.func))
+        assert not imported & never, path
+        assert not called & {"eval", "exec", "np.load", "numpy.load"}, path
+        assert "pickle" not in imported or path.name == "pipes.py", path

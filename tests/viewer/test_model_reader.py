@@ -1,6 +1,8 @@
 """Large files are read in a process of their own, to the same result."""
 
 import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -41,3 +43,14 @@ def test_a_reader_that_dies_is_an_error_and_nothing_more(tmp_path, monkeypatch):
 
 def _dies(*_):
     os._exit(9)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not hold a process to it")
+def test_the_reader_may_take_so_much_memory_and_no_more():
+    code = (
+        "from ashe_live.viewer.model_reader import MAX_MEMORY_BYTES, _limit_memory\n"
+        "_limit_memory()\n"
+        "bytearray(100_000_000)\n"
+        "try:\n    bytearray(MAX_MEMORY_BYTES)\nexcept MemoryError:\n    print('refused')\n"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True).stdout == "refused\n"
