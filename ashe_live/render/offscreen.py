@@ -23,6 +23,9 @@ GL_TYPES = (
 # Only Linux has EGL; elsewhere the system's own way is moderngl's default.
 STANDALONE: dict[str, Any] = {"standalone": True} | ({"backend": "egl"} if sys.platform.startswith("linux") else {})
 
+# The latter is moderngl's name for all that is newer than OpenGL 3, GL_CONTEXT_LOST among it.
+FATAL_ERRORS = ("GL_OUT_OF_MEMORY", "GL_UNKNOWN_ERROR")
+
 
 def offscreen_context() -> moderngl.Context:
     """A standalone context of OpenGL 3.3 core or later. Raises UserError when the machine has none."""
@@ -54,6 +57,13 @@ def graphics_failures_told() -> Iterator[None]:
         raise UserError(
             f"the graphics driver failed ({detail})", "start again; if that happens often, update the driver"
         ) from error
+
+
+def check_graphics(ctx: Context) -> None:
+    """Raises moderngl.Error when OpenGL has failed for good since it was last asked; it tells nobody unasked."""
+    error = ctx.error
+    if error in FATAL_ERRORS:
+        raise moderngl.Error(error)
 
 
 def live_gl_objects() -> int:

@@ -21,6 +21,7 @@ from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lens import Lens
 from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.model_pass import LookedUp, ModelPass, View
+from ashe_live.render.offscreen import check_graphics
 from ashe_live.render.overlays import OverlayPass
 from ashe_live.render.photometry import Photometry
 from ashe_live.render.prepared import ModelSwitch
@@ -137,12 +138,17 @@ class Renderer:
         self.overlays.draw(scene.overlays, self.size)
 
     def present(self, target: moderngl.Framebuffer) -> None:
-        """Copies the last picture to a framebuffer of the same size, as a rule `ctx.screen`."""
+        """Copies the last picture to a framebuffer of the same size, as a rule `ctx.screen`.
+
+        Raises moderngl.Error when OpenGL has failed for good.
+        """
         self._ctx.copy_framebuffer(target, self._surface.colour)
+        check_graphics(self._ctx)
 
     def finish(self) -> None:
-        """Waits until the last picture is drawn."""
+        """Waits until the last picture is drawn. Raises moderngl.Error as `present` does."""
         self._ctx.finish()
+        check_graphics(self._ctx)
 
     def read_bgr(self) -> Image:
         """(h, w, 3) uint8 sRGB of the last picture in OpenCV's order, top row first; waits until it is drawn."""

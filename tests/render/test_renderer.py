@@ -9,10 +9,11 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.quality import ACCURATE, BALANCED, FAST
 from ashe_live.core.transforms import project
+from ashe_live.errors import UserError
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.primitives import box
-from ashe_live.render.offscreen import live_gl_objects
+from ashe_live.render.offscreen import graphics_failures_told, live_gl_objects
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.render.surface import supported_samples
 
@@ -206,3 +207,13 @@ def test_arrow_comes_from_the_light(make_renderer, stage) -> None:
         towards = np.array([columns.mean() - foot[0], foot[1] - rows.mean()])
         bearing_deg = np.degrees(np.arctan2(towards[1], towards[0]))
         assert abs((bearing_deg - azimuth_deg + 180) % 360 - 180) < 8
+
+
+def test_a_driver_without_memory_left_is_told_once_and_in_one_line(ctx, make_renderer, stage) -> None:
+    renderer = make_renderer()
+    renderer.render(Scene(stage.tracked(90, None)))
+    renderer.finish()
+    ctx.buffer(reserve=2**46).release()
+    with pytest.raises(UserError, match=r"the graphics driver failed \(GL_OUT_OF_MEMORY\)"), graphics_failures_told():
+        renderer.finish()
+    renderer.finish()
