@@ -12,8 +12,8 @@ from types import FrameType
 
 from ashe_live.capture.cut_short import rescue_recordings
 from ashe_live.capture.recorder import Recorder
-from ashe_live.capture.sources import Source
-from ashe_live.commands.setup import quality_of
+from ashe_live.capture.sources import Source, open_source
+from ashe_live.commands.setup import make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
 from ashe_live.core.output_files import check_output
@@ -111,7 +111,18 @@ def show_in_window(view: View) -> int:
         recording = None
         if options.out is not None:
             recording = Recording(options.out, view.source.size, pipeline.fps, options.overwrite)
-        viewer = LiveViewer(window, renderer, pipeline, view.tracker, session, options.quality, recording, options.loop)
+
+        def opener(path: Path) -> tuple[Pipeline, Tracker]:
+            """A file has a camera of its own: as the flags say, else one that nobody knows."""
+            source = open_source(path)
+            tracker = make_tracker(options)
+            pipeline = Pipeline(source, tracker, options.loop)
+            pipeline.start()
+            return pipeline, tracker
+
+        viewer = LiveViewer(
+            window, renderer, pipeline, view.tracker, session, options.quality, recording, options.loop, opener
+        )
         viewer.run(options.frames)
     return ExitStatus.ANSWERED
 

@@ -78,7 +78,7 @@ def estimate_json(estimate: LightEstimate) -> Json:
     }
 
 
-def snapshot_json(tracked: TrackedFrame, model: str, estimate: LightEstimate | None) -> Json:
+def snapshot_json(tracked: TrackedFrame, model: str, estimate: LightEstimate | None, marker_from_placed: Float) -> Json:
     """What is known of a snapshot: written into it under the keyword SNAPSHOT_KEYWORD."""
     light = None
     if estimate is not None:
@@ -90,6 +90,7 @@ def snapshot_json(tracked: TrackedFrame, model: str, estimate: LightEstimate | N
         "camera": camera_json(tracked.camera),
         "marker": marker_json(tracked.marker),
         "model": model,
+        "marker_from_placed": marker_from_placed.tolist(),
         "estimate": light,
     }
 

@@ -88,6 +88,13 @@ class LightWorker:
             self._asked_index = None
         return outcome
 
+    def give_up(self) -> None:
+        """Nothing comes of the request, if there is one; the next one may be made at once."""
+        if self.busy:
+            self._asked_index = None
+            self._discard()
+            self._process = _Process(self._make)
+
     def close(self) -> None:
         """Ends the process, also in the middle of an estimate; closing twice is allowed."""
         self._closed = True

@@ -30,6 +30,7 @@ class Command(Enum):
     SCALE_MODEL = auto()
     TURN_MODEL = auto()
     RESET = auto()
+    OPEN = auto()
     HELP = auto()
     QUIT = auto()
 
@@ -45,8 +46,15 @@ class Drag:
     is_first: bool  # of the moves since the button went down
 
 
+@dataclass(frozen=True, slots=True)
+class Files:
+    """What was dropped on the window together."""
+
+    paths: tuple[str, ...]
+
+
 Step = tuple[int, int]  # to the right, up
-Argument = int | float | Step | Drag
+Argument = int | float | Step | Drag | Files
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +79,7 @@ class Gesture(Enum):
     WHEEL = auto()
     SHIFT_WHEEL = auto()
     DOUBLE_CLICK = auto()
+    DROP = auto()  # of files on the window
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +174,7 @@ BINDINGS = (
         "light as estimated, model as it was",
         gesture=Gesture.DOUBLE_CLICK,
     ),
+    Binding((), Command.OPEN, "drop a file", "open a model, a clip or a photo", gesture=Gesture.DROP),
     Binding(("P",), Command.PAUSE, "P", "pause"),
     Binding(("R",), Command.RESTART, "R", "start the clip again"),
     Binding((",", ".", "COMMA", "PERIOD"), Command.STEP, ", and .", "one frame back, one on", (-1, 1, -1, 1), True),

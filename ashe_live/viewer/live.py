@@ -1,26 +1,23 @@
 """The loop on the main thread: keys in, the latest tracked frame in, a picture out at the display's own rate."""
 
-import json
 import sys
 import time
 from collections import deque
 from collections.abc import Callable
-from datetime import datetime
 from pathlib import Path
 
-from ashe_live.capture.snapshot import write_png
-from ashe_live.core.arrays import Image
-from ashe_live.core.contract import SNAPSHOT_KEYWORD, snapshot_json
 from ashe_live.core.mailbox import Closed
-from ashe_live.core.output_files import unused_name
 from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.errors import UserError
 from ashe_live.render.renderer import Renderer
+from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.auto_quality import AutoQuality
-from ashe_live.viewer.controls import Command, Request
-from ashe_live.viewer.display import Display, bare_scene
+from ashe_live.viewer.controls import Command, Files, Request
+from ashe_live.viewer.display import Display
 from ashe_live.viewer.gestures import Gestures
+from ashe_live.viewer.keeping import Keeper
+from ashe_live.viewer.opening import Opener, Opening, first_of_each_kind
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.playback import Playback
 from ashe_live.viewer.pointing import in_video
@@ -47,6 +44,7 @@ class LiveViewer:
         quality_name: str,
         recording: Recording | None = None,
         loop: bool = False,
+        opener: Opener | None = None,
     ) -> None:
         self._window = window
         self._renderer = renderer
@@ -58,15 +56,16 @@ class LiveViewer:
         self._quality_name = quality_name
         self._interval_s = 1 / window.refresh_rate_hz
         self._auto: AutoQuality | None = None
-        self._recording = recording
-        self._still: Renderer | None = None
+        self._keeper = Keeper(window.context, session, self._tell, recording)
+        self._opening = None if opener is None else Opening(opener)
+        self._loop = loop
         self._source_error: str | None = None
         self._playback = Playback(pipeline, session, loop)
         self._quit = False
         self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
         self._commands: dict[Command, Callable[[float], None]] = {
-            Command.SNAPSHOT: self._snapshot,
-            Command.RECORD: self._record,
+            Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
+            Command.RECORD: lambda now_s: self._keeper.record(self._pipeline.fps, now_s),
             Command.QUALITY: self._next_quality,
             Command.FULLSCREEN: lambda _now: self._window.toggle_fullscreen(),
             Command.QUIT: lambda _now: self._stop(),
@@ -84,18 +83,21 @@ class LiveViewer:
                 for request in self._window.take_requests(0.0):
                     self._obey(request, now_s)
                 self._follow_mouse(now_s)
-                is_new = self._take_frame(now_s)
+                is_new = self._take_opened(now_s) or self._take_frame(now_s)
                 self._draw(now_s)
                 self._adapt_quality(now_s)
                 self._window.swap()
                 self._shown_s.append(time.monotonic())
-                self._record_picture(is_new, now_s)
+                self._keeper.take(self._renderer.preset, is_new, now_s)
                 if is_new and frames_left is not None:
                     frames_left -= 1
                     self._quit = self._quit or frames_left <= 0
                 self._idle_until(due_s)
         finally:
-            self._finish_recording(time.monotonic())
+            self._keeper.finish(time.monotonic())
+            if self._opening is not None:
+                self._opening.close()
+            self._pipeline.close()
 
     def _idle_until(self, due_s: float) -> None:
         """A display without vertical sync (and a virtual one) would otherwise be drawn as fast as it goes."""
@@ -158,6 +160,9 @@ class LiveViewer:
             self._apply(self._auto.quality)
 
     def _obey(self, request: Request, now_s: float) -> None:
+        if isinstance(request.argument, Files):
+            self._open(request.argument, now_s)
+            return
         if not (self._session.handle(request, now_s) or self._playback.handle(request, now_s)):
             self._commands[request.command](now_s)
 
@@ -169,6 +174,33 @@ class LiveViewer:
             request = self._gestures.add(event, now_s)
             if request is not None:
                 self._obey(in_video(request, size, self._session.tracked), now_s)
+
+    def _open(self, files: Files, now_s: float) -> None:
+        model, source = first_of_each_kind(files.paths)
+        if model is not None:
+            self._session.open_model(model)
+        if source is not None and self._opening is not None:
+            self._opening.begin(Path(source))
+            self._session.say(f"opening {Path(source).name}", now_s)
+
+    def _take_opened(self, now_s: float) -> bool:
+        """True when another source is shown from now on; a recording ends with the one before."""
+        try:
+            opened = None if self._opening is None else self._opening.take()
+        except UserError as error:
+            self._tell(str(error), now_s)
+            return False
+        if opened is None:
+            return False
+        self._keeper.finish(now_s)
+        self._pipeline.close(0.0)
+        self._pipeline, self._tracker, self._source_error = opened.pipeline, opened.tracker, None
+        self._tracker.preset = self._tracking
+        self._playback = Playback(opened.pipeline, self._session, self._loop)
+        self._session.begin_anew(Steadiness(1) if opened.pipeline.is_photo else Steadiness())
+        self._session.take(opened.first, now_s)
+        self._window.set_title(f"ashe-live: {opened.name}")
+        return True
 
     def _stop(self) -> None:
         self._quit = True
@@ -186,61 +218,8 @@ class LiveViewer:
 
     def _apply(self, quality: Quality) -> None:
         self._renderer.preset = quality.render
-        self._tracker.preset = quality.tracking
+        self._tracking = self._tracker.preset = quality.tracking
         self._quality_shown = quality.name if self._auto is None else f"{AUTO} ({quality.name})"
-
-    def _picture(self) -> Image:
-        """(h, w, 3) uint8 BGR: the scene without text, at the video's own size whatever the window's."""
-        tracked = self._session.tracked
-        size = tracked.frame.size if tracked is not None else self._renderer.size
-        if self._still is None:
-            self._still = Renderer(self._window.context, self._renderer.preset, size)
-        if self._still.size != size:
-            self._still.resize(size)
-        self._still.preset = self._renderer.preset
-        # A snapshot shows what is chosen; a recording must not stall the window.
-        self._still.switches_at_once = self._recording is None
-        self._still.render(bare_scene(self._session))
-        return self._still.read_bgr()
-
-    def _snapshot(self, now_s: float) -> None:
-        session, path = self._session, unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
-        texts = {}
-        if session.tracked is not None:
-            texts[SNAPSHOT_KEYWORD] = json.dumps(snapshot_json(session.tracked, session.model_name, session.estimate))
-        try:
-            write_png(path, self._picture(), texts=texts)
-            self._tell(f"saved {path}", now_s)
-        except UserError as error:
-            self._tell(str(error), now_s)
-
-    def _record(self, now_s: float) -> None:
-        if self._recording is not None:
-            self._finish_recording(now_s)
-            return
-        if self._session.tracked is None:
-            return
-        path = unused_name(Path.cwd(), "ashe-live", ".mp4", datetime.now())
-        try:
-            self._recording = Recording(path, self._session.tracked.frame.size, self._pipeline.fps)
-            self._session.say(f"recording {path}: V stops", now_s)
-        except UserError as error:
-            self._tell(str(error), now_s)
-
-    def _record_picture(self, is_new: bool, now_s: float) -> None:
-        if self._recording is None or self._session.tracked is None:
-            return
-        # A clip has one size: with another source the recording is over.
-        if self._recording.size == self._session.tracked.frame.size:
-            self._recording.take(self._picture, is_new, now_s)
-            if self._recording.failure is None:
-                return
-        self._finish_recording(now_s)
-
-    def _finish_recording(self, now_s: float) -> None:
-        if self._recording is not None:
-            recording, self._recording = self._recording, None
-            self._tell(recording.finish(), now_s)
 
     def _tell(self, text: str, now_s: float) -> None:
         """On the screen and, to be found when it has gone from there, in the terminal."""

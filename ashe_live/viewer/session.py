@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import LightEstimate, TrackedFrame
@@ -76,7 +77,8 @@ class Session:
 
     @property
     def model_name(self) -> str:
-        return self._shelf.chosen_name
+        """As it is shown: of a file its name, without the folders."""
+        return Path(self._shelf.chosen_name).name
 
     @property
     def model_progress(self) -> str | None:
@@ -124,6 +126,21 @@ class Session:
             self.request_estimate(now_s)
         elif self.fusion is not None and is_steady and not self.is_estimating and self._is_due(now_s, self.fusion):
             self.request_estimate(now_s)
+
+    def begin_anew(self, steadiness: Steadiness) -> None:
+        """For another source, which is no camera: another light, another marker, perhaps another table."""
+        self.tracked = self.estimate = self.estimated_from = self.surroundings = self._frozen = None
+        self.true_to_light_marker = None
+        self.shown = self._easing.jump(None)
+        self.hand.reset()
+        self.fusion = None if self.fusion is None else LightFusion()
+        self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
+        self._steadiness = steadiness
+        self._worker.give_up()
+
+    def open_model(self, path: str) -> None:
+        """Shows the model in the file as soon as it is read."""
+        self._shelf.add(path)
 
     def request_estimate(self, now_s: float) -> bool:
         """Hands the current frame to the worker; says so when there is nothing to hand over."""

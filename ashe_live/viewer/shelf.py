@@ -27,7 +27,9 @@ class Shelf:
         self.names = shipped if first_choice in shipped else [first_choice, *shipped]
         self._loading: dict[str, Future[PlacedModel]] = {}
         self._begun_s: dict[str, float] = {}
-        self._chosen = self._shown_at = self.names.index(first_choice)
+        self._chosen = self.names.index(first_choice)
+        self._shown_name = first_choice
+        self._untried: set[str] = set()  # dropped, and not read yet
         self._shown = self._load(first_choice).result()
         self._error: UserError | None = None
 
@@ -41,6 +43,17 @@ class Shelf:
     def step(self, by: int) -> None:
         self._chosen = (self._chosen + by) % len(self.names)
 
+    def add(self, path: str) -> None:
+        """Chooses a model file, after all others; one that is there already is read anew.
+
+        When it cannot be read and never could, it goes again.
+        """
+        if path not in self.names:
+            self.names.append(path)
+            self._untried.add(path)
+        self._loading.pop(path, None)
+        self._chosen = self.names.index(path)
+
     @property
     def chosen_name(self) -> str:
         return self.names[self._chosen]
@@ -50,11 +63,16 @@ class Shelf:
         loading = self._load(self.chosen_name)
         if loading.done():
             try:
-                self._shown, self._shown_at = loading.result(), self._chosen
+                self._shown, self._shown_name = loading.result(), self.chosen_name
+                self._untried.discard(self.chosen_name)
             except UserError as error:
                 # Forgotten, so that a mended file can be chosen again.
-                del self._loading[self.chosen_name]
-                self._error, self._chosen = error, self._shown_at
+                failed = self.chosen_name
+                del self._loading[failed]
+                if failed in self._untried:
+                    self._untried.remove(failed)
+                    self.names.remove(failed)
+                self._error, self._chosen = error, self.names.index(self._shown_name)
         return self._shown
 
     @property

@@ -10,7 +10,18 @@ from ashe_live.core.camera import Size
 from ashe_live.errors import UserError
 from ashe_live.render.hud import readable_scale
 from ashe_live.render.offscreen import window_context
-from ashe_live.viewer.controls import HELD, REPEATED, REQUEST_BY_KEY, MouseAction, MouseEvent, Request, request_for
+from ashe_live.viewer.controls import (
+    COMMAND_BY_GESTURE,
+    HELD,
+    REPEATED,
+    REQUEST_BY_KEY,
+    Files,
+    Gesture,
+    MouseAction,
+    MouseEvent,
+    Request,
+    request_for,
+)
 
 BOUND_NAMES = {key.rpartition("+")[2] for key in REQUEST_BY_KEY}
 # What has no such number stands on a key in some layouts only, and is known by that.
@@ -49,6 +60,7 @@ class Window:
         glfw.set_key_callback(self._window, self._on_key)
         glfw.set_cursor_pos_callback(self._window, self._on_move)
         glfw.set_mouse_button_callback(self._window, self._on_button)
+        glfw.set_drop_callback(self._window, self._on_drop)  # type: ignore[arg-type]  # the stub has the C function's
         glfw.set_scroll_callback(self._window, self._on_scroll)
         glfw.make_context_current(self._window)
         glfw.swap_interval(1)
@@ -87,6 +99,9 @@ class Window:
         """What the mouse did since it was last asked, as of the last `take_requests`; of moves in a row the last."""
         events, self._mouse = self._mouse, []
         return events
+
+    def set_title(self, title: str) -> None:
+        glfw.set_window_title(self._window, title)
 
     @property
     def is_closing(self) -> bool:
@@ -147,6 +162,9 @@ class Window:
         self._shift = any(glfw.get_key(self._window, key) == glfw.PRESS for key in keys)
         event = self._mouse_event(MouseAction.SCROLLED)
         self._mouse.append(replace(event, notches=y or x))
+
+    def _on_drop(self, _window: object, paths: list[str]) -> None:
+        self._requests.append(Request(COMMAND_BY_GESTURE[Gesture.DROP], Files(tuple(paths))))
 
     def _mouse_event(self, action: MouseAction) -> MouseEvent:
         """Where the mouse was then: what GLFW tells when it is asked is where it is now."""

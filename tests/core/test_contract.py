@@ -55,7 +55,7 @@ def test_a_record_is_one_line_that_validates(kind: str) -> None:
 @pytest.mark.parametrize("light", [WHOLE, estimate(), None])
 def test_what_a_snapshot_carries_validates(pose: MarkerPose | None, light: LightEstimate | None) -> None:
     tracked = TrackedFrame(Frame(np.zeros((480, 640, 3), np.uint8), 9, 0.3), CAMERA, pose)
-    record = json.loads(json.dumps(snapshot_json(tracked, "mug", light), allow_nan=False))
+    record = json.loads(json.dumps(snapshot_json(tracked, "mug", light, np.eye(4)), allow_nan=False))
     jsonschema.validate(record, SCHEMA)
     assert record["frame"] == 9
     assert (record["estimate"] is None) is (light is None)

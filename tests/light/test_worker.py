@@ -121,6 +121,19 @@ def test_one_that_hangs_is_given_up_told_once_and_replaced(scene, without_marker
         assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
 
 
+def test_what_is_given_up_has_no_outcome_and_the_next_request_may_come_at_once(worker, scene, without_marker):
+    worker.give_up()  # nothing was asked for
+    assert worker.request(scene.tracked)
+    worker.give_up()
+    assert not worker.busy
+    assert worker.poll() is None
+    assert worker.request(without_marker)
+    outcome = worker.wait(PATIENCE_S)
+    assert isinstance(outcome, WorkerFailure)
+    assert outcome.frame_index == without_marker.frame.index
+    assert len(children()) == 1
+
+
 def test_closing_ends_an_estimate_in_its_middle(scene, without_marker):
     worker = LightWorker(endless)
     worker.request(without_marker)

@@ -117,6 +117,9 @@ class FakeWorker:
         answer, self.answer = self.answer, None
         return answer
 
+    def give_up(self) -> None:
+        self.busy, self.answer = False, None
+
     def wait(self, _timeout_s: float) -> LightEstimate | WorkerFailure | None:
         return self.poll()
 
@@ -140,6 +143,10 @@ class FakeShelf:
             return False
         self.at = index
         return True
+
+    def add(self, path: str) -> None:
+        self.names.append(path)
+        self.at = len(self.names) - 1
 
     def step(self, by: int) -> None:
         self.at = (self.at + by) % len(self.names)
@@ -187,6 +194,11 @@ class Fakes:
         FakeRenderer,
     )
     tracked = staticmethod(tracked)
+
+    @staticmethod
+    def tracked_in(frame: Frame) -> TrackedFrame:
+        """Any frame, with a marker in it."""
+        return TrackedFrame(frame, Camera.from_hfov(frame.size, 60), pose(), 1.0)
 
     @staticmethod
     def estimate(frame_index: int = 0, with_light: bool = True) -> LightEstimate:

@@ -18,9 +18,9 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.render.offscreen import graphics_failures_told
 from ashe_live.tracking.steadiness import Steadiness
-from ashe_live.viewer import live as live_module
+from ashe_live.viewer import keeping
 from ashe_live.viewer import recording as recording_module
-from ashe_live.viewer.controls import Command, MouseEvent, Request
+from ashe_live.viewer.controls import Command, Files, MouseEvent, Request
 from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.session import EstimatePolicy, Session
 
@@ -57,9 +57,14 @@ class ScriptedWindow:
             return
         wanted = self.steps.pop(0)()
         self.requests = [Request(wanted)] if isinstance(wanted, Command) else []
+        if isinstance(wanted, Request):
+            self.requests = [wanted]
 
     def toggle_fullscreen(self) -> None:
         self.fullscreen += 1
+
+    def set_title(self, title: str) -> None:
+        self.title = title
 
 
 class ScriptedPipeline:
@@ -78,6 +83,9 @@ class ScriptedPipeline:
     def restart(self) -> None:
         self.restarts += 1
 
+    def close(self, _timeout_s: float = 0.0) -> None:
+        self.frames.close()
+
 
 class Stage:
     """A viewer between scripted window and scripted pipeline."""
@@ -87,13 +95,21 @@ class Stage:
         self.pipeline, self.tracker = ScriptedPipeline(), fakes.Tracker()
         self.session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
         self.renderer = fakes.Renderer()
+        self.dropped, self.dropped_tracker = ScriptedPipeline(), fakes.Tracker()
+
+    def opener(self, path):
+        if path.suffix == ".txt":
+            raise UserError(f"{path} is not a clip", "convert it")
+        return self.dropped, self.dropped_tracker
 
     def put(self, index: int) -> None:
         self.pipeline.frames.put(self.fakes.tracked(index))
 
     def run(self, *steps, quality: str = "fast", frame_limit: int | None = None) -> LiveViewer:
         self.window = ScriptedWindow(step if callable(step) else lambda step=step: step for step in steps)
-        viewer = LiveViewer(self.window, self.renderer, self.pipeline, self.tracker, self.session, quality)
+        viewer = LiveViewer(
+            self.window, self.renderer, self.pipeline, self.tracker, self.session, quality, opener=self.opener
+        )
         viewer.run(frame_limit)
         return viewer
 
@@ -101,7 +117,7 @@ class Stage:
 @pytest.fixture
 def stage(fakes, monkeypatch, tmp_path) -> Stage:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(live_module, "Renderer", fakes.Renderer)
+    monkeypatch.setattr(keeping, "Renderer", fakes.Renderer)
     return Stage(fakes)
 
 
@@ -281,8 +297,64 @@ def test_a_snapshot_carries_the_estimate(stage, tmp_path, capfd):
 
 
 def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):
-    monkeypatch.setattr(live_module, "unused_name", lambda *_: tmp_path / "missing" / "name.mp4")
+    monkeypatch.setattr(keeping, "unused_name", lambda *_: tmp_path / "missing" / "name.mp4")
     stage.put(0)
     for command in (Command.SNAPSHOT, Command.RECORD):
         stage.run(command, None, None)
         assert "no folder" in stage.session.last_notice
+
+
+def dropped(*paths: str) -> Request:
+    return Request(Command.OPEN, Files(paths))
+
+
+def waited_for(viewer_is_done) -> list:
+    """Steps of the script that wait for the thread that opens files."""
+    return [lambda: viewer_is_done() or threading.Event().wait(0.02)] * 100
+
+
+def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording(stage, tmp_path, capfd):
+    stage.put(5)
+    stage.dropped.frames.put(stage.fakes.tracked(0))
+
+    def answer() -> None:
+        stage.session._worker.answer = stage.fakes.estimate()
+
+    def is_there() -> bool:
+        return getattr(stage.window, "title", "") == "ashe-live: sun.mp4"
+
+    viewer = stage.run(
+        *(Command.ESTIMATE, answer, None, Command.RECORD, None, None, None, dropped("/far/sun.mp4")),
+        *waited_for(is_there),
+        None,
+    )
+    assert is_there()
+    assert stage.pipeline.frames.is_closed
+    assert stage.session.tracked.frame.index == 0
+    assert stage.session.estimate is None
+    assert viewer._pipeline is stage.dropped
+    assert stage.dropped_tracker.preset is FAST.tracking
+    assert len(list(tmp_path.glob("*.mp4"))) == 1
+    assert "saved" in capfd.readouterr().out
+    assert stage.dropped.frames.is_closed  # when the viewer ends
+
+
+def test_what_cannot_be_opened_is_one_line_and_changes_nothing(stage, capfd):
+    stage.put(5)
+
+    def is_said() -> bool:
+        return "is not a clip" in (stage.session.last_notice or "")
+
+    viewer = stage.run(Command.RECORD, None, dropped("/far/notes.txt"), *waited_for(is_said), None)
+    assert viewer._pipeline is stage.pipeline
+    assert stage.session.tracked.frame.index == 5
+    refused, saved = capfd.readouterr().out.splitlines()
+    assert "is not a clip" in refused
+    assert saved.startswith("saved")  # the recording went on to the end
+
+
+def test_a_dropped_model_is_chosen_and_the_source_stays(stage):
+    stage.put(5)
+    viewer = stage.run(dropped("/far/wood.png", "/far/chair.obj"), None, None)
+    assert stage.session.model_name == "chair.obj"
+    assert viewer._pipeline is stage.pipeline

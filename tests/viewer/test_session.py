@@ -9,6 +9,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.errors import UserError
 from ashe_live.light.worker_process import WorkerFailure
+from ashe_live.models.placement import UNMOVED
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.display import bare_scene
@@ -167,7 +168,8 @@ def test_switches_toggle(make):
 
 def test_what_needs_the_window_is_left_to_it(make):
     left = {command for command in Command if not make().handle(Request(command), 0.0)}
-    names = ("PAUSE", "RESTART", "STEP", "SEEK", "SPEED", "LOOP", "SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "QUIT")
+    names = ("PAUSE", "RESTART", "STEP", "SEEK", "SPEED", "LOOP", "OPEN")
+    names += ("SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "QUIT")
     assert left == {Command[name] for name in names}
 
 
@@ -375,3 +377,29 @@ def test_where_the_model_stands_does_not_touch_the_light(make, fakes):
     session.handle(Request(Command.SCALE_MODEL, 1), 1.0)
     assert session.hand.light is None
     assert light_line(session).startswith("light: azimuth")
+
+
+def test_another_source_forgets_all_of_the_one_before(make, fakes):
+    session = make(EstimatePolicy(at_frame=4, automatic=True), truth=(0.0, 0.0, 1.0))
+    session.take(fakes.tracked(), 0.0)
+    estimated(session, fakes, 0.0)
+    session.handle(Request(Command.SCALE_MODEL, 2), 1.0)
+    session.request_estimate(1.0)
+    session.begin_anew(Steadiness(1))
+    session._worker.answer = None
+    assert not session.is_estimating
+    for left in (session.estimate, session.shown, session.estimated_from, session.surroundings, session.lit_by):
+        assert left is None
+    assert session.true_to_light_marker is None
+    assert bare_scene(session).placement == UNMOVED
+    assert session.fusion is not None
+    assert session.fusion.count == 0
+    session.take(fakes.tracked(9), 2.0)  # a photo is steady at once
+    assert session.is_estimating
+    assert session._worker.requested[-1].frame.index == 9
+
+
+def test_a_models_file_is_shown_by_its_name(make, tmp_path):
+    session = make()
+    session.open_model(str(tmp_path / "chair.obj"))
+    assert session.model_name == "chair.obj"

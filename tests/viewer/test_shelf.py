@@ -133,3 +133,43 @@ def test_stepping_goes_round_and_no_number_is_out_of_reach():
     assert shelf.chosen_name == "cube"
     assert not shelf.choose(len(shelf.names))
     assert shelf.chosen_name == "cube"
+
+
+TILE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+
+
+def test_a_dropped_model_joins_after_the_others_and_is_chosen(tmp_path):
+    path = tmp_path / "tile.obj"
+    path.write_text(TILE)
+    shelf = Shelf("cube", 0.08)
+    cube = shelf.model()
+    shelf.add(str(path))
+    shelf.model()
+    tile = awaited(shelf)
+    assert tile is not cube
+    assert shelf.names == [*model_names(), str(path)]
+    path.write_text(TILE.replace("0 0 1", "0 0 2"))
+    shelf.add(str(path))  # once more, after it was changed
+    shelf.model()
+    assert awaited(shelf).bounds[1, 0] < tile.bounds[1, 0]
+    assert shelf.names.count(str(path)) == 1
+    path.write_text("f 1 2 3\n")
+    shelf.add(str(path))
+    shelf.model()
+    assert awaited(shelf) is not cube  # the last that was good
+    assert "tile.obj" in str(shelf.take_error())
+
+
+@pytest.mark.parametrize("content", [None, "", "nonsense", "v 0 0 0\nf 1 2 3\n"])
+def test_a_dropped_model_that_cannot_be_read_leaves_all_as_it_was(tmp_path, content):
+    path = tmp_path / "broken.obj"
+    if content is not None:
+        path.write_text(content)
+    shelf = Shelf("mug", 0.08)
+    mug = shelf.model()
+    shelf.add(str(path))
+    shelf.model()
+    assert awaited(shelf) is mug
+    assert shelf.names == list(model_names())
+    assert shelf.chosen_name == "mug"
+    assert "broken.obj" in str(shelf.take_error())

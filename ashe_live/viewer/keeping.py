@@ -1,0 +1,92 @@
+"""What is kept of what is shown, without text and at the video's own size: snapshots and a recording."""
+
+import json
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+
+from ashe_live.capture.snapshot import write_png
+from ashe_live.core.arrays import Image
+from ashe_live.core.contract import SNAPSHOT_KEYWORD, snapshot_json
+from ashe_live.core.output_files import unused_name
+from ashe_live.core.quality import RenderPreset
+from ashe_live.errors import UserError
+from ashe_live.render.offscreen import Context
+from ashe_live.render.renderer import Renderer
+from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.recording import Recording
+from ashe_live.viewer.session import Session
+
+
+class Keeper:
+    """Draws with the window's context, and only what is asked for."""
+
+    def __init__(
+        self, context: Context, session: Session, tell: Callable[[str, float], None], recording: Recording | None
+    ) -> None:
+        """`tell` says a line at a time in seconds; `recording` is one that has begun already."""
+        self._context = context
+        self._session = session
+        self._tell = tell
+        self._recording = recording
+        self._renderer: Renderer | None = None
+
+    def snapshot(self, preset: RenderPreset, now_s: float) -> None:
+        """With the estimate in it, into the current folder. There is nothing to keep before the first frame."""
+        session = self._session
+        if session.tracked is None:
+            return
+        path = unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
+        known = snapshot_json(
+            session.tracked, session.model_name, session.lit_by, session.hand.placement.marker_from_placed
+        )
+        try:
+            write_png(path, self._picture(preset), texts={SNAPSHOT_KEYWORD: json.dumps(known)})
+            self._tell(f"saved {path}", now_s)
+        except UserError as error:
+            self._tell(str(error), now_s)
+
+    def record(self, fps: float, now_s: float) -> None:
+        """Begins a recording in the current folder, or ends the one that there is."""
+        if self._recording is not None:
+            self.finish(now_s)
+            return
+        if self._session.tracked is None:
+            return
+        path = unused_name(Path.cwd(), "ashe-live", ".mp4", datetime.now())
+        try:
+            self._recording = Recording(path, self._session.tracked.frame.size, fps)
+            self._session.say(f"recording {path}: V stops", now_s)
+        except UserError as error:
+            self._tell(str(error), now_s)
+
+    def take(self, preset: RenderPreset, is_new: bool, now_s: float) -> None:
+        """Records what is shown; `is_new`: with a frame of the source that was not shown before."""
+        if self._recording is None or self._session.tracked is None:
+            return
+        # A clip has one size: with another source the recording is over.
+        if self._recording.size == self._session.tracked.frame.size:
+            self._recording.take(lambda: self._picture(preset), is_new, now_s)
+            if self._recording.failure is None:
+                return
+        self.finish(now_s)
+
+    def finish(self, now_s: float) -> None:
+        """Ends the recording, if there is one."""
+        if self._recording is not None:
+            recording, self._recording = self._recording, None
+            self._tell(recording.finish(), now_s)
+
+    def _picture(self, preset: RenderPreset) -> Image:
+        """(h, w, 3) uint8 BGR."""
+        assert self._session.tracked is not None
+        size = self._session.tracked.frame.size
+        if self._renderer is None:
+            self._renderer = Renderer(self._context, preset, size)
+        if self._renderer.size != size:
+            self._renderer.resize(size)
+        self._renderer.preset = preset
+        # A snapshot shows what is chosen; a recording must not stall the window.
+        self._renderer.switches_at_once = self._recording is None
+        self._renderer.render(bare_scene(self._session))
+        return self._renderer.read_bgr()

@@ -1,0 +1,91 @@
+"""A file that was dropped on the window, opened off the main thread: what cannot be shown changes nothing."""
+
+import mimetypes
+from collections.abc import Callable, Iterable
+from concurrent.futures import Future
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Thread
+
+from ashe_live.core.types import TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.models.loading import SUFFIXES
+from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.pipeline import Pipeline
+
+# Of a disk that must wake up, or of a network's; what takes longer is given up.
+LONGEST_S = 20.0
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A source that plays, with its first tracked frame."""
+
+    name: str
+    pipeline: Pipeline
+    tracker: Tracker
+    first: TrackedFrame
+
+
+# Opens the file, starts a pipeline on it and gives both with their tracker; raises UserError.
+Opener = Callable[[Path], tuple[Pipeline, Tracker]]
+
+
+class Opening:
+    """Of several files that are dropped one after the other, the last counts. Used by the main thread only."""
+
+    def __init__(self, opener: Opener) -> None:
+        self._opener = opener
+        self._coming: Future[Opened] | None = None
+
+    def begin(self, path: Path) -> None:
+        self.close()
+        self._coming = Future()
+        # A daemon, so that quitting does not wait for a file that hangs.
+        Thread(target=self._open, args=(path, self._coming), name="opening", daemon=True).start()
+
+    def take(self) -> Opened | None:
+        """What has been opened, once. Raises UserError, once, when it cannot be."""
+        if self._coming is None or not self._coming.done():
+            return None
+        coming, self._coming = self._coming, None
+        return coming.result()
+
+    def close(self) -> None:
+        """What is on its way is not wanted any more."""
+        if self._coming is not None:
+            self._coming.add_done_callback(_close_pipeline)
+            self._coming = None
+
+    def _open(self, path: Path, coming: "Future[Opened]") -> None:
+        try:
+            pipeline, tracker = self._opener(path)
+            try:
+                first = pipeline.frames.take(LONGEST_S)
+                if first is None:
+                    raise UserError(f"{path} has given no picture for {LONGEST_S:.0f} s", "copy it to a faster disk")
+            except BaseException:
+                pipeline.close(0.0)
+                raise
+            coming.set_result(Opened(path.name, pipeline, tracker, first))
+        except UserError as error:
+            coming.set_exception(error)
+        except BaseException as error:  # whatever a file does to its reader, it does not end the viewer
+            coming.set_exception(UserError(f"cannot open {path} ({str(error) or type(error).__name__})", "convert it"))
+
+
+def _close_pipeline(coming: "Future[Opened]") -> None:
+    if coming.exception() is None:
+        coming.result().pipeline.close(0.0)
+
+
+def first_of_each_kind(paths: Iterable[str]) -> tuple[str | None, str | None]:
+    """The first model of files that were dropped together, and the first of what else there is.
+
+    Beside a model only a video is that: pictures and other files that lie beside it belong to it.
+    """
+    models = [path for path in paths if Path(path).suffix.lower() in SUFFIXES]
+    others = [path for path in paths if path not in models]
+    if models:
+        others = [path for path in others if (mimetypes.guess_type(path)[0] or "").startswith("video/")]
+    return next(iter(models), None), next(iter(others), None)
