@@ -17,7 +17,7 @@ from ashe_live.viewer.controls import Command, Files, Request
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.gestures import Gestures
 from ashe_live.viewer.keeping import Keeper
-from ashe_live.viewer.opening import Opener, Opening, first_of_each_kind
+from ashe_live.viewer.opening import Opener, Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.playback import Playback
 from ashe_live.viewer.pointing import in_video
@@ -160,8 +160,9 @@ class LiveViewer:
             self._apply(self._auto.quality)
 
     def _obey(self, request: Request, now_s: float) -> None:
-        if isinstance(request.argument, Files):
-            self._open(request.argument, now_s)
+        if request.command is Command.OPEN:
+            dropped = request.argument
+            self._open(dropped.paths if isinstance(dropped, Files) else paths_in(self._window.clipboard), now_s)
             return
         if not (self._session.handle(request, now_s) or self._playback.handle(request, now_s)):
             self._commands[request.command](now_s)
@@ -175,8 +176,10 @@ class LiveViewer:
             if request is not None:
                 self._obey(in_video(request, size, self._session.tracked), now_s)
 
-    def _open(self, files: Files, now_s: float) -> None:
-        model, source = first_of_each_kind(files.paths)
+    def _open(self, paths: tuple[str, ...], now_s: float) -> None:
+        if not paths:
+            self._session.say("nothing to open: copy a file, or its path, and press Ctrl+V", now_s)
+        model, source = first_of_each_kind(paths)
         if model is not None:
             self._session.open_model(model)
         if source is not None and self._opening is not None:

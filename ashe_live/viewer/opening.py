@@ -1,11 +1,13 @@
 """A file that was dropped on the window, opened off the main thread: what cannot be shown changes nothing."""
 
 import mimetypes
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
@@ -79,7 +81,13 @@ def _close_pipeline(coming: "Future[Opened]") -> None:
         coming.result().pipeline.close(0.0)
 
 
-def first_of_each_kind(paths: Iterable[str]) -> tuple[str | None, str | None]:
+def paths_in(text: str) -> tuple[str, ...]:
+    """The files that a copied text names, a line each: as file managers and shells write paths."""
+    lines = (line.strip().strip("\"'") for line in text.splitlines())
+    return tuple(url2pathname(urlsplit(line).path) if line.startswith("file://") else line for line in lines if line)
+
+
+def first_of_each_kind(paths: Sequence[str]) -> tuple[str | None, str | None]:
     """The first model of files that were dropped together, and the first of what else there is.
 
     Beside a model only a video is that: pictures and other files that lie beside it belong to it.

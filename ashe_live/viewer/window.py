@@ -100,6 +100,13 @@ class Window:
         events, self._mouse = self._mouse, []
         return events
 
+    @property
+    def clipboard(self) -> str:
+        """Empty where it holds no text."""
+        no_window: Any = None  # GLFW has one clipboard for all
+        text: Any = glfw.get_clipboard_string(no_window)  # bytes, whatever the stub says
+        return text.decode(errors="replace") if text else ""
+
     def set_title(self, title: str) -> None:
         glfw.set_window_title(self._window, title)
 

@@ -32,6 +32,7 @@ class ScriptedWindow:
 
     framebuffer_size, content_scale, refresh_rate_hz = (64, 48), 1.0, RATE_HZ
     is_closing = False
+    clipboard = ""
 
     class context:  # noqa: N801 - stands in for an instance
         screen = None
@@ -351,6 +352,15 @@ def test_what_cannot_be_opened_is_one_line_and_changes_nothing(stage, capfd):
     refused, saved = capfd.readouterr().out.splitlines()
     assert "is not a clip" in refused
     assert saved.startswith("saved")  # the recording went on to the end
+
+
+def test_what_was_copied_opens_by_a_key(stage, monkeypatch):
+    stage.put(5)
+    stage.run(Command.OPEN, None)
+    assert "nothing to open" in stage.session.last_notice
+    monkeypatch.setattr(ScriptedWindow, "clipboard", "file:///far/chair.obj")
+    stage.run(Command.OPEN, None)
+    assert stage.session.model_name == "chair.obj"
 
 
 def test_a_dropped_model_is_chosen_and_the_source_stays(stage):

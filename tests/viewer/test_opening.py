@@ -10,7 +10,7 @@ import pytest
 from ashe_live.capture.sources import open_source
 from ashe_live.errors import UserError
 from ashe_live.viewer.controls import Command, Files, Request
-from ashe_live.viewer.opening import Opening, first_of_each_kind
+from ashe_live.viewer.opening import Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.window import Window
 
@@ -118,6 +118,21 @@ def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):
 )
 def test_of_several_files_the_first_of_each_kind_counts(paths, model, source):
     assert first_of_each_kind(paths) == (model, source)
+
+
+@pytest.mark.parametrize(
+    ("text", "paths"),
+    [
+        ("/a/b c.mp4\n", ("/a/b c.mp4",)),
+        ("file:///a/b%20c.mp4\r\nfile:///a/d.glb\r\n", ("/a/b c.mp4", "/a/d.glb")),
+        ('"/a/b.mp4"', ("/a/b.mp4",)),
+        ("'/a/b.mp4'", ("/a/b.mp4",)),
+        ("\n  \n", ()),
+        ("", ()),
+    ],
+)
+def test_copied_text_names_files(text, paths):
+    assert paths_in(text) == paths
 
 
 def test_the_windows_drop_is_a_request():
