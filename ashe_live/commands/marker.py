@@ -13,8 +13,11 @@ def run(options: argparse.Namespace) -> int:
     marker = parse_target(options.marker)
     if options.show:
         # Only here, so that printing needs neither GLFW nor OpenGL.
+        from ashe_live.commands.view import has_display
         from ashe_live.viewer.marker_window import show_marker
 
+        if not has_display():
+            raise UserError("there is no display to show a marker on", "give --out marker.pdf instead, and print it")
         if isinstance(marker, Layout):
             raise UserError("a grid of markers is for printing", "name one marker with --marker, or give --out")
         show_marker(marker.spec, marker.bitmap(SHOWN_PX))

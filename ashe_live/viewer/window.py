@@ -38,7 +38,7 @@ class Window:
         # Errors come back as return values here; as warnings they would say the same once more.
         glfw.ERROR_REPORTING = "ignore"
         if not glfw.init():
-            raise UserError(f"cannot open a window ({_last_error()})", "use --headless --out VIDEO.mp4")
+            raise UserError(f"cannot open a window ({_last_error()})", "start it on a screen, or with --headless")
         for hint, value in (
             (glfw.CONTEXT_VERSION_MAJOR, 3),
             (glfw.CONTEXT_VERSION_MINOR, 3),

@@ -36,6 +36,16 @@ def test_a_marker_that_does_not_exist_is_one_line(run, tmp_path, arguments):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only X11 and Wayland name their display")
+def test_without_a_display_there_is_no_marker_on_it(run, monkeypatch):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    outcome = run("marker", "--show")
+    assert outcome.status == 2
+    (line,) = outcome.err
+    assert "--out marker.pdf" in line
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="cameras are files on Linux only")
 def test_a_camera_that_is_not_there_is_one_line(run):
     outcome = run("webcam", "--camera", "/dev/video987", "--hfov", "60")
