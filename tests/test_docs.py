@@ -174,7 +174,8 @@ def test_the_readmes_keys_are_those_that_the_window_obeys() -> None:
 
 
 def test_every_command_has_a_key() -> None:
-    assert all(binding.keys for binding in BINDINGS)
+    """But for files that are dropped on the window: the command line names those."""
+    assert all(binding.keys for binding in BINDINGS if not binding.shown.startswith("drop"))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

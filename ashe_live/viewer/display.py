@@ -59,14 +59,16 @@ class Display:
         content_scale: float = 1.0,
         moment: Moment | None = None,
     ) -> Scene:
-        """The bare scene under status, masks, help and time bar, for a framebuffer of `size` pixels."""
+        """The bare scene under status, masks and time bar, or under the help, for a framebuffer of `size` pixels."""
+        if session.show_help:  # alone, as a small window has no room for more
+            return replace(
+                bare_scene(session), overlays=self._hud.overlays(HudText(help=help_rows()), size, content_scale)
+            )
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
         status = status_lines(session, fps_read, quality, marker_read)
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
         if not session.show_hud:
             text = HudText()
-        if session.show_help:  # alone, as a small window has no room for more
-            text = HudText(help=help_rows())
         bar: tuple[Overlay, ...] = ()
         if moment is not None and session.show_hud:
             bar = self._time_bar.overlays(moment, size, content_scale)

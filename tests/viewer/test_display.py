@@ -56,7 +56,7 @@ def test_everything_stays_inside_the_window(session, size, scale):
     assert len(overlays) == 4
     session.show_help = True
     overlays += Display().scene(session, size, "auto (balanced)", 0.0, 60.0, "end of the clip", scale).overlays
-    assert len(overlays) == 7
+    assert len(overlays) == 5
     assert all(inside(overlay, size) for overlay in overlays)
 
 
