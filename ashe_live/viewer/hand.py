@@ -20,7 +20,7 @@ SCALE_STEP = 1.1
 MOVE_STEP_SIDES = 0.05
 # As far as it goes; keys stop before the zenith, where the azimuth would be lost.
 LOWEST_RAD, HIGHEST_RAD = math.radians(5), math.radians(89)
-SMALLEST, LARGEST = 0.1, 10.0
+SMALLEST, LARGEST = 0.1, 5.0  # larger, and a camera at arm's length is inside
 MOST_NOTCHES = 20.0
 FARTHEST_SIDES = 50.0
 # Where nothing was estimated, the light comes from the left in the picture.
