@@ -6,8 +6,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread
-from urllib.parse import urlsplit
-from urllib.request import url2pathname
+from urllib.parse import unquote, urlsplit
 
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
@@ -84,7 +83,13 @@ def _close_pipeline(coming: "Future[Opened]") -> None:
 def paths_in(text: str) -> tuple[str, ...]:
     """The files that a copied text names, a line each: as file managers and shells write paths."""
     lines = (line.strip().strip("\"'") for line in text.splitlines())
-    return tuple(url2pathname(urlsplit(line).path) if line.startswith("file://") else line for line in lines if line)
+    return tuple(_path_of_uri(line) if line.startswith("file://") else line for line in lines if line)
+
+
+def _path_of_uri(uri: str) -> str:
+    path = unquote(urlsplit(uri).path)
+    # Windows: file:///C:/name
+    return path[1:] if path[2:3] == ":" else path
 
 
 def first_of_each_kind(paths: Sequence[str]) -> tuple[str | None, str | None]:

@@ -127,6 +127,7 @@ def test_of_several_files_the_first_of_each_kind_counts(paths, model, source):
         ("file:///a/b%20c.mp4\r\nfile:///a/d.glb\r\n", ("/a/b c.mp4", "/a/d.glb")),
         ('"/a/b.mp4"', ("/a/b.mp4",)),
         ("'/a/b.mp4'", ("/a/b.mp4",)),
+        ("file:///C:/a/b%20c.glb", ("C:/a/b c.glb",)),
         ("\n  \n", ()),
         ("", ()),
     ],
