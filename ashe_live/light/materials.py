@@ -25,6 +25,7 @@ WIDENED = 0.5  # of the covariances, by a whole shift
 MOST_COLOURS = 1500
 FEWEST_COLOURS = 12
 COMMON = 0.02
+NOISE = SHIFT_NOISE.astype(np.float32)
 NEAR_PX = 8
 
 
@@ -58,9 +59,10 @@ def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
 
 def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple[tuple[float, float], ...]) -> Float32:
     """(h, w) cost of ground of which the likeliest of some shares of a shift is seen; each share with its own cost."""
-    colours = region.colours.reshape(-1, 3)
-    costs = [cost(colours, ground.palette.shifted(share * shift, 1 + WIDENED * share)) + more for share, more in shares]
-    return smoothed(np.min(costs, axis=0).reshape(region.unlit.shape))
+    share, more = np.array(shares).T
+    shown = ground.palette.shifted(shift, share, 1 + WIDENED * share)
+    costs = cost(region.colours.reshape(-1, 3), shown, np.repeat(more, len(ground.palette.weights)))
+    return smoothed(costs.reshape(region.unlit.shape))
 
 
 def object_cost(region: Region, mask: Mask) -> Float32:
@@ -85,18 +87,16 @@ def share_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
     Far from what is unlit it is not looked for, and 0.
     """
     near = grown(region.unlit, NEAR_PX)
-    colours = region.colours[near]
-    scale = 1 / SHIFT_NOISE
-    way = shift * scale
-    least, share = np.full(len(colours), np.inf, np.float32), np.zeros(len(colours), np.float32)
-    for centre, weight in zip(ground.palette.centres, ground.palette.weights, strict=True):
-        if weight < COMMON:
-            continue
-        away = (colours - centre) * scale.astype(np.float32)
-        along = np.clip(away @ (way / (way @ way)).astype(np.float32), -0.3, 1.6)
-        off = ((away - along[:, None] * way.astype(np.float32)) ** 2).sum(axis=1) - 2 * np.log(weight)
-        nearer = off < least
-        least[nearer], share[nearer] = off[nearer], along[nearer]
+    common = ground.palette.weights >= COMMON
+    # In units of the noise, where distances to the way from lit to shadowed are those of colours.
+    colours, centres = region.colours[near] / NOISE, ground.palette.centres[common] / NOISE
+    way = (shift / SHIFT_NOISE).astype(np.float32)
+    length = way @ way
+    along = ((colours @ way) - (centres @ way)[:, None]) / length
+    share = np.clip(along, -0.3, 1.6)
+    away = (centres**2).sum(axis=1)[:, None] - 2 * (centres @ colours.T)
+    off = away + length * share * (share - 2 * along) - 2 * np.log(ground.palette.weights[common])[:, None]
+    likeliest = off.argmin(axis=0)
     picture = np.zeros(near.shape, np.float32)
-    picture[near] = share
+    picture[near] = np.take_along_axis(share, likeliest[None], axis=0)[0]
     return picture

@@ -26,8 +26,11 @@ class Mixture:
     covariances: Float32  # (k, 3, 3)
     weights: Float32  # (k,) shares of the material
 
-    def shifted(self, shift: Float, widening: float) -> "Mixture":
-        return Mixture(self.centres + shift.astype(np.float32), self.covariances * widening, self.weights)
+    def shifted(self, shift: Float, shares: Float, widenings: Float) -> "Mixture":
+        """The material when some shares (s,) of a shift (3,) are seen, all of them together, each with its widening."""
+        centres = self.centres + (shares[:, None, None] * shift).astype(np.float32)
+        covariances = self.covariances * widenings[:, None, None, None].astype(np.float32)
+        return Mixture(centres.reshape(-1, 3), covariances.reshape(-1, 3, 3), np.tile(self.weights, len(shares)))
 
 
 def clusters(colours: Float32, count: int) -> tuple[NDArray[np.intp], Float32]:
@@ -50,7 +53,8 @@ def mixture_of(colours: Float32, count: int, widening: float = 1.0) -> Mixture |
         members = colours[labels == k]
         if len(members) >= LEAST_MEMBERS:
             kept.append(centres[k])
-            covariances.append(widening * np.cov(members.T) + np.diag(COLOUR_NOISE**2))
+            away = members - members.mean(axis=0, dtype=np.float64)
+            covariances.append(widening / (len(away) - 1) * (away.T @ away) + np.diag(COLOUR_NOISE**2))
             weights.append(len(members) / len(labels))
     if not kept:
         return None
@@ -74,16 +78,19 @@ def nearest_squared_distance(colours: Float32, mixture: Mixture, costs: Float | 
         ]
     )
     # Colours run along the rows, as minima over rows are several times faster than minima along them.
-    planes = np.ascontiguousarray(colours.T)
     monomials = np.empty((10, len(colours)), np.float32)
-    np.multiply(planes[i], planes[j], out=monomials[:6])
-    monomials[6:9] = planes
-    monomials[9] = 1
+    monomials[6:9], monomials[9] = colours.T, 1
+    for row, one, other in zip(monomials, i, j, strict=False):
+        np.multiply(monomials[6 + one], monomials[6 + other], out=row)
     return np.asarray((coefficients.astype(np.float32) @ monomials).min(axis=0), dtype=np.float32)
 
 
-def cost(colours: Float32, mixture: Mixture) -> Float32:
-    """(n,) twice the negative log of the density of colours (n, 3), by the likeliest component; at most UNEXPLAINED."""
+def cost(colours: Float32, mixture: Mixture, more: Float | float = 0.0) -> Float32:
+    """(n,) twice the negative log of the density of colours (n, 3), by the likeliest component; at most UNEXPLAINED.
+
+    `more`: (k,) that components cost in addition; the cheapest one's is added to the most, too.
+    """
     spread = np.linalg.slogdet(mixture.covariances.astype(np.float64))[1]
     rarity = -2 * np.log(np.maximum(mixture.weights, 1e-3))
-    return np.minimum(nearest_squared_distance(colours, mixture, spread + rarity + NORMAL), UNEXPLAINED)
+    costs = nearest_squared_distance(colours, mixture, spread + rarity + NORMAL + more)
+    return np.minimum(costs, np.float32(UNEXPLAINED + np.min(more)))

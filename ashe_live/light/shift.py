@@ -5,6 +5,8 @@ shifts that would make it a shadow of each colour of the lit ground; where votes
 are kept, as a plain object votes for one too: the geometry decides between them.
 """
 
+from functools import cache
+
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
@@ -43,14 +45,15 @@ def _voted_for(colours: Float32, palette: Mixture, count: int) -> list[Float]:
     colours = colours[:: len(colours) // MOST_VOTERS + 1]
     common = palette.weights > 0.02
     centres, weights = palette.centres[common], palette.weights[common]
-    offsets = np.asarray(colours[:, None, :] - centres[None], dtype=np.float64)
-    bins = np.floor((offsets - LOWEST) / BIN).astype(int)
-    inside = ((bins >= 0) & (bins < BINS)).all(axis=2)
+    offsets = (colours[:, None, :] - centres).reshape(-1, 3)
+    weights = np.tile(weights, len(colours))
+    bins = np.floor((offsets - LOWEST.astype(np.float32)) / BIN.astype(np.float32)).astype(np.intp)
+    inside = ((bins >= 0) & (bins < BINS)).all(axis=1)
     flat = np.ravel_multi_index(tuple(bins[inside].T), tuple(BINS))
-    votes = np.bincount(flat, np.broadcast_to(weights, inside.shape)[inside], int(np.prod(BINS))).reshape(tuple(BINS))
+    votes = np.bincount(flat, weights[inside], int(np.prod(BINS))).reshape(tuple(BINS))
+    peaks = _peaks(_blurred(votes) * _plausibility(), count)
     shifts: list[Float] = []
-    for peak in _peaks(_blurred(votes) * _plausibility(), count):
-        shift = _mean_shift(offsets, weights, LOWEST + (peak + 0.5) * BIN)
+    for shift in _modes(offsets, weights, LOWEST + (peaks + 0.5) * BIN):
         if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts):
             shifts.append(shift)
     return shifts
@@ -73,6 +76,7 @@ def shift_of_ratio(ground: LitGround, ratio_rgb: Float) -> Float:
     return np.asarray(np.average(shifts, axis=0, weights=ground.palette.weights))
 
 
+@cache
 def _plausibility() -> Float:
     """Shadows are darker, and lit by the sky alone: as blue as the lit ground or bluer, and green in proportion."""
     brightness, red_blue, green = (
@@ -85,32 +89,36 @@ def _plausibility() -> Float:
 
 
 def _blurred(votes: Float) -> Float:
-    blurred = votes
     for axis in range(3):
-        padded = np.pad(blurred, [(1, 1) if a == axis else (0, 0) for a in range(3)])
-        before, here, after = (np.take(padded, np.arange(votes.shape[axis]) + k, axis=axis) for k in range(3))
-        blurred = 0.25 * before + 0.5 * here + 0.25 * after
-    return blurred
+        slices = np.moveaxis(votes, axis, 0)
+        blurred = 0.5 * slices
+        blurred[1:] += 0.25 * slices[:-1]
+        blurred[:-1] += 0.25 * slices[1:]
+        votes = np.moveaxis(blurred, 0, axis)
+    return votes
 
 
-def _peaks(votes: Float, count: int) -> list[Float]:
-    """Bins (3,) of local maxima with a fair share of the highest one's votes, highest first."""
+def _peaks(votes: Float, count: int) -> Float:
+    """(p, 3) bins of local maxima with a fair share of the highest one's votes, highest first."""
     rest = votes.copy()
-    peaks: list[Float] = []
+    peaks: list[tuple[np.intp, ...]] = []
     while len(peaks) < count:
-        peak = np.array(np.unravel_index(rest.argmax(), rest.shape), dtype=np.float64)
-        i, j, k = peak.astype(int)
-        if rest[i, j, k] <= 0.04 * votes.max():
+        peak = i, j, k = np.unravel_index(rest.argmax(), rest.shape)
+        if rest[peak] <= 0.04 * votes.max():
             break
         peaks.append(peak)
         rest[max(0, i - 2) : i + 3, max(0, j - 2) : j + 3, max(0, k - 2) : k + 3] = 0
-    return peaks
+    return np.array(peaks, dtype=np.float64).reshape(-1, 3)
 
 
-def _mean_shift(offsets: Float, weights: Float32, shift: Float) -> Float:
-    """The vote's mode near `shift`."""
+def _modes(offsets: Float32, weights: Float32, shifts: Float) -> Float:
+    """(p, 3) the modes of the vote near each of `shifts`: mean shift."""
+    noise = SHIFT_NOISE.astype(np.float32)
+    votes, modes = offsets / noise, (shifts / SHIFT_NOISE).astype(np.float32)
+    squares = (votes**2).sum(axis=1)
     for _ in range(3):
-        away = offsets - shift
-        closeness = weights * np.exp(-0.5 * ((away / SHIFT_NOISE) ** 2).sum(axis=2))
-        shift = shift + (closeness[..., None] * away).sum(axis=(0, 1)) / max(float(closeness.sum()), 1e-9)
-    return np.asarray(shift)
+        away = squares - 2 * (modes @ votes.T) + (modes**2).sum(axis=1)[:, None]
+        closeness = weights * np.exp(-0.5 * away)
+        total = closeness.sum(axis=1)[:, None]
+        modes += (closeness @ votes - total * modes) / np.maximum(total, 1e-9)
+    return np.asarray(modes * SHIFT_NOISE, dtype=np.float64)
