@@ -48,9 +48,8 @@ def areas_by_size(mask: Mask, least_px: int) -> list[Mask]:
 
 def overlapping(mask: Mask, other: Mask, least_share: float) -> Mask:
     """The connected areas of `mask` of which more than `least_share` lies in `other`; `mask` itself if none does."""
-    _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
-    sizes = np.bincount(labels.ravel())
-    shared = np.bincount(labels[other & mask], minlength=len(sizes))
+    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
+    sizes, shared = (np.bincount(labels[each], minlength=count) for each in (mask, other & mask))
     kept = shared > least_share * sizes
     kept[0] = False
     return np.asarray(kept[labels], dtype=bool) if kept.any() else mask

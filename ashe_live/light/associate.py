@@ -122,11 +122,11 @@ def _classified(region: Region, materials: Materials, split: Split, rounds: int 
     body, shadow = split.object_mask, split.shadow_mask
     core = _core(body, 2)
     for _ in range(rounds):
-        label = np.argmin([materials.lit, materials.shaded, object_cost(region, core)], axis=0)
+        own = object_cost(region, core)
         near = grown(body | shadow, REACH_PX) & region.is_ground
-        object_like = majority((label == 2) & near, 5)
+        object_like = majority((own < np.minimum(materials.lit, materials.shaded)) & near, 5)
         body = filled(overlapping(object_like, core, 0.3) if (object_like & core).any() else core)
-        shadow_like = majority((label == 1) & near & ~body)
+        shadow_like = majority((materials.shaded < materials.lit) & (materials.shaded <= own) & near & ~body)
         shadow = overlapping(shadow_like, shadow, 0.3) if (shadow_like & shadow).any() else shadow_like
         if not Split(body, shadow).is_large_enough:
             break

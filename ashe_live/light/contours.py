@@ -1,6 +1,7 @@
 """Contours of masks at sub-pixel accuracy, without specks, and where they may not be those of the whole."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -12,6 +13,8 @@ from ashe_live.core.arrays import Float, Mask
 ANTIALIASING_PX = 0.7
 PAD = 3  # around a mask's window, for the blur
 CUT_PX = 4  # the blur rounds the corners of a mask that is cut by the frame, or by what is unreliable
+EVERY_OTHER = np.array([1, 0, 1, 0, 1], np.uint8)
+BESIDE = np.outer(EVERY_OTHER, EVERY_OTHER)  # where a pixel looks for what is unreliable
 SPECK_SHARE = 0.03  # of the largest component's area; smaller ones are no part of the silhouette
 
 AnyMask = NDArray[np.bool_] | NDArray[np.floating]
@@ -43,9 +46,9 @@ def contour_of(mask: AnyMask) -> Contour | None:
     if areas.max() < 3:
         return None
     kept = np.concatenate([[True], areas >= SPECK_SHARE * areas.max()])
-    level = np.pad(np.nan_to_num(np.where(kept[labels], mask[window], 0).astype(np.float32)), PAD)
-    if mask.dtype == np.bool_:
-        level = np.asarray(cv2.GaussianBlur(level, (0, 0), ANTIALIASING_PX), dtype=np.float32)
+    values = mask[window] if kept.all() else np.where(kept[labels], mask[window], 0)
+    level = cv2.copyMakeBorder(values.astype(np.float32), PAD, PAD, PAD, PAD, cv2.BORDER_CONSTANT)
+    level = cv2.GaussianBlur(level, (0, 0), ANTIALIASING_PX) if mask.dtype == np.bool_ else np.nan_to_num(level)
     crossings = np.concatenate([_crossings(level), _crossings(level.T)[:, ::-1]])
     if len(crossings) < 3:
         return None
@@ -54,7 +57,7 @@ def contour_of(mask: AnyMask) -> Contour | None:
     return Contour(crossings + corner, hull + corner) if len(hull) >= 3 else None
 
 
-def _crossings(level: NDArray[np.float32]) -> NDArray[np.float32]:
+def _crossings(level: NDArray[Any]) -> NDArray[np.float32]:
     """(n, 2) points x, y where the level first and last passes 0.5 in each row."""
     inside = level > 0.5
     y = np.flatnonzero(inside.any(axis=1))
@@ -67,18 +70,20 @@ def _crossings(level: NDArray[np.float32]) -> NDArray[np.float32]:
     return np.concatenate(points).astype(np.float32)
 
 
-def cut_off(points: Float, shape: tuple[int, ...], unreliable: Mask | None) -> Mask:
-    """(m,) whether points lie at the frame's border or that of what is unreliable."""
-    height, width = shape
+def cutting(shape: tuple[int, ...], unreliable: Mask | None) -> Mask:
+    """(h, w) where an outline is not the whole's: at the frame's border, and at that of what is unreliable."""
+    border = np.ones(shape, np.bool_)
+    border[CUT_PX:-CUT_PX, CUT_PX:-CUT_PX] = False
+    return border if unreliable is None else border | (cv2.dilate(unreliable.astype(np.uint8), BESIDE) > 0)
+
+
+def at(points: Float, mask: Mask) -> Mask:
+    """(m,) whether points lie in a mask, or beyond it nearest to a pixel of it."""
     x, y = np.rint(points).astype(np.intp).T
-    cut = (x < CUT_PX) | (y < CUT_PX) | (x >= width - CUT_PX) | (y >= height - CUT_PX)
-    if unreliable is not None:
-        for dx, dy in ((dx, dy) for dx in (-2, 0, 2) for dy in (-2, 0, 2)):
-            cut |= unreliable[np.clip(y + dy, 0, height - 1), np.clip(x + dx, 0, width - 1)]
-    return np.asarray(cut)
+    return np.asarray(mask[np.clip(y, 0, mask.shape[0] - 1), np.clip(x, 0, mask.shape[1] - 1)])
 
 
 def beside(points: Float, contour: Contour, margin: float) -> Mask:
     """(m,) whether points lie within `margin` pixels of a contour."""
-    offsets = points[:, None] - contour.points_px
-    return np.asarray((offsets**2).sum(axis=2).min(axis=1) <= margin**2)
+    squared = (contour.points_px**2).sum(axis=1) - 2 * points @ contour.points_px.T
+    return np.asarray(squared.min(axis=1) + (points**2).sum(axis=1) <= margin**2)

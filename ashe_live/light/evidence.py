@@ -98,18 +98,14 @@ def _shading(region: Region, masks: Predicted) -> float:
     core = shrunk(body, 1) & region.is_ground
     if np.count_nonzero(core) <= 30 or np.count_nonzero(shadow) <= 5:
         return 0.0
-    away = _centre(core) - _centre(shadow)
-    y, x = np.nonzero(core)
-    along = x * away[0] + y * away[1]
-    brightness = region.colours[..., 0][core]
-    if along.std() < 1e-3 or brightness.std() < 1e-3:
-        return 0.0
-    return float(np.corrcoef(along, brightness)[0, 1])
-
-
-def _centre(mask: Mask) -> Float:
-    y, x = np.nonzero(mask)
-    return np.array([x.mean(), y.mean()])
+    places, shaded = (np.argwhere(mask).astype(np.float64) for mask in (core, shadow))
+    away = places.mean(axis=0) - shaded.mean(axis=0)
+    along = places @ away
+    brightness = region.colours[..., 0][core].astype(np.float64)
+    along -= along.mean()
+    brightness -= brightness.mean()
+    spreads = math.sqrt(along @ along / len(along)), math.sqrt(brightness @ brightness / len(along))
+    return float(along @ brightness) / len(along) / (spreads[0] * spreads[1]) if min(spreads) >= 1e-3 else 0.0
 
 
 def _median(values: Float32) -> float:

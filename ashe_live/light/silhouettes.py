@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.contours import AnyMask, Contour, beside, contour_of, cut_off
+from ashe_live.light.contours import AnyMask, Contour, at, beside, contour_of, cutting
 
 # The outline of a shadow this near to the object may go on behind it.
 CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0
@@ -78,8 +78,10 @@ def observe_outlines(
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
     margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * edge_sigma_px
 
+    cut_off = cutting(body.shape, unreliable)
+
     def is_cut(points: Float) -> Mask:
-        return cut_off(points, body.shape, unreliable)
+        return at(points, cut_off)
 
     def is_hidden(points: Float) -> Mask:
         return beside(points, body_contour, margin)
@@ -111,7 +113,7 @@ def observe_outlines(
     least, most = np.stack(least_px), np.stack(most_px)
     whole = np.full(len(directions), -np.inf), np.full(len(directions), np.inf)
     if whole_contour is not None:
-        cut = cut_off(whole_contour.hull_px, body.shape, really_unreliable)
+        cut = at(whole_contour.hull_px, cutting(body.shape, really_unreliable))
         whole = _bounds_of_whole(whole_contour.hull_px - centre, cut, directions, least, most)
     least, most = np.vstack([least, whole[0]]), np.vstack([most, whole[1]])
     outlines = Outlines(directions, centre, size, silhouettes[0], tuple(silhouettes[1:]), least, most)

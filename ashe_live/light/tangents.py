@@ -5,8 +5,10 @@ A plane through the camera's centre and the light's direction meets both silhoue
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.silhouettes import Outlines, Silhouette
@@ -78,26 +80,15 @@ def tangent_gaps(
     v = slants @ P[:, :2].T + P[:, 2]
     # A light right behind the outlines' centre has no side; any will do, as its gaps are zeroed below.
     v[:, 0] = np.where(np.abs(v[:, :2]).max(axis=1) < 1e-12 * np.abs(P[:, :3]).max(), 1e-9, v[:, 0])
-    body_q, body_room, body_by_v = _crossings(v, body.hull_px)
-    shadow_q, shadow_room, shadow_by_v = _crossings(v, shadow.hull_px)
-    outside = (body_room.min(axis=1) > NARROWEST) & (shadow_room.min(axis=1) > NARROWEST)
-    gaps = np.zeros((len(slants), 2))
-    by_slant = np.zeros((len(slants), 2, 2))
-    bounds_only = np.zeros((len(slants), 2), dtype=np.bool_)
-    row = np.arange(len(slants))
-    for side, sign in enumerate((1.0, -1.0)):
-        i, j = (sign * body_q).argmax(axis=1), (sign * shadow_q).argmax(axis=1)
-        # Both ends' errors as pixels: q is measured abreast of the centre.
-        scale = sign / np.hypot(1 / body_room[row, i], 1 / shadow_room[row, j])
-        gap = scale * (shadow_q[row, j] - body_q[row, i])
-        shadow_may_reach_further = ~shadow.certain[j] | foot[side]
-        body_may_reach_further = ~body.certain[i]
-        explained = (shadow_may_reach_further & (gap < 0)) | (body_may_reach_further & (gap > 0)) | ~outside
-        gaps[:, side] = np.where(explained, 0.0, gap)
-        bounds_only[:, side] = shadow_may_reach_further | body_may_reach_further
-        by_v = np.where(explained, 0.0, scale)[:, None] * (shadow_by_v[row, j] - body_by_v[row, i])
-        by_slant[:, side] = by_v @ P[:, :2]
-    return gaps, by_slant, bounds_only
+    one, other = _outermost(v, body), _outermost(v, shadow)
+    # Both ends' errors as pixels: q is measured abreast of the centre.
+    scale = np.array([1.0, -1.0]) / np.hypot(1 / one.room, 1 / other.room)
+    gaps = scale * (other.q - one.q)
+    shadow_may_reach_further = ~other.certain | foot
+    outside = (one.least_room > NARROWEST) & (other.least_room > NARROWEST)
+    explained = (shadow_may_reach_further & (gaps < 0)) | (~one.certain & (gaps > 0)) | ~outside[:, None]
+    by_v = np.where(explained, 0.0, scale)[..., None] * (other.by_v - one.by_v)
+    return np.where(explained, 0.0, gaps), by_v @ P[:, :2], shadow_may_reach_further | ~one.certain
 
 
 def _stands_there(P: Float, spheroids: Float, slant: Float) -> Mask:
@@ -112,29 +103,38 @@ def _stands_there(P: Float, spheroids: Float, slant: Float) -> Mask:
     v = (slant @ P[:, :2].T + P[:, 2])[None]
     if np.abs(v[0, :2]).max() < 1e-12 * np.abs(P[:, :3]).max():
         return np.zeros(2, dtype=np.bool_)
-    q, _, _ = _crossings(v, pixels)
-    touched = points[[q[0].argmax(), q[0].argmin()], 2]
+    ends = _outermost(v, Silhouette(pixels, np.ones(len(pixels), np.bool_))).index[0]
+    touched = points[ends, 2]
     return np.asarray(touched < GROUNDED_SHARE * points[:, 2].max())
 
 
-def _crossings(v: Float, points: Float) -> tuple[Float, Float, Float]:
-    """Where lines from vanishing points v (n, 3) through points (m, 2) pass abreast of the origin.
+@dataclass(frozen=True, slots=True)
+class _Ends:
+    """Where lines from n vanishing points v touch a silhouette, on its first and its second side."""
 
-    Returns (n, m) signed distances q from the origin across the direction of v, (n, m) the distance left to v as a
-    share of the whole (negative beyond v), and (n, m, 3) derivatives of q by v.
-    """
-    x, y = points.T
-    length = np.hypot(v[:, 0], v[:, 1])[:, None]
-    along = (v[:, :2] @ points.T) / length
-    room = 1 - v[:, 2:] * along / length
-    safe = np.where(np.abs(room) < 1e-9, 1e-9, room)
-    span = length * safe
-    cross = v[:, :1] * y - v[:, 1:2] * x
-    q = cross / span
-    by_v = np.empty((*q.shape, 3))
-    for axis, (turn, coordinate) in enumerate(((y, x), (-x, y))):
-        unit = v[:, axis : axis + 1] / length
-        by_span = unit - v[:, 2:] / length * (coordinate - along * unit)
-        by_v[..., axis] = (turn - q * by_span) / span
-    by_v[..., 2] = q * along / span
-    return q, room, by_v
+    index: NDArray[np.intp]  # (n, 2) corners
+    q: Float  # (n, 2) signed distance from the origin, across the direction of v, at which a line passes abreast of it
+    room: Float  # (n, 2) the distance left to v as a share of the whole (negative beyond v)
+    certain: Mask  # (n, 2)
+    by_v: Float  # (n, 2, 3) derivative of q
+    least_room: Float  # (n,) over all corners
+
+
+def _outermost(v: Float, silhouette: Silhouette) -> _Ends:
+    """The tangents from vanishing points v (n, 3)."""
+    points = silhouette.hull_px
+    length = np.hypot(v[:, :1], v[:, 1:2])
+    unit, nearness = v[:, :2] / length, v[:, 2:] / length
+    along = unit @ points.T
+    room = 1 - nearness * along
+    span = length * np.where(np.abs(room) < 1e-9, 1e-9, room)
+    q = (v[:, :1] * points[:, 1] - v[:, 1:2] * points[:, 0]) / span
+    index = np.stack([q.argmax(axis=1), q.argmin(axis=1)], axis=1)
+    least_room = room.min(axis=1)
+
+    row = np.arange(len(v))[:, None]
+    along, room, span, q, touched = (*(each[row, index] for each in (along, room, span, q)), points[index])
+    turn = touched[..., ::-1] * np.array([1.0, -1.0])
+    by_span = unit[:, None] - nearness[:, None] * (touched - along[..., None] * unit[:, None])
+    by_v = np.concatenate([turn - q[..., None] * by_span, (q * along)[..., None]], axis=2) / span[..., None]
+    return _Ends(index, q, room, silhouette.certain[index], by_v, least_room)
