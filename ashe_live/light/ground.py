@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.light.areas import cleaned, large_areas, shrunk, smoothed
 from ashe_live.light.log_colour import Float32, linear_rgb, log_opponent
-from ashe_live.light.mixtures import Mixture, clusters, mixture_of, nearest_squared_distance
+from ashe_live.light.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
 from ashe_live.light.view import Window
 
 Floats = TypeVar("Floats", Float, Float32)
@@ -118,9 +118,7 @@ def _spread(colours: Float32, is_ground: Mask, chosen: NDArray[np.intp], count: 
     """(h, w): over how many of the frame's cells each pixel's colour is distributed (perplexity over cells)."""
     flat = colours.reshape(-1, 3)
     _, centres = clusters(flat[chosen], count)
-    distances = (-2 * centres) @ flat.T
-    distances += (centres**2).sum(axis=1)[:, None]
-    labels = (distances == distances.min(axis=0)).argmax(axis=0)
+    labels = nearest_centres(flat, centres)
     height, width = is_ground.shape
     columns, rows = CELLS
     cells = (np.arange(height) * rows // height)[:, None] * columns + np.arange(width) * columns // width

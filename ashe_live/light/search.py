@@ -4,7 +4,7 @@ The starts of several problems are worked on in step: NumPy's calls cost more th
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -26,9 +26,11 @@ Indices = NDArray[np.intp]
 class _Stacked:
     """A dataclass of arrays that go along in their first axis."""
 
+    __slots__: tuple[str, ...] = ()
+
     def of(self, rows: Indices | Mask) -> Self:
         """Some of them, or one several times."""
-        return type(self)(*(getattr(self, field.name)[rows] for field in fields(self)))  # type: ignore[arg-type]
+        return type(self)(*(getattr(self, name)[rows] for name in self.__slots__))
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,8 +164,10 @@ def search(
     ended = []
     for iteration in range(iterations):
         if iteration in (THINNING, TRIAL):
-            now = now.of(now.best(kept, 1 / 3 if iteration == THINNING else 0.0))
-            own = sights.of(now.problem)
+            best = now.best(kept, 1 / 3 if iteration == THINNING else 0.0)
+            if len(best) < len(now.problem):
+                now = now.of(best)
+                own = sights.of(now.problem)
         candidate = now.theta + _step(now, own.scale_px, stiffness)
         gain = now.improved(candidate, *evaluate(candidate, now.start))
         if iteration >= TRIAL and (over := now.over(gain, hopeless, iteration > TRIAL)).any():

@@ -50,8 +50,8 @@ def outline_supports(P: Float, parts: Float, slants: Float, directions: Float) -
     # The touching line as a form on the axes; by the envelope theorem its slopes there are all that is needed.
     slopes = directions[:, None] @ axes[..., :2].swapaxes(2, 3) - reach_px[..., None] * axes[:, :, None, :, 2]
     touched = part + k * np.arange(n * outlines).reshape(n, outlines, 1)
-    own = np.concatenate([radii, images[..., 2:], np.repeat(parts[:, None, :, 2:3], outlines, axis=1)], axis=3)
-    radius, half, depth, height = np.moveaxis(own.reshape(-1, 4).take(touched, axis=0), 3, 0)
+    radius, half, depth = (each.reshape(-1).take(touched) for each in (radii[..., 0], radii[..., 1], images[..., 2]))
+    height = parts[..., 2].reshape(-1).take(part + k * np.arange(n)[:, None, None])
     flat = slopes[..., 0] ** 2 + slopes[..., 1] ** 2
     tall = slopes[..., 2] ** 2
     lean = np.maximum(np.sqrt(radius**2 * flat + half**2 * tall), 1e-30)

@@ -75,7 +75,12 @@ def _made(image: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> V
 def _ground_mask(camera: Camera, T_cam_marker: Float, side_m: float) -> Mask:
     """(h, w): where the ray meets the marker's plane, not too far away, outside the printed sheet."""
     width, height = camera.size
-    mask = _depth_of_plane(camera, T_cam_marker) < FARTHEST * float(np.linalg.norm(T_cam_marker[:3, 3]))
+    normal, place = T_cam_marker[:3, 2], T_cam_marker[:3, 3]
+    # The depth of the plane along a pixel's ray is `offset` over how much the ray faces it.
+    row, offset = normal @ np.linalg.inv(camera.K), float(normal @ place)
+    facing = np.sign(offset) * row
+    least = max(abs(offset) / (FARTHEST * float(np.linalg.norm(place))), 1e-9)
+    mask = facing[0] * np.arange(width) + (facing[1] * np.arange(height) + facing[2])[:, None] > least
     half = SHEET_SIDES * side_m / 2
     square = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
     outline = project(camera, T_cam_marker, square)
@@ -83,15 +88,4 @@ def _ground_mask(camera: Camera, T_cam_marker: Float, side_m: float) -> Mask:
         sheet = np.zeros((height, width), np.uint8)
         cv2.fillConvexPoly(sheet, np.round(np.clip(outline, -1e6, 1e6) * 16).astype(np.int32), 1, shift=4)
         mask &= sheet == 0
-    return mask
-
-
-def _depth_of_plane(camera: Camera, T_cam_marker: Float) -> Float:
-    """(h, w) metres along the optical axis to the marker's plane; inf where a pixel's ray does not meet it."""
-    width, height = camera.size
-    normal = T_cam_marker[:3, 2]
-    row = normal @ np.linalg.inv(camera.K)
-    facing = row[0] * np.arange(width) + (row[1] * np.arange(height) + row[2])[:, None]
-    offset = float(normal @ T_cam_marker[:3, 3])
-    meets = facing * np.sign(offset) > 1e-9
-    return np.where(meets, offset / np.where(meets, facing, 1.0), np.inf)
+    return np.asarray(mask)
