@@ -2,10 +2,14 @@
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+
+TILTS = np.linspace(-math.pi / 2, math.pi / 2, 9)  # from a spheroid's lowest point to its highest
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,12 +24,44 @@ class Proxy:
 
     def points_marker(self, around: int = 24) -> Float:
         """(m, 3) points on the body, marker frame, metres, whose convex hull it is (nearly, where it is round)."""
-        angles = np.arange(around) * (2 * math.pi / around)
+        circle = _circle(around)
         clouds = []
         for x, y, z, radius, half in self.spheroids_marker:
-            tilts = np.linspace(-math.pi / 2, math.pi / 2, 9) if half else np.zeros(1)
-            tilt, angle = np.meshgrid(tilts, angles if radius else angles[:1])
-            flat = radius * np.cos(tilt)
-            offsets = np.stack([flat * np.cos(angle), flat * np.sin(angle), half * np.sin(tilt)], axis=-1)
-            clouds.append((offsets + np.array([x, y, z])).reshape(-1, 3))
+            tilts = TILTS if half else TILTS[4:5]
+            ring = circle if radius else circle[:1]
+            cloud = np.empty((len(tilts), len(ring), 3))
+            cloud[..., :2] = radius * np.cos(tilts)[:, None, None] * ring + (x, y)
+            cloud[..., 2] = z + half * np.sin(tilts)[:, None]
+            clouds.append(cloud.reshape(-1, 3))
         return np.concatenate(clouds)
+
+    def surface(self, around: int = 48, upwards: int = 25) -> tuple[Float, NDArray[np.uint32]]:
+        """(n, 3) points and (m, 3) triangles, counter-clockwise from outside; marker frame, metres.
+
+        A grid on the unit sphere, each direction moved to the hull's farthest point along it: exact where the hull is
+        round, and its corners are hit by all directions that they are farthest in.
+        """
+        # Half a step off the axes, in which boxes have their faces.
+        azimuth = (np.arange(around) + 0.5) * (2 * math.pi / around)
+        sine = np.sin(np.linspace(-math.pi / 2, math.pi / 2, upwards))[:, None]
+        flat = np.sqrt(1 - np.minimum(sine**2, 1.0))
+        grid = [flat * np.cos(azimuth), flat * np.sin(azimuth), sine + 0 * azimuth]
+        directions = np.stack(grid, axis=-1).reshape(-1, 3)
+        centre, radius, half = np.split(self.spheroids_marker, (3, 4), axis=1)
+        axes = np.concatenate([radius, radius, half], axis=1)
+        reach = np.linalg.norm(axes * directions[:, None], axis=2)
+        farthest = (directions @ centre.T + reach).argmax(axis=1)
+        at = np.arange(len(directions))
+        length = np.maximum(reach[at, farthest], np.finfo(np.float64).tiny)[:, None]
+        points = centre[farthest] + axes[farthest] ** 2 * directions / length
+        corner = np.arange((upwards - 1) * around).reshape(-1, around)
+        right = np.roll(corner, -1, axis=1)
+        quads = np.stack([corner, right, right + around, corner, right + around, corner + around], axis=-1)
+        return points, quads.reshape(-1, 3).astype(np.uint32)
+
+
+@cache
+def _circle(around: int) -> Float:
+    """(around, 2) points of the unit circle."""
+    angles = np.arange(around) * (2 * math.pi / around)
+    return np.column_stack([np.cos(angles), np.sin(angles)])

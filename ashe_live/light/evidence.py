@@ -6,18 +6,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.alignment import Alignment
 from ashe_live.light.areas import distance_to, grown, shrunk
 from ashe_live.light.associate import Split
-from ashe_live.light.fit import Fit
+from ashe_live.light.fit import FittedLight
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.materials import Materials
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
+from ashe_live.light.shading import agreement
 
 # The ring on either side of an outline where its sharpness is measured; the outline's own pixels are mixed.
 RING_PX = (1.0, 4.0)
 BESIDE_OBJECT_PX = 3.0  # what is nearer to the object may be of it
 WITHIN_PX = 1.5
+FLAT = 0.7  # log of breadth over height above which a body is flat
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,18 +31,30 @@ class Explanation:
     region: Region
     materials: Materials
     split: Split
-    fit: Fit
-    predicted: Predicted
+    alignment: Alignment
+    lights: tuple[FittedLight, ...]
     own: Float32  # (h, w) cost of the object's colours
+
+    @property
+    def predicted(self) -> Predicted:
+        return self.alignment.placed.predicted
+
+    @property
+    def proxy(self) -> Proxy:
+        return self.alignment.placed.body.proxy
 
 
 EVIDENCE = (
     "misfit",
+    "clear body",
+    "clear shadow",
+    "flat",
+    "shading",
     "hue",
     "brightness",
     "short",
     "long",
-    "shading",
+    "lit side",
     "missed",
     "edge",
     "border",
@@ -47,10 +63,26 @@ EVIDENCE = (
 
 
 def evidence(explanation: Explanation) -> Float:
-    """(10,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
-    fit = explanation.fit
-    misfit = math.log(max(fit.residual_px, 0.05) / max(fit.object_px, 1.0))
-    return np.array([misfit, *appearance(explanation.region, explanation.materials, explanation.predicted)])
+    """(14,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
+    alignment = explanation.alignment
+    misfit = math.log(max(alignment.missed_px, 0.05) / alignment.placed.object_px)
+    looks = appearance(explanation.region, explanation.materials, explanation.predicted)
+    return np.array(
+        [misfit, alignment.clear_body, alignment.clear_shadow, _flatness(explanation), _agreement(explanation), *looks]
+    )
+
+
+def _flatness(explanation: Explanation) -> float:
+    """How much flatter than half as high as wide, as a logarithm; 0 of what is not."""
+    x, y, z, radius, half = explanation.proxy.spheroids_marker.T
+    breadth = 0.5 * (np.ptp([x - radius, x + radius]) + np.ptp([y - radius, y + radius]))
+    return max(math.log(max(breadth, 1e-9) / max((z + half).max(), 1e-9)) - FLAT, 0.0)
+
+
+def _agreement(explanation: Explanation) -> float:
+    lights = [light.to_light_marker for light in explanation.lights]
+    left_over = [math.exp(shift[0]) for shift in explanation.materials.shifts[: len(lights)]]
+    return agreement(explanation.region, explanation.predicted.body, explanation.proxy, lights, left_over)
 
 
 def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
@@ -64,7 +96,7 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
             max(brightness + 0.5, 0.0),
             max(-longer - 1.0, 0.0),
             max(longer, 0.0),
-            _shading(region, masks),
+            _lit_side(region, masks),
             math.log(0.02 + int((region.unlit & ~masks.whole).sum()) / size),
             min(_sharpness(region, materials, masks), 1.0),
             _border_share(masks.shadow, masks.body),
@@ -92,7 +124,7 @@ def _clear_of(body: Mask, region: Region) -> Mask:
     return region.is_ground & (distance_to(body) > BESIDE_OBJECT_PX)
 
 
-def _shading(region: Region, masks: Predicted) -> float:
+def _lit_side(region: Region, masks: Predicted) -> float:
     """Correlation over the object of brightness with the place along the way from its shadow: positive if lit so."""
     body, shadow = masks.body, masks.shadow
     core = shrunk(body, 1) & region.is_ground

@@ -15,10 +15,11 @@ from ashe_live.core.arrays import Float, Mask, frozen_floats, set_frozen
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import normalised, tangent_basis
+from ashe_live.light.body import Body
 from ashe_live.light.contours import AnyMask
 from ashe_live.light.first_guess import FirstGuess, guess_scene
 from ashe_live.light.proxies import FAMILIES, Family
-from ashe_live.light.search import Sights, Solution, search
+from ashe_live.light.search import Sights, Solution, information_on_slants, search
 from ashe_live.light.silhouettes import Outlines, observe_outlines
 from ashe_live.light.tangents import sharpened_slants
 
@@ -118,18 +119,31 @@ def fit_light(masks: Masks, preset: FitPreset = BALANCED) -> Fit | FitFailure:
 
 def fit_lights(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[Fit | FitFailure]:
     """`fit_light` of each, in less time than one after the other takes."""
-    found: dict[int, Fit | FitFailure] = {}
-    by_lights: dict[int, dict[int, _Scene]] = {}
-    for index, masks in enumerate(several):
-        scene = _scene(masks, preset)
-        if isinstance(scene, FitFailure):
-            found[index] = scene
-        else:
-            by_lights.setdefault(len(masks.shadows), {})[index] = scene
-    for scenes in by_lights.values():
-        _try_families(list(scenes.values()), preset)
-        found |= {index: _believed(scene) for index, scene in scenes.items()}
-    return [found[index] for index in range(len(several))]
+    return [_believed(scene) if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
+
+
+def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[list[Body] | FitFailure]:
+    """For each, the body and displacements of every family that explain its outlines best; the likeliest first."""
+    return [scene.bodies() if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
+
+
+def fitted_lights(slants: Float, covariance: Float) -> tuple[FittedLight, ...]:
+    """Displacements (l, 2) and their covariance (2 l, 2 l) as directions."""
+    lights = []
+    for i, slant in enumerate(slants):
+        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
+        spread = slope @ covariance[own, own] @ slope.T
+        lights.append(FittedLight(np.array([*slant, 1.0]), 0.5 * (spread + spread.T)))
+    return tuple(lights)
+
+
+def above_the_ground(information: Float, slants: Float) -> Float:
+    """Information (2 l, 2 l) on slants (l, 2) and that a light is on the hemisphere."""
+    total = information.copy()
+    for i, slant in enumerate(slants):
+        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
+        total[own, own] += slope.T @ slope / HEMISPHERE_RAD**2
+    return total
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -160,9 +174,26 @@ class _Scene:
             shapes, slants = family.starts(parent.shape), [parent.slants]
         return np.array([[*slant.ravel(), *shape] for slant in slants for shape in shapes])
 
+    def ranked(self) -> list[str]:
+        """The families tried, the likeliest first."""
+        return sorted(self.solutions, key=lambda name: _information_criterion(self.solutions[name], self.edge_sigma_px))
+
+    def bodies(self) -> list[Body]:
+        solutions = (self.solutions[name] for name in self.ranked())
+        return [Body(self.guess, solution.family, solution.slants, solution.shape) for solution in solutions]
+
     @property
     def hopeless(self) -> float:
         return HOPELESS * min((solution.cost for solution in self.solutions.values()), default=math.inf)
+
+
+def _solved(several: Sequence[Masks], preset: FitPreset) -> "list[_Scene | FitFailure]":
+    """What is found of each."""
+    found = [_scene(masks, preset) for masks in several]
+    scenes = [scene for scene in found if isinstance(scene, _Scene)]
+    for lights in {len(scene.outlines.shadows) for scene in scenes}:
+        _try_families([scene for scene in scenes if len(scene.outlines.shadows) == lights], preset)
+    return found
 
 
 def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
@@ -200,31 +231,25 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
 
 def _believed(scene: _Scene) -> Fit:
     """The best solution as a fit: sharpened by tangents, in the marker frame."""
-    outlines, guess, solutions, edge_sigma_px = scene.outlines, scene.guess, scene.solutions, scene.edge_sigma_px
-    name = min(solutions, key=lambda name: _information_criterion(solutions[name], edge_sigma_px))
-    best = solutions[name]
+    outlines, solutions, edge_sigma_px = scene.outlines, scene.solutions, scene.edge_sigma_px
+    body = scene.bodies()[0]
+    best = solutions[body.family.name]
     parameters = best.slants.size + best.shape.size
     misfit = best.mean_square * best.count / max(best.count - parameters, 0.25 * best.count)
     wrong = misfit / (WRONG_FAMILY_SHARE * outlines.size_px) ** 2
     variance = EDGE_WEIGHT * edge_sigma_px**2 + MISFIT_WEIGHT * misfit * (1 + wrong)
-
-    information = best.information() / variance
-    for i, slant in enumerate(best.slants):
-        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
-        information[own, own] += slope.T @ slope / HEMISPHERE_RAD**2
-    spheroids = best.family.parts(best.shape[None])[0][0]
-    spheroids[:, 3:] = np.abs(spheroids[:, 3:])  # a radius enters squared, so that its sign means nothing
-    trusted = spheroids if wrong < 1 else None
-    slants, covariance = sharpened_slants(guess.P, outlines, best.slants, information, edge_sigma_px, trusted)
-    lights = []
-    for i, slant in enumerate(slants):
-        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
-        spread = slope @ covariance[own, own] @ slope.T
-        lights.append(FittedLight(np.array([*slant, 1.0]), 0.5 * (spread + spread.T)))
-    spheroids *= guess.unit_m
-    spheroids[:, :2] += guess.origin_marker
+    known = information_on_slants(best.normal, best.slants.size) / variance
+    slants, covariance = sharpened_slants(
+        scene.guess.P,
+        outlines,
+        best.slants,
+        above_the_ground(known, best.slants),
+        edge_sigma_px,
+        body.spheroids if wrong < 1 else None,
+    )
     residuals = {family: math.sqrt(solution.mean_square) for family, solution in solutions.items()}
-    return Fit(tuple(lights), Proxy(name, spheroids), residuals[name], outlines.size_px, residuals)
+    lights = fitted_lights(slants, covariance)
+    return Fit(lights, body.proxy, residuals[body.family.name], outlines.size_px, residuals)
 
 
 def _direction_by_slant(slant: Float) -> Float:

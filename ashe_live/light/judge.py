@@ -21,23 +21,23 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -6.29
-WEIGHTS = np.array([-1.46, -5.65, -9.25, -0.41, -1.02, 1.02, -1.34, 1.02, -6.75, 0.3])
+OFFSET = -7.26
+WEIGHTS = np.array([-0.8, 2.28, 2.51, -3.78, 1.64, -4.8, -7.05, 0.22, -0.21, -0.6, -0.7, 0.87, -5.48, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
-CONTEST_OFFSET = -0.28
-CONTEST_WEIGHTS = np.array([0.75, 0.28, 2.23])
+CONTEST_OFFSET = -0.23
+CONTEST_WEIGHTS = np.array([1.15, 2.41, 0.79])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:
     """What the look of a split alone promises: the larger, the likelier it is that the right light follows from it."""
     doubtful = split.shadow_mask if split.either is None else split.shadow_mask | split.either
-    return float(WEIGHTS[1:] @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
+    return float(WEIGHTS[-9:] @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
 
 
 def log_odds(explanation: Explanation) -> float:
     """Log odds that the explanation is right, times that its direction is as good as an answer must be."""
     is_right = 1 / (1 + math.exp(-float(np.clip(OFFSET + WEIGHTS @ evidence(explanation), -50, 50))))
-    radius = max(radius_of_68_percent(of_outlines(light.covariance_rad2)) for light in explanation.fit.lights)
+    radius = max(radius_of_68_percent(of_outlines(light.covariance_rad2)) for light in explanation.lights)
     is_good = -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2)
     probability = min(max(is_right * is_good, 1e-6), 1 - 1e-6)
     return math.log(probability / (1 - probability))
@@ -46,7 +46,7 @@ def log_odds(explanation: Explanation) -> float:
 def best_of(explanations: Sequence[Explanation]) -> tuple[Explanation, float]:
     """The likeliest explanation, and P(its angular error < 10 degrees), given the others' word."""
     odds = np.array([log_odds(explanation) for explanation in explanations])
-    directions = np.array([explanation.fit.lights[0].to_light_marker for explanation in explanations])
+    directions = np.array([explanation.lights[0].to_light_marker for explanation in explanations])
     best = int(odds.argmax())
     score = CONTEST_OFFSET + CONTEST_WEIGHTS @ contest(odds, directions)
     return explanations[best], 1 / (1 + math.exp(-float(np.clip(score, -50, 50))))
@@ -72,7 +72,7 @@ def contest(log_odds: Float, directions: Float) -> Float:
 def lights_of(explanation: Explanation, confidence: float, tracked: TrackedFrame) -> list[DirectionalLight]:
     """The lights of an explanation with what is known about them, in the order of its shifts: strongest first."""
     lights = []
-    for fitted in explanation.fit.lights:
+    for fitted in explanation.lights:
         covariance = of_direction(fitted.covariance_rad2, fitted.to_light_marker, tracked)
         sigma_rad = radius_of_68_percent(covariance)
         lights.append(DirectionalLight(fitted.to_light_marker, covariance, sigma_rad, confidence))

@@ -34,15 +34,22 @@ class Predicted:
 
 def predicted(proxy: Proxy, to_lights_marker: Sequence[Float], view: View) -> Predicted:
     """The silhouettes in `view` of a convex body and of its shadows on the marker plane."""
-    points, shape = proxy.points_marker(AROUND), view.is_ground.shape
-    body = _filled(outline(view.camera, view.T_cam_marker, points), shape)
-    shadows = [
-        _filled(shadow_outline(view.camera, view.T_cam_marker, points, to_light), shape) & ~body
-        for to_light in to_lights_marker
-    ]
-    return Predicted(
-        body, np.logical_or.reduce([np.zeros_like(body), *shadows]), tuple(shadows) if len(shadows) > 1 else ()
-    )
+    return painted(outlines(proxy, to_lights_marker, view), view.is_ground.shape)
+
+
+def outlines(proxy: Proxy, to_lights_marker: Sequence[Float], view: View) -> list[Float | None]:
+    """(m, 2) pixels each: the outline of a convex body, and of its shadow in each light; None of what is not seen."""
+    points = proxy.points_marker(AROUND)
+    shadows = [shadow_outline(view.camera, view.T_cam_marker, points, to_light) for to_light in to_lights_marker]
+    return [outline(view.camera, view.T_cam_marker, points), *shadows]
+
+
+def painted(hulls_px: Sequence[Float | None], shape: tuple[int, ...]) -> Predicted:
+    """What lies within the outlines of a body and of its shadows."""
+    body, *shadows = (_filled(hull, shape) for hull in hulls_px)
+    shadows = [shadow & ~body for shadow in shadows]
+    shadow = np.logical_or.reduce([np.zeros_like(body), *shadows])
+    return Predicted(body, shadow, tuple(shadows) if len(shadows) > 1 else ())
 
 
 def outline(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float | None:

@@ -6,37 +6,28 @@ light that explains both outlines, `relabel` corrects the outlines by it, and `j
 explanation, or that there is nothing to believe.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
-
-import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light import fit as fitting
-from ashe_live.light.associate import Split, doubted, splits
+from ashe_live.light.associate import doubted, splits
 from ashe_live.light.evidence import Explanation, shadow_core
+from ashe_live.light.explain import Proposal, are_alike, explained, finer
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, lit_rgb, unlit_mask
 from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, lights_of, log_odds, promise
-from ashe_live.light.log_colour import Float32
-from ashe_live.light.materials import Materials, materials_of, object_cost
+from ashe_live.light.materials import materials_of
 from ashe_live.light.penumbra import angular_size
-from ashe_live.light.predicted import Predicted, predicted
 from ashe_live.light.regions import Region, unlit_regions
-from ashe_live.light.relabel import relabelled
 from ashe_live.light.shift import shadow_ratio, shadow_shifts, shift_within
 from ashe_live.light.stages import StageClock
 from ashe_live.light.two_lights import are_two, materials_of_two, parted
 from ashe_live.light.view import View
 
-EDGE_SIGMA_PX = 0.7
 # Of the coarse picture: smaller things are specks.
 LEAST_SHARE = 0.0005
-# Share of its pixels in which an explanation must differ from another to be worth more work.
-DIFFERING_SHARE = 0.04
-LOWEST_Z = 0.03  # of a direction whose displacement can be started from
-FEW_PX = 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +60,7 @@ FAST = ProxySteps(
     shadows_per_shift=2,
     tried=3,
     pairs_tried=1,
-    refined=1,
+    refined=2,
     rounds=1,
     ground=GroundSteps(12, 8, 1),
     first_fit=fitting.FAST,
@@ -83,9 +74,9 @@ BALANCED = ProxySteps(
     shifts=8,
     paired_shifts=6,
     shadows_per_shift=3,
-    tried=4,
+    tried=8,
     pairs_tried=2,
-    refined=2,
+    refined=4,
     rounds=2,
     ground=GroundSteps(),
     first_fit=fitting.FAST,
@@ -94,29 +85,19 @@ BALANCED = ProxySteps(
 ACCURATE = ProxySteps(
     coarse_width_px=320,
     fine_width_px=960,
-    region_px=180,
+    region_px=140,
     regions=4,
     shifts=9,
     paired_shifts=8,
     shadows_per_shift=3,
-    tried=12,
-    pairs_tried=4,
-    refined=6,
-    rounds=3,
+    tried=10,
+    pairs_tried=3,
+    refined=5,
+    rounds=2,
     ground=GroundSteps(),
     first_fit=fitting.BALANCED,
-    fine_fit=fitting.ACCURATE,
+    fine_fit=fitting.BALANCED,
 )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Proposal:
-    """A region taken for an object and its shadow."""
-
-    region: Region
-    materials: Materials
-    split: Split
-    near: Float | None = None  # (l, 2) displacements by which the shadows may fall
 
 
 PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}
@@ -158,8 +139,9 @@ class ProxyEstimator:
         shifts = shadow_shifts(ground, unlit, steps.shifts)
         proposals = [proposal for region in regions for proposal in self._proposals(region, ground, shifts)]
         clock.end("associate")
-        first = [rough for rough in _explained(self._tried(proposals), steps.first_fit) if rough]
-        refined = self._refined(self._promising(first))
+        refined = self._promising([rough for rough in explained(self._tried(proposals), steps.first_fit) if rough])
+        for _ in range(steps.rounds):
+            refined = finer(refined, steps.fine_fit)
         clock.end("fit")
         if not refined:
             return answer("no shadow found: the light may be diffuse, or the shadow out of view")
@@ -176,7 +158,7 @@ class ProxyEstimator:
         if len(lights) == 1:
             lights = [replace(lights[0], angular_size_rad=_angular_size(best))]
         found = answer(None, *lights, body=body, shadow=shadow)
-        return replace(found, caster=best.fit.proxy, ambient_rgb_ratio=ratios[-1], ground_rgb=lit_rgb(ground))
+        return replace(found, caster=best.proxy, ambient_rgb_ratio=ratios[-1], ground_rgb=lit_rgb(ground))
 
     def _proposals(self, region: Region, ground: LitGround, shifts: list[Float]) -> Iterator[Proposal]:
         alone = [materials_of(region, ground, shift) for shift in shifts]
@@ -207,60 +189,9 @@ class ProxyEstimator:
         for explanation in sorted(explanations, key=log_odds, reverse=True):
             if len(kept) == self._steps.refined:
                 break
-            if not any(_are_alike(explanation, other) for other in kept):
+            if not any(are_alike(explanation, other) for other in kept):
                 kept.append(explanation)
         return kept
-
-    def _refined(self, roughs: list[Explanation]) -> list[Explanation]:
-        """Labels and fit, each corrected by the other in turn; the rough ones themselves of which nothing comes."""
-        chains = [[rough] for rough in roughs]
-        going = chains
-        for _ in range(self._steps.rounds):
-            proposals = [(chain, proposal) for chain in going if (proposal := _relabelled(chain[-1]))]
-            explanations = _explained([proposal for _, proposal in proposals], self._steps.fine_fit)
-            going = []
-            for (chain, _), finer in zip(proposals, explanations, strict=True):
-                if finer:
-                    chain.append(finer)
-                    going.append(chain)
-        return [explanation for chain in chains for explanation in chain[1:] or chain]
-
-
-def _relabelled(last: Explanation) -> Proposal | None:
-    """What a fit makes of the labels that led to it; None where two lights' shadows have become one."""
-    split = relabelled(last.region, last.materials, last.own, last.predicted)
-    if last.materials.lights == 2 and not are_two(split.parts):
-        return None
-    towards = np.array([light.to_light_marker for light in last.fit.lights])
-    near = towards[:, :2] / towards[:, 2:] if towards[:, 2].min() > LOWEST_Z else None
-    return Proposal(last.region, last.materials, split, near)
-
-
-def _explained(proposals: Sequence[Proposal], preset: fitting.FitPreset) -> list[Explanation | None]:
-    """What follows from splits; None where no light does."""
-    masks = [
-        fitting.Masks(
-            proposal.split.object_mask,
-            proposal.split.shadows,
-            proposal.region.view.camera,
-            proposal.region.view.T_cam_marker,
-            proposal.region.unreliable,
-            EDGE_SIGMA_PX,
-            proposal.split.either,
-            proposal.near,
-        )
-        for proposal in proposals
-    ]
-    return [
-        None if isinstance(found, fitting.FitFailure) else _explanation(proposal, found)
-        for proposal, found in zip(proposals, fitting.fit_lights(masks, preset), strict=True)
-    ]
-
-
-def _explanation(proposal: Proposal, found: fitting.Fit) -> Explanation:
-    region, split = proposal.region, proposal.split
-    expected = predicted(found.proxy, [light.to_light_marker for light in found.lights], region.view)
-    return Explanation(region, proposal.materials, split, found, expected, _own_cost(region, split, expected))
 
 
 def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
@@ -272,19 +203,5 @@ def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
 
 
 def _angular_size(best: Explanation) -> float | None:
-    towards = best.fit.lights[0].to_light_marker
-    return angular_size(best.fit.proxy, towards, best.materials.share, best.predicted, best.region.view)
-
-
-def _own_cost(region: Region, split: Split, expected: Predicted) -> Float32:
-    seen = expected.body & region.unlit
-    return object_cost(region, seen if seen.sum() > FEW_PX else split.object_mask)
-
-
-def _are_alike(one: Explanation, other: Explanation) -> bool:
-    """Whether two explanations of one region say nearly the same of its pixels."""
-    if one.region is not other.region:
-        return False
-    a, b = one.predicted, other.predicted
-    differing = np.count_nonzero((a.body != b.body) | (a.shadow != b.shadow))
-    return bool(differing < DIFFERING_SHARE * np.count_nonzero(a.whole | b.whole))
+    towards = best.lights[0].to_light_marker
+    return angular_size(best.proxy, towards, best.materials.share, best.predicted, best.region.view)

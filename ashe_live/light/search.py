@@ -70,14 +70,14 @@ class Solution:
     count: int  # of directions in which an outline was measured
     normal: Float  # (2 l + q, 2 l + q) information on slants and shape, were errors independent and 1 px large
 
-    def information(self) -> Float:
-        """(2 l, 2 l) on the slants when the shape is not known: the Schur complement."""
-        count = self.slants.size
-        own, mixed, others = self.normal[:count, :count], self.normal[:count, count:], self.normal[count:, count:]
-        scale = np.sqrt(np.maximum(np.diag(others), 1e-9))
-        balanced = others / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
-        mixed = mixed / scale
-        return np.asarray(own - mixed @ np.linalg.solve(balanced, mixed.T))
+
+def information_on_slants(normal: Float, count: int) -> Float:
+    """(count, count) of (count + q, count + q): what is known of slants when the shape is not; the Schur complement."""
+    own, mixed, others = normal[:count, :count], normal[:count, count:], normal[count:, count:]
+    scale = np.sqrt(np.maximum(np.diag(others), 1e-9))
+    balanced = others / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    mixed = mixed / scale
+    return np.asarray(own - mixed @ np.linalg.solve(balanced, mixed.T))
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +119,11 @@ class _Candidates(_Stacked):
         return np.repeat(over, np.diff(first, append=len(self.problem)))
 
 
+def stiffness_of(family: Family, split: int) -> Float:
+    """(split + q,) px^2 that parameters cost as they leave their start; slants, the first `split`, may go anywhere."""
+    return np.asarray(SOLID_PRIOR / np.array([np.inf] * split + list(family.spread)) ** 2)
+
+
 def residuals(sights: Sights, family: Family, theta: Float) -> tuple[Float, Float]:
     """(n, r) pixels by which outlines are missed, and their derivatives (n, r, 2 l + q) by theta = (slants, shape)."""
     (n, rows, d), split = sights.least_px.shape, theta.shape[1] - len(family.spread)
@@ -152,7 +157,7 @@ def search(
     problem = np.repeat(np.arange(len(starts)), [len(each) for each in starts])
     start = np.concatenate(starts)
     split = start.shape[1] - len(family.spread)
-    stiffness = SOLID_PRIOR / np.array([np.inf] * split + list(family.spread)) ** 2
+    stiffness = stiffness_of(family, split)
     own = sights.of(problem)
 
     def evaluate(theta: Float, start: Float) -> tuple[Float, Float, Float]:

@@ -8,7 +8,6 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project
 from ashe_live.models.primitives import box
-from ashe_live.render.caster import support_surface
 from ashe_live.render.lighting import lighting_of
 from ashe_live.render.scene import Scene
 from ashe_live.render.video_look import ASSUMED_WHITE
@@ -36,12 +35,12 @@ def _volume(points: np.ndarray, triangles: np.ndarray) -> float:
 
 
 def test_surface_of_a_box_is_the_box_and_that_of_a_ball_nearly_the_ball() -> None:
-    assert _volume(*support_surface(_proxy_box(0.1, -0.2, 0.03, 0.08))) == pytest.approx(0.06**2 * 0.08, rel=1e-9)
+    assert _volume(*_proxy_box(0.1, -0.2, 0.03, 0.08).surface()) == pytest.approx(0.06**2 * 0.08, rel=1e-9)
     ball = Proxy("ball", np.array([(0.1, 0.0, 0.05, 0.05, 0.05)]))
-    assert _volume(*support_surface(ball)) == pytest.approx(4 / 3 * np.pi * 0.05**3, rel=0.02)
+    assert _volume(*ball.surface()) == pytest.approx(4 / 3 * np.pi * 0.05**3, rel=0.02)
     cup = Proxy("cup", np.array([(0, 0, 0, 0.03, 0), (0, 0, 0.1, 0.04, 0)]))
     cone = np.pi * 0.1 / 3 * (0.03**2 + 0.03 * 0.04 + 0.04**2)
-    assert _volume(*support_surface(cup)) == pytest.approx(cone, rel=0.02)
+    assert _volume(*cup.surface()) == pytest.approx(cone, rel=0.02)
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=IDS)

@@ -1,0 +1,121 @@
+"""Explanations: from what a split says of a region's pixels to a body and lights that suit the picture."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.alignment import Alignment, Costs, aligned
+from ashe_live.light.associate import Split
+from ashe_live.light.body import Body
+from ashe_live.light.evidence import Explanation
+from ashe_live.light.fit import FitFailure, FitPreset, FittedLight, Masks, above_the_ground, fit_bodies, fitted_lights
+from ashe_live.light.log_colour import Float32
+from ashe_live.light.materials import Materials, object_cost
+from ashe_live.light.predicted import predicted
+from ashe_live.light.regions import Region
+from ashe_live.light.relabel import relabelled
+from ashe_live.light.search import information_on_slants
+from ashe_live.light.two_lights import are_two
+
+EDGE_SIGMA_PX = 0.7
+LOWEST_Z = 0.03  # of a direction whose displacement can be started from
+FEW_PX = 20
+# Errors of neighbouring borders go together: so many of them tell what one independent measurement would. Measured, so
+# that 68 % of the errors lie within sigma (docs/accuracy.md).
+CORRELATED = 4.0
+# Share of its pixels in which an explanation must differ from another to be worth more work.
+DIFFERING_SHARE = 0.04
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposal:
+    """A region taken for an object and its shadow."""
+
+    region: Region
+    materials: Materials
+    split: Split
+    near: Float | None = None  # (l, 2) displacements by which the shadows may fall
+    own: Float32 | None = None  # (h, w) cost of the object's colours, where more is known of them
+
+
+def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanation | None]:
+    """What follows from each; None where no light does."""
+    masks = [
+        Masks(
+            proposal.split.object_mask,
+            proposal.split.shadows,
+            proposal.region.view.camera,
+            proposal.region.view.T_cam_marker,
+            proposal.region.unreliable,
+            EDGE_SIGMA_PX,
+            proposal.split.either,
+            proposal.near,
+        )
+        for proposal in proposals
+    ]
+    return [
+        None if isinstance(bodies, FitFailure) else _suited(proposal, bodies)
+        for proposal, bodies in zip(proposals, fit_bodies(masks, preset), strict=True)
+    ]
+
+
+def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
+    """Each with its pixels labelled by what has been found, and fitted to the labels: whichever suits better.
+
+    What is right explains its own labels; an explanation of which nothing is left then is none.
+    """
+    pairs = [(rough, proposal) for rough in roughs if (proposal := _relabelled(rough)) is not None]
+    fines = explained([proposal for _, proposal in pairs], preset)
+    return [_better(rough, fine) for (rough, _), fine in zip(pairs, fines, strict=True) if fine is not None]
+
+
+def are_alike(one: Explanation, other: Explanation) -> bool:
+    """Whether two explanations of one region say nearly the same of its pixels."""
+    if one.region is not other.region:
+        return False
+    a, b = one.predicted, other.predicted
+    differing = np.count_nonzero((a.body != b.body) | (a.shadow != b.shadow))
+    return bool(differing < DIFFERING_SHARE * np.count_nonzero(a.whole | b.whole))
+
+
+def _better(rough: Explanation, fine: Explanation) -> Explanation:
+    """Whichever costs less, with what the rough one says of the object's colours."""
+    cost = Costs(rough.region, rough.materials, rough.own).of(rough.predicted)
+    return fine if fine.alignment.placed.cost < cost else rough
+
+
+def _relabelled(last: Explanation) -> Proposal | None:
+    """What a body makes of the labels that led to it; None where two lights' shadows have become one."""
+    split = relabelled(last.region, last.materials, last.own, last.predicted)
+    if last.materials.lights == 2 and not are_two(split.parts):
+        return None
+    towards = np.array([light.to_light_marker for light in last.lights])
+    near = towards[:, :2] / towards[:, 2:] if towards[:, 2].min() > LOWEST_Z else None
+    return Proposal(last.region, last.materials, split, near, last.own)
+
+
+def _suited(proposal: Proposal, bodies: Sequence[Body]) -> Explanation | None:
+    """The body that suits the picture best, its lights, and what is then known of its colours."""
+    region, materials, split = proposal.region, proposal.materials, proposal.split
+    own = proposal.own
+    if own is None:
+        likeliest = predicted(bodies[0].proxy, bodies[0].to_lights_marker, region.view)
+        own = _cost_of_object(region, likeliest.body & region.unlit, split)
+    alignment = aligned(bodies, Costs(region, materials, own))
+    if alignment is None:
+        return None
+    own = _cost_of_object(region, alignment.placed.predicted.body & region.is_ground, split)
+    return Explanation(region, materials, split, alignment, _lights(alignment), own)
+
+
+def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
+    """By the colours of what is seen of the object; of the split's, where that is hardly anything."""
+    return object_cost(region, seen if seen.sum() > FEW_PX else split.object_mask)
+
+
+def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
+    slants = alignment.placed.body.slants
+    information = information_on_slants(alignment.normal, slants.size) / CORRELATED
+    return fitted_lights(slants, np.asarray(np.linalg.inv(above_the_ground(information, slants))))
