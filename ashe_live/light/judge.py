@@ -23,6 +23,8 @@ RAYLEIGH_68 = math.log(1 - 0.68)
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
 OFFSET = -7.26
 WEIGHTS = np.array([-0.8, 2.28, 2.51, -3.78, 1.64, -4.8, -7.05, 0.22, -0.21, -0.6, -0.7, 0.87, -5.48, 0.3])
+# How much each of `appearance` promises before any fit; fitted to which splits the right light followed from.
+PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
 CONTEST_OFFSET = -0.23
 CONTEST_WEIGHTS = np.array([1.15, 2.41, 0.79])
@@ -31,7 +33,7 @@ CONTEST_WEIGHTS = np.array([1.15, 2.41, 0.79])
 def promise(region: Region, materials: Materials, split: Split) -> float:
     """What the look of a split alone promises: the larger, the likelier it is that the right light follows from it."""
     doubtful = split.shadow_mask if split.either is None else split.shadow_mask | split.either
-    return float(WEIGHTS[-9:] @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
+    return float(PROMISE @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
 
 
 def log_odds(explanation: Explanation) -> float:
