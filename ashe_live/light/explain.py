@@ -22,9 +22,10 @@ from ashe_live.light.two_lights import are_two
 EDGE_SIGMA_PX = 0.7
 LOWEST_Z = 0.03  # of a direction whose displacement can be started from
 FEW_PX = 20
-# Errors of neighbouring borders go together: so many of them tell what one independent measurement would. Measured, so
-# that 68 % of the errors lie within sigma (docs/accuracy.md).
-CORRELATED = 4.0
+# Errors of neighbouring borders go together: so many of them tell what one independent measurement would. A body that
+# misses them by this share of its size is so wrong that its errors are as large as theirs. Both measured, so that 68 %
+# of the errors lie within sigma (docs/accuracy.md).
+CORRELATED, WRONG_BODY_SHARE = 3.2, 0.007
 # Share of its pixels in which an explanation must differ from another to be worth more work.
 DIFFERING_SHARE = 0.04
 
@@ -117,5 +118,6 @@ def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
 
 def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
     slants = alignment.placed.body.slants
-    information = information_on_slants(alignment.normal, slants.size) / CORRELATED
+    wrong = alignment.missed_px / (WRONG_BODY_SHARE * alignment.placed.object_px)
+    information = information_on_slants(alignment.normal, slants.size) / (CORRELATED * (1 + wrong**2))
     return fitted_lights(slants, np.asarray(np.linalg.inv(above_the_ground(information, slants))))

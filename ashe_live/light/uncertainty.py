@@ -8,16 +8,13 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import tangent_basis
 from ashe_live.core.types import TrackedFrame
 
-# The fit takes the errors of neighbouring edges for nearly independent; those of masks found in a picture are less so.
-# Measured on the rendered scenes, so that 68 % of the errors lie within sigma (docs/accuracy.md).
-SEGMENTED = 1.7
-FLOOR_RAD = math.radians(0.2)  # along each axis: the corners' bias, a curled sheet, the lens
+FLOOR_RAD = math.radians(0.4)  # along each axis: the corners' bias, a curled sheet, the lens
 ASSUMED_FOCAL_RAD = math.radians(0.6)  # the same, for a field of view that nobody measured
 
 
 def of_outlines(covariance_rad2: Float) -> Float:
-    """(2, 2): a fit's covariance of a direction, when its outlines were found in a picture."""
-    return np.asarray(SEGMENTED * covariance_rad2 + FLOOR_RAD**2 * np.eye(2))
+    """(2, 2): a direction's covariance, given that of its outlines alone."""
+    return np.asarray(covariance_rad2 + FLOOR_RAD**2 * np.eye(2))
 
 
 def of_direction(covariance_rad2: Float, to_light_marker: Float, tracked: TrackedFrame) -> Float:
