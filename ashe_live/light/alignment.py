@@ -27,8 +27,11 @@ from ashe_live.light.supports import outline_supports
 REACHES, LEAST_REACH_PX = (0.14, 0.1, 0.06, 0.05), 3.0
 OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # misses beyond this count less and less (Cauchy's loss) in the end;
 FORGIVING = 3.0  # and beyond this many times as much, at first
-DAMPING, LARGEST_STEP, STEPS = 1e-3, 1.0, (1.0, 0.5, 0.25)
-FAMILIES_WEIGHED, COST_PER_PARAMETER = 5, 4.0
+DAMPING, LARGEST_STEP = 1e-3, 1.0
+STEPS = (1.0, 1.5)  # a border at the end of what was looked at lies farther, so that the first step may be too short
+FAMILIES_WEIGHED = 5
+# Bayes's ln n of the region's pixels, times the pixels that tell what one independent one would.
+COST_PER_PARAMETER = 60.0
 BESIDE_BODY_PX = 2
 TURN_RAD = 0.03  # by which a line is turned to touch either end of a straight edge
 FARTHEST_PX = 5e3
@@ -97,19 +100,24 @@ class Alignment:
 def aligned(bodies: Sequence[Body], costs: Costs) -> Alignment | None:
     """The body of those that suits the picture best, moved to the borders around it; None if it is not in view."""
     weighed = [_placed(body, costs) for body in bodies[:FAMILIES_WEIGHED]]
-    best = here = min(weighed, key=lambda one: one.cost + COST_PER_PARAMETER * len(one.body.shape))
+    best = here = min(weighed, key=criterion)
     for number, share in enumerate(REACHES):
         found = _borders(here, costs, share)
         if found is None:
             return None
         scale_px = _outlier_px(here) * (1.0 if number == len(REACHES) - 1 else FORGIVING)
-        step = _step(here.body, *found, scale_px)
+        start, step = here.body, _step(here.body, *found, scale_px)
         for length in STEPS:
-            here = _placed(here.body.moved(length * step), costs)
+            here = _placed(start.moved(length * step), costs)
             if here.cost < best.cost:
                 best = here
                 break
     return _appraised(best, costs)
+
+
+def criterion(placed: Placed) -> float:
+    """Its cost, and what its parameters cost: the least is the likeliest."""
+    return placed.cost + COST_PER_PARAMETER * len(placed.body.shape)
 
 
 def _placed(body: Body, costs: Costs) -> Placed:

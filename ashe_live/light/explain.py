@@ -1,12 +1,12 @@
 """Explanations: from what a split says of a region's pixels to a body and lights that suit the picture."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.alignment import Alignment, Costs, aligned
+from ashe_live.light.alignment import Alignment, Costs, aligned, criterion
 from ashe_live.light.associate import Split
 from ashe_live.light.body import Body
 from ashe_live.light.evidence import Explanation
@@ -83,8 +83,9 @@ def are_alike(one: Explanation, other: Explanation) -> bool:
 
 def _better(rough: Explanation, fine: Explanation) -> Explanation:
     """Whichever costs less, with what the rough one says of the object's colours."""
-    cost = Costs(rough.region, rough.materials, rough.own).of(rough.predicted)
-    return fine if fine.alignment.placed.cost < cost else rough
+    known = Costs(rough.region, rough.materials, rough.own).of(rough.predicted)
+    before = replace(rough.alignment.placed, cost=known)
+    return fine if criterion(fine.alignment.placed) < criterion(before) else rough
 
 
 def _relabelled(last: Explanation) -> Proposal | None:
