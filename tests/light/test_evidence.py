@@ -1,18 +1,23 @@
 """The evidence for and against an explanation: what the painted truth shows, and what other masks do not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Mask
-from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import normalised
+from ashe_live.light.alignment import Alignment
 from ashe_live.light.areas import grown, shrunk
-from ashe_live.light.associate import Split
 from ashe_live.light.evidence import EVIDENCE, Explanation, appearance, evidence
-from ashe_live.light.fit import Fit, FittedLight
-from ashe_live.light.materials import Materials, materials_of, object_cost
+from ashe_live.light.fit import FittedLight
+from ashe_live.light.materials import Materials, materials_of
 from ashe_live.light.predicted import Predicted
+from tests.light.painted_bodies import alignment_of, body_of, explanation_of
 from tests.light.painted_regions import PaintedRegion, painted_region, shift_of
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
+
+APPEARANCE = EVIDENCE[EVIDENCE.index("hue") :]  # what needs no fit
 
 
 def seen(
@@ -22,7 +27,7 @@ def seen(
     body = here.body if body is None else body
     shadow = (here.shadow if shadow is None else shadow) & ~body
     values = appearance(here.region, materials or here.materials, Predicted(body, shadow))
-    return dict(zip(EVIDENCE[1:], values, strict=True))
+    return dict(zip(APPEARANCE, values, strict=True))
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
@@ -55,11 +60,11 @@ def test_what_is_left_out_is_missed() -> None:
 def test_the_side_away_from_the_shadow_is_lit() -> None:
     """Seen from the side of a light from the left, the box's left face is the brighter one."""
     here = painted_region(BOX, azimuth_deg=200.0)
-    assert seen(here)["shading"] > 0.2
+    assert seen(here)["lit side"] > 0.2
     left = np.zeros_like(here.body)
     left[:, :5] = True
     assert not (left & here.body).any()
-    assert seen(here, shadow=left)["shading"] < -0.2
+    assert seen(here, shadow=left)["lit side"] < -0.2
 
 
 def test_a_shift_of_another_hue_or_hardly_darker_tells() -> None:
@@ -86,31 +91,60 @@ def test_a_hole_in_the_object_is_no_shadow_beside_it() -> None:
     assert seen(here, here.body & ~inner, inner)["border"] == 1
 
 
-def explanation(here: PaintedRegion, residual_px: float = 0.3) -> Explanation:
-    fit = Fit(
-        (FittedLight(here.scene.to_light, np.eye(2) * 1e-4),),
-        Proxy("sphere", np.array([[0.12, 0, 0.03, 0.03, 0.03]])),
-        residual_px,
-        60.0,
-        {},
+def weighed(explanation: Explanation) -> dict[str, float]:
+    return dict(zip(EVIDENCE, evidence(explanation), strict=True))
+
+
+def alignment_of_slab(here: PaintedRegion, height_m: float) -> Alignment:
+    """The painted body, but of this height."""
+    truth = alignment_of(here)
+    flatter = body_of(here, replace(BOX, height_m=height_m))
+    return replace(truth, placed=replace(truth.placed, body=flatter))
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_the_truth_has_clear_borders_and_is_shaded_by_its_light(ground: str, caster: Caster) -> None:
+    truth = weighed(explanation_of(painted_region(caster, ground=ground), caster))
+    assert min(truth["clear body"], truth["clear shadow"]) > 0.9
+    assert truth["shading"] > 0.9
+    assert truth["flat"] == 0
+    assert truth["misfit"] < np.log(0.01)
+
+
+def test_the_object_is_shaded_otherwise_in_another_light() -> None:
+    here = painted_region(BOX)
+    x, y, z = here.scene.to_light
+    opposite = explanation_of(here, lights=(FittedLight(normalised(np.array([-x, -y, z])), np.eye(2) * 1e-4),))
+    assert weighed(opposite)["shading"] < weighed(explanation_of(here))["shading"] - 0.5
+
+
+@pytest.mark.parametrize("height_m", [0.01, 0.003])
+def test_a_slab_is_flat_by_how_much_wider_than_high_it_is(height_m: float) -> None:
+    here = painted_region(BOX)
+    upright, thick, thin = (
+        weighed(explanation_of(here, alignment=alignment_of_slab(here, height)))["flat"]
+        for height in (BOX.height_m, height_m, height_m / 3)
     )
-    own = object_cost(here.region, here.body)
-    split, masks = Split(here.body, here.shadow), Predicted(here.body, here.shadow)
-    return Explanation(here.region, here.materials, split, fit, masks, own)
+    assert upright == 0 < thick
+    assert thin - thick == pytest.approx(np.log(3))
 
 
 def test_all_evidence_has_a_name_and_the_misfit_comes_first() -> None:
     here = painted_region(BOX)
-    good, bad = (evidence(explanation(here, residual_px)) for residual_px in (0.3, 3.0))
+    good, bad = (
+        evidence(explanation_of(here, alignment=alignment_of(here, missed_px=missed_px))) for missed_px in (0.3, 3.0)
+    )
     assert good.shape == (len(EVIDENCE),)
     assert EVIDENCE[0] == "misfit"
     assert bad[0] - good[0] == pytest.approx(np.log(10))
     np.testing.assert_array_equal(bad[1:], good[1:])
 
 
-@pytest.mark.parametrize("residual_px", [0.0, 1e9])
-def test_no_misfit_is_without_bounds(residual_px: float) -> None:
-    assert np.isfinite(evidence(explanation(painted_region(BOX), residual_px))).all()
+@pytest.mark.parametrize("missed_px", [0.0, 1e9])
+def test_no_misfit_is_without_bounds(missed_px: float) -> None:
+    here = painted_region(BOX)
+    assert np.isfinite(evidence(explanation_of(here, alignment=alignment_of(here, missed_px=missed_px)))).all()
 
 
 @pytest.mark.parametrize("body", ["nothing", "all", "one pixel", "specks"])

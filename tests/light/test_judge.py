@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import normalised
 from ashe_live.light.associate import Split
 from ashe_live.light.evidence import Explanation
-from ashe_live.light.fit import Fit, FittedLight
+from ashe_live.light.fit import FittedLight
 from ashe_live.light.judge import GOOD_RAD, best_of, contest, log_odds, promise
-from ashe_live.light.materials import materials_of, object_cost
+from ashe_live.light.materials import materials_of
 from ashe_live.light.predicted import Predicted
-from tests.light.painted_regions import PaintedRegion, painted_region
+from tests.light.painted_bodies import alignment_of, explanation_of
+from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
 from tests.light.synthetic_masks import direction
 
@@ -27,30 +27,32 @@ def covariance(larger_deg: float, smaller_deg: float, turn_rad: float = 0.4) -> 
 
 
 def explanation(
-    residual_px: float = 0.3,
-    covariance_rad2: Float | None = None,
-    to_light: Float = TO_LIGHT,
-    here: PaintedRegion | None = None,
+    missed_px: float = 0.3, covariance_rad2: Float | None = None, to_light: Float = TO_LIGHT
 ) -> Explanation:
-    """The painted truth, fitted this well."""
-    here = here or painted_region(BOX)
+    """The painted truth, missed by this much."""
+    here = painted_region(BOX)
     spread = covariance(1.0, 0.7) if covariance_rad2 is None else covariance_rad2
-    proxy = Proxy("sphere", np.array([[0.12, 0, 0.03, 0.03, 0.03]]))
-    fit = Fit((FittedLight(to_light, spread),), proxy, residual_px, 60.0, {})
-    split, masks = Split(here.body, here.shadow), Predicted(here.body, here.shadow)
-    return Explanation(here.region, here.materials, split, fit, masks, object_cost(here.region, here.body))
+    lights = (FittedLight(to_light, spread),)
+    return explanation_of(here, alignment=alignment_of(here, missed_px=missed_px), lights=lights)
 
 
 # One explanation
 
 
 def test_odds_fall_as_the_outlines_fit_worse() -> None:
-    odds = [log_odds(explanation(residual_px)) for residual_px in (0.2, 0.5, 1, 2, 5, 20)]
+    odds = [log_odds(explanation(missed_px)) for missed_px in (0.2, 0.5, 1, 2, 5, 20)]
     assert (np.diff(odds) < 0).all()
 
 
 def test_odds_fall_as_the_direction_is_less_certain() -> None:
     odds = [log_odds(explanation(covariance_rad2=covariance(deg, 0.5))) for deg in (3, 5, 10, 20, 40)]
+    assert (np.diff(odds) < 0).all()
+
+
+@pytest.mark.parametrize("outline", ["clear_body", "clear_shadow"])
+def test_odds_fall_as_borders_are_less_clear(outline: str) -> None:
+    here = painted_region(BOX)
+    odds = [log_odds(explanation_of(here, alignment=alignment_of(here, **{outline: share}))) for share in (1, 0.7, 0.3)]
     assert (np.diff(odds) < 0).all()
 
 
@@ -62,8 +64,10 @@ def test_a_shadow_of_another_hue_than_daylights_is_less_believed() -> None:
 
 def test_object_and_shadow_do_not_change_places() -> None:
     here = painted_region(BOX)
-    swapped = Predicted(here.shadow, here.body)
-    assert log_odds(dataclasses.replace(explanation(), predicted=swapped)) < log_odds(explanation()) - 1
+    truth = alignment_of(here)
+    swapped = dataclasses.replace(truth.placed, predicted=Predicted(here.shadow, here.body))
+    changed = dataclasses.replace(explanation(), alignment=dataclasses.replace(truth, placed=swapped))
+    assert log_odds(changed) < log_odds(explanation()) - 1
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
@@ -80,10 +84,10 @@ def test_the_true_split_promises_more_than_wrong_ones(ground: str, caster: Caste
     assert truth > promised(Split(here.body & rows, here.body & ~rows))
 
 
-@pytest.mark.parametrize("residual_px", [0.0, 1e-12, 1e3, 1e9])
+@pytest.mark.parametrize("missed_px", [0.0, 1e-12, 1e3, 1e9])
 @pytest.mark.parametrize("spread_deg", [0.0, 1e-9, 60.0, 1e6])
-def test_odds_are_finite_at_the_extremes(residual_px: float, spread_deg: float) -> None:
-    extreme = explanation(residual_px, covariance(spread_deg, 0.0))
+def test_odds_are_finite_at_the_extremes(missed_px: float, spread_deg: float) -> None:
+    extreme = explanation(missed_px, covariance(spread_deg, 0.0))
     assert np.isfinite(log_odds(extreme))
     _, confidence = best_of([extreme])
     assert 0 <= confidence <= 1
