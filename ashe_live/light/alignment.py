@@ -179,16 +179,15 @@ def _borders(placed: Placed, costs: Costs, reach_share: float) -> tuple[Borders,
 def _slopes(body: Body, places: Sequence[Places]) -> Float:
     """(n, 2 l + q) how places of outlines move outward with slants and shape.
 
-    A straight edge moves as its two ends do, each of which is touched by the edge's line turned a little.
+    A straight edge moves as its two ends do, the parts that are touched by the edge's line turned a little.
     """
     split, count = body.slants.size, 2 * PLACES
     c, s = math.cos(TURN_RAD), math.sin(TURN_RAD)
-    turned = []
-    for each in places:
-        along = each.normals[:, ::-1] * (-1, 1)
-        turned += [c * each.normals - s * along, c * each.normals + s * along]
+    outward = np.concatenate([each.normals for each in places for _ in range(2)])
+    ends = np.repeat(np.tile([-s, s], len(places)), PLACES)
+    turned = c * outward + ends[:, None] * outward[:, ::-1] * (-1, 1)
     parts, by_shape = body.family.parts(body.shape[None])
-    supports = outline_supports(body.guess.P[None], parts, body.slants[None], np.concatenate(turned)[None])
+    supports = outline_supports(body.guess.P[None], parts, body.slants[None], outward[None], turned[None])
     touched = by_shape[0].reshape(parts.shape[1], 5, -1)
     rows = []
     for number, each in enumerate(places):

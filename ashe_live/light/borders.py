@@ -79,6 +79,8 @@ def borders_at(places: Places, gain: Float32, trusted: Mask, visible: Mask, reac
     away = likely @ ends
     variance = (likely * (ends - away[:, None]) ** 2).sum(axis=1) + LEAST_VARIANCE
     is_known = np.minimum(seen[row, np.minimum(best, len(steps) - 1), 1], seen[:, len(steps) // 2, 1]) > 0.5
+    # What seems to end where the picture or the ground does may go on there: the last place before counts for nothing.
+    is_known &= np.roll(is_known, 1) & np.roll(is_known, -1)
     weight = is_known * np.where(np.abs(ends[best]) > reach_px - 1, AT_THE_END, 1.0)
     clarity = np.clip((np.minimum(cost[:, 0], cost[:, -1]) - cost[row, best]) / CLEAR, 0, 1)
     return Borders(away, weight / variance, np.where(is_known, clarity, np.nan))

@@ -30,11 +30,14 @@ class Supports:
     by_slant: Float  # (n, l, d, 2) derivative of a shadow's reach by its s
 
 
-def outline_supports(P: Float, parts: Float, slants: Float, directions: Float) -> Supports:
+def outline_supports(
+    P: Float, parts: Float, slants: Float, directions: Float, touching: Float | None = None
+) -> Supports:
     """Supports of the images of n bodies and of the shadows they cast on the plane z = 0.
 
     P: (n, 3, 4) pixels from the parts' frame, with positive depth at its origin. parts: (n, k, 5) centre x, y, z,
     horizontal radius, half height of spheroids. slants: (n, l, 2) displacements s. directions: (n, d, 2) unit vectors.
+    touching: (n, d, 2) other directions, whose farthest parts alone count.
     """
     (n, k), outlines = parts.shape[:2], 1 + slants.shape[1]
     nearest = NEAREST_DEPTH * P[:, 2, 3, None, None]
@@ -44,8 +47,9 @@ def outline_supports(P: Float, parts: Float, slants: Float, directions: Float) -
     images = parts[:, None, :, :3] @ axes + origin
     radii = np.repeat(parts[:, None, :, 3:], outlines, axis=1)
     reach = _reaches(images, axes, radii, directions, nearest)
-    part = reach.argmax(axis=2)
-    reach_px = reach.max(axis=2)
+    others = reach if touching is None else _reaches(images, axes, radii, touching, nearest)
+    part = others.argmax(axis=2)
+    reach_px = np.take_along_axis(reach, part[:, :, None], axis=2)[:, :, 0]
 
     # The touching line as a form on the axes; by the envelope theorem its slopes there are all that is needed.
     slopes = directions[:, None] @ axes[..., :2].swapaxes(2, 3) - reach_px[..., None] * axes[:, :, None, :, 2]
