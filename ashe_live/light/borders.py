@@ -11,6 +11,7 @@ from ashe_live.light.log_colour import Float32
 
 PLACES = 48  # of an outline at which its border is looked for
 STEP_PX = 0.5
+BENT_PX = 0.01  # a corner that stands out less than this from an edge lies on it
 EXPECTED_SHARE = 0.6  # of the reach: how far off a border is expected to be
 CORRELATED_PX = 2.0  # of a picture that tell what one independent pixel would: it is blurred, and so are its costs
 LEAST_VARIANCE = 0.35**2
@@ -46,6 +47,7 @@ class Borders:
 
 def evenly_spread(hull_px: Float) -> Places:
     """Places on the outline of a convex hull (m, 2)."""
+    hull_px = cv2.approxPolyDP(hull_px.astype(np.float32), BENT_PX, True)[:, 0].astype(np.float64)
     edges = np.roll(hull_px, -1, axis=0) - hull_px
     lengths = np.maximum(np.linalg.norm(edges, axis=1), 1e-9)
     marks = np.concatenate([[0.0], np.cumsum(lengths)])

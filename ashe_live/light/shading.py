@@ -54,6 +54,7 @@ def _irradiance(region: Region, proxy: Proxy, to_lights_marker: list[Float], lef
         irradiance += (1 - left) / max(to_light[2], LOWEST_Z) * np.maximum(normals @ to_light, 0)
     picture = np.zeros(view.is_ground.shape, np.float32)
     corners = np.round(pixels[front] * 2**SUBPIXEL_BITS).astype(np.int32)
-    for corner, value in zip(corners, irradiance, strict=True):
-        cv2.fillConvexPoly(picture, corner, float(value), shift=SUBPIXEL_BITS)
+    # Neighbours share the pixels of their edge: the brighter one gets them, whichever way the marker is turned.
+    for index in np.argsort(irradiance):
+        cv2.fillConvexPoly(picture, corners[index], float(irradiance[index]), shift=SUBPIXEL_BITS)
     return picture

