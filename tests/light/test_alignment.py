@@ -1,18 +1,28 @@
 """Bodies moved until their outlines lie on the picture's borders: true slopes, true places, honest information."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from ashe_live.core.arrays import Float
-from ashe_live.light.alignment import _slopes
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.camera import Size
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.alignment import Costs, _slopes, aligned
 from ashe_live.light.body import Body
 from ashe_live.light.borders import PLACES, Places, evenly_spread
-from ashe_live.light.predicted import outline
+from ashe_live.light.log_colour import Float32
+from ashe_live.light.materials import Materials
+from ashe_live.light.predicted import Predicted, outline, predicted
 from ashe_live.light.proxies import FAMILIES
 from ashe_live.light.regions import Region
-from tests.light.painted_bodies import framed, slant_of
-from tests.light.painted_regions import painted_region
-from tests.light.painted_scenes import BOX
+from ashe_live.light.search import information_on_slants
+from tests.light.painted_bodies import body_of, costs_of, framed, slant_of
+from tests.light.painted_regions import PaintedRegion, painted_region
+from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster, overlap
 from tests.light.synthetic_masks import direction
 
 LIGHTS = {"one light": [direction(200.0, 40.0)], "two lights": [direction(200.0, 40.0), direction(70.0, 55.0)]}
@@ -77,3 +87,149 @@ def test_slopes_are_those_of_the_outlines(family: str, lights: list[Float]) -> N
     # A place next to a corner, or where a straight edge goes over into a round one, moves as neither of them does.
     assert np.quantile(error.max(axis=1), 0.98) < 0.03 * np.abs(measured).max()
     assert np.quantile(error.max(axis=1), 0.7) < 0.01 * np.abs(measured).max()
+
+
+# Bodies in painted pictures
+
+
+def light_error_deg(found: Body, here: PaintedRegion) -> float:
+    return math.degrees(angle_between(found.to_lights_marker[0], here.scene.to_light))
+
+
+# Displacement, place and shape of a body of this height, spoilt by a few pixels.
+SPOILT = {"shadow longer": (0, 0.15), "shadow aside": (1, -0.15), "moved": (2, 0.08), "moved away": (3, -0.08)}
+
+
+@pytest.mark.parametrize("spoilt", SPOILT.values(), ids=SPOILT)
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_a_body_that_is_displaced_comes_back(ground: str, caster: Caster, spoilt: tuple[int, float]) -> None:
+    here = painted_region(caster, ground=ground)
+    truth, costs = body_of(here, caster), costs_of(here)
+    step = np.zeros(2 + len(truth.shape))
+    step[spoilt[0]] = spoilt[1]
+    displaced = truth.moved(step)
+    found = aligned([displaced], costs)
+    assert found is not None
+    assert light_error_deg(found.placed.body, here) < 1
+    assert found.missed_px < 0.5
+    assert min(found.clear_body, found.clear_shadow) > 0.9
+    start = predicted(displaced.proxy, displaced.to_lights_marker, here.region.view)
+    assert found.placed.cost < costs.of(start)
+    for mask, was, true in (
+        (found.placed.predicted.body, start.body, here.body),
+        (found.placed.predicted.shadow, start.shadow, here.shadow),
+    ):
+        assert overlap(mask, true) > max(overlap(was, true) - 0.02, 0.9)
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+def test_the_family_that_suits_the_picture_is_chosen(caster: Caster) -> None:
+    here = painted_region(caster)
+    bodies = [body_of(here, replace(caster, shape=shape)) for shape in ("box", "cylinder")]
+    for several in (bodies, bodies[::-1]):
+        found = aligned(several, costs_of(here))
+        assert found is not None
+        assert found.placed.body.family.name == body_of(here, caster).family.name
+
+
+def test_of_bodies_that_look_the_same_the_simpler_one_is_chosen() -> None:
+    here = painted_region(CYLINDER)
+    plain = body_of(here, CYLINDER)
+    x, y, height, below, above = plain.shape
+    vase = replace(plain, family=FAMILIES["vase"], shape=np.array([x, y, height, below, below, above, 0.0]))
+    found = aligned([vase, plain], costs_of(here))
+    assert found is not None
+    assert found.placed.body.family.name == "frustum"
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(st.integers(0, 2**31), st.floats(1e-3, 30.0))
+def test_from_anywhere_the_cost_never_rises_and_no_number_is_none(seed: int, scale: float) -> None:
+    here = painted_region(BOX)
+    truth, costs = body_of(here, BOX), costs_of(here)
+    there = truth.moved(scale * np.random.default_rng(seed).normal(size=2 + len(truth.shape)).clip(-3, 3))
+    found = aligned([there], costs)
+    if found is None:
+        return
+    assert found.placed.cost <= costs.of(predicted(there.proxy, there.to_lights_marker, here.region.view)) + 1e-3
+    assert np.isfinite(found.normal).all()
+    assert np.isfinite([found.missed_px, found.placed.cost]).all()
+    assert np.isfinite(found.placed.body.slants).all()
+    assert 0 <= found.clear_body <= 1
+    assert 0 <= found.clear_shadow <= 1
+    assert np.linalg.eigvalsh(found.normal).min() > -1e-6 * np.abs(found.normal).max()
+
+
+def test_what_is_not_in_view_is_no_alignment() -> None:
+    here = painted_region(BOX)
+    truth, costs = body_of(here, BOX), costs_of(here)
+    behind = replace(truth, guess=replace(truth.guess, origin_marker=np.array([0.0, -50.0])))
+    endless = replace(truth, slants=np.array([[1e12, 0.0]]))
+    for body in (behind, endless):
+        assert aligned([body], costs) is None
+
+
+def test_the_sharper_the_shadow_the_more_is_known_of_the_light() -> None:
+    known = []
+    for penumbra_px in (0.0, 2.0, 4.0):
+        here = painted_region(BOX, penumbra_px=penumbra_px)
+        found = aligned([body_of(here, BOX)], costs_of(here))
+        assert found is not None
+        known.append(np.linalg.eigvalsh(information_on_slants(found.normal, 2)))
+    assert (np.diff(known, axis=0) < 0).all()
+
+
+@pytest.mark.parametrize("elevation_deg", [8.0, 10.0])
+def test_of_a_shadow_whose_tip_is_out_of_the_picture_the_length_is_not_known(elevation_deg: float) -> None:
+    """The sides of a box's shadow are parallel, and go on in the same lines however long they are."""
+    here = painted_region(BOX, azimuth_deg=110.0, elevation_deg=elevation_deg)
+    found = aligned([body_of(here, BOX)], costs_of(here))
+    assert found is not None
+    along = found.placed.body.slants[0] / np.linalg.norm(found.placed.body.slants[0])
+    across = along[::-1] * (-1, 1)
+    known = information_on_slants(found.normal, 2)
+    assert along @ known @ along < 1e-3 * (across @ known @ across)
+
+
+def test_two_lights_shadows_come_back_to_their_own_places() -> None:
+    here = painted_region(BOX)
+    lights = here.scene.to_light, direction(170.0, 55.0)
+    truth = body_of(here, BOX, *lights)
+    costs = costs_of_labels(here.region, predicted(truth.proxy, truth.to_lights_marker, here.region.view))
+    displaced = truth.moved(np.array([0.1, -0.1, -0.1, 0.1, 0.03, -0.03, 0, 0, 0, 0]))
+    found = aligned([displaced], costs)
+    assert found is not None
+    for towards, light in zip(found.placed.body.to_lights_marker, lights, strict=True):
+        assert math.degrees(angle_between(towards, light)) < 2
+    assert found.placed.cost < costs.of(predicted(displaced.proxy, displaced.to_lights_marker, here.region.view))
+
+
+def costs_of_labels(region: Region, seen: Predicted, wrong: float = 20.0) -> Costs:
+    """Each pixel costs nothing as what it is, and much as anything else."""
+
+    def cost(*own: Mask) -> Float32:
+        return np.asarray(np.where(np.logical_or.reduce(own), 0, wrong), np.float32)
+
+    one, other = seen.parts
+    layers = cost(one & ~other), cost(other & ~one), cost(one & other)
+    shift = np.array([-1.0, 0, 0])
+    shaded = np.minimum.reduce(layers)
+    materials = Materials((shift,) * 3, cost(~seen.whole), shaded, shaded, np.zeros_like(shaded), layers)
+    return Costs(region, materials, cost(seen.body))
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 40), (40, 1), (3, 3)])
+def test_tiny_regions_break_nothing(size: Size) -> None:
+    here = painted_region(BOX)
+    window = slice(60, 60 + size[1]), slice(60, 60 + size[0])
+    region = Region(
+        here.region.view.cut(window), here.region.colours[window], here.region.unlit[window], window, size[::-1]
+    )
+    lit, shaded, contact, share = (
+        each[window]
+        for each in (here.materials.lit, here.materials.shaded, here.materials.contact, here.materials.share)
+    )
+    costs = Costs(region, Materials((here.true_shift,), lit, shaded, contact, share), costs_of(here).own[window])
+    found = aligned([replace(body_of(here, BOX), guess=framed(region, BOX, np.zeros((1, 2))))], costs)
+    assert found is None or np.isfinite(found.normal).all()
