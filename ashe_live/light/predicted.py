@@ -12,7 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.light.view import View
 
-AROUND = 16  # points on a body's rings
+AROUND = 32  # points on a body's rings: of 16, the chords lie 2 % of a radius within, which an alignment notices
 FARTHEST_PX = 1e5
 NEAREST_SHARE = 0.1  # of the marker's distance: what is nearer to the camera's plane is cut off
 SUBPIXEL_BITS = 4
