@@ -68,7 +68,7 @@ def borders_at(places: Places, gain: Float32, trusted: Mask, visible: Mask, reac
     """
     steps = np.arange(-reach_px, reach_px + STEP_PX / 2, STEP_PX)
     x, y = (places.points.T[..., None] + steps * places.normals.T[..., None]).astype(np.float32)
-    layers = np.dstack([np.where(trusted, gain, 0), trusted & visible]).astype(np.float32)
+    layers = np.dstack([np.where(trusted, gain, 0), trusted, visible]).astype(np.float32)
     seen = cv2.remap(layers, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=0)
     # Between any two steps may be the border: what lies within it is inside, the rest outside.
     cost = np.zeros((len(x), len(steps) + 1))
@@ -80,9 +80,10 @@ def borders_at(places: Places, gain: Float32, trusted: Mask, visible: Mask, reac
     likely /= likely.sum(axis=1, keepdims=True)
     away = likely @ ends
     variance = (likely * (ends - away[:, None]) ** 2).sum(axis=1) + LEAST_VARIANCE
-    is_known = np.minimum(seen[row, np.minimum(best, len(steps) - 1), 1], seen[:, len(steps) // 2, 1]) > 0.5
+    here, there = seen[:, len(steps) // 2, 1:], seen[row, np.minimum(best, len(steps) - 1), 1:]
+    is_trusted, is_visible = (np.minimum(here, there) > 0.5).T
     # What seems to end where the picture or the ground does may go on there: the last place before counts for nothing.
-    is_known &= np.roll(is_known, 1) & np.roll(is_known, -1)
+    is_known = is_visible & is_trusted & np.roll(is_trusted, 1) & np.roll(is_trusted, -1)
     weight = is_known * np.where(np.abs(ends[best]) > reach_px - 1, AT_THE_END, 1.0)
     clarity = np.clip((np.minimum(cost[:, 0], cost[:, -1]) - cost[row, best]) / CLEAR, 0, 1)
     return Borders(away, weight / variance, np.where(is_known, clarity, np.nan))
