@@ -30,8 +30,8 @@ FORGIVING = 3.0  # and beyond this many times as much, at first
 DAMPING, LARGEST_STEP = 1e-3, 1.0
 STEPS = (1.0, 1.5)  # a border at the end of what was looked at lies farther, so that the first step may be too short
 FAMILIES_WEIGHED = 5
-# Bayes's ln n of the region's pixels, times the pixels that tell what one independent one would.
-COST_PER_PARAMETER = 60.0
+# Bayes's ln n of the region's pixels, times the pixels whose errors go together: materials are wrong patch by patch.
+COST_PER_PARAMETER = 250.0
 BESIDE_BODY_PX = 2
 TURN_RAD = 0.03  # by which a line is turned to touch either end of a straight edge
 FARTHEST_PX = 5e3
