@@ -1,9 +1,10 @@
-"""The estimator `proxy`: fits a simple body and a light to the outlines of a real object and its shadow.
+"""The estimator `proxy`: fits a simple body and a light to a real object and its shadow.
 
 segment -> associate -> fit -> judge, each of pure functions in files of their own: `ground` and `regions` find what the
-lit ground does not explain, `shift` and `associate` propose which of it is shadow of which object, `fit` finds the
-light that explains both outlines, `relabel` corrects the outlines by it, and `judge` says how far to believe the best
-explanation, or that there is nothing to believe.
+lit ground does not explain; `shift` and `associate` propose which of it is shadow of which object; `fit` finds bodies
+and lights that explain both outlines, `alignment` moves the likeliest to the picture's own borders, and `explain` goes
+round once more with the pixels labelled by it; `judge` says how far to believe the best explanation, or that there is
+nothing to believe.
 """
 
 from collections.abc import Iterator
