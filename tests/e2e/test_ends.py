@@ -30,7 +30,10 @@ class Endless:
         self.folder = folder
         self.err = folder / ".err"
 
-        def limit() -> None:
+        def prepare() -> None:
+            # Whoever runs the tests (nohup, a shell's background) may ignore signals, which children inherit.
+            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                signal.signal(number, signal.SIG_DFL)
             if file_size_limit is not None:
                 resource.setrlimit(resource.RLIMIT_FSIZE, (file_size_limit, file_size_limit))
 
@@ -40,7 +43,7 @@ class Endless:
         environment = {**os.environ, "PYTHONPATH": str(CHECKOUT)}
         with self.err.open("w") as err:
             self.process = subprocess.Popen(
-                list(map(str, command)), cwd=folder, env=environment, stderr=err, preexec_fn=limit
+                list(map(str, command)), cwd=folder, env=environment, stderr=err, preexec_fn=prepare
             )
 
     def await_fragments(self) -> None:
