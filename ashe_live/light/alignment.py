@@ -135,8 +135,7 @@ def _appraised(best: Placed, costs: Costs) -> Alignment | None:
     if found is None:
         return None
     borders, by_theta = found
-    weight = borders.information / (1 + (borders.away_px / _outlier_px(best)) ** 2)
-    normal = (by_theta * weight[:, None]).T @ by_theta + np.diag(stiffness_of(best.body.family, best.body.slants.size))
+    weight, normal = _weighed(best.body, borders, by_theta, _outlier_px(best))
     square = float(weight @ borders.away_px**2) / max(float(weight.sum()), 1e-9)
     clarity = borders.clarity[:PLACES], borders.clarity[PLACES:]
     return Alignment(best, normal, math.sqrt(square), *(_mean_of_known(each) for each in clarity))
@@ -149,12 +148,18 @@ def _mean_of_known(values: Float) -> float:
 
 def _step(body: Body, borders: Borders, by_theta: Float, scale_px: float) -> Float:
     """(2 l + q,) Gauss and Newton's, towards the borders."""
-    weight = borders.information / (1 + (borders.away_px / scale_px) ** 2)
-    normal = (by_theta * weight[:, None]).T @ by_theta + np.diag(stiffness_of(body.family, body.slants.size))
+    weight, normal = _weighed(body, borders, by_theta, scale_px)
     diagonal = np.diag(normal)
     damped = normal + np.diag(DAMPING * diagonal + 1e-6 * diagonal.max() + 1e-12)
     step = np.linalg.solve(damped, by_theta.T @ (weight * borders.away_px))
     return np.asarray(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
+
+
+def _weighed(body: Body, borders: Borders, by_theta: Float, scale_px: float) -> tuple[Float, Float]:
+    """(n,) what each border counts, those beyond `scale_px` less and less; and (2 l + q, 2 l + q) what all tell."""
+    weight = borders.information / (1 + (borders.away_px / scale_px) ** 2)
+    normal = (by_theta * weight[:, None]).T @ by_theta + np.diag(stiffness_of(body.family, body.slants.size))
+    return weight, normal
 
 
 def _borders(placed: Placed, costs: Costs, reach_share: float) -> tuple[Borders, Float] | None:

@@ -10,7 +10,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.light.alignment import Alignment
 from ashe_live.light.areas import distance_to, grown, shrunk
 from ashe_live.light.associate import Split
-from ashe_live.light.fit import FittedLight
+from ashe_live.light.directions import FittedLight
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.materials import Materials
 from ashe_live.light.predicted import Predicted

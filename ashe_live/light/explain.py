@@ -9,8 +9,9 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.alignment import Alignment, Costs, aligned, criterion
 from ashe_live.light.associate import Split
 from ashe_live.light.body import Body
+from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights
 from ashe_live.light.evidence import Explanation
-from ashe_live.light.fit import FitFailure, FitPreset, FittedLight, Masks, above_the_ground, fit_bodies, fitted_lights
+from ashe_live.light.fit import FitFailure, FitPreset, Masks, fit_bodies
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.materials import Materials, object_cost
 from ashe_live.light.predicted import predicted

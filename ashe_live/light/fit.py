@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.body import Body
 from ashe_live.light.contours import AnyMask
+from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights
 from ashe_live.light.first_guess import FirstGuess, guess_scene
 from ashe_live.light.proxies import FAMILIES, Family
 from ashe_live.light.search import Sights, Solution, information_on_slants, search
@@ -33,7 +33,6 @@ WRONG_FAMILY_SHARE = 0.015
 # Cauchy's scale: errors beyond this share of the object's size are outliers (a handle, a hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
 ENOUGH_SHARE = 0.005  # of the object's size: small objects look alike, and need all families
-HEMISPHERE_RAD = 0.7  # how far a light may be from where it is found, if the outlines tell nothing
 HOPELESS = 3.0  # a search whose cost remains above this multiple of the best is given up
 
 
@@ -52,21 +51,6 @@ class FitPreset:
 FAST = FitPreset(32, ("frustum", "box", "sphere", "vase"), (1.0,), 8, 1, 1.5)
 BALANCED = FitPreset(40, ("frustum", "box", "sphere", "vase", "mug", "pylon", "wagon", "ell"), (1.0,), 10, 1, 1.25)
 ACCURATE = FitPreset(72, tuple(FAMILIES), (0.6, 1.0, 1.6), 30, 3, 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class FittedLight:
-    """A direction towards a light, and how well the outlines determine it."""
-
-    to_light_marker: Float  # (3,) unit
-    covariance_rad2: Float  # (2, 2) on the tangent basis: larger azimuth, larger elevation
-
-    def __post_init__(self) -> None:
-        set_frozen(
-            self,
-            to_light_marker=frozen_floats(normalised(self.to_light_marker), (3,), "to_light_marker"),
-            covariance_rad2=frozen_floats(self.covariance_rad2, (2, 2), "covariance_rad2"),
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,25 +109,6 @@ def fit_lights(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[F
 def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[list[Body] | FitFailure]:
     """For each, the body and displacements of every family that explain its outlines best; the likeliest first."""
     return [scene.bodies() if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
-
-
-def fitted_lights(slants: Float, covariance: Float) -> tuple[FittedLight, ...]:
-    """Displacements (l, 2) and their covariance (2 l, 2 l) as directions."""
-    lights = []
-    for i, slant in enumerate(slants):
-        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
-        spread = slope @ covariance[own, own] @ slope.T
-        lights.append(FittedLight(np.array([*slant, 1.0]), 0.5 * (spread + spread.T)))
-    return tuple(lights)
-
-
-def above_the_ground(information: Float, slants: Float) -> Float:
-    """Information (2 l, 2 l) on slants (l, 2) and that a light is on the hemisphere."""
-    total = information.copy()
-    for i, slant in enumerate(slants):
-        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
-        total[own, own] += slope.T @ slope / HEMISPHERE_RAD**2
-    return total
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -250,12 +215,6 @@ def _believed(scene: _Scene) -> Fit:
     residuals = {family: math.sqrt(solution.mean_square) for family, solution in solutions.items()}
     lights = fitted_lights(slants, covariance)
     return Fit(lights, body.proxy, residuals[body.family.name], outlines.size_px, residuals)
-
-
-def _direction_by_slant(slant: Float) -> Float:
-    """(2, 2) derivative of the direction (s, 1) / |(s, 1)|, on its tangent basis, by s."""
-    towards = np.array([*slant, 1.0])
-    return np.asarray(tangent_basis(towards)[:, :2] / np.linalg.norm(towards))
 
 
 def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:

@@ -1,4 +1,4 @@
-"""How uncertain a direction is beyond what its outlines tell: pose, focal length, masks found in a picture."""
+"""How uncertain a direction is beyond its outlines: the marker's pose, the focal length, what is never seen."""
 
 import math
 

@@ -10,9 +10,9 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.alignment import Alignment, Costs, aligned
 from ashe_live.light.associate import Split
 from ashe_live.light.body import Body
+from ashe_live.light.directions import FittedLight
 from ashe_live.light.evidence import Explanation
 from ashe_live.light.first_guess import FirstGuess
-from ashe_live.light.fit import FittedLight
 from ashe_live.light.materials import object_cost
 from ashe_live.light.proxies import FAMILIES
 from ashe_live.light.regions import Region

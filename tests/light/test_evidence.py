@@ -9,8 +9,8 @@ from ashe_live.core.arrays import Mask
 from ashe_live.core.transforms import normalised
 from ashe_live.light.alignment import Alignment
 from ashe_live.light.areas import grown, shrunk
+from ashe_live.light.directions import FittedLight
 from ashe_live.light.evidence import EVIDENCE, Explanation, appearance, evidence
-from ashe_live.light.fit import FittedLight
 from ashe_live.light.materials import Materials, materials_of
 from ashe_live.light.predicted import Predicted
 from tests.light.painted_bodies import alignment_of, body_of, explanation_of

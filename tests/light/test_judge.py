@@ -8,8 +8,8 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.associate import Split
+from ashe_live.light.directions import FittedLight
 from ashe_live.light.evidence import Explanation
-from ashe_live.light.fit import FittedLight
 from ashe_live.light.judge import GOOD_RAD, best_of, contest, log_odds, promise
 from ashe_live.light.materials import materials_of
 from ashe_live.light.predicted import Predicted

@@ -1,0 +1,50 @@
+"""Directions towards lights, from the displacements by which their shadows fall."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.transforms import normalised, tangent_basis
+
+HEMISPHERE_RAD = 0.7  # how far a light may be from where it is found, if the outlines tell nothing
+
+
+@dataclass(frozen=True, slots=True)
+class FittedLight:
+    """A direction towards a light, and how well the outlines determine it."""
+
+    to_light_marker: Float  # (3,) unit
+    covariance_rad2: Float  # (2, 2) on the tangent basis: larger azimuth, larger elevation
+
+    def __post_init__(self) -> None:
+        set_frozen(
+            self,
+            to_light_marker=frozen_floats(normalised(self.to_light_marker), (3,), "to_light_marker"),
+            covariance_rad2=frozen_floats(self.covariance_rad2, (2, 2), "covariance_rad2"),
+        )
+
+
+def fitted_lights(slants: Float, covariance: Float) -> tuple[FittedLight, ...]:
+    """Displacements (l, 2) and their covariance (2 l, 2 l) as directions."""
+    lights = []
+    for i, slant in enumerate(slants):
+        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
+        spread = slope @ covariance[own, own] @ slope.T
+        lights.append(FittedLight(np.array([*slant, 1.0]), 0.5 * (spread + spread.T)))
+    return tuple(lights)
+
+
+def above_the_ground(information: Float, slants: Float) -> Float:
+    """Information (2 l, 2 l) on slants (l, 2) and that a light is on the hemisphere."""
+    total = information.copy()
+    for i, slant in enumerate(slants):
+        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
+        total[own, own] += slope.T @ slope / HEMISPHERE_RAD**2
+    return total
+
+
+def _direction_by_slant(slant: Float) -> Float:
+    """(2, 2) derivative of the direction (s, 1) / |(s, 1)|, on its tangent basis, by s."""
+    towards = np.array([*slant, 1.0])
+    return np.asarray(tangent_basis(towards)[:, :2] / np.linalg.norm(towards))
