@@ -5,13 +5,13 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Thread
 from urllib.parse import unquote, urlsplit
 
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.loading import SUFFIXES
 from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.background import begun
 from ashe_live.viewer.pipeline import Pipeline
 
 # Of a disk that must wake up, or of a network's; what takes longer is given up.
@@ -41,9 +41,11 @@ class Opening:
 
     def begin(self, path: Path) -> None:
         self.close()
-        self._coming = Future()
-        # A daemon, so that quitting does not wait for a file that hangs.
-        Thread(target=self._open, args=(path, self._coming), name="opening", daemon=True).start()
+        self._coming = begun(
+            "opening",
+            lambda: self._open(path),
+            lambda reason: UserError(f"cannot open {path} ({reason})", "convert it"),
+        )
 
     def take(self) -> Opened | None:
         """What has been opened, once. Raises UserError, once, when it cannot be."""
@@ -58,21 +60,16 @@ class Opening:
             self._coming.add_done_callback(_close_pipeline)
             self._coming = None
 
-    def _open(self, path: Path, coming: "Future[Opened]") -> None:
+    def _open(self, path: Path) -> Opened:
+        pipeline, tracker = self._opener(path)
         try:
-            pipeline, tracker = self._opener(path)
-            try:
-                first = pipeline.frames.take(LONGEST_S)
-                if first is None:
-                    raise UserError(f"{path} has given no picture for {LONGEST_S:.0f} s", "copy it to a faster disk")
-            except BaseException:
-                pipeline.close(0.0)
-                raise
-            coming.set_result(Opened(path.name, pipeline, tracker, first))
-        except UserError as error:
-            coming.set_exception(error)
-        except BaseException as error:  # whatever a file does to its reader, it does not end the viewer
-            coming.set_exception(UserError(f"cannot open {path} ({str(error) or type(error).__name__})", "convert it"))
+            first = pipeline.frames.take(LONGEST_S)
+            if first is None:
+                raise UserError(f"{path} has given no picture for {LONGEST_S:.0f} s", "copy it to a faster disk")
+        except BaseException:
+            pipeline.close(0.0)
+            raise
+        return Opened(path.name, pipeline, tracker, first)
 
 
 def _close_pipeline(coming: "Future[Opened]") -> None:

@@ -3,11 +3,11 @@
 import time
 from concurrent.futures import Future
 from pathlib import Path
-from threading import Thread
 
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import model_names
 from ashe_live.models.placement import PlacedModel
+from ashe_live.viewer.background import begun
 from ashe_live.viewer.model_reader import read_model
 
 # A line that comes and goes faster than it can be read only flickers.
@@ -90,16 +90,10 @@ class Shelf:
 
     def _load(self, name: str) -> Future[PlacedModel]:
         if name not in self._loading:
-            self._loading[name], self._begun_s[name] = Future(), time.monotonic()
-            # A daemon, so that quitting does not wait for a huge file.
-            Thread(target=self._read, args=(name, self._loading[name]), name="model", daemon=True).start()
+            self._begun_s[name] = time.monotonic()
+            self._loading[name] = begun(
+                "model",
+                lambda: read_model(name, self._marker_side_m),
+                lambda reason: UserError(f"cannot show the model {name} ({reason})", "choose another"),
+            )
         return self._loading[name]
-
-    def _read(self, name: str, loading: "Future[PlacedModel]") -> None:
-        try:
-            loading.set_result(read_model(name, self._marker_side_m))
-        except UserError as error:
-            loading.set_exception(error)
-        except BaseException as error:  # whatever it is, no model ends the viewer
-            reason = str(error) or type(error).__name__
-            loading.set_exception(UserError(f"cannot show the model {name} ({reason})", "choose another"))
