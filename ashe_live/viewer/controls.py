@@ -184,7 +184,7 @@ BINDINGS = (
     Binding(("P",), Command.PAUSE, "P", "pause"),
     Binding(("R",), Command.RESTART, "R", "start the clip again"),
     Binding((",", ".", "COMMA", "PERIOD"), Command.STEP, ", and .", "one frame back, one on", (-1, 1, -1, 1), True),
-    Binding(("SHIFT+LEFT", "SHIFT+RIGHT"), Command.SEEK, "Shift+Left, Right", "5 seconds back, on", (-5, 5), True),
+    Binding((SHIFT + "LEFT", SHIFT + "RIGHT"), Command.SEEK, "Shift+Left, Right", "5 seconds back, on", (-5, 5), True),
     Binding(("Z", "X"), Command.SPEED, "Z, X", "slower, faster: 0.25 to 4 times", (-1, 1)),
     Binding(("O",), Command.LOOP, "O", "play the clip again and again, or once"),
     Binding(("S",), Command.SNAPSHOT, "S", "save a snapshot (PNG)"),
