@@ -30,3 +30,14 @@ def clip(tmp_path: Path, picture: Callable[[int], Image]) -> Path:
         for i in range(60):
             recorder.write(picture(i))
     return path
+
+
+@pytest.fixture
+def damaged_clip(clip: Path, tmp_path: Path) -> Path:
+    """The same with zeros in its middle."""
+    content = bytearray(clip.read_bytes())
+    middle = len(content) * 3 // 5
+    content[middle : middle + 200] = bytes(200)
+    damaged = tmp_path / "damaged.mp4"
+    damaged.write_bytes(content)
+    return damaged

@@ -72,13 +72,8 @@ def test_truncated_clip_gives_the_readable_frames_and_says_so(clip: Path, share:
         np.testing.assert_array_equal(frame.image_bgr, original.image_bgr)
 
 
-def test_damage_in_the_middle_does_not_end_the_clip(clip: Path, tmp_path: Path) -> None:
-    content = bytearray(clip.read_bytes())
-    middle = len(content) * 3 // 5
-    content[middle : middle + 200] = bytes(200)
-    damaged = tmp_path / "damaged.mp4"
-    damaged.write_bytes(content)
-    with ClipSource(damaged) as source:
+def test_damage_in_the_middle_does_not_end_the_clip(damaged_clip: Path) -> None:
+    with ClipSource(damaged_clip) as source:
         frames = frames_of(source)
         assert source.note is not None
     assert 10 < len(frames) <= 60

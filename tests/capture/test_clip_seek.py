@@ -144,13 +144,8 @@ def test_stepping_back_in_a_long_group_decodes_nothing_again(film, monkeypatch) 
             assert_same(source.read(), frames[place])
 
 
-def test_damage_is_no_end_and_known_damage_is_counted_as_before(clip: Path, tmp_path: Path) -> None:
-    content = bytearray(clip.read_bytes())
-    middle = len(content) * 3 // 5
-    content[middle : middle + 200] = bytes(200)
-    damaged = tmp_path / "damaged.mp4"
-    damaged.write_bytes(content)
-    with ClipSource(damaged) as source:
+def test_damage_is_no_end_and_known_damage_is_counted_as_before(damaged_clip: Path) -> None:
+    with ClipSource(damaged_clip) as source:
         frames = list(iter(source.read, None))
         for place in (len(frames) - 1, 5, len(frames) // 2):
             source.seek_frame(place)
