@@ -1,6 +1,7 @@
 """Models by name and by file; the last good one stays."""
 
 import threading
+from concurrent.futures import wait
 
 import pytest
 
@@ -14,7 +15,8 @@ PATIENCE_S = 20.0
 
 
 def awaited(shelf: Shelf):
-    shelf._loading[shelf.chosen_name].exception(PATIENCE_S)
+    """The model that is shown once the chosen one has been read, or could not be."""
+    wait([shelf._load(shelf.chosen_name)], PATIENCE_S)
     return shelf.model()
 
 
@@ -84,7 +86,6 @@ def test_nothing_that_a_model_does_ends_the_viewer(monkeypatch, error):
     cube = shelf.model()
     monkeypatch.setattr(shelf_module, "read_model", failing)
     shelf.choose(shelf.names.index("tree"))
-    shelf.model()
     assert awaited(shelf) is cube
     assert "tree" in shelf.take_error().message
 
@@ -98,11 +99,9 @@ def test_a_mended_file_can_be_chosen_again(monkeypatch):
 
     monkeypatch.setattr(shelf_module, "read_model", failing)
     shelf.choose(shelf.names.index("tree"))
-    shelf.model()
     awaited(shelf)
     monkeypatch.setattr(shelf_module, "read_model", read_model)
     shelf.choose(shelf.names.index("tree"))
-    shelf.model()
     assert awaited(shelf) is not cube
 
 
@@ -115,10 +114,8 @@ def test_a_model_that_fails_is_told_once_and_the_last_good_one_stays(monkeypatch
     monkeypatch.setattr(shelf_module, "read_model", failing)
     shelf = Shelf("cube", 0.08)
     shelf.choose(shelf.names.index("tree"))
-    shelf.model()
     tree = awaited(shelf)
     shelf.choose(shelf.names.index("mug"))
-    shelf.model()
     assert awaited(shelf) is tree
     assert shelf.chosen_name == "tree"
     assert "mug" in shelf.take_error().message
@@ -144,18 +141,15 @@ def test_a_dropped_model_joins_after_the_others_and_is_chosen(tmp_path):
     shelf = Shelf("cube", 0.08)
     cube = shelf.model()
     shelf.add(str(path))
-    shelf.model()
     tile = awaited(shelf)
     assert tile is not cube
     assert shelf.names == [*model_names(), str(path)]
     path.write_text(TILE.replace("0 0 1", "0 0 2"))
     shelf.add(str(path))  # once more, after it was changed
-    shelf.model()
     assert awaited(shelf).bounds[1, 0] < tile.bounds[1, 0]
     assert shelf.names.count(str(path)) == 1
     path.write_text("f 1 2 3\n")
     shelf.add(str(path))
-    shelf.model()
     assert awaited(shelf) is not cube  # the last that was good
     assert "tile.obj" in str(shelf.take_error())
 
@@ -168,7 +162,6 @@ def test_a_dropped_model_that_cannot_be_read_leaves_all_as_it_was(tmp_path, cont
     shelf = Shelf("mug", 0.08)
     mug = shelf.model()
     shelf.add(str(path))
-    shelf.model()
     assert awaited(shelf) is mug
     assert shelf.names == list(model_names())
     assert shelf.chosen_name == "mug"
