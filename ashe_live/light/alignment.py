@@ -29,7 +29,7 @@ OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # misses beyond this count less and less
 FORGIVING = 3.0  # and beyond this many times as much, at first
 DAMPING, LARGEST_STEP = 1e-3, 1.0
 STEPS = (1.0, 1.5)  # a border at the end of what was looked at lies farther, so that the first step may be too short
-FAMILIES_WEIGHED = 5
+FAMILIES_WEIGHED = 6
 # Bayes's ln n of the region's pixels, times the pixels whose errors go together: materials are wrong patch by patch.
 COST_PER_PARAMETER = 250.0
 BESIDE_BODY_PX = 2

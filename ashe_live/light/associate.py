@@ -26,6 +26,7 @@ LEAST_PX = 14
 LEAST_OBJECT_PX, LEAST_SHADOW_PX = 12, 8
 LEAST_AREA_PX = 30
 SMALL_PART = 0.05
+OBJECTS, LESSER_OBJECT = 3, 0.1  # that may stand beside each other, and their least share of the largest one
 SAME_SHARE = 0.03
 REACH_PX = 3
 # Shadows of the same light are more or less deep: in a penumbra, and where the object hides the sky as well.
@@ -95,7 +96,9 @@ def _shadow_like(region: Region, ground: LitGround, shifts: tuple[Float, ...]) -
 
 
 def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
-    """What may be the object if `shadow` is its shadow: all the rest of the unlit area, or the part that touches it.
+    """What may be the object if `shadow` is its shadow: all the rest of the unlit area, or one part that touches it.
+
+    Of several objects, each has the shadows that touch it.
 
     Other places in the area that look like shadow may be more of it, as behind a handle, or the object's own dark side.
     """
@@ -110,7 +113,8 @@ def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
             rest = np.any([part for part in parts if part.sum() > SMALL_PART * parts[0].sum()], axis=0)
             found.append(Split(rest, whole_shadow))
             if len(parts) > 1:
-                found.append(Split(touching[0], whole_shadow))
+                large = [part for part in touching[:OBJECTS] if part.sum() > LESSER_OBJECT * touching[0].sum()]
+                found += [Split(part, overlapping(whole_shadow, grown(part, 2), 0.0)) for part in large]
     return found
 
 

@@ -18,9 +18,12 @@ from ashe_live.light.predicted import predicted
 from ashe_live.light.regions import Region
 from ashe_live.light.relabel import relabelled
 from ashe_live.light.search import information_on_slants
+from ashe_live.light.silhouettes import observe_outlines
+from ashe_live.light.tangents import sharpened_slants
 from ashe_live.light.two_lights import are_two
 
 EDGE_SIGMA_PX = 0.7
+DIRECTIONS = 16  # in which outlines are looked at for their tangents alone
 LOWEST_Z = 0.03  # of a direction whose displacement can be started from
 FEW_PX = 20
 # Errors of neighbouring borders go together: so many of them tell what one independent measurement would. A body that
@@ -73,6 +76,25 @@ def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]
     return [_better(rough, fine) for (rough, _), fine in zip(pairs, fines, strict=True) if fine is not None]
 
 
+def sharpened(explanation: Explanation) -> Explanation:
+    """With what its labels' common tangents say of the light, which needs no body: decisive where that is wrong.
+
+    Not of two lights: where their shadows overlap, labels do not tell how far each of them goes.
+    """
+    split, alignment = explanation.split, explanation.alignment
+    if len(explanation.lights) > 1:
+        return explanation
+    unreliable = explanation.region.unreliable
+    outlines = observe_outlines(split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.either)
+    if isinstance(outlines, str):
+        return explanation
+    body = alignment.placed.body
+    spheroids = body.spheroids if _wrongness(alignment) < 1 else None
+    known = _information(alignment)
+    sharp = sharpened_slants(body.guess.P, outlines, body.slants, known, EDGE_SIGMA_PX, spheroids)
+    return replace(explanation, lights=fitted_lights(*sharp))
+
+
 def are_alike(one: Explanation, other: Explanation) -> bool:
     """Whether two explanations of one region say nearly the same of its pixels."""
     if one.region is not other.region:
@@ -119,7 +141,15 @@ def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
 
 
 def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
+    return fitted_lights(alignment.placed.body.slants, np.asarray(np.linalg.inv(_information(alignment))))
+
+
+def _information(alignment: Alignment) -> Float:
+    """(2 l, 2 l) on slants: little, where the body is a wrong one."""
     slants = alignment.placed.body.slants
-    wrong = alignment.missed_px / (WRONG_BODY_SHARE * alignment.placed.object_px)
-    information = information_on_slants(alignment.normal, slants.size) / (CORRELATED * (1 + wrong**2))
-    return fitted_lights(slants, np.asarray(np.linalg.inv(above_the_ground(information, slants))))
+    information = information_on_slants(alignment.normal, slants.size)
+    return above_the_ground(information / (CORRELATED * (1 + _wrongness(alignment) ** 2)), slants)
+
+
+def _wrongness(alignment: Alignment) -> float:
+    return alignment.missed_px / (WRONG_BODY_SHARE * alignment.placed.object_px)

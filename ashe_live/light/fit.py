@@ -48,8 +48,9 @@ class FitPreset:
     enough: float  # no further family is tried once one misses by less, in sigmas of the edges
 
 
-FAST = FitPreset(32, ("frustum", "box", "sphere", "vase"), (1.0,), 8, 1, 1.5)
-BALANCED = FitPreset(40, ("frustum", "box", "sphere", "vase", "mug", "pylon", "wagon", "ell"), (1.0,), 10, 1, 1.25)
+FAST = FitPreset(32, ("frustum", "box", "sphere", "vase", "lump"), (1.0,), 8, 1, 1.5)
+MANY = ("frustum", "box", "sphere", "vase", "mug", "pylon", "wagon", "ell", "lump")
+BALANCED = FitPreset(40, MANY, (1.0,), 10, 1, 1.25)
 ACCURATE = FitPreset(72, tuple(FAMILIES), (0.6, 1.0, 1.6), 30, 3, 0.0)
 
 

@@ -21,7 +21,7 @@ CORNER_Y = np.array([-1.0, -1.0, 1.0, 1.0] * 2)
 CORNER_Z = np.array([0.0] * 4 + [1.0] * 4)
 # The four corners of a box at the +x side of another one.
 SIDE_X, SIDE_Y, SIDE_Z = np.ones(4), CORNER_Y[::2], CORNER_Z[::2]
-HALF, NOTHING = np.array([0.5]), np.zeros(4)
+HALF, TWICE, NOTHING = np.array([0.5]), np.array([2.0]), np.zeros(4)
 UPWARDS = np.array([1j])  # in the plane of complex numbers
 
 
@@ -119,6 +119,17 @@ def _mug(theta: Float) -> Parts:
     return stacked([(x, y, None, below, None), (x, y, top, above, None), handle], [1, 1, 1])
 
 
+def _lump(theta: Float) -> Parts:
+    """A spheroid with two balls, each at any place of it: a head with ears, a toy with arms."""
+    x, y, size, stretch, *balls = parameters(theta)
+    half = exp(size + stretch)
+    spheroids: list[tuple[Jet | None, ...]] = [(x, y, half, exp(size), half)]
+    for dx, dy, level, ball in (balls[:4], balls[4:]):
+        radius = exp(ball)
+        spheroids.append((x + dx, y + dy, (share(level) * half).times(TWICE), radius, radius))
+    return stacked(spheroids, [1, 1, 1])
+
+
 def _turned(x: Jet, y: Jet, yaw: Jet, across: Jet, along: Jet) -> tuple[Jet, Jet]:
     places = x + y.times(UPWARDS) + turn(yaw) * (across + along.times(UPWARDS))
     return places.real, places.imag
@@ -180,6 +191,13 @@ def _mug_starts(seed: Float) -> Float:
     return np.array([(*body, r * math.cos(a), r * math.sin(a), *handle) for a in _turns(6, 2 * math.pi)])
 
 
+def _lump_starts(seed: Float) -> Float:
+    x, y, size = seed[0], seed[1], seed[2] - 0.15
+    reach, ball = 1.1 * math.exp(size), (0.2, size + math.log(0.35))
+    sides = [(reach * math.cos(a), reach * math.sin(a)) for a in _turns(4, math.pi)]
+    return np.array([(x, y, size, 0.0, dx, dy, *ball, -dx, -dy, *ball) for dx, dy in sides])
+
+
 def _turns(count: int, whole: float) -> list[float]:
     return [whole * i / count for i in range(count)]
 
@@ -215,5 +233,6 @@ FAMILIES = {
         Family("ell", "box", _ell, _ell_starts, (INF, INF, INF, 1.0, 1.0, 1.0, 1.0, 1.5)),
         Family("bottle", "vase", _bottle, _bottle_starts, (INF, INF, 1.0, INF, INF, INF, INF, 1.5, 1.5)),
         Family("egg", "sphere", _egg, _egg_starts, (INF, INF, 1.0, 0.5)),
+        Family("lump", "sphere", _lump, _lump_starts, (INF, INF, 1.0, 0.5, *(0.7, 0.7, 1.0, 0.5) * 2)),
     )
 }

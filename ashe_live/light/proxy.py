@@ -16,7 +16,7 @@ from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light import fit as fitting
 from ashe_live.light.associate import doubted, splits
 from ashe_live.light.evidence import Explanation, shadow_core
-from ashe_live.light.explain import Proposal, are_alike, explained, finer
+from ashe_live.light.explain import Proposal, are_alike, explained, finer, sharpened
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, lit_rgb, unlit_mask
 from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, lights_of, log_odds, promise
 from ashe_live.light.materials import materials_of
@@ -143,6 +143,7 @@ class ProxyEstimator:
         refined = self._promising([rough for rough in explained(self._tried(proposals), steps.first_fit) if rough])
         for _ in range(steps.rounds):
             refined = finer(refined, steps.fine_fit)
+        refined = [sharpened(explanation) for explanation in refined]
         clock.end("fit")
         if not refined:
             return answer("no shadow found: the light may be diffuse, or the shadow out of view")

@@ -65,7 +65,7 @@ def test_reaches_are_those_of_the_bodys_points(name: str) -> None:
         expected = (images[:, :2] / images[:, 2:] @ DIRECTIONS.T).max(axis=0)
         # The points lie on the body, so that they never reach further, and sampled spheroids a little less far.
         assert (reach_px > expected - 1e-6).all()
-        assert np.allclose(reach_px, expected, atol=1.0 if name in ("sphere", "egg", "mug") else 0.05)
+        assert np.allclose(reach_px, expected, atol=1.0 if name in ("sphere", "egg", "mug", "lump") else 0.05)
 
 
 @pytest.mark.parametrize("name", FAMILIES)
