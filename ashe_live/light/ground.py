@@ -16,12 +16,15 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.light.areas import cleaned, large_areas, shrunk, smoothed
 from ashe_live.light.log_colour import Float32, linear_rgb, log_opponent
 from ashe_live.light.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
+from ashe_live.light.sheen import sheen_on, without_sheen
 from ashe_live.light.view import Window
 
 Floats = TypeVar("Floats", Float, Float32)
 
 CELLS = (8, 6)
 SAMPLES = 5000
+# Squared distance from the palette beyond which a colour is something else.
+SURPRISING, MOST_SURPRISING = 6.0, 60.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +43,9 @@ class LitGround:
     colours: Float32  # (h, w, 3) log-opponent colours without the ground's own slow shading
     field: Float32  # (5, 3) that shading, as coefficients of slow bases
     palette: Mixture  # of the lit ground
-    surprise: Float32  # (h, w) squared Mahalanobis distance to the nearest colour of the palette
+    surprise: Float32  # (h, w) squared Mahalanobis distance to the nearest colour of the palette, smoothed
     spread: Float32  # (h, w) share of the frame over which the pixel's colour is found, in (0, 1]
+    sheen: Mask  # (h, w) what differs from the palette by light alone
 
 
 def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> LitGround | None:
@@ -64,14 +68,18 @@ def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> Lit
     palette = mixture_of(flat.reshape(-1, 3)[chosen], steps.palette_colours, widening=1.3)
     if palette is None:
         return None
-    surprise = nearest_squared_distance(flat.reshape(-1, 3), palette).reshape(lit.shape)
-    return LitGround(flat, field, palette, surprise, spread)
+    squared = nearest_squared_distance(flat.reshape(-1, 3), palette).reshape(lit.shape)
+    surprise = np.asarray(cv2.GaussianBlur(np.minimum(squared, MOST_SURPRISING), (0, 0), 0.7), dtype=np.float32)
+    return LitGround(flat, field, palette, surprise, spread, sheen_on(flat, surprise, is_ground, palette))
 
 
 def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float32:
     """(h, w, 3): the colours of a window (rows, columns) of the frame at another scale, on the same ground."""
     colours = log_opponent(image_bgr[window])
-    return colours - (_slow_bases(image_bgr.shape[:2], window) @ ground.field).reshape(colours.shape)
+    flat = colours - (_slow_bases(image_bgr.shape[:2], window) @ ground.field).reshape(colours.shape)
+    size = image_bgr.shape[1::-1]
+    sheen = cv2.resize(ground.sheen.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)[window].astype(bool)
+    return without_sheen(flat, sheen, ground.palette)
 
 
 def lit_rgb(ground: LitGround) -> Float:
@@ -82,7 +90,7 @@ def lit_rgb(ground: LitGround) -> Float:
 def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
     """(h, w): objects and shadows, as compact areas of at least `least_px` that the lit ground does not explain."""
     rare = smoothed(ground.spread) < _spread_of_ground(ground.spread, is_ground, most=0.35, of_median=0.75)
-    surprising = cv2.GaussianBlur(np.minimum(ground.surprise, 60), (0, 0), 0.7) > 6.0
+    surprising = (ground.surprise > SURPRISING) & ~ground.sheen
     return large_areas(cleaned(is_ground & rare & surprising), least_px)
 
 
