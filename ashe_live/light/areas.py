@@ -2,6 +2,7 @@
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Mask
 from ashe_live.light.log_colour import Float32
@@ -22,7 +23,11 @@ def cleaned(mask: Mask) -> Mask:
 
 def majority(mask: Mask, across_px: int = 3) -> Mask:
     """What most of a pixel's neighbours are: no specks, but thin strips survive."""
-    return cv2.medianBlur(mask.astype(np.uint8), across_px).astype(bool)
+    # For masks the same as a median filter, and several times faster.
+    counts = cv2.boxFilter(
+        mask.astype(np.uint8), -1, (across_px, across_px), normalize=False, borderType=cv2.BORDER_REPLICATE
+    )
+    return np.asarray(counts > across_px**2 // 2)
 
 
 def thick(mask: Mask, across_px: int) -> Mask:
@@ -32,27 +37,23 @@ def thick(mask: Mask, across_px: int) -> Mask:
 
 def large_areas(mask: Mask, least_px: int) -> Mask:
     """The connected areas of `mask` with at least `least_px` pixels."""
-    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
-    large = statistics[:, cv2.CC_STAT_AREA] >= least_px
-    large[0] = False
-    return np.asarray(large[labels], dtype=bool)
+    labels, sizes = _labelled(mask, connectivity=8)
+    return np.asarray((sizes >= max(least_px, 1)).take(labels))
 
 
 def areas_by_size(mask: Mask, least_px: int) -> list[Mask]:
     """The connected areas of `mask`, largest first."""
-    _, labels, statistics, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=4)
-    sizes = statistics[1:, cv2.CC_STAT_AREA]
+    labels, sizes = _labelled(mask, connectivity=4)
     order = np.argsort(-sizes, kind="stable")
-    return [labels == index + 1 for index in order if sizes[index] >= least_px]
+    return [labels == index for index in order if sizes[index] >= least_px]
 
 
 def overlapping(mask: Mask, other: Mask, least_share: float) -> Mask:
     """The connected areas of `mask` of which more than `least_share` lies in `other`; `mask` itself if none does."""
-    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=4)
-    sizes, shared = (np.bincount(labels[each], minlength=count) for each in (mask, other & mask))
+    labels, sizes = _labelled(mask, connectivity=4)
+    shared = np.bincount(labels[other & mask], minlength=len(sizes))
     kept = shared > least_share * sizes
-    kept[0] = False
-    return np.asarray(kept[labels], dtype=bool) if kept.any() else mask
+    return np.asarray(kept.take(labels)) if kept.any() else mask
 
 
 def grown(mask: Mask, by_px: int) -> Mask:
@@ -77,5 +78,20 @@ def distance_to(mask: Mask) -> Float32:
     return np.asarray(cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 3), dtype=np.float32)
 
 
-def _square(side_px: int) -> np.ndarray[tuple[int, int], np.dtype[np.uint8]]:
+def window_around(mask: Mask, margin_px: int) -> tuple[slice, slice]:
+    """Rows and columns of the smallest part of the picture that holds `mask` and so much around it."""
+    x, y, across, down = cv2.boundingRect(mask.astype(np.uint8))
+    return (
+        slice(max(0, y - margin_px), min(mask.shape[0], y + down + margin_px)),
+        slice(max(0, x - margin_px), min(mask.shape[1], x + across + margin_px)),
+    )
+
+
+def _labelled(mask: Mask, connectivity: int) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
+    """(h, w) the number of each pixel's connected area, 0 outside of `mask`; (n,) pixels of each, 0 of the outside."""
+    count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=connectivity)
+    return np.asarray(labels, dtype=np.int32), np.bincount(labels[mask], minlength=count)
+
+
+def _square(side_px: int) -> NDArray[np.uint8]:
     return np.ones((side_px, side_px), np.uint8)

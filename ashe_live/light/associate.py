@@ -1,5 +1,6 @@
 """Which of a region's unlit areas may be shadow, and which object may belong to it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +29,7 @@ LEAST_AREA_PX = 30
 SMALL_PART = 0.05
 OBJECTS, LESSER_OBJECT = 3, 0.1  # that may stand beside each other, and their least share of the largest one
 SAME_SHARE = 0.03
+ROUNDS = 2  # of giving pixels to what they cost least as
 REACH_PX = 3
 # Shadows of the same light are more or less deep: in a penumbra, and where the object hides the sky as well.
 DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
@@ -51,7 +53,10 @@ class Split:
 
     @property
     def is_large_enough(self) -> bool:
-        return bool(self.object_mask.sum() >= LEAST_OBJECT_PX and self.shadow_mask.sum() >= LEAST_SHADOW_PX)
+        return bool(
+            np.count_nonzero(self.object_mask) >= LEAST_OBJECT_PX
+            and np.count_nonzero(self.shadow_mask) >= LEAST_SHADOW_PX
+        )
 
     def is_like(self, other: "Split") -> bool:
         """Whether hardly a pixel is explained otherwise."""
@@ -63,13 +68,19 @@ class Split:
 def splits(region: Region, ground: LitGround, materials: Materials, shadows_tried: int) -> list[Split]:
     """The ways to split the region's unlit areas in object and shadow, if its shadows are of this shift."""
     shadow_like = _shadow_like(region, ground, materials.shifts)
-    found: list[Split] = []
-    for shadow in areas_by_size(shadow_like, LEAST_PX)[:shadows_tried]:
-        for rough in _splits_with(shadow, shadow_like, region.unlit):
-            split = _classified(region, materials, rough)
-            if split.is_large_enough and not any(split.is_like(other) for other in found):
-                found.append(split)
-    return found
+    shadows = areas_by_size(shadow_like, LEAST_PX)[:shadows_tried]
+    roughs = [rough for shadow in shadows for rough in _splits_with(shadow, shadow_like, region.unlit)]
+    refined = (_classified(region, materials, rough) for rough in _unlike(roughs))
+    return _unlike(split for split in refined if split.is_large_enough)
+
+
+def _unlike(several: Iterable[Split]) -> list[Split]:
+    """Without those that are like an earlier one."""
+    kept: list[Split] = []
+    for split in several:
+        if not any(split.is_like(other) for other in kept):
+            kept.append(split)
+    return kept
 
 
 def doubted(split: Split) -> Split | None:
@@ -91,8 +102,8 @@ def _shadow_like(region: Region, ground: LitGround, shifts: tuple[Float, ...]) -
     shadowed = Mixture(
         np.concatenate(shadows), np.broadcast_to(noise, (len(centres) * count, 3, 3)), np.tile(weights, count)
     )
-    squared = nearest_squared_distance(region.colours.reshape(-1, 3), shadowed).reshape(region.unlit.shape)
-    return majority(region.unlit & (smoothed(np.exp(-0.5 * np.minimum(squared, 50))) > SHADOW_LIKE))
+    likeness = np.exp(-0.5 * np.minimum(nearest_squared_distance(region.quantised.colours, shadowed), 50))
+    return majority(region.unlit & (smoothed(region.quantised.pictured(likeness)) > SHADOW_LIKE))
 
 
 def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
@@ -110,7 +121,9 @@ def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
         reach = grown(whole_shadow, 2)
         touching = [part for part in parts if (part & reach).any()]
         if touching:
-            rest = np.any([part for part in parts if part.sum() > SMALL_PART * parts[0].sum()], axis=0)
+            rest = np.any(
+                [part for part in parts if np.count_nonzero(part) > SMALL_PART * np.count_nonzero(parts[0])], axis=0
+            )
             found.append(Split(rest, whole_shadow))
             if len(parts) > 1:
                 large = [part for part in touching[:OBJECTS] if part.sum() > LESSER_OBJECT * touching[0].sum()]
@@ -118,30 +131,35 @@ def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
     return found
 
 
-def _classified(region: Region, materials: Materials, split: Split, rounds: int = 2) -> Split:
+def _classified(region: Region, materials: Materials, rough: Split) -> Split:
+    """The split with its pixels given to what they cost least as, until hardly any changes, or nothing is left."""
+    split = rough
+    for _ in range(ROUNDS):
+        last, split = split, _reassigned(region, materials, split)
+        if split.is_like(last) or not split.is_large_enough:
+            break
+    return split
+
+
+def _reassigned(region: Region, materials: Materials, rough: Split) -> Split:
     """The split's pixels and those around them, each given to lit ground, shadow or object, whichever costs least.
 
     Where two materials meet, the costs change places half-way between their colours, which is where the edge is.
     """
-    body, shadow = split.object_mask, split.shadow_mask
-    core = _core(body, 2)
-    for _ in range(rounds):
-        own = object_cost(region, core)
-        near = grown(body | shadow, REACH_PX) & region.is_ground
-        object_like = majority((own < np.minimum(materials.lit, materials.shaded)) & near, 5)
-        body = filled(overlapping(object_like, core, 0.3) if (object_like & core).any() else core)
-        shadow_like = majority((materials.shaded < materials.lit) & (materials.shaded <= own) & near & ~body)
-        shadow = overlapping(shadow_like, shadow, 0.3) if (shadow_like & shadow).any() else shadow_like
-        if not Split(body, shadow).is_large_enough:
-            break
-        core = _core(body, 1)
+    core = _core(rough.object_mask)
+    own = object_cost(region, core)
+    near = grown(rough.object_mask | rough.shadow_mask, REACH_PX) & region.is_ground
+    object_like = majority((own < np.minimum(materials.lit, materials.shaded)) & near, 5)
+    body = filled(overlapping(object_like, core, 0.3) if (object_like & core).any() else core)
+    shadow_like = majority((materials.shaded < materials.lit) & (materials.shaded <= own) & near) & ~body
+    shadow = overlapping(shadow_like, rough.shadow_mask, 0.3)
     return Split(body, shadow)
 
 
-def _core(mask: Mask, margin_px: int) -> Mask:
+def _core(mask: Mask) -> Mask:
     """Without its rim, where colours mix; with as much of it as a small mask needs."""
-    for margin in range(margin_px, 0, -1):
-        core = shrunk(mask, margin)
-        if core.sum() >= LEAST_PX:
+    for margin_px in (2, 1):
+        core = shrunk(mask, margin_px)
+        if np.count_nonzero(core) >= LEAST_PX:
             return core
     return mask

@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.alignment import Alignment
-from ashe_live.light.areas import distance_to, grown, shrunk
+from ashe_live.light.areas import distance_to, grown, shrunk, window_around
 from ashe_live.light.associate import Split
 from ashe_live.light.directions import FittedLight
 from ashe_live.light.log_colour import Float32
@@ -88,8 +88,8 @@ def _agreement(explanation: Explanation) -> float:
 def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
     """(9,) the evidence that needs no fit: how the picture looks where `masks` say object and shadow are."""
     brightness, red_blue, green = materials.shift
-    size = max(int(region.unlit.sum()), 1)
-    longer = math.log(max(int(masks.shadow.sum()) / max(int(masks.body.sum()), 1), 1e-3))
+    size = max(_pixels(region.unlit), 1)
+    longer = math.log(max(_pixels(masks.shadow) / max(_pixels(masks.body), 1), 1e-3))
     return np.array(
         [
             abs(green + 0.25 * red_blue),
@@ -97,7 +97,7 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
             max(-longer - 1.0, 0.0),
             max(longer, 0.0),
             _lit_side(region, masks),
-            math.log(0.02 + int((region.unlit & ~masks.whole).sum()) / size),
+            math.log(0.02 + _pixels(region.unlit & ~masks.whole) / size),
             min(_sharpness(region, materials, masks), 1.0),
             _border_share(masks.shadow, masks.body),
             materials.lights - 1.0,
@@ -107,32 +107,31 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
 
 def shadow_core(region: Region, masks: Predicted) -> Mask:
     """(h, w) where a shadow is whole: on the ground, away from its outline and from the object."""
-    return masks.shadow & _clear_of(masks.body, region) & (distance_to(~masks.whole) > WITHIN_PX)
+    clear = region.is_ground & (distance_to(masks.body) > BESIDE_OBJECT_PX)
+    return masks.shadow & clear & (distance_to(~masks.whole) > WITHIN_PX)
 
 
 def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
     """How much of the shift is lost on the way across the predicted shadow's outline: 1 for a sharp edge."""
-    within, without = distance_to(~masks.whole), distance_to(masks.whole)
-    clear = _clear_of(masks.body, region)
     low, high = RING_PX
-    inner = masks.shadow & clear & (within > low) & (within <= high)
-    outer = clear & (without > low) & (without <= high) & grown(masks.shadow, int(high))
-    return _median(materials.share[inner]) - _median(materials.share[outer])
-
-
-def _clear_of(body: Mask, region: Region) -> Mask:
-    return region.is_ground & (distance_to(body) > BESIDE_OBJECT_PX)
+    # Nothing that counts is farther from the shadow than the ring, or from the ring than what it is measured from.
+    near = window_around(masks.shadow, math.ceil(2 * high))
+    shadow, body, share = masks.shadow[near], masks.body[near], materials.share[near]
+    whole = shadow | body
+    within, without = distance_to(~whole), distance_to(whole)
+    clear = region.is_ground[near] & (distance_to(body) > BESIDE_OBJECT_PX)
+    inner = shadow & clear & (within > low) & (within <= high)
+    outer = clear & (without > low) & (without <= high) & grown(shadow, int(high))
+    return _median(share[inner]) - _median(share[outer])
 
 
 def _lit_side(region: Region, masks: Predicted) -> float:
     """Correlation over the object of brightness with the place along the way from its shadow: positive if lit so."""
-    body, shadow = masks.body, masks.shadow
-    core = shrunk(body, 1) & region.is_ground
-    if np.count_nonzero(core) <= 30 or np.count_nonzero(shadow) <= 5:
+    core = shrunk(masks.body, 1) & region.is_ground
+    places, shaded = _places(core), _places(masks.shadow)
+    if places.shape[1] <= 30 or shaded.shape[1] <= 5:
         return 0.0
-    places, shaded = (np.argwhere(mask).astype(np.float64) for mask in (core, shadow))
-    away = places.mean(axis=0) - shaded.mean(axis=0)
-    along = places @ away
+    along = (places.mean(axis=1) - shaded.mean(axis=1)) @ places
     brightness = region.colours[..., 0][core].astype(np.float64)
     along -= along.mean()
     brightness -= brightness.mean()
@@ -140,11 +139,22 @@ def _lit_side(region: Region, masks: Predicted) -> float:
     return float(along @ brightness) / len(along) / (spreads[0] * spreads[1]) if min(spreads) >= 1e-3 else 0.0
 
 
+def _places(mask: Mask) -> Float:
+    """(2, n) rows and columns of the pixels of `mask`."""
+    return np.array(np.divmod(np.flatnonzero(mask), mask.shape[1]), dtype=np.float64)
+
+
 def _median(values: Float32) -> float:
-    return float(np.median(values)) if len(values) > 5 else 0.0
+    """The upper one of two; 0 of hardly any."""
+    middle = len(values) // 2
+    return float(np.partition(values, middle)[middle]) if len(values) > 5 else 0.0
 
 
 def _border_share(mask: Mask, other: Mask) -> float:
     """Share of the pixels just outside `mask` that lie in `other`; 1 for an empty mask."""
     border = grown(mask, 1) & ~mask
-    return int((border & other).sum()) / int(border.sum()) if border.any() else 1.0
+    return _pixels(border & other) / _pixels(border) if border.any() else 1.0
+
+
+def _pixels(mask: Mask) -> int:
+    return int(np.count_nonzero(mask))

@@ -137,7 +137,7 @@ def _suited(proposal: Proposal, bodies: Sequence[Body]) -> Explanation | None:
 
 def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
     """By the colours of what is seen of the object; of the split's, where that is hardly anything."""
-    return object_cost(region, seen if seen.sum() > FEW_PX else split.object_mask)
+    return object_cost(region, seen if np.count_nonzero(seen) > FEW_PX else split.object_mask)
 
 
 def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image, Mask
-from ashe_live.light.areas import cleaned, large_areas, shrunk, smoothed
+from ashe_live.light.areas import cleaned, grown, large_areas, shrunk, smoothed
 from ashe_live.light.log_colour import Float32, linear_rgb, log_opponent
 from ashe_live.light.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
 from ashe_live.light.sheen import sheen_on, without_sheen
@@ -22,9 +22,14 @@ from ashe_live.light.view import Window
 Floats = TypeVar("Floats", Float, Float32)
 
 CELLS = (8, 6)
-SAMPLES = 5000
 # Squared distance from the palette beyond which a colour is something else.
 SURPRISING, MOST_SURPRISING = 6.0, 60.0
+SAMPLES, LEAST_SAMPLES = 2000, 500
+# Spreads, at most and as a share of the usual one, above which a colour is the ground's, and below which it is rare.
+WIDE, WIDE_OF_USUAL = 0.3, 0.6
+RARE, RARE_OF_USUAL = 0.35, 0.75
+NEAR_PX = 3  # as far as surprise is smoothed
+SEEN_SHARE = 0.15  # of the fullest cell's ground that a cell must hold to count
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +48,8 @@ class LitGround:
     colours: Float32  # (h, w, 3) log-opponent colours without the ground's own slow shading
     field: Float32  # (5, 3) that shading, as coefficients of slow bases
     palette: Mixture  # of the lit ground
-    surprise: Float32  # (h, w) squared Mahalanobis distance to the nearest colour of the palette, smoothed
-    spread: Float32  # (h, w) share of the frame over which the pixel's colour is found, in (0, 1]
+    rare: Mask  # (h, w) where the pixel's colour is found over little of the frame
+    surprise: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from what is rare
     sheen: Mask  # (h, w) what differs from the palette by light alone
 
 
@@ -54,23 +59,30 @@ def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> Lit
     None when too little of the frame is ground, or no colour of it is spread.
     """
     colours = log_opponent(image_bgr)
-    if np.count_nonzero(is_ground) < SAMPLES // 10:
+    if np.count_nonzero(is_ground) < LEAST_SAMPLES:
         return None
     bases = _slow_bases((*is_ground.shape,))
     field, spread = _wider_spread(colours, bases, is_ground, steps.spread_colours)
-    lit = is_ground & (smoothed(spread) > _spread_of_ground(spread, is_ground))
+    usual, spread = float(_median(spread[is_ground])), smoothed(spread)
+    lit = is_ground & (spread > min(WIDE, WIDE_OF_USUAL * usual))
     chosen = _samples(shrunk(lit, 1))
-    if len(chosen) < SAMPLES // 10:
+    if len(chosen) < LEAST_SAMPLES:
         return None
+    values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
+    labels = None
     for _ in range(steps.field_rounds):
-        field = _field_beside_palette(colours, field, bases, chosen, steps.palette_colours)
-    flat = colours - (bases @ field).reshape(colours.shape)
-    palette = mixture_of(flat.reshape(-1, 3)[chosen], steps.palette_colours, widening=1.3)
+        labels, centres = clusters(values - slow @ field, steps.palette_colours, labels)
+        field = _field_beside(values - centres[labels], slow, field)
+    palette = mixture_of(values - slow @ field, steps.palette_colours, widening=1.3, start=labels)
     if palette is None:
         return None
-    squared = nearest_squared_distance(flat.reshape(-1, 3), palette).reshape(lit.shape)
-    surprise = np.asarray(cv2.GaussianBlur(np.minimum(squared, MOST_SURPRISING), (0, 0), 0.7), dtype=np.float32)
-    return LitGround(flat, field, palette, surprise, spread, sheen_on(flat, surprise, is_ground, palette))
+    flat = colours - (bases @ field).reshape(colours.shape)
+    rare = spread < min(RARE, RARE_OF_USUAL * usual)
+    near = grown(is_ground & rare, NEAR_PX)
+    squared = np.zeros(lit.shape, np.float32)
+    squared[near] = np.minimum(nearest_squared_distance(flat[near], palette), MOST_SURPRISING)
+    surprise = np.asarray(cv2.GaussianBlur(squared, (0, 0), 0.7), dtype=np.float32)
+    return LitGround(flat, field, palette, rare, surprise, sheen_on(flat, surprise, is_ground, palette))
 
 
 def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float32:
@@ -89,9 +101,8 @@ def lit_rgb(ground: LitGround) -> Float:
 
 def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
     """(h, w): objects and shadows, as compact areas of at least `least_px` that the lit ground does not explain."""
-    rare = smoothed(ground.spread) < _spread_of_ground(ground.spread, is_ground, most=0.35, of_median=0.75)
     surprising = (ground.surprise > SURPRISING) & ~ground.sheen
-    return large_areas(cleaned(is_ground & rare & surprising), least_px)
+    return large_areas(cleaned(is_ground & ground.rare & surprising), least_px)
 
 
 def _slow_bases(shape: tuple[int, ...], window: Window = (slice(None), slice(None))) -> Float32:
@@ -111,38 +122,40 @@ def _samples(mask: Mask) -> NDArray[np.intp]:
 
 
 def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int) -> tuple[Float32, Float32]:
-    """The slow field, or none, whichever leaves the ground's colours more widely spread; and that spread."""
-    chosen = _samples(is_ground)
-    none = np.zeros((bases.shape[1], 3), np.float32)
-    trend = _robust_trend(colours, bases, chosen)
-    spreads = [
-        (field, _spread(colours - (bases @ field).reshape(colours.shape), is_ground, chosen, count))
-        for field in (none, trend)
-    ]
-    return max(spreads, key=lambda pair: float(_median(pair[1][is_ground])))
+    """The slow field, or none, whichever leaves the ground's colours more widely spread; and that spread (h, w)."""
+    chosen, cells = _samples(is_ground), _cells(is_ground.shape).ravel()
+    values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
 
+    def usual(labels: NDArray[np.intp]) -> float:
+        return float(_median(_spreads(labels, cells[chosen])[labels]))
 
-def _spread(colours: Float32, is_ground: Mask, chosen: NDArray[np.intp], count: int) -> Float32:
-    """(h, w): over how many of the frame's cells each pixel's colour is distributed (perplexity over cells)."""
-    flat = colours.reshape(-1, 3)
-    _, centres = clusters(flat[chosen], count)
-    labels = nearest_centres(flat, centres)
-    height, width = is_ground.shape
-    columns, rows = CELLS
-    cells = (np.arange(height) * rows // height)[:, None] * columns + np.arange(width) * columns // width
+    trend = _robust_trend(values, slow)
+    labels, centres = clusters(values, count)
+    flat_labels, flat_centres = clusters(values - slow @ trend, count, labels)
+    field = np.zeros_like(trend)
+    if usual(flat_labels) > usual(labels):
+        field, centres = trend, flat_centres
+    labels = nearest_centres(colours.reshape(-1, 3) - bases @ field, centres)
     inside = is_ground.ravel()
-    total = np.bincount(cells.ravel()[inside], minlength=columns * rows)
-    counts = np.bincount(labels[inside] * total.size + cells.ravel()[inside], minlength=len(centres) * total.size)
-    seen = total > 0.15 * is_ground.size / total.size
-    density = counts.reshape(len(centres), -1)[:, seen] / np.maximum(total[seen], 1)
+    return field, _spreads(labels[inside], cells[inside], len(centres))[labels].reshape(is_ground.shape)
+
+
+def _cells(shape: tuple[int, ...]) -> NDArray[np.intp]:
+    """(h, w) which of the frame's cells a pixel lies in."""
+    (height, width), (columns, rows) = shape, CELLS
+    return (np.arange(height) * rows // height)[:, None] * columns + np.arange(width) * columns // width
+
+
+def _spreads(labels: NDArray[np.intp], cells: NDArray[np.intp], count: int = 0) -> Float32:
+    """(k,) the share of the frame's cells over which each cluster's pixels (n,) are distributed: its perplexity."""
+    count, places = max(count, int(labels.max()) + 1), CELLS[0] * CELLS[1]
+    counts = np.bincount(labels * places + cells, minlength=count * places).reshape(count, places)
+    total = counts.sum(axis=0)
+    seen = total > SEEN_SHARE * total.max()
+    density = counts[:, seen] / total[seen]
     share = density / np.maximum(density.sum(axis=1, keepdims=True), 1e-9)
-    perplexity = np.exp(-(share * np.log(share + 1e-12)).sum(axis=1)) / max(np.count_nonzero(seen), 1)
-    return np.asarray(perplexity[labels].reshape(is_ground.shape), dtype=np.float32)
-
-
-def _spread_of_ground(spread: Float32, is_ground: Mask, most: float = 0.3, of_median: float = 0.6) -> float:
-    """The spread above which a colour is one of the ground's."""
-    return min(most, of_median * float(_median(spread[is_ground])))
+    perplexity = np.exp(-(share * np.log(share + 1e-12)).sum(axis=1))
+    return np.asarray(perplexity / np.count_nonzero(seen), dtype=np.float32)
 
 
 def _median(values: Floats) -> Floats:
@@ -153,31 +166,27 @@ def _median(values: Floats) -> Floats:
     return upper if values.shape[-1] % 2 else 0.5 * (upper + parted[..., :middle].max(axis=-1))
 
 
-def _robust_trend(colours: Float32, bases: Float32, chosen: NDArray[np.intp]) -> Float32:
-    """(5, 3) slow field by reweighted least squares with a constant, which is left out; outliers: Cauchy weights."""
-    design = np.column_stack([np.ones(len(chosen), np.float32), bases[chosen]]).astype(np.float64)
-    values = colours.reshape(-1, 3)[chosen].T.astype(np.float64)
-    ridge = 2e-5 * len(chosen) * np.diag([0.0, 1, 1, 3, 3, 3])
-    weights = np.ones(len(chosen))
+def _robust_trend(values: Float32, slow: Float32) -> Float32:
+    """(5, 3) slow field of colours (n, 3) where the bases are `slow` (n, 5), by reweighted least squares.
+
+    With a constant, which is left out; outliers: Cauchy weights.
+    """
+    design = np.column_stack([np.ones(len(slow), np.float32), slow]).astype(np.float64)
+    columns = values.T.astype(np.float64)
+    ridge = 2e-5 * len(slow) * np.diag([0.0, 1, 1, 3, 3, 3])
+    weights = np.ones(len(slow))
     for _ in range(6):
         weighted = design * weights[:, None]
-        coefficients = np.linalg.solve(weighted.T @ design + ridge, (values @ weighted).T)
-        residuals = values - coefficients.T @ design.T
+        coefficients = np.linalg.solve(weighted.T @ design + ridge, (columns @ weighted).T)
+        residuals = columns - coefficients.T @ design.T
         scale = 1.48 * _median(np.abs(residuals))[:, None] + 0.01
         weights = 1 / (1 + ((residuals / (2 * scale)) ** 2).sum(axis=0))
     return np.asarray(coefficients[1:], dtype=np.float32)
 
 
-def _field_beside_palette(
-    colours: Float32, field: Float32, bases: Float32, chosen: NDArray[np.intp], count: int
-) -> Float32:
-    """The slow field once more, from what the palette's colours leave over."""
-    values = colours.reshape(-1, 3)[chosen]
-    before = bases[chosen] @ field
-    labels, centres = clusters(values - before, count)
-    rest = values - centres[labels]
-    weights = 1 / (1 + (((rest - before) / 0.15) ** 2).sum(axis=1))
-    weighted = bases[chosen] * weights[:, None]
-    ridge = 5e-4 * len(chosen) * np.eye(5, dtype=np.float32)
-    coefficients = np.linalg.solve(weighted.T @ bases[chosen] + ridge, weighted.T @ rest)
-    return np.asarray(coefficients, dtype=np.float32)
+def _field_beside(rest: Float32, slow: Float32, before: Float32) -> Float32:
+    """(5, 3) the slow field once more, from what the palette's colours leave over (n, 3), nearly as `before`."""
+    weights = 1 / (1 + (((rest - slow @ before) / 0.15) ** 2).sum(axis=1))
+    weighted = slow * weights[:, None]
+    ridge = 5e-4 * len(slow) * np.eye(5, dtype=np.float32)
+    return np.asarray(np.linalg.solve(weighted.T @ slow + ridge, weighted.T @ rest), dtype=np.float32)

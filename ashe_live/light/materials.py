@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.areas import grown, shrunk, smoothed
+from ashe_live.light.areas import shrunk, smoothed
 from ashe_live.light.ground import LitGround
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.mixtures import UNEXPLAINED, cost, mixture_of
@@ -22,11 +22,10 @@ LIT_SHARES = ((0.0, 0.0), (0.25, 2.0), (0.42, 2.0))
 SHADED_SHARES = ((1.0, 0.0), (0.55, 2.0), (0.78, 1.0), (1.25, 1.0))
 CONTACT_SHARES = ((1.5, 2.0), (1.8, 3.0))
 WIDENED = 0.5  # of the covariances, by a whole shift
-MOST_COLOURS = 1500
+MOST_COLOURS = 400
 FEWEST_COLOURS = 12
 COMMON = 0.02
 NOISE = SHIFT_NOISE.astype(np.float32)
-NEAR_PX = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,42 +60,37 @@ def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple
     """(h, w) cost of ground of which the likeliest of some shares of a shift is seen; each share with its own cost."""
     share, more = np.array(shares).T
     shown = ground.palette.shifted(shift, share, 1 + WIDENED * share)
-    costs = cost(region.colours.reshape(-1, 3), shown, np.repeat(more, len(ground.palette.weights)))
-    return smoothed(costs.reshape(region.unlit.shape))
+    costs = cost(region.quantised.colours, shown, np.repeat(more, len(ground.palette.weights)))
+    return smoothed(region.quantised.pictured(costs))
 
 
 def object_cost(region: Region, mask: Mask) -> Float32:
     """(h, w) cost of the colours that are found well within `mask`, where no edge mixes them with others."""
     for margin in (2, 1):
         core = shrunk(mask, margin)
-        if core.sum() > max(40, 0.3 * mask.sum()):
+        if np.count_nonzero(core) > max(40, 0.3 * np.count_nonzero(mask)):
             mask = core
             break
-    own = region.colours[mask]
-    mixture = (
-        mixture_of(own[:: len(own) // MOST_COLOURS + 1], OBJECT_COLOURS, 1.2) if len(own) >= FEWEST_COLOURS else None
-    )
+    inside = np.flatnonzero(mask)
+    if len(inside) < FEWEST_COLOURS:
+        return np.full(mask.shape, UNEXPLAINED, np.float32)
+    own = region.colours.reshape(-1, 3)[inside[:: len(inside) // MOST_COLOURS + 1]]
+    mixture = mixture_of(own, OBJECT_COLOURS, 1.2)
     if mixture is None:
         return np.full(mask.shape, UNEXPLAINED, np.float32)
-    return smoothed(cost(region.colours.reshape(-1, 3), mixture).reshape(mask.shape))
+    return smoothed(region.quantised.pictured(cost(region.quantised.colours, mixture)))
 
 
 def share_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
-    """(h, w) the place of each pixel's colour on the way from the palette's likeliest colour to its shadowed one.
-
-    Far from what is unlit it is not looked for, and 0.
-    """
-    near = grown(region.unlit, NEAR_PX)
+    """(h, w) the place of each pixel's colour on the way from the palette's likeliest colour to its shadowed one."""
     common = ground.palette.weights >= COMMON
     # In units of the noise, where distances to the way from lit to shadowed are those of colours.
-    colours, centres = region.colours[near] / NOISE, ground.palette.centres[common] / NOISE
+    colours, centres = region.quantised.colours / NOISE, ground.palette.centres[common] / NOISE
     way = (shift / SHIFT_NOISE).astype(np.float32)
     length = way @ way
     along = ((colours @ way) - (centres @ way)[:, None]) / length
     share = np.clip(along, -0.3, 1.6)
     away = (centres**2).sum(axis=1)[:, None] - 2 * (centres @ colours.T)
     off = away + length * share * (share - 2 * along) - 2 * np.log(ground.palette.weights[common])[:, None]
-    likeliest = off.argmin(axis=0)
-    picture = np.zeros(near.shape, np.float32)
-    picture[near] = np.take_along_axis(share, likeliest[None], axis=0)[0]
-    return picture
+    likeliest = np.take_along_axis(share, off.argmin(axis=0)[None], axis=0)[0]
+    return region.quantised.pictured(likeliest)

@@ -36,13 +36,17 @@ class Mixture:
         return Mixture(centres.reshape(-1, 3), covariances.reshape(-1, 3, 3), np.tile(self.weights, len(shares)))
 
 
-def clusters(colours: Float32, count: int) -> tuple[NDArray[np.intp], Float32]:
-    """Labels (n,) and centres (k, 3) of colours (n, 3), k at most `count`; the same input gives the same bits."""
+def clusters(colours: Float32, count: int, start: NDArray[np.intp] | None = None) -> tuple[NDArray[np.intp], Float32]:
+    """Labels (n,) and centres (k, 3) of colours (n, 3), k at most `count`; the same input gives the same bits.
+
+    `start`: (n,) labels to begin with, where there are some already.
+    """
     # OpenCV's generator is global: seeded here, so that nothing that ran before matters.
     cv2.setRNGSeed(1)
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 12, 0.01)
-    start: NDArray[np.int32] = np.empty(0, np.int32)
-    _, labels, centres = cv2.kmeans(colours, min(count, len(colours)), start, criteria, 1, cv2.KMEANS_PP_CENTERS)
+    how = cv2.KMEANS_PP_CENTERS if start is None else cv2.KMEANS_USE_INITIAL_LABELS
+    given = np.empty(0, np.int32) if start is None else start.astype(np.int32)[:, None]
+    _, labels, centres = cv2.kmeans(colours, min(count, len(colours)), given, criteria, 1, how)
     return labels[:, 0].astype(np.intp), np.asarray(centres, dtype=np.float32)
 
 
@@ -59,22 +63,32 @@ def nearest_centres(colours: Float32, centres: Float32) -> NDArray[np.intp]:
     return len(centres) - labels
 
 
-def mixture_of(colours: Float32, count: int, widening: float = 1.0) -> Mixture | None:
-    """The mixture of at most `count` components that describes colours (n, 3); None of fewer than a few colours."""
+def mixture_of(
+    colours: Float32, count: int, widening: float = 1.0, start: NDArray[np.intp] | None = None
+) -> Mixture | None:
+    """The mixture of at most `count` components that describes colours (n, 3); None of fewer than a few colours.
+
+    `start`: as in `clusters`.
+    """
     if len(colours) < LEAST_MEMBERS:
         return None
-    labels, centres = clusters(colours, count)
-    kept, covariances, weights = [], [], []
-    for k in range(len(centres)):
-        members = colours[labels == k]
-        if len(members) >= LEAST_MEMBERS:
-            kept.append(centres[k])
-            away = members - members.mean(axis=0, dtype=np.float64)
-            covariances.append(widening / (len(away) - 1) * (away.T @ away) + np.diag(COLOUR_NOISE**2))
-            weights.append(len(members) / len(labels))
-    if not kept:
+    labels, centres = clusters(colours, count, start)
+    own = (labels == np.arange(len(centres))[:, None]).astype(np.float64)
+    members = own.sum(axis=1)
+    kept = members >= LEAST_MEMBERS
+    if not kept.any():
         return None
-    return Mixture(np.array(kept, np.float32), np.array(covariances, np.float32), np.array(weights, np.float32))
+    own, members = own[kept], members[kept][:, None]
+    middle = colours.mean(axis=0, dtype=np.float64)
+    away = colours - middle
+    means = own @ away / members
+    squares = own @ (away[:, :, None] * away[:, None, :]).reshape(-1, 9) / members
+    covariances = (squares - (means[:, :, None] * means[:, None, :]).reshape(-1, 9)) * members / (members - 1)
+    return Mixture(
+        (middle + means).astype(np.float32),
+        (widening * covariances.reshape(-1, 3, 3) + np.diag(COLOUR_NOISE**2)).astype(np.float32),
+        (members[:, 0] / len(labels)).astype(np.float32),
+    )
 
 
 def nearest_squared_distance(colours: Float32, mixture: Mixture, costs: Float | Float32 | None = None) -> Float32:

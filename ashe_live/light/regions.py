@@ -11,6 +11,7 @@ from ashe_live.light.areas import grown, majority, shrunk
 from ashe_live.light.ground import LitGround, ground_colours
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.mixtures import nearest_squared_distance
+from ashe_live.light.quantised import Quantised
 from ashe_live.light.view import View, Window
 
 APART_PX = 3  # of the coarse picture: nearer areas belong together
@@ -29,10 +30,12 @@ class Region:
     unlit: Mask  # (h, w) what the lit ground does not explain
     window: Window  # where it lies in the whole frame
     frame_shape: tuple[int, ...]  # (h, w) of the whole frame at this scale
+    quantised: Quantised = field(init=False)  # its colours, those that noise cannot tell apart taken for one
     unreliable: Mask = field(init=False)  # (h, w) no ground, or so near to it that an edge may be its own
 
     def __post_init__(self) -> None:
-        set_frozen(self, unreliable=grown(~self.view.is_ground, UNRELIABLE_PX))
+        unreliable = grown(~self.view.is_ground, UNRELIABLE_PX)
+        set_frozen(self, quantised=Quantised.of(self.colours), unreliable=unreliable)
 
     @property
     def is_ground(self) -> Mask:

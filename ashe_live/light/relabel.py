@@ -24,7 +24,7 @@ LEAST_DOUBT = 0.02
 
 def relabelled(region: Region, materials: Materials, own: Float32, fitted: Predicted) -> Split:
     """The region's pixels given to object, shadow, either or neither. `own`: (h, w) cost of the object."""
-    free_px = max(FREE_PX, FREE_SHARE * math.sqrt(max(int(fitted.body.sum()), 1)))
+    free_px = max(FREE_PX, FREE_SHARE * math.sqrt(max(int(np.count_nonzero(fitted.body)), 1)))
     as_object = own + _penalty(fitted.body, free_px)
     as_shadow = materials.contact + _penalty(fitted.shadow, free_px)
     unlit = (np.minimum(as_object, as_shadow) < materials.lit) & region.is_ground
@@ -37,7 +37,7 @@ def relabelled(region: Region, materials: Materials, own: Float32, fitted: Predi
     body = filled(overlapping(cleaned(body | (narrow & (as_object < as_shadow))), fitted.body, 0.3))
     shadow = large_areas(cleaned((shadow | (narrow & (as_shadow <= as_object))) & ~body), LEAST_SHADOW_PX)
     either = broad & ~body & ~shadow
-    doubt = either if either.sum() > LEAST_DOUBT * whole.sum() else None
+    doubt = either if np.count_nonzero(either) > LEAST_DOUBT * np.count_nonzero(whole) else None
     return Split(body, shadow, doubt, parted(materials, shadow, fitted))
 
 

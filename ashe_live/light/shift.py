@@ -20,7 +20,7 @@ LOWEST = np.array([-2.7, -1.6, -0.3])
 BINS = np.array([42, 34, 18])
 # How far a shadow pixel may be from its ground's shifted colour.
 SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
-MOST_VOTERS = 3000
+MOST_VOTERS = 1500
 LEAST_VOTERS = 25
 
 

@@ -25,7 +25,7 @@ def ground_of(*colours: Float) -> LitGround:
     covariances = np.tile(0.06**2 * np.eye(3, dtype=np.float32), (len(colours), 1, 1))
     palette = Mixture(centres, covariances, np.full(len(colours), 1 / len(colours), np.float32))
     nothing = np.zeros((1, 1), np.float32)
-    return LitGround(nothing[..., None], np.zeros((5, 3), np.float32), palette, nothing, nothing)
+    return LitGround(nothing[..., None], np.zeros((5, 3), np.float32), palette, nothing > 0, nothing, nothing > 0)
 
 
 def region_of(colours: Float | Float32) -> Region:

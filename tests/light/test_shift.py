@@ -24,7 +24,10 @@ def ground_of(colour: Float) -> LitGround:
     """A ground of this one log-opponent colour (3,)."""
     one = np.ones(1, np.float32)
     palette = Mixture(colour[None].astype(np.float32), np.eye(3, dtype=np.float32)[None], one)
-    return LitGround(np.zeros((1, 1, 3), np.float32), np.zeros((5, 3), np.float32), palette, one[None], one[None])
+    nothing = np.zeros((1, 1), bool)
+    return LitGround(
+        np.zeros((1, 1, 3), np.float32), np.zeros((5, 3), np.float32), palette, nothing, one[None], nothing
+    )
 
 
 @pytest.mark.parametrize("ratio", [(1.0, 1.0, 1.0), (0.2, 0.3, 0.45), (0.05, 0.05, 0.05), (0.9, 0.8, 0.7)])
