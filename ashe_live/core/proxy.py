@@ -41,12 +41,7 @@ class Proxy:
         A grid on the unit sphere, each direction moved to the hull's farthest point along it: exact where the hull is
         round, and its corners are hit by all directions that they are farthest in.
         """
-        # Half a step off the axes, in which boxes have their faces.
-        azimuth = (np.arange(around) + 0.5) * (2 * math.pi / around)
-        sine = np.sin(np.linspace(-math.pi / 2, math.pi / 2, upwards))[:, None]
-        flat = np.sqrt(1 - np.minimum(sine**2, 1.0))
-        grid = [flat * np.cos(azimuth), flat * np.sin(azimuth), sine + 0 * azimuth]
-        directions = np.stack(grid, axis=-1).reshape(-1, 3)
+        directions, triangles = _grid(around, upwards)
         centre, radius, half = np.split(self.spheroids_marker, (3, 4), axis=1)
         axes = np.concatenate([radius, radius, half], axis=1)
         reach = np.linalg.norm(axes * directions[:, None], axis=2)
@@ -54,10 +49,7 @@ class Proxy:
         at = np.arange(len(directions))
         length = np.maximum(reach[at, farthest], np.finfo(np.float64).tiny)[:, None]
         points = centre[farthest] + axes[farthest] ** 2 * directions / length
-        corner = np.arange((upwards - 1) * around).reshape(-1, around)
-        right = np.roll(corner, -1, axis=1)
-        quads = np.stack([corner, right, right + around, corner, right + around, corner + around], axis=-1)
-        return points, quads.reshape(-1, 3).astype(np.uint32)
+        return points, triangles
 
 
 @cache
@@ -65,3 +57,19 @@ def _circle(around: int) -> Float:
     """(around, 2) points of the unit circle."""
     angles = np.arange(around) * (2 * math.pi / around)
     return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+@cache
+def _grid(around: int, upwards: int) -> tuple[Float, NDArray[np.uint32]]:
+    """(n, 3) directions of a grid on the unit sphere, and (m, 3) its triangles; shared by all, and so read-only."""
+    # Half a step off the axes, in which boxes have their faces.
+    azimuth = (np.arange(around) + 0.5) * (2 * math.pi / around)
+    sine = np.sin(np.linspace(-math.pi / 2, math.pi / 2, upwards))[:, None]
+    flat = np.sqrt(1 - np.minimum(sine**2, 1.0))
+    grid = [flat * np.cos(azimuth), flat * np.sin(azimuth), sine + 0 * azimuth]
+    corner = np.arange((upwards - 1) * around).reshape(-1, around)
+    right = np.roll(corner, -1, axis=1)
+    quads = np.stack([corner, right, right + around, corner, right + around, corner + around], axis=-1)
+    directions, triangles = np.stack(grid, axis=-1).reshape(-1, 3), quads.reshape(-1, 3).astype(np.uint32)
+    directions.flags.writeable = triangles.flags.writeable = False
+    return directions, triangles

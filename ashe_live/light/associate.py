@@ -132,11 +132,11 @@ def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
 
 
 def _classified(region: Region, materials: Materials, rough: Split) -> Split:
-    """The split with its pixels given to what they cost least as, until hardly any changes, or nothing is left."""
+    """The split with its pixels given to what they cost least as, the object's colours being learned anew each time."""
     split = rough
     for _ in range(ROUNDS):
-        last, split = split, _reassigned(region, materials, split)
-        if split.is_like(last) or not split.is_large_enough:
+        split = _reassigned(region, materials, split)
+        if not split.is_large_enough:
             break
     return split
 

@@ -15,7 +15,7 @@ from ashe_live.light.log_colour import Float32
 from ashe_live.light.materials import Materials
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
-from ashe_live.light.shading import agreement
+from ashe_live.light.shading import agreement, correlation
 
 # The ring on either side of an outline where its sharpness is measured; the outline's own pixels are mixed.
 RING_PX = (1.0, 4.0)
@@ -132,11 +132,7 @@ def _lit_side(region: Region, masks: Predicted) -> float:
     if places.shape[1] <= 30 or shaded.shape[1] <= 5:
         return 0.0
     along = (places.mean(axis=1) - shaded.mean(axis=1)) @ places
-    brightness = region.colours[..., 0][core].astype(np.float64)
-    along -= along.mean()
-    brightness -= brightness.mean()
-    spreads = math.sqrt(along @ along / len(along)), math.sqrt(brightness @ brightness / len(along))
-    return float(along @ brightness) / len(along) / (spreads[0] * spreads[1]) if min(spreads) >= 1e-3 else 0.0
+    return correlation(along, region.colours[..., 0][core])
 
 
 def _places(mask: Mask) -> Float:

@@ -1,5 +1,7 @@
 """Shading: whether the object is lit as the fitted body would be in the light that its shadow tells of."""
 
+import math
+
 import cv2
 import numpy as np
 
@@ -29,10 +31,14 @@ def agreement(region: Region, body: Mask, proxy: Proxy, to_lights_marker: list[F
     core = shrunk(body, 1) & region.is_ground & (expected > 0)
     if np.count_nonzero(core) <= LEAST_PX:
         return 0.0
-    logs, seen = np.log(expected[core] + DARKEST), region.colours[..., 0][core]
-    if min(logs.std(), seen.std()) < LEAST_SPREAD:
-        return 0.0
-    return float(np.corrcoef(logs, seen)[0, 1])
+    return correlation(np.log(expected[core] + DARKEST), region.colours[..., 0][core])
+
+
+def correlation(one: Float | Float32, other: Float | Float32) -> float:
+    """Pearson's, of n numbers each; 0 where either hardly varies."""
+    a, b = (values - values.mean(dtype=np.float64) for values in (one, other))
+    variances = float(a @ a) / len(a), float(b @ b) / len(b)
+    return float(a @ b) / len(a) / math.sqrt(variances[0] * variances[1]) if min(variances) >= LEAST_SPREAD**2 else 0.0
 
 
 def _irradiance(region: Region, proxy: Proxy, to_lights_marker: list[Float], left_over: list[float]) -> Float32:
