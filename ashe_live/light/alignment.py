@@ -1,25 +1,26 @@
-"""Alignment: a fitted body and its shadows are moved until their outlines lie on the picture's own borders.
+"""Alignment: fitted bodies and their shadows are moved until their outlines lie on the picture's own borders.
 
 Each pixel costs what its colour costs the material that it is predicted to be of. Across every place of a predicted
 outline, the costs on either side say where the border is and how surely; the body follows by least squares, as in
 model-based tracking (Harris and Stennett, "RAPID", 1990), with regions in the place of gradients. Unlike outlines of
 masks, such borders are not spoilt by single areas that look like another material (docs/maths.md).
+
+The bodies of several explanations are moved in step: NumPy's calls cost more than their numbers, which are few.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.areas import grown
-from ashe_live.light.body import Body
+from ashe_live.light.body import Body, outlines_of
 from ashe_live.light.borders import PLACES, Borders, Places, borders_at, evenly_spread
-from ashe_live.light.log_colour import Float32
-from ashe_live.light.materials import Materials
-from ashe_live.light.predicted import Predicted, outlines, painted
-from ashe_live.light.regions import Region
+from ashe_live.light.costs import Costs
+from ashe_live.light.predicted import Predicted, painted
+from ashe_live.light.proxies import padded, parts_of
 from ashe_live.light.search import stiffness_of
 from ashe_live.light.supports import outline_supports
 
@@ -28,54 +29,19 @@ REACHES, LEAST_REACH_PX = (0.14, 0.1, 0.06, 0.05), 3.0
 OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # misses beyond this count less and less (Cauchy's loss) in the end;
 FORGIVING = 3.0  # and beyond this many times as much, at first
 DAMPING, LARGEST_STEP = 1e-3, 1.0
-STEPS = (1.0, 1.5)  # a border at the end of what was looked at lies farther, so that the first step may be too short
 FAMILIES_WEIGHED = 6
 # Bayes's ln n of the region's pixels, times the pixels whose errors go together: materials are wrong patch by patch.
 COST_PER_PARAMETER = 250.0
-BESIDE_BODY_PX = 2
 TURN_RAD = 0.03  # by which a line is turned to touch either end of a straight edge
 FARTHEST_PX = 5e3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Costs:
-    """What each pixel of a region costs as ground, shadow and object."""
-
-    region: Region
-    materials: Materials
-    own: Float32  # (h, w) as the object
-
-    def of(self, masks: Predicted) -> float:
-        """Of all the ground in the region, each pixel taken for what the masks say."""
-        cost = np.where(masks.shadow, self._shaded(masks), self.materials.lit)
-        cost[masks.body] = self.own[masks.body]
-        return float(cost[self.region.is_ground].sum())
-
-    def gains(self, masks: Predicted, reach_px: float) -> Iterator[Float32]:
-        """(h, w) how much less a pixel costs inside of the outline than outside: the body's, then each shadow's."""
-        lit, layers = self.materials.lit, self.materials.layers
-        beside_shadow = grown(masks.shadow, math.ceil(reach_px))
-        yield np.where(beside_shadow, np.minimum(lit, self.materials.contact), lit) - self.own
-        if not layers:
-            yield lit - self.materials.contact
-        else:
-            first, second, both = layers
-            for own, other, elsewhere in ((first, second, masks.parts[1]), (second, first, masks.parts[0])):
-                yield np.where(elsewhere, other - both, lit - own)
-
-    def _shaded(self, masks: Predicted) -> Float32:
-        if not self.materials.layers:
-            return self.materials.contact
-        first, second, both = self.materials.layers
-        one, other = masks.parts
-        return np.where(one, np.where(other, both, first), second)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Placed:
-    """A body in the picture, and what it costs there."""
+    """A body in a picture, and what it costs there."""
 
     body: Body
+    costs: Costs
     hulls_px: list[Float | None]  # (m, 2) the outlines of the body and of its shadows
     predicted: Predicted
     cost: float
@@ -83,7 +49,16 @@ class Placed:
     @property
     def object_px(self) -> float:
         """Square root of the body's area."""
-        return math.sqrt(max(int(self.predicted.body.sum()), 30))
+        return math.sqrt(max(int(np.count_nonzero(self.predicted.body)), 30))
+
+    @property
+    def outlier_px(self) -> float:
+        return max(OUTLIER_SHARE * self.object_px, OUTLIER_PX)
+
+    @property
+    def is_in_view(self) -> bool:
+        """Whether all its outlines are, and none of them endlessly large."""
+        return all(hull is not None and np.abs(hull).max() <= FARTHEST_PX for hull in self.hulls_px)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,22 +72,15 @@ class Alignment:
     clear_shadow: float  # of the shadows' outlines
 
 
-def aligned(bodies: Sequence[Body], costs: Costs) -> Alignment | None:
-    """The body of those that suits the picture best, moved to the borders around it; None if it is not in view."""
-    weighed = [_placed(body, costs) for body in bodies[:FAMILIES_WEIGHED]]
-    best = here = min(weighed, key=criterion)
-    for number, share in enumerate(REACHES):
-        found = _borders(here, costs, share)
-        if found is None:
-            return None
-        scale_px = _outlier_px(here) * (1.0 if number == len(REACHES) - 1 else FORGIVING)
-        start, step = here.body, _step(here.body, *found, scale_px)
-        for length in STEPS:
-            here = _placed(start.moved(length * step), costs)
-            if here.cost < best.cost:
-                best = here
-                break
-    return _appraised(best, costs)
+def aligned(several: Sequence[tuple[Sequence[Body], Costs]]) -> list[Alignment | None]:
+    """For each picture the body that suits it best, moved to the borders around it; None if that is not in view."""
+    found: list[Alignment | None] = [None] * len(several)
+    lights = [len(bodies[0].slants) for bodies, _ in several]
+    for count in set(lights):
+        own = [i for i, each in enumerate(lights) if each == count]
+        for i, alignment in zip(own, _aligned([several[i] for i in own]), strict=True):
+            found[i] = alignment
+    return found
 
 
 def criterion(placed: Placed) -> float:
@@ -120,25 +88,86 @@ def criterion(placed: Placed) -> float:
     return placed.cost + COST_PER_PARAMETER * len(placed.body.shape)
 
 
-def _placed(body: Body, costs: Costs) -> Placed:
-    hulls = outlines(body.proxy, body.to_lights_marker, costs.region.view)
-    predicted = painted(hulls, costs.region.is_ground.shape)
-    return Placed(body, hulls, predicted, costs.of(predicted))
+def _aligned(several: Sequence[tuple[Sequence[Body], Costs]]) -> list[Alignment | None]:
+    """As `aligned`, where all bodies have equally many lights."""
+    weighed = [(body, costs) for bodies, costs in several for body in bodies[:FAMILIES_WEIGHED]]
+    candidates = iter(_placed(weighed))
+    best = [min((next(candidates) for _ in bodies[:FAMILIES_WEIGHED]), key=criterion) for bodies, _ in several]
+    here = list(best)
+    for number, share in enumerate(REACHES):
+        left = [i for i, one in enumerate(here) if one.is_in_view]
+        if not left:
+            break
+        steps = _pulled([here[i] for i in left], share, 1.0 if number == len(REACHES) - 1 else FORGIVING).steps()
+        moved = _placed([(here[i].body.moved(step), here[i].costs) for i, step in zip(left, steps, strict=True)])
+        for i, one in zip(left, moved, strict=True):
+            here[i] = one
+            best[i] = min(best[i], one, key=attrgetter("cost"))
+    seen = iter(_appraised([one for one in best if one.is_in_view]))
+    return [next(seen) if one.is_in_view else None for one in best]
 
 
-def _outlier_px(placed: Placed) -> float:
-    return max(OUTLIER_SHARE * placed.object_px, OUTLIER_PX)
+def _placed(several: Sequence[tuple[Body, Costs]]) -> list[Placed]:
+    """Each body in its picture."""
+    outlines = outlines_of([body for body, _ in several], [costs.region.view for _, costs in several])
+    found = []
+    for (body, costs), hulls in zip(several, outlines, strict=True):
+        predicted = painted(hulls, costs.own.shape)
+        found.append(Placed(body, costs, hulls, predicted, costs.of(predicted)))
+    return found
 
 
-def _appraised(best: Placed, costs: Costs) -> Alignment | None:
-    found = _borders(best, costs, REACHES[-1])
-    if found is None:
-        return None
-    borders, by_theta = found
-    weight, normal = _weighed(best.body, borders, by_theta, _outlier_px(best))
-    square = float(weight @ borders.away_px**2) / max(float(weight.sum()), 1e-9)
-    clarity = borders.clarity[:PLACES], borders.clarity[PLACES:]
-    return Alignment(best, normal, math.sqrt(square), *(_mean_of_known(each) for each in clarity))
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pull:
+    """Where borders pull n bodies, by their misses of r = (1 + l) p places."""
+
+    borders: Borders
+    away_px: Float  # (n, r) the borders', outward
+    weight: Float  # (n, r) what each border counts, those far off less and less
+    by_theta: Float  # (n, 2 l + q, r) how the places move outward with slants and shape
+    normal: Float  # (n, 2 l + q, 2 l + q) what all tell of slants and shape
+
+    def steps(self) -> Float:
+        """(n, 2 l + q) Gauss and Newton's, towards the borders."""
+        damped, diagonal = self.normal.copy(), np.arange(self.normal.shape[1])
+        curvature = self.normal[:, diagonal, diagonal]
+        damped[:, diagonal, diagonal] += DAMPING * curvature + 1e-6 * curvature.max(axis=1, keepdims=True) + 1e-12
+        gradient = self.by_theta @ (self.weight * self.away_px)[..., None]
+        return np.asarray(np.clip(np.linalg.solve(damped, gradient)[..., 0], -LARGEST_STEP, LARGEST_STEP))
+
+
+def _pulled(several: Sequence[Placed], reach_share: float, forgiving: float) -> _Pull:
+    """Those in view, by the borders nearer than that share of each object's size."""
+    n, outlines = len(several), len(several[0].hulls_px)
+    bodies = [one.body for one in several]
+    reach_px = np.array([max(reach_share * one.object_px, LEAST_REACH_PX) for one in several])
+    sides = [
+        side for one, reach in zip(several, reach_px, strict=True) for side in one.costs.sides(one.predicted, reach)
+    ]
+    places = evenly_spread([hull for one in several for hull in one.hulls_px if hull is not None])
+    borders = borders_at(places, sides, reach_px.repeat(outlines))
+    away = borders.away_px.reshape(n, -1)
+    scale_px = np.array([[forgiving * one.outlier_px] for one in several])
+    weight = borders.information.reshape(n, -1) / (1 + (away / scale_px) ** 2)
+    by_theta = _slopes(bodies, places)
+    normal = (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2)
+    diagonal = np.arange(normal.shape[1])
+    normal[:, diagonal, diagonal] += padded([stiffness_of(body.family, body.slants.size) for body in bodies])
+    return _Pull(borders, away, weight, by_theta, normal)
+
+
+def _appraised(several: Sequence[Placed]) -> list[Alignment]:
+    if not several:
+        return []
+    pull = _pulled(several, REACHES[-1], 1.0)
+    squares = (pull.weight * pull.away_px**2).sum(axis=1) / np.maximum(pull.weight.sum(axis=1), 1e-9)
+    clarity = pull.borders.clarity.reshape(len(several), -1)
+    found = []
+    for one, normal, square, clear in zip(several, pull.normal, squares, clarity, strict=True):
+        size = one.body.slants.size + len(one.body.shape)
+        clear_body, clear_shadow = _mean_of_known(clear[:PLACES]), _mean_of_known(clear[PLACES:])
+        found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow))
+    return found
 
 
 def _mean_of_known(values: Float) -> float:
@@ -146,62 +175,19 @@ def _mean_of_known(values: Float) -> float:
     return float(known.mean()) if len(known) > 2 else 0.0
 
 
-def _step(body: Body, borders: Borders, by_theta: Float, scale_px: float) -> Float:
-    """(2 l + q,) Gauss and Newton's, towards the borders."""
-    weight, normal = _weighed(body, borders, by_theta, scale_px)
-    diagonal = np.diag(normal)
-    damped = normal + np.diag(DAMPING * diagonal + 1e-6 * diagonal.max() + 1e-12)
-    step = np.linalg.solve(damped, by_theta.T @ (weight * borders.away_px))
-    return np.asarray(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
-
-
-def _weighed(body: Body, borders: Borders, by_theta: Float, scale_px: float) -> tuple[Float, Float]:
-    """(n,) what each border counts, those beyond `scale_px` less and less; and (2 l + q, 2 l + q) what all tell."""
-    weight = borders.information / (1 + (borders.away_px / scale_px) ** 2)
-    normal = (by_theta * weight[:, None]).T @ by_theta + np.diag(stiffness_of(body.family, body.slants.size))
-    return weight, normal
-
-
-def _borders(placed: Placed, costs: Costs, reach_share: float) -> tuple[Borders, Float] | None:
-    """Borders around outlines, and (n, 2 l + q) how their places move outward with slants and shape.
-
-    None of what is not, or endlessly large, in view.
-    """
-    places, found = [], []
-    reach_px = max(reach_share * placed.object_px, LEAST_REACH_PX)
-    trusted = ~costs.region.unreliable
-    visible = np.ones_like(trusted)
-    for hull, gain in zip(placed.hulls_px, costs.gains(placed.predicted, reach_px), strict=True):
-        if hull is None or np.abs(hull).max() > FARTHEST_PX:
-            return None
-        places.append(evenly_spread(hull))
-        found.append(borders_at(places[-1], gain, trusted, visible, reach_px))
-        visible = ~grown(placed.predicted.body, BESIDE_BODY_PX)  # shadows go on behind the body
-    by_theta = _slopes(placed.body, places)
-    return (Borders.joined(found), by_theta) if np.isfinite(by_theta).all() else None
-
-
-def _slopes(body: Body, places: Sequence[Places]) -> Float:
-    """(n, 2 l + q) how places of outlines move outward with slants and shape.
+def _slopes(bodies: Sequence[Body], places: Places) -> Float:
+    """(n, 2 l + q, (1 + l) p) how places of n bodies' outlines move outward with slants and shape.
 
     A straight edge moves as its two ends do, the parts that are touched by the edge's line turned a little.
     """
-    split, count = body.slants.size, 2 * PLACES
+    n, slants = len(bodies), np.array([body.slants for body in bodies])
     c, s = math.cos(TURN_RAD), math.sin(TURN_RAD)
-    outward = np.concatenate([each.normals for each in places for _ in range(2)])
-    ends = np.repeat(np.tile([-s, s], len(places)), PLACES)
-    turned = c * outward + ends[:, None] * outward[:, ::-1] * (-1, 1)
-    parts, by_shape = body.family.parts(body.shape[None])
-    supports = outline_supports(body.guess.P[None], parts, body.slants[None], outward[None], turned[None])
-    touched = by_shape[0].reshape(parts.shape[1], 5, -1)
-    rows = []
-    for number, each in enumerate(places):
-        own = slice(number * count, (number + 1) * count)
-        by_theta = np.zeros((count, split + len(body.shape)))
-        by_part = supports.by_part[0, number, own][:, None]
-        by_theta[:, split:] = (by_part @ touched[supports.part[0, number, own]])[:, 0]
-        if number:
-            by_theta[:, 2 * number - 2 : 2 * number] = supports.by_slant[0, number - 1, own]
-        share = each.share[:, None]
-        rows.append((1 - share) * by_theta[:PLACES] + share * by_theta[PLACES:])
-    return np.concatenate(rows)
+    normals, share = places.normals.reshape(n, -1, PLACES, 2).swapaxes(2, 3), places.share.reshape(n, -1, PLACES)
+    aside = s * normals[:, :, ::-1] * [[-1], [1]]
+    outward = np.concatenate([normals, normals], axis=3)
+    turned = np.concatenate([c * normals - aside, c * normals + aside], axis=3)
+    parts, by_shape = parts_of([body.family for body in bodies], padded([body.shape for body in bodies]))
+    supports = outline_supports(np.array([body.guess.P for body in bodies]), parts, slants, outward, turned)
+    by_theta = supports.by_theta(by_shape)
+    ends = by_theta[..., :PLACES], by_theta[..., PLACES:]
+    return np.asarray(((1 - share)[:, None] * ends[0] + share[:, None] * ends[1]).reshape(n, by_theta.shape[1], -1))

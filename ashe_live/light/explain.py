@@ -6,9 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.alignment import Alignment, Costs, aligned, criterion
+from ashe_live.light.alignment import Alignment, aligned, criterion
 from ashe_live.light.associate import Split
 from ashe_live.light.body import Body
+from ashe_live.light.costs import Costs
 from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights
 from ashe_live.light.evidence import Explanation
 from ashe_live.light.fit import FitFailure, FitPreset, Masks, fit_bodies
@@ -60,9 +61,12 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
         )
         for proposal in proposals
     ]
+    fits = fit_bodies(masks, preset)
+    pairs = list(zip(proposals, fits, strict=True))
+    starts = [(bodies, _costs(proposal, bodies[0])) for proposal, bodies in pairs if not isinstance(bodies, FitFailure)]
+    alignments = iter(aligned(starts))
     return [
-        None if isinstance(bodies, FitFailure) else _suited(proposal, bodies)
-        for proposal, bodies in zip(proposals, fit_bodies(masks, preset), strict=True)
+        None if isinstance(bodies, FitFailure) else _suited(proposal, next(alignments)) for proposal, bodies in pairs
     ]
 
 
@@ -121,18 +125,22 @@ def _relabelled(last: Explanation) -> Proposal | None:
     return Proposal(last.region, last.materials, split, near, last.own)
 
 
-def _suited(proposal: Proposal, bodies: Sequence[Body]) -> Explanation | None:
-    """The body that suits the picture best, its lights, and what is then known of its colours."""
-    region, materials, split = proposal.region, proposal.materials, proposal.split
-    own = proposal.own
+def _costs(proposal: Proposal, likeliest: Body) -> Costs:
+    """What pixels cost before the alignment."""
+    region, own = proposal.region, proposal.own
     if own is None:
-        likeliest = predicted(bodies[0].proxy, bodies[0].to_lights_marker, region.view)
-        own = _cost_of_object(region, likeliest.body & region.unlit, split)
-    alignment = aligned(bodies, Costs(region, materials, own))
+        seen = predicted(likeliest.proxy, likeliest.to_lights_marker, region.view)
+        own = _cost_of_object(region, seen.body & region.unlit, proposal.split)
+    return Costs(region, proposal.materials, own)
+
+
+def _suited(proposal: Proposal, alignment: Alignment | None) -> Explanation | None:
+    """The aligned body, its lights, and what is then known of its colours."""
     if alignment is None:
         return None
+    region, split = proposal.region, proposal.split
     own = _cost_of_object(region, alignment.placed.predicted.body & region.is_ground, split)
-    return Explanation(region, materials, split, alignment, _lights(alignment), own)
+    return Explanation(region, proposal.materials, split, alignment, _lights(alignment), own)
 
 
 def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:

@@ -25,6 +25,13 @@ class FirstGuess:
     height: float
     slants: Float  # (l, 2) displacement s for each light
 
+    @property
+    def M(self) -> Float:
+        """(4, 4) marker frame from the guess's."""
+        M = np.diag([self.unit_m, self.unit_m, self.unit_m, 1.0])
+        M[:2, 3] = self.origin_marker
+        return M
+
 
 def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> FirstGuess | str:
     """A cylinder that covers the object's outline, and the lights that throw its shadows' tips; or why not."""

@@ -6,7 +6,7 @@ that need no body decide the rest (docs/maths.md).
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,7 +19,8 @@ from ashe_live.light.contours import AnyMask
 from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights
 from ashe_live.light.first_guess import FirstGuess, guess_scene
 from ashe_live.light.proxies import FAMILIES, Family
-from ashe_live.light.search import Sights, Solution, information_on_slants, search
+from ashe_live.light.residuals import Sights
+from ashe_live.light.search import Problem, Solution, information_on_slants, search
 from ashe_live.light.silhouettes import Outlines, observe_outlines
 from ashe_live.light.tangents import sharpened_slants
 
@@ -33,7 +34,6 @@ WRONG_FAMILY_SHARE = 0.015
 # Cauchy's scale: errors beyond this share of the object's size are outliers (a handle, a hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
 ENOUGH_SHARE = 0.005  # of the object's size: small objects look alike, and need all families
-HOPELESS = 3.0  # a search whose cost remains above this multiple of the best is given up
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,15 +130,15 @@ class _Scene:
         least = min((solution.mean_square for solution in self.solutions.values()), default=math.inf)
         return math.sqrt(least) < min(enough * self.edge_sigma_px, ENOUGH_SHARE * self.outlines.size_px)
 
-    def starts(self, family: Family) -> Float:
-        """(n, 2 l + q) places to begin to search."""
+    def problem(self, number: int, family: Family) -> Problem:
+        """The search of a family; this scene's `number` among the sights."""
         if family.grows_from is None:
             height, radius = math.log(self.guess.height), self.guess.radius
             shapes, slants = family.starts(np.array([0.0, 0.0, height, radius, radius])), self.slants
         else:
             parent = self.solutions[family.grows_from]
             shapes, slants = family.starts(parent.shape), [parent.slants]
-        return np.array([[*slant.ravel(), *shape] for slant in slants for shape in shapes])
+        return Problem(number, family, np.repeat(slants, len(shapes), axis=0), np.tile(shapes, (len(slants), 1)))
 
     def ranked(self) -> list[str]:
         """The families tried, the likeliest first."""
@@ -149,8 +149,8 @@ class _Scene:
         return [Body(self.guess, solution.family, solution.slants, solution.shape) for solution in solutions]
 
     @property
-    def hopeless(self) -> float:
-        return HOPELESS * min((solution.cost for solution in self.solutions.values()), default=math.inf)
+    def least_cost(self) -> float:
+        return min((solution.cost for solution in self.solutions.values()), default=math.inf)
 
 
 def _solved(several: Sequence[Masks], preset: FitPreset) -> "list[_Scene | FitFailure]":
@@ -182,17 +182,31 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
         [scene.outlines for scene in scenes],
         [scene.outlier_px for scene in scenes],
     )
-    for name in preset.families:
-        family = FAMILIES[name]
+    for families in _generations(preset.families):
         # A small ball also looks much like a cup: all families that grow from the first guess are tried in any case.
-        left = [i for i, scene in enumerate(scenes) if not (family.grows_from and scene.is_explained(preset.enough))]
-        if not left:
+        problems = [
+            scene.problem(number, family)
+            for family in families
+            for number, scene in enumerate(scenes)
+            if not (family.grows_from and scene.is_explained(preset.enough))
+        ]
+        if not problems:
             break
-        starts = [scenes[i].starts(family) for i in left]
-        hopeless = np.array([scenes[i].hopeless for i in left])
-        solutions = search(sights.of(np.array(left)), family, starts, hopeless, preset.iterations, preset.kept)
-        for i, solution in zip(left, solutions, strict=True):
-            scenes[i].solutions[name] = solution
+        least_cost = np.array([scene.least_cost for scene in scenes])
+        solutions = search(sights, problems, least_cost, preset.iterations, preset.kept)
+        for problem, solution in zip(problems, solutions, strict=True):
+            scenes[problem.scene].solutions[problem.family.name] = solution
+
+
+def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
+    """Families whose parents have been tried before, a list after the other."""
+    left = [FAMILIES[name] for name in names]
+    tried: set[str | None] = {None}
+    while left:
+        ripe = [family for family in left if family.grows_from in tried]
+        yield ripe
+        tried |= {family.name for family in ripe}
+        left = [family for family in left if family not in ripe]
 
 
 def _believed(scene: _Scene) -> Fit:

@@ -5,7 +5,7 @@ the first guess's size, about its place on the ground; those that must stay posi
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +34,40 @@ class Family:
     parts: Callable[[Float], Parts]  # of parameters (n, q)
     starts: Callable[[Float], Float]  # (n, q) from a member of that family (the first guess is a frustum)
     spread: tuple[float, ...]  # (q,) how far a parameter plausibly lies from its start; inf: anywhere
+
+    @property
+    def size(self) -> int:
+        """Of the parameters."""
+        return len(self.spread)
+
+
+def parts_of(families: Sequence[Family], shapes: Float) -> Parts:
+    """The parts of n bodies, of `families` (n,) with the parameters `shapes` (n, q), in one stack.
+
+    Where a body has fewer than others: its further parts are copies of its first, its further parameters move nothing.
+    """
+    members: dict[str, list[int]] = {}
+    for i, family in enumerate(families):
+        members.setdefault(family.name, []).append(i)
+    several = []
+    for rows in members.values():
+        family = families[rows[0]]
+        several.append((rows, *family.parts(shapes[rows, : family.size])))
+    most = max(parts.shape[1] for _, parts, _ in several)
+    stack, slopes = np.empty((len(shapes), most, 5)), np.zeros((len(shapes), most, 5, shapes.shape[1]))
+    for rows, parts, by_shape in several:
+        _, count, _, size = by_shape.shape
+        stack[rows, :count], stack[rows, count:] = parts, parts[:, :1]
+        slopes[rows, :count, :, :size] = by_shape
+    return stack, slopes
+
+
+def padded(rows: Sequence[Float]) -> Float:
+    """(n, most) of rows of different lengths, with zeros at their ends."""
+    stack = np.zeros((len(rows), max(len(row) for row in rows)))
+    for i, row in enumerate(rows):
+        stack[i, : len(row)] = row
+    return stack
 
 
 def _frustum(theta: Float) -> Parts:

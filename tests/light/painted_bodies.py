@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.alignment import Alignment, Costs, aligned
+from ashe_live.light.alignment import Alignment, aligned
 from ashe_live.light.associate import Split
 from ashe_live.light.body import Body
+from ashe_live.light.costs import Costs
 from ashe_live.light.directions import FittedLight
 from ashe_live.light.evidence import Explanation
 from ashe_live.light.first_guess import FirstGuess
@@ -53,7 +54,7 @@ def costs_of(here: PaintedRegion) -> Costs:
 
 def alignment_of(here: PaintedRegion, caster: Caster = BOX, **changed: Any) -> Alignment:
     """Of the true body; with what is changed of it."""
-    found = aligned([body_of(here, caster)], costs_of(here))
+    (found,) = aligned([([body_of(here, caster)], costs_of(here))])
     assert found is not None
     return replace(found, **changed)
 

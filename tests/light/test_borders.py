@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.borders import CLEAR, LEAST_VARIANCE, PLACES, Borders, borders_at, evenly_spread
+from ashe_live.light.borders import CLEAR, LEAST_VARIANCE, PLACES, STEPS, Borders, Places, borders_at, evenly_spread
+from ashe_live.light.costs import Side
 from ashe_live.light.log_colour import Float32
 
 SHAPE = (96, 128)
@@ -31,8 +32,20 @@ def gain_within(radius: float, clarity: float = 8.0, blur_px: float = 0.5) -> Fl
     return np.asarray(clarity * np.clip(inside / blur_px, -1, 1), np.float32)
 
 
+def spread_over(hull: Float) -> Places:
+    """On one outline: points and normals (n, 2), share (n,)."""
+    places = evenly_spread([hull])
+    return Places(places.points[0], places.normals[0], places.share[0])
+
+
+def borders_of(hull: Float, side: Side, reach_px: float = REACH_PX) -> Borders:
+    """(n,) of one outline."""
+    borders = borders_at(evenly_spread([hull]), [side], np.array([reach_px]))
+    return Borders(borders.away_px[0], borders.information[0], borders.clarity[0])
+
+
 def found(gain: Float32, trusted: Mask = ALL, visible: Mask = ALL, reach_px: float = REACH_PX) -> Borders:
-    return borders_at(evenly_spread(disc()), gain, trusted, visible, reach_px)
+    return borders_of(disc(), Side(gain, trusted, visible), reach_px)
 
 
 # Places
@@ -40,7 +53,7 @@ def found(gain: Float32, trusted: Mask = ALL, visible: Mask = ALL, reach_px: flo
 
 @pytest.mark.parametrize("hull", TURNED.values(), ids=TURNED)
 def test_places_are_equidistant_along_the_outline(hull: Float) -> None:
-    points = evenly_spread(hull).points
+    points = spread_over(hull).points
     assert points.shape == (PLACES, 2)
     steps = np.abs(np.roll(points, -1, axis=0) - points).sum(axis=1)  # along a square's sides, round its corners
     np.testing.assert_allclose(steps, 8 * RADIUS / PLACES)
@@ -49,14 +62,14 @@ def test_places_are_equidistant_along_the_outline(hull: Float) -> None:
 
 @pytest.mark.parametrize("hull", TURNED.values(), ids=TURNED)
 def test_normals_are_of_length_one_and_point_outward(hull: Float) -> None:
-    places = evenly_spread(hull)
+    places = spread_over(hull)
     np.testing.assert_allclose(np.linalg.norm(places.normals, axis=1), 1)
     np.testing.assert_allclose(((places.points - CENTRE) * places.normals).sum(axis=1), RADIUS)
 
 
 @pytest.mark.parametrize("hull", TURNED.values(), ids=TURNED)
 def test_shares_go_from_one_end_of_an_edge_to_the_other_from_x_to_y(hull: Float) -> None:
-    places = evenly_spread(hull)
+    places = spread_over(hull)
     along = places.normals[:, ::-1] * (-1, 1)
     expected = (((places.points - CENTRE) * along).sum(axis=1) + RADIUS) / (2 * RADIUS)
     np.testing.assert_allclose(places.share, expected)
@@ -68,7 +81,7 @@ def test_shares_go_from_one_end_of_an_edge_to_the_other_from_x_to_y(hull: Float)
 @given(st.integers(3, 60), st.floats(2, 200), st.booleans())
 def test_any_polygon_has_places_on_it(sides: int, scale: float, turns_back: bool) -> None:
     hull = scale * (disc(sides) - CENTRE)
-    places = evenly_spread(hull[::-1] if turns_back else hull)
+    places = spread_over(hull[::-1] if turns_back else hull)
     inner = scale * RADIUS * math.cos(math.pi / sides)
     away = (places.points * places.normals).sum(axis=1)
     np.testing.assert_allclose(away, inner, rtol=1e-5)
@@ -78,14 +91,14 @@ def test_any_polygon_has_places_on_it(sides: int, scale: float, turns_back: bool
 def test_a_corner_on_a_straight_edge_is_none() -> None:
     """Such as where a lower part begins at the ground."""
     between = np.insert(SQUARE, 2, SQUARE[1] + (0.001, 15.0), axis=0)
-    plain, same = evenly_spread(SQUARE), evenly_spread(between)
+    plain, same = spread_over(SQUARE), spread_over(between)
     np.testing.assert_allclose(same.normals, plain.normals, atol=1e-6)
     np.testing.assert_allclose(same.share, plain.share, atol=1e-3)
 
 
 @pytest.mark.parametrize("hull", [np.zeros((3, 2)), np.array([(0.0, 0), (0, 0), (5, 0)]), np.ones((4, 2)) * 1e5])
 def test_outlines_without_area_have_finite_places(hull: Float) -> None:
-    places = evenly_spread(hull)
+    places = spread_over(hull)
     assert np.isfinite(places.points).all()
     assert np.isfinite(places.normals).all()
     assert np.isfinite(places.share).all()
@@ -132,8 +145,8 @@ def test_clarity_grows_with_the_difference_of_both_sides_up_to_one() -> None:
 
 def test_nothing_is_known_where_the_picture_is_not_trusted_or_shows_no_border() -> None:
     left = np.indices(SHAPE)[1] < CENTRE[0]
-    at_left = evenly_spread(disc()).points[:, 0] < CENTRE[0]
-    sure = np.abs(evenly_spread(disc()).points[:, 0] - CENTRE[0]) > 2
+    at_left = spread_over(disc()).points[:, 0] < CENTRE[0]
+    sure = np.abs(spread_over(disc()).points[:, 0] - CENTRE[0]) > 2
     for trusted, visible in ((~left, ALL), (ALL, ~left)):
         borders = found(gain_within(RADIUS), trusted, visible)
         assert (borders.information[at_left & sure] == 0).all()
@@ -157,7 +170,7 @@ def test_a_border_at_the_end_of_the_reach_counts_little() -> None:
 
 @pytest.mark.parametrize("by", [(-500.0, 0.0), (0.0, 500.0), (1e5, 1e5)])
 def test_out_of_the_picture_nothing_is_known(by: tuple[float, float]) -> None:
-    borders = borders_at(evenly_spread(disc() + by), gain_within(RADIUS), ALL, ALL, REACH_PX)
+    borders = borders_of(disc() + by, Side(gain_within(RADIUS), ALL, ALL))
     np.testing.assert_array_equal(borders.information, 0)
     assert np.isfinite(borders.away_px).all()
     assert np.isnan(borders.clarity).all()
@@ -168,18 +181,26 @@ def test_a_mirrored_picture_has_mirrored_borders() -> None:
     gain = gain_within(RADIUS + 1) + rng.normal(0, 1, SHAPE).astype(np.float32)
     hull = disc()
     mirrored = (SHAPE[1] - 1 - hull[:, 0], hull[:, 1])
-    there = borders_at(evenly_spread(np.column_stack(mirrored)), np.ascontiguousarray(gain[:, ::-1]), ALL, ALL, 8.0)
-    here = borders_at(evenly_spread(hull), gain, ALL, ALL, 8.0)
+    there = borders_of(np.column_stack(mirrored), Side(np.ascontiguousarray(gain[:, ::-1]), ALL, ALL))
+    here = borders_of(hull, Side(gain, ALL, ALL))
     # cv2.remap knows places to 1/32 of a pixel.
     np.testing.assert_allclose(there.away_px, here.away_px, atol=0.1)
 
 
-def test_joined_borders_follow_each_other() -> None:
-    one, other = found(gain_within(RADIUS)), found(gain_within(RADIUS + 2))
-    both = Borders.joined([one, other])
-    np.testing.assert_array_equal(both.away_px[:PLACES], one.away_px)
-    np.testing.assert_array_equal(both.away_px[PLACES:], other.away_px)
-    assert both.information.shape == both.clarity.shape == (2 * PLACES,)
+def test_several_outlines_are_worked_on_as_each_is_alone() -> None:
+    """Of different numbers of corners, in different pictures, looked for at different distances."""
+    hulls, reaches = [disc(), SQUARE, disc(17)[::-1]], [REACH_PX, 5.0, 3.0]
+    left = np.indices(SHAPE)[1] < CENTRE[0]
+    sides = [
+        Side(gain_within(RADIUS + 1), ALL, ALL),
+        Side(gain_within(RADIUS, 3.0), left, ALL),
+        Side(gain_within(RADIUS - 1), ALL, left),
+    ]
+    together = borders_at(evenly_spread(hulls), sides, np.array(reaches))
+    for i, alone in enumerate(map(borders_of, hulls, sides, reaches)):
+        np.testing.assert_array_equal(together.away_px[i], alone.away_px)
+        np.testing.assert_array_equal(together.information[i], alone.information)
+        np.testing.assert_array_equal(together.clarity[i], alone.clarity)
 
 
 @settings(max_examples=30, deadline=None, derandomize=True)
@@ -189,7 +210,7 @@ def test_no_picture_makes_numbers_that_are_none(reach_px: float, cost: float, se
     gain = (cost * rng.normal(0, 1, SHAPE)).astype(np.float32)
     borders = found(gain, rng.random(SHAPE) < 0.9, rng.random(SHAPE) < 0.9, reach_px)
     assert np.isfinite(borders.away_px).all()
-    assert (np.abs(borders.away_px) <= reach_px + 1).all()
+    assert (np.abs(borders.away_px) <= reach_px * (1 + 1 / (STEPS - 1)) + 1e-6).all()
     assert np.isfinite(borders.information).all()
     assert (borders.information >= 0).all()
     known = borders.clarity[borders.information > 0]

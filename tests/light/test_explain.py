@@ -8,9 +8,9 @@ import pytest
 
 from ashe_live.core.transforms import angle_between
 from ashe_live.light import fit
-from ashe_live.light.alignment import Costs
 from ashe_live.light.areas import grown
 from ashe_live.light.associate import Split
+from ashe_live.light.costs import Costs
 from ashe_live.light.evidence import Explanation
 from ashe_live.light.explain import Proposal, are_alike, explained, finer
 from ashe_live.light.predicted import Predicted

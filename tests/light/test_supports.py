@@ -9,8 +9,8 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.proxies import FAMILIES, Family
-from ashe_live.light.supports import outline_supports
+from ashe_live.light.proxies import FAMILIES, Family, padded, parts_of
+from ashe_live.light.supports import outline_points, outline_supports
 from tests.light.synthetic_masks import camera_towards
 
 ANGLES = np.arange(16) * (2 * math.pi / 16) + 0.1
@@ -51,7 +51,7 @@ def test_parts_have_exact_derivatives(name: str) -> None:
 def test_reaches_are_those_of_the_bodys_points(name: str) -> None:
     family: Family = FAMILIES[name]
     parts = family.parts(member(name))[0]
-    supports = outline_supports(P[None], parts, SLANTS, DIRECTIONS[None])
+    supports = outline_supports(P[None], parts, SLANTS, DIRECTIONS.T[None])
     points = Proxy(name, np.abs(parts[0]) * np.sign(np.where(parts[0] < 0, [1, 1, 1, -1, -1], 1)) * np.where(
         parts[0] < 0, [-1, -1, -1, -1, -1], 1)).points_marker(400)  # fmt: skip
     outlines = [points]
@@ -71,12 +71,12 @@ def test_reaches_are_those_of_the_bodys_points(name: str) -> None:
 @pytest.mark.parametrize("name", FAMILIES)
 def test_reaches_have_exact_derivatives(name: str) -> None:
     family, shape = FAMILIES[name], member(name)
-    supports = outline_supports(P[None], family.parts(shape)[0], SLANTS, DIRECTIONS[None])
-    by_shape = np.einsum("nodf,nodfq->nodq", supports.by_part, family.parts(shape)[1][0, supports.part])
+    supports = outline_supports(P[None], family.parts(shape)[0], SLANTS, DIRECTIONS.T[None])
+    by_theta = supports.by_theta(family.parts(shape)[1])
     expected = numerical(
-        lambda t: outline_supports(P[None], family.parts(t)[0], SLANTS, DIRECTIONS[None]).reach_px, shape
+        lambda t: outline_supports(P[None], family.parts(t)[0], SLANTS, DIRECTIONS.T[None]).reach_px, shape
     )
-    assert np.allclose(by_shape, expected, atol=2e-2, rtol=1e-4)
+    assert np.allclose(by_theta[:, 4:], np.moveaxis(expected, 3, 1), atol=2e-2, rtol=1e-4)
 
     parts = family.parts(shape)[0]
     for light in range(2):
@@ -84,12 +84,12 @@ def test_reaches_have_exact_derivatives(name: str) -> None:
         def reach(slant: Float, light: int = light) -> Float:
             slants = SLANTS.copy()
             slants[:, light] = slant
-            return outline_supports(P[None], parts, slants, DIRECTIONS[None]).reach_px
+            return outline_supports(P[None], parts, slants, DIRECTIONS.T[None]).reach_px
 
         expected = numerical(reach, SLANTS[:, light])
-        assert np.allclose(supports.by_slant[:, light], expected[:, 1 + light], atol=2e-2, rtol=1e-4)
-        others = np.delete(expected, 1 + light, axis=1)
-        assert np.allclose(others, 0.0, atol=1e-6)
+        by_slant = by_theta[:, 2 * light : 2 * light + 2]
+        assert np.allclose(by_slant, np.moveaxis(expected, 3, 1), atol=2e-2, rtol=1e-4)
+        assert (np.delete(by_slant, 1 + light, axis=2) == 0).all()
 
 
 def test_a_spheres_outline_is_exact() -> None:
@@ -99,7 +99,7 @@ def test_a_spheres_outline_is_exact() -> None:
     K[:2, 2] = 0.0
     pose = np.hstack([np.diag([1.0, -1.0, -1.0]), np.array([[0.0], [0.0], [4.0]])])
     ball = np.array([[[0.0, 0.0, 1.0, 0.6, 0.6]]])
-    reach_px = outline_supports((K @ pose)[None], ball, np.zeros((1, 0, 2)), DIRECTIONS[None]).reach_px
+    reach_px = outline_supports((K @ pose)[None], ball, np.zeros((1, 0, 2)), DIRECTIONS.T[None]).reach_px
     assert np.allclose(reach_px, 500 * math.tan(math.asin(0.6 / 3.0)))
 
 
@@ -107,7 +107,28 @@ def test_what_lies_behind_the_camera_stays_finite() -> None:
     parts = FAMILIES["box"].parts(member("box"))[0]
     for size in (1e2, 1e4):
         slants = size * np.array([[[0.0, 1.0]], [[0.0, -1.0]], [[1.0, 0.0]]])
-        cameras, bodies, directions = (np.repeat(one[None], 3, axis=0) for one in (P, parts[0], DIRECTIONS))
+        cameras, bodies, directions = (np.repeat(one[None], 3, axis=0) for one in (P, parts[0], DIRECTIONS.T))
         supports = outline_supports(cameras, bodies, slants, directions)
         for values in (supports.reach_px, supports.by_part, supports.by_slant):
             assert np.isfinite(values).all()
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_outline_points_lie_on_the_outline_and_reach_as_far_as_it(name: str) -> None:
+    parts = FAMILIES[name].parts(member(name))[0]
+    reach_px = outline_supports(P[None], parts, SLANTS, DIRECTIONS.T[None]).reach_px
+    points = outline_points(P[None], parts, SLANTS, 720).reshape(1, 3, -1, 2)
+    assert np.allclose((points @ DIRECTIONS.T).max(axis=2), reach_px, atol=1e-2)
+
+
+def test_parts_of_several_families_are_those_of_each() -> None:
+    names = ["frustum", "box", "mug", "box"]
+    shapes = [member(name)[0] for name in names]
+    parts, slopes = parts_of([FAMILIES[name] for name in names], padded(shapes))
+    for i, (name, shape) in enumerate(zip(names, shapes, strict=True)):
+        (own,), (own_slopes,) = FAMILIES[name].parts(shape[None])
+        assert np.array_equal(parts[i, : len(own)], own)
+        assert (parts[i, len(own) :] == own[0]).all()
+        assert np.array_equal(slopes[i, : len(own), :, : len(shape)], own_slopes)
+        assert not slopes[i, len(own) :].any()
+        assert not slopes[i, :, :, len(shape) :].any()
