@@ -109,10 +109,10 @@ def are_alike(one: Explanation, other: Explanation) -> bool:
 
 
 def _better(rough: Explanation, fine: Explanation) -> Explanation:
-    """Whichever costs less, with what the rough one says of the object's colours."""
+    """Whichever costs less, with what the rough one says of the object's colours; and with the later labels."""
     known = Costs(rough.region, rough.materials, rough.own).of(rough.predicted)
     before = replace(rough.alignment.placed, cost=known)
-    return fine if criterion(fine.alignment.placed) < criterion(before) else rough
+    return fine if criterion(fine.alignment.placed) < criterion(before) else replace(rough, split=fine.split)
 
 
 def _relabelled(last: Explanation) -> Proposal | None:
