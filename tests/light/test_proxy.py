@@ -40,10 +40,10 @@ EXPECTED_DEG = {
     ("box", "plain", 200, 40): 0.21,
     ("box", "plain", 290, 25): 0.23,
     ("box", "plain", 330, 65): 0.82,
-    ("box", "checkered", 80, 50): 0.30,
+    ("box", "checkered", 80, 50): 0.50,
     ("box", "checkered", 200, 40): 0.41,
     ("box", "checkered", 290, 25): 0.10,
-    ("box", "checkered", 330, 65): 0.62,
+    ("box", "checkered", 330, 65): 0.84,
     ("box", "striped", 110, 35): 0.85,
     ("box", "striped", 200, 40): 0.50,
     ("box", "striped", 330, 65): 1.28,
@@ -59,7 +59,7 @@ EXPECTED_DEG = {
     ("cylinder", "striped", 290, 25): 0.08,
     ("cylinder", "striped", 330, 65): 0.36,
     ("cylinder", "bricks", 200, 40): 0.10,
-    ("cylinder", "bricks", 330, 65): 0.08,
+    ("cylinder", "bricks", 330, 65): 0.30,
 }
 
 
