@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from ashe_live.light.body import Body
+from ashe_live.light.body import Body, outlines_of
+from ashe_live.light.predicted import outlines
 from ashe_live.light.proxies import FAMILIES
 from tests.light.painted_bodies import body_of
 from tests.light.painted_regions import painted_region
@@ -52,3 +53,20 @@ def test_steps_go_to_slants_first_and_back_again(name: str) -> None:
     np.testing.assert_array_equal(there.shape, body.shape + step[4:])
     np.testing.assert_allclose(there.moved(-step).proxy.spheroids_marker, body.proxy.spheroids_marker, atol=1e-12)
     assert (body.proxy.spheroids_marker[:, 3:] >= 0).all()
+
+
+def test_outlines_of_several_bodies_are_those_of_each() -> None:
+    """Of different families in different views."""
+    several = [
+        (painted_region(caster, azimuth_deg=azimuth), caster) for caster in (BOX, CYLINDER) for azimuth in (80.0, 200.0)
+    ]
+    bodies = [body_of(here, caster) for here, caster in several]
+    views = [here.region.view for here, _ in several]
+    for body, view, found in zip(bodies, views, outlines_of(bodies, views), strict=True):
+        for hull, expected in zip(found, outlines(body.proxy, body.to_lights_marker, view), strict=True):
+            assert hull is not None
+            assert expected is not None
+            angles = np.linspace(0, 2 * np.pi, 60)
+            directions = np.array([np.cos(angles), np.sin(angles)])
+            # Circles are drawn with corners, which need not be the same.
+            np.testing.assert_allclose((hull @ directions).max(axis=0), (expected @ directions).max(axis=0), atol=0.2)
