@@ -70,6 +70,7 @@ class Alignment:
     missed_px: float  # root mean square by which borders are missed, outliers forgiven
     clear_body: float  # share of the body's outline that has a clear border; of what is known of it
     clear_shadow: float  # of the shadows' outlines
+    clear_shadows: tuple[float, ...]  # of each one's
 
 
 def aligned(several: Sequence[tuple[Sequence[Body], Costs]]) -> list[Alignment | None]:
@@ -166,7 +167,8 @@ def _appraised(several: Sequence[Placed]) -> list[Alignment]:
     for one, normal, square, clear in zip(several, pull.normal, squares, clarity, strict=True):
         size = one.body.slants.size + len(one.body.shape)
         clear_body, clear_shadow = _mean_of_known(clear[:PLACES]), _mean_of_known(clear[PLACES:])
-        found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow))
+        each = tuple(_mean_of_known(shadow) for shadow in clear[PLACES:].reshape(-1, PLACES))
+        found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow, each))
     return found
 
 

@@ -62,12 +62,15 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
         for proposal in proposals
     ]
     fits = fit_bodies(masks, preset)
-    pairs = list(zip(proposals, fits, strict=True))
-    starts = [(bodies, _costs(proposal, bodies[0])) for proposal, bodies in pairs if not isinstance(bodies, FitFailure)]
-    alignments = iter(aligned(starts))
-    return [
-        None if isinstance(bodies, FitFailure) else _suited(proposal, next(alignments)) for proposal, bodies in pairs
-    ]
+    pairs = zip(proposals, fits, strict=True)
+    found = iter(suited([(proposal, bodies) for proposal, bodies in pairs if not isinstance(bodies, FitFailure)]))
+    return [None if isinstance(bodies, FitFailure) else next(found) for bodies in fits]
+
+
+def suited(starts: Sequence[tuple[Proposal, Sequence[Body]]]) -> list[Explanation | None]:
+    """For each proposal what the picture makes of its bodies, the likeliest first; None if that is not in view."""
+    alignments = aligned([(bodies, _costs(proposal, bodies[0])) for proposal, bodies in starts])
+    return [_explanation(proposal, each) for (proposal, _), each in zip(starts, alignments, strict=True)]
 
 
 def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
@@ -134,7 +137,7 @@ def _costs(proposal: Proposal, likeliest: Body) -> Costs:
     return Costs(region, proposal.materials, own)
 
 
-def _suited(proposal: Proposal, alignment: Alignment | None) -> Explanation | None:
+def _explanation(proposal: Proposal, alignment: Alignment | None) -> Explanation | None:
     """The aligned body, its lights, and what is then known of its colours."""
     if alignment is None:
         return None

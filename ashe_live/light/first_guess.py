@@ -1,7 +1,7 @@
 """From outlines to a rough upright body and rough lights, where the search begins."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,10 @@ class FirstGuess:
         M = np.diag([self.unit_m, self.unit_m, self.unit_m, 1.0])
         M[:2, 3] = self.origin_marker
         return M
+
+    def seen_by(self, camera: Camera, T_cam_marker: Float) -> "FirstGuess":
+        """The same cylinder in another picture, pixels about that one's corner."""
+        return replace(self, P=camera.K @ T_cam_marker[:3] @ self.M)
 
 
 def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> FirstGuess | str:

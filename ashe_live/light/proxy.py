@@ -9,7 +9,6 @@ nothing to believe.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
@@ -22,9 +21,10 @@ from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, lights_of, log_odds
 from ashe_live.light.materials import materials_of
 from ashe_live.light.penumbra import angular_size
 from ashe_live.light.regions import Region, unlit_regions
-from ashe_live.light.shift import shadow_ratio, shadow_shifts, shift_within
+from ashe_live.light.second_light import with_their_lights
+from ashe_live.light.shift import FINE, shadow_ratio, shadow_shifts, shift_within
 from ashe_live.light.stages import StageClock
-from ashe_live.light.two_lights import are_two, materials_of_two, parted
+from ashe_live.light.two_lights import are_two, likeliest_pairs, materials_of_two, parted, savings
 from ashe_live.light.view import View
 
 # Of the coarse picture: smaller things are specks.
@@ -40,7 +40,8 @@ class ProxySteps:
     region_px: int  # size at which a region is looked at
     regions: int
     shifts: int
-    paired_shifts: int  # of these are also tried two at a time
+    paired_shifts: int  # found more finely, of which two may belong to two lights
+    pairs: int  # of them that are tried
     shadows_per_shift: int
     tried: int  # how many of the splits are fitted, those that look best
     pairs_tried: int  # and how many of those into two lights' shadows
@@ -57,7 +58,8 @@ FAST = ProxySteps(
     region_px=90,
     regions=2,
     shifts=5,
-    paired_shifts=3,
+    paired_shifts=5,
+    pairs=1,
     shadows_per_shift=2,
     tried=3,
     pairs_tried=1,
@@ -73,7 +75,8 @@ BALANCED = ProxySteps(
     region_px=100,
     regions=3,
     shifts=8,
-    paired_shifts=6,
+    paired_shifts=8,
+    pairs=3,
     shadows_per_shift=3,
     tried=6,
     pairs_tried=2,
@@ -89,7 +92,8 @@ ACCURATE = ProxySteps(
     region_px=140,
     regions=4,
     shifts=9,
-    paired_shifts=8,
+    paired_shifts=9,
+    pairs=4,
     shadows_per_shift=3,
     tried=10,
     pairs_tried=3,
@@ -138,11 +142,14 @@ class ProxyEstimator:
             return answer("nothing stands on the ground: put something that casts a shadow beside the marker")
 
         shifts = shadow_shifts(ground, unlit, steps.shifts)
-        proposals = [proposal for region in regions for proposal in self._proposals(region, ground, shifts)]
+        paired = shadow_shifts(ground, unlit, steps.paired_shifts, FINE)
+        proposals = [proposal for region in regions for proposal in self._proposals(region, ground, shifts, paired)]
         clock.end("associate")
-        refined = self._promising([rough for rough in explained(self._tried(proposals), steps.first_fit) if rough])
+        rough = [each for each in explained(self._tried(proposals), steps.first_fit) if each]
+        refined = self._promising(rough)
         for _ in range(steps.rounds):
             refined = finer(refined, steps.fine_fit)
+        refined = with_their_lights(refined, rough, fine, coarse, ground, steps.region_px)
         refined = [sharpened(explanation) for explanation in refined]
         clock.end("fit")
         if not refined:
@@ -162,10 +169,14 @@ class ProxyEstimator:
         found = answer(None, *lights, body=body, shadow=shadow)
         return replace(found, caster=best.proxy, ambient_rgb_ratio=ratios[-1], ground_rgb=lit_rgb(ground))
 
-    def _proposals(self, region: Region, ground: LitGround, shifts: list[Float]) -> Iterator[Proposal]:
+    def _proposals(
+        self, region: Region, ground: LitGround, shifts: list[Float], paired: list[Float]
+    ) -> Iterator[Proposal]:
         alone = [materials_of(region, ground, shift) for shift in shifts]
-        pairs = combinations(alone[: self._steps.paired_shifts], 2)
-        together = [both for one, other in pairs if (both := materials_of_two(region, ground, one, other))]
+        pairs = likeliest_pairs(region, ground, paired, self._steps.pairs)
+        single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
+        both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
+        together = [materials for materials in both if materials is not None]
         for materials in alone + together:
             for whole in splits(region, ground, materials, self._steps.shadows_per_shift):
                 split = replace(whole, parts=parted(materials, whole.shadow_mask))
@@ -180,9 +191,10 @@ class ProxyEstimator:
 
     def _tried(self, proposals: list[Proposal]) -> list[Proposal]:
         """Those that look best, of one light and of two."""
-        ranked = sorted(proposals, key=lambda one: promise(one.region, one.materials, one.split), reverse=True)
-        alone = [proposal for proposal in ranked if proposal.materials.lights == 1]
-        together = [proposal for proposal in ranked if proposal.materials.lights == 2]
+        alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
+        together = [proposal for proposal in proposals if proposal.materials.lights == 2]
+        alone.sort(key=lambda one: promise(one.region, one.materials, one.split), reverse=True)
+        together.sort(key=lambda one: savings(one.region, one.materials, one.split), reverse=True)
         return alone[: self._steps.tried] + together[: self._steps.pairs_tried]
 
     def _promising(self, explanations: list[Explanation]) -> list[Explanation]:

@@ -54,10 +54,10 @@ def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: in
     labels[~coarse_unlit] = 0
     sizes = np.bincount(labels.ravel())[1:]
     largest = np.argsort(-sizes, kind="stable")[:count]
-    return [_region(fine, labels == index + 1, ground, size_px) for index in largest if sizes[index] > 0]
+    return [region_of(fine, labels == index + 1, ground, size_px) for index in largest if sizes[index] > 0]
 
 
-def _region(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region:
+def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region:
     height, width = area.shape
     x, y, across, down = cv2.boundingRect(area.astype(np.uint8))
     scale = min(fine.size[0] / width, max(1.0, size_px / math.sqrt(across * down)))

@@ -20,13 +20,17 @@ LOWEST = np.array([-2.7, -1.6, -0.3])
 BINS = np.array([42, 34, 18])
 # How far a shadow pixel may be from its ground's shifted colour.
 SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
+FINE = 0.6  # width of a mode, in units of that noise, where two lights' shifts must not become one
 MOST_VOTERS = 1500
 LEAST_VOTERS = 25
 
 
-def shadow_shifts(ground: LitGround, unlit: Mask, count: int) -> list[Float]:
-    """Up to `count` shifts (3,) that many unlit pixels vote for, most votes first."""
-    return _voted_for(ground.colours[unlit], ground.palette, count)
+def shadow_shifts(ground: LitGround, unlit: Mask, count: int, width: float = 1.0) -> list[Float]:
+    """Up to `count` shifts (3,) that many unlit pixels vote for, most votes first.
+
+    `width`: of a mode, in units of the noise; what lies nearer to each other than twice that becomes one mode.
+    """
+    return _voted_for(ground.colours[unlit], ground.palette, count, width)
 
 
 def shift_within(colours: Float32, ground: LitGround) -> Float | None:
@@ -39,21 +43,33 @@ def shift_within(colours: Float32, ground: LitGround) -> Float | None:
     return shifts[0] if shifts else None
 
 
-def _voted_for(colours: Float32, palette: Mixture, count: int) -> list[Float]:
+def shift_near(colours: Float32, ground: LitGround, shift: Float) -> Float | None:
+    """(3,) the shift of colours (n, 3) that is nearest to one that is roughly known; None of too few."""
     if len(colours) < LEAST_VOTERS:
-        return []
+        return None
+    offsets, weights = _votes(colours, ground.palette)
+    return np.asarray(_modes(offsets, weights, shift[None], FINE)[0])
+
+
+def _votes(colours: Float32, palette: Mixture) -> tuple[Float32, Float32]:
+    """(n k, 3) shifts from each of the palette's k common colours, and (n k,) what they count."""
     colours = colours[:: len(colours) // MOST_VOTERS + 1]
     common = palette.weights > 0.02
     centres, weights = palette.centres[common], palette.weights[common]
-    offsets = (colours[:, None, :] - centres).reshape(-1, 3)
-    weights = np.tile(weights, len(colours))
+    return (colours[:, None, :] - centres).reshape(-1, 3), np.tile(weights, len(colours))
+
+
+def _voted_for(colours: Float32, palette: Mixture, count: int, width: float = 1.0) -> list[Float]:
+    if len(colours) < LEAST_VOTERS:
+        return []
+    offsets, weights = _votes(colours, palette)
     bins = np.floor((offsets - LOWEST.astype(np.float32)) / BIN.astype(np.float32)).astype(np.intp)
     inside = ((bins >= 0) & (bins < BINS)).all(axis=1)
     flat = np.ravel_multi_index(tuple(bins[inside].T), tuple(BINS))
     votes = np.bincount(flat, weights[inside], int(np.prod(BINS))).reshape(tuple(BINS))
     peaks = _peaks(_blurred(votes) * _plausibility(), count)
     shifts: list[Float] = []
-    for shift in _modes(offsets, weights, LOWEST + (peaks + 0.5) * BIN):
+    for shift in _modes(offsets, weights, LOWEST + (peaks + 0.5) * BIN, width):
         if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts):
             shifts.append(shift)
     return shifts
@@ -111,14 +127,14 @@ def _peaks(votes: Float, count: int) -> Float:
     return np.array(peaks, dtype=np.float64).reshape(-1, 3)
 
 
-def _modes(offsets: Float32, weights: Float32, shifts: Float) -> Float:
+def _modes(offsets: Float32, weights: Float32, shifts: Float, width: float = 1.0) -> Float:
     """(p, 3) the modes of the vote near each of `shifts`: mean shift."""
-    noise = SHIFT_NOISE.astype(np.float32)
-    votes, modes = offsets / noise, (shifts / SHIFT_NOISE).astype(np.float32)
+    noise = (width * SHIFT_NOISE).astype(np.float32)
+    votes, modes = offsets / noise, (shifts / noise).astype(np.float32)
     squares = (votes**2).sum(axis=1)
     for _ in range(3):
         away = squares - 2 * (modes @ votes.T) + (modes**2).sum(axis=1)[:, None]
         closeness = weights * np.exp(-0.5 * away)
         total = closeness.sum(axis=1)[:, None]
         modes += (closeness @ votes - total * modes) / np.maximum(total, 1e-9)
-    return np.asarray(modes * SHIFT_NOISE, dtype=np.float64)
+    return np.asarray(modes * noise, dtype=np.float64)

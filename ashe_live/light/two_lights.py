@@ -1,13 +1,18 @@
 """Two lights: what their shadows cost alone and where they overlap, and which pixel lies in which."""
 
+from collections.abc import Sequence
+from itertools import combinations
+
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.areas import distance_to, large_areas, majority, smoothed
+from ashe_live.light.associate import Split
+from ashe_live.light.costs import Costs
 from ashe_live.light.ground import LitGround
 from ashe_live.light.log_colour import Float32
-from ashe_live.light.materials import SHADED_SHARES, Materials, cost_of_shift, share_of_shift
-from ashe_live.light.mixtures import UNEXPLAINED
+from ashe_live.light.materials import SHADED_SHARES, Materials, cost_of_shift, object_cost, share_of_shift
+from ashe_live.light.mixtures import UNEXPLAINED, Mixture, nearest_squared_distance
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
 from ashe_live.light.shift import SHIFT_NOISE, shadow_ratio, shift_of_ratio
@@ -17,7 +22,8 @@ LEAST_AMBIENT = 0.01
 # Of the region's unlit pixels, each light's shadow alone must be at least this share.
 LEAST_ALONE, LEAST_ALONE_PX = 0.04, 30
 COST_OF_DISTANCE, FARTHEST_PX = 1.0, 10.0
-CLEARLY = 6.0
+CLEARLY, NOT_SHADED = 6.0, 12.0  # squared distances, in units of the shift's noise
+MOST_ASKED = 1000
 
 
 def shifts_of_both(ground: LitGround, first: Float, second: Float) -> Float | None:
@@ -26,14 +32,32 @@ def shifts_of_both(ground: LitGround, first: Float, second: Float) -> Float | No
     return shift_of_ratio(ground, ratio) if ratio.min() > LEAST_AMBIENT else None
 
 
+def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], count: int) -> list[tuple[int, int]]:
+    """Which two of the shifts explain the region's unlit colours best together, each some that the other does not.
+
+    At most `count` pairs, the best first.
+    """
+    colours = region.colours[region.unlit]
+    colours = colours[:: len(colours) // MOST_ASKED + 1]
+    palette, noise = ground.palette, np.diag(SHIFT_NOISE**2).astype(np.float32)
+
+    def missed(shift: Float) -> Float32:
+        centres = palette.centres + shift.astype(np.float32)
+        shaded = Mixture(centres, np.broadcast_to(noise, (len(centres), 3, 3)), palette.weights)
+        return np.minimum(nearest_squared_distance(colours, shaded), NOT_SHADED)
+
+    alone = [missed(shift) for shift in shifts]
+    found = []
+    for i, j in combinations(range(len(shifts)), 2):
+        own = (np.count_nonzero((a < CLEARLY) & (a < b)) for a, b in ((alone[i], alone[j]), (alone[j], alone[i])))
+        both = shifts_of_both(ground, shifts[i], shifts[j])
+        if both is not None and min(own) >= LEAST_ALONE * len(colours):
+            found.append((float(np.minimum(np.minimum(alone[i], alone[j]), missed(both)).mean()), (i, j)))
+    return [pair for _, pair in sorted(found)[:count]]
+
+
 def materials_of_two(region: Region, ground: LitGround, first: Materials, second: Materials) -> Materials | None:
-    """The region as two lights' shadows, given how it looks as either's alone; None where they hardly both occur."""
-    if np.abs((first.shift - second.shift) / SHIFT_NOISE).max() < 2:
-        return None
-    least = max(LEAST_ALONE_PX, LEAST_ALONE * np.count_nonzero(region.unlit))
-    for one, other in ((first, second), (second, first)):
-        if np.count_nonzero(region.unlit & (one.shaded < other.shaded) & (one.shaded < CLEARLY)) < least:
-            return None
+    """The region as two lights' shadows, the deeper one first; None where both together would leave no light."""
     if first.shift[0] > second.shift[0]:
         first, second = second, first
     both = shifts_of_both(ground, first.shift, second.shift)
@@ -77,6 +101,15 @@ def are_two(parts: tuple[Mask, ...]) -> bool:
         return False
     one, other = parts
     return bool(min(np.count_nonzero(one & ~other), np.count_nonzero(other & ~one)) >= LEAST_ALONE_PX)
+
+
+def savings(region: Region, materials: Materials, split: Split) -> float:
+    """How much less an unlit pixel costs, on average, if the split is right than if all were lit ground."""
+    masks = Predicted(split.object_mask, split.shadow_mask, split.parts)
+    costs = Costs(region, materials, object_cost(region, split.object_mask))
+    nothing = np.zeros_like(split.object_mask)
+    saved = costs.of(Predicted(nothing, nothing, (nothing, nothing))) - costs.of(masks)
+    return saved / max(int(region.unlit.sum()), 1)
 
 
 def _penalty(mask: Mask) -> Float32:

@@ -4,7 +4,7 @@ Everything is painted in linear light at three times the size, averaged, and enc
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -67,6 +67,19 @@ BOX, CYLINDER = Caster(), Caster("cylinder", rgb=(0.1, 0.25, 0.5))
 
 
 @dataclass(frozen=True)
+class OtherLight:
+    """A second sun, that adds to what the first one and the sky send to the ground."""
+
+    azimuth_deg: float
+    elevation_deg: float
+    blocked_rgb: tuple[float, float, float]  # share of the lit ground's light that is missing in its shadow
+
+    @property
+    def to_light(self) -> Float:
+        return direction(self.azimuth_deg, self.elevation_deg)
+
+
+@dataclass(frozen=True)
 class Painted:
     tracked: TrackedFrame
     to_light: Float
@@ -92,8 +105,12 @@ def paint(
     penumbra_px: float = 0.0,
     noise_levels: float = 1.5,
     seed: int = 0,
+    other: OtherLight | None = None,
 ) -> Painted:
-    """The casters in one directional light; no casters: the empty ground. Focal length: by HFOV_DEG if not given."""
+    """The casters in one directional light, or two; no casters: the empty ground.
+
+    Focal length: by HFOV_DEG if not given. The shadow of what is returned is the first light's.
+    """
     camera = Camera.from_hfov(size, HFOV_DEG) if focal_px is None else Camera.from_focal(size, focal_px)
     fine = camera.resized((size[0] * SUPERSAMPLING, size[1] * SUPERSAMPLING))
     to_light = direction(azimuth_deg, elevation_deg)
@@ -102,15 +119,16 @@ def paint(
     _fill(sheet, fine, T_cam_marker, _square(1.3 * SIDE_M), 1)
     for side, level in ((1.3, 0.8), (1.0, 0.03), (0.4, 0.8)):
         _fill(linear, fine, T_cam_marker, _square(side * SIDE_M), (level,) * 3)
-    for caster in casters:
-        corners = np.concatenate([caster.base(), caster.top()])
-        cast = corners - corners[:, 2:] * (to_light / to_light[2])
-        hull = cv2.convexHull(cast[:, :2].astype(np.float32))[:, 0]
-        _fill(shadow, fine, T_cam_marker, np.column_stack([hull, np.zeros(len(hull))]), 1)
+    _cast(shadow, casters, to_light, fine, T_cam_marker)
     shade = shadow.astype(np.float32)
     if penumbra_px > 0:
         shade = np.asarray(cv2.GaussianBlur(shade, (0, 0), penumbra_px * SUPERSAMPLING), np.float32)
-    linear *= 1 - shade[..., None] * (1 - SHADOW_RATIO.astype(np.float32))
+    left = 1 - shade[..., None] * (1 - SHADOW_RATIO.astype(np.float32))
+    if other is not None:
+        second = np.zeros_like(shadow)
+        _cast(second, casters, other.to_light, fine, T_cam_marker)
+        left -= second[..., None] * np.array(other.blocked_rgb, np.float32)
+    linear *= left
     eye = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
     for caster in sorted(casters, key=lambda caster: -float(np.linalg.norm(eye[:2] - caster.at))):
         for corners, normal in caster.faces():
@@ -217,6 +235,17 @@ def _fill(
     if len(kept) >= 3:
         pixels = np.clip(project(camera, T_cam_marker, np.array(kept)), -1e6, 1e6)
         cv2.fillConvexPoly(picture, np.round(pixels * 16).astype(np.int32), value, shift=4)
+
+
+def _cast(
+    picture: NDArray[np.uint8], casters: Sequence[Caster], to_light: Float, camera: Camera, T_cam_marker: Float
+) -> None:
+    """Paints the casters' shadows."""
+    for caster in casters:
+        corners = np.concatenate([caster.base(), caster.top()])
+        cast = corners - corners[:, 2:] * (to_light / to_light[2])
+        hull = cv2.convexHull(cast[:, :2].astype(np.float32))[:, 0]
+        _fill(picture, camera, T_cam_marker, np.column_stack([hull, np.zeros(len(hull))]), 1)
 
 
 def _averaged(fine: Float32) -> Float32:
