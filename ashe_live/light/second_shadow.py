@@ -31,7 +31,7 @@ BESIDE_PX, LEAST_PX = 2, 25
 DARKEST, BRIGHTEST = -0.8, 0.5  # of a pixel against what is around it: beyond, it counts no more
 LIT = 6.0  # squared distance from the ground's palette
 SURROUNDINGS = 2.0  # of the body's size
-LEAST_DARKER, LEAST_CLEAR = 0.07, 15.0
+LEAST_DARKER, LEAST_CLEAR = 0.07, 20.0
 APART_RAD = math.radians(12)
 
 
