@@ -6,12 +6,13 @@ borders of its own that are seen (docs/maths.md).
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from operator import itemgetter
 
 import numpy as np
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.alignment import COST_PER_PARAMETER
+from ashe_live.light.alignment import COST_PER_PARAMETER, criterion
 from ashe_live.light.body import Body
 from ashe_live.light.costs import Costs
 from ashe_live.light.evidence import Explanation
@@ -68,10 +69,9 @@ def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
 
 
 def _price(explanation: Explanation) -> float:
-    """What the region costs by the explanation's own account, and its numbers."""
-    placed = explanation.alignment.placed
+    """What the region costs by the explanation's own account, and what the numbers of its body do."""
     costs = Costs(explanation.region, explanation.materials, explanation.own)
-    return costs.of(placed.predicted) + COST_PER_PARAMETER * (len(placed.body.shape) + placed.body.slants.size)
+    return criterion(replace(explanation.alignment.placed, cost=costs.of(explanation.predicted)))
 
 
 def _is_part_of(both: Explanation, other: Explanation) -> bool:
