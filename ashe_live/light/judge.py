@@ -21,13 +21,13 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -6.17
-WEIGHTS = np.array([-0.55, 2.23, 2.87, -2.18, 1.79, -4.76, -7.33, 0.31, -0.14, -0.6, -0.52, 0.79, -4.85, 0.3])
+OFFSET = -6.19
+WEIGHTS = np.array([-0.59, 2.23, 2.7, -1.9, 2.16, -3.02, -1.79, 0.39, -0.17, -0.7, -0.63, 0.77, -6.75, 0.3])
 # How much each of `appearance` promises before any fit; fitted to which splits the right light followed from.
 PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
-CONTEST_OFFSET = -0.63
-CONTEST_WEIGHTS = np.array([0.89, 1.33, 1.07])
+CONTEST_OFFSET = -0.87
+CONTEST_WEIGHTS = np.array([0.95, 0.76, 1.39])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:
