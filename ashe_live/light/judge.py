@@ -15,19 +15,19 @@ from ashe_live.light.regions import Region
 from ashe_live.light.uncertainty import of_direction, of_outlines, radius_of_68_percent
 
 # Below this, an answer is more likely a wrong one.
-LEAST_CONFIDENCE = 0.2
+LEAST_CONFIDENCE = 0.25
 GOOD_RAD = math.radians(10)
 # A sample of a round normal distribution is beyond r times its 68 % radius with probability exp(RAYLEIGH_68 r^2).
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -6.19
-WEIGHTS = np.array([-0.59, 2.23, 2.7, -1.9, 2.16, -3.02, -1.79, 0.39, -0.17, -0.7, -0.63, 0.77, -6.75, 0.3])
+OFFSET = -6.44
+WEIGHTS = np.array([-0.64, 2.09, 2.77, -1.82, 2.37, -3.07, -1.62, 0.43, -0.29, -0.8, -0.67, 0.81, -6.98, 0.3])
 # How much each of `appearance` promises before any fit; fitted to which splits the right light followed from.
 PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
-CONTEST_OFFSET = -0.87
-CONTEST_WEIGHTS = np.array([0.95, 0.76, 1.39])
+CONTEST_OFFSET = -0.84
+CONTEST_WEIGHTS = np.array([0.95, 0.79, 1.62])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:

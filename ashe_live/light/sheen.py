@@ -13,8 +13,8 @@ from ashe_live.light.log_colour import Float32
 from ashe_live.light.mixtures import Mixture, nearest_centres
 
 STEEPEST = 0.05  # change of log brightness per pixel
-BRIGHTER = 0.08  # in log brightness, than the ground's nearest colour
-LIT, SURPRISING = 4.0, 5.0  # squared distances to the ground's palette
+BRIGHTER = 0.03  # in log brightness, than the ground's nearest colour
+SURPRISING = 5.0  # squared distance to the ground's palette
 LEAST_PX = 30
 LEAST_SHARE = 0.02  # of the picture, of an even area of lit ground that a sheen begins in
 LIT_SHARE_AROUND = 0.45
@@ -28,7 +28,7 @@ def sheen_on(colours: Float32, surprise: Float32, is_ground: Mask, palette: Mixt
     brightness = cv2.GaussianBlur(colours[..., 0], (0, 0), 1.0)
     slopes = [cv2.Sobel(brightness, cv2.CV_32F, dx, 1 - dx, scale=1 / 8) for dx in (0, 1)]
     even = is_ground & (cv2.magnitude(*slopes) < STEEPEST)
-    lit = is_ground & (surprise < LIT)
+    lit = is_ground & (surprise <= SURPRISING)
     bright = even & (surprise > SURPRISING)
     own = brightness[bright]
     bright[bright] = own > palette.centres[nearest_centres(colours[bright], palette.centres), 0] + BRIGHTER
@@ -40,7 +40,7 @@ def sheen_on(colours: Float32, surprise: Float32, is_ground: Mask, palette: Mixt
     begins[0] = False
     for area in areas_by_size(cleaned(bright & begins[labels]) & is_ground, LEAST_PX):
         beside = grown(area, 2) & ~grown(area, 1) & is_ground
-        if np.count_nonzero(beside & (surprise < SURPRISING)) > LIT_SHARE_AROUND * np.count_nonzero(beside):
+        if np.count_nonzero(beside & lit) > LIT_SHARE_AROUND * np.count_nonzero(beside):
             sheen |= area
     return sheen
 
