@@ -19,8 +19,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.body import Body, outlines_of
 from ashe_live.light.borders import PLACES, Borders, Places, borders_at, evenly_spread
 from ashe_live.light.costs import Costs
+from ashe_live.light.family import padded, parts_of
 from ashe_live.light.predicted import Predicted, painted
-from ashe_live.light.proxies import padded, parts_of
 from ashe_live.light.search import stiffness_of
 from ashe_live.light.supports import outline_supports
 

@@ -9,10 +9,10 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import normalised
+from ashe_live.light.family import Family, padded, parts_of
 from ashe_live.light.first_guess import FirstGuess
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.predicted import AROUND, outlines
-from ashe_live.light.proxies import Family, padded, parts_of
 from ashe_live.light.supports import outline_points
 from ashe_live.light.view import View
 

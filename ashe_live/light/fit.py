@@ -17,8 +17,9 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.light.body import Body
 from ashe_live.light.contours import AnyMask
 from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights
+from ashe_live.light.family import Family
 from ashe_live.light.first_guess import FirstGuess, guess_scene
-from ashe_live.light.proxies import FAMILIES, Family
+from ashe_live.light.proxies import FAMILIES
 from ashe_live.light.residuals import Sights
 from ashe_live.light.search import Problem, Solution, information_on_slants, search
 from ashe_live.light.silhouettes import Outlines, observe_outlines

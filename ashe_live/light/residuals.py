@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.proxies import Family, parts_of
+from ashe_live.light.family import Family, parts_of
 from ashe_live.light.silhouettes import Outlines
 from ashe_live.light.supports import outline_supports
 

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.proxies import Family, padded
+from ashe_live.light.family import Family, padded
 from ashe_live.light.residuals import Indices, Sights, Stacked, residuals
 
 SOLID_PRIOR = 0.25  # px^2 that one `spread` of a parameter costs: enough to keep what nothing else holds

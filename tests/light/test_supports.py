@@ -9,7 +9,8 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.proxies import FAMILIES, Family, padded, parts_of
+from ashe_live.light.family import Family, padded, parts_of
+from ashe_live.light.proxies import FAMILIES
 from ashe_live.light.supports import outline_points, outline_supports
 from tests.light.synthetic_masks import camera_towards
 
