@@ -91,14 +91,16 @@ def sharpened(explanation: Explanation) -> Explanation:
     split, alignment = explanation.split, explanation.alignment
     if len(explanation.lights) > 1:
         return explanation
-    unreliable = explanation.region.unreliable
+    view, unreliable = explanation.region.view, explanation.region.unreliable
     outlines = observe_outlines(split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.either)
     if isinstance(outlines, str):
         return explanation
     body = alignment.placed.body
     spheroids = body.spheroids if _wrongness(alignment) < 1 else None
     known = _information(alignment)
-    sharp = sharpened_slants(body.guess.P, outlines, body.slants, known, EDGE_SIGMA_PX, spheroids)
+    # The labels may be later ones than those that the guess was made from.
+    P = body.guess.seen_by(view.camera, view.T_cam_marker, outlines.centre_px).P
+    sharp = sharpened_slants(P, outlines, body.slants, known, EDGE_SIGMA_PX, spheroids)
     return replace(explanation, lights=fitted_lights(*sharp))
 
 

@@ -13,6 +13,8 @@ from ashe_live.light.silhouettes import Outlines
 SLENDEREST, FLATTEST = 8.0, 0.3  # height over radius
 HIGHEST = 0.85  # of the height at which a slab's far edge would be seen where the outline ends
 
+CORNER_PX = np.zeros(2)
+
 
 @dataclass(frozen=True, slots=True)
 class FirstGuess:
@@ -32,15 +34,14 @@ class FirstGuess:
         M[:2, 3] = self.origin_marker
         return M
 
-    def seen_by(self, camera: Camera, T_cam_marker: Float) -> "FirstGuess":
-        """The same cylinder in another picture, pixels about that one's corner."""
-        return replace(self, P=camera.K @ T_cam_marker[:3] @ self.M)
+    def seen_by(self, camera: Camera, T_cam_marker: Float, centre_px: Float = CORNER_PX) -> "FirstGuess":
+        """The same cylinder in another picture, pixels about another centre (2,)."""
+        return replace(self, P=_about(centre_px) @ camera.K @ T_cam_marker[:3] @ self.M)
 
 
 def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> FirstGuess | str:
     """A cylinder that covers the object's outline, and the lights that throw its shadows' tips; or why not."""
-    x0, y0 = outlines.centre_px
-    P = np.array([[1.0, 0.0, -x0], [0.0, 1.0, -y0], [0.0, 0.0, 1.0]]) @ camera.K @ T_cam_marker[:3]
+    P = _about(outlines.centre_px) @ camera.K @ T_cam_marker[:3]
     eye = inverse_rigid(T_cam_marker)[:3, 3]
     ground_from_image = _ground_from_image(P)
     if eye[2] <= 0 or ground_from_image is None:
@@ -85,6 +86,12 @@ def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> Firs
         reach = float((offsets @ towards).max()) - 0.7 * radius / unit
         slants.append(-towards * max(reach, 0.1 * radius / unit) * unit / height)
     return FirstGuess(P @ M, centre, unit, radius / unit, height / unit, np.array(slants))
+
+
+def _about(centre_px: Float) -> Float:
+    """(3, 3) pixels about a centre, from those about the picture's corner."""
+    x, y = centre_px
+    return np.array([[1.0, 0.0, -x], [0.0, 1.0, -y], [0.0, 0.0, 1.0]])
 
 
 def _ground_from_image(P: Float) -> Float | None:

@@ -12,7 +12,7 @@ from ashe_live.light.areas import grown
 from ashe_live.light.associate import Split
 from ashe_live.light.costs import Costs
 from ashe_live.light.evidence import Explanation
-from ashe_live.light.explain import Proposal, are_alike, explained, finer
+from ashe_live.light.explain import Proposal, are_alike, explained, finer, sharpened
 from ashe_live.light.predicted import Predicted
 from tests.light.painted_bodies import explanation_of
 from tests.light.painted_regions import PaintedRegion, painted_region
@@ -62,6 +62,19 @@ def test_each_proposal_is_explained_as_if_it_were_alone() -> None:
             assert one is alone
             continue
         np.testing.assert_allclose(one.lights[0].to_light_marker, alone.lights[0].to_light_marker, atol=1e-6)
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER])
+def test_tangents_keep_a_true_light_and_do_not_ask_from_where_its_body_was_drawn(caster: Caster) -> None:
+    here = painted_region(caster)
+    (one,) = explained([true_proposal(here)], fit.BALANCED)
+    assert one is not None
+    sharp = sharpened(one)
+    assert error_deg(sharp, here) < 1
+    view, body = here.region.view, one.alignment.placed.body
+    elsewhere = replace(body, guess=body.guess.seen_by(view.camera, view.T_cam_marker, np.array([70.0, -20.0])))
+    other = replace(one, alignment=replace(one.alignment, placed=replace(one.alignment.placed, body=elsewhere)))
+    assert angle_between(sharp.lights[0].to_light_marker, sharpened(other).lights[0].to_light_marker) < 1e-9
 
 
 def test_an_explanation_of_which_nothing_is_left_is_dropped() -> None:
