@@ -98,7 +98,7 @@ def show_in_window(view: View) -> int:
         raise UserError("there is no display for a window", "give --headless --out VIDEO.mp4")
     _tell_of_recordings_cut_short(options.out)
     with contextlib.ExitStack() as stack:
-        stack.enter_context(_ended_by_signals())
+        end_if_asked = stack.enter_context(ended_by_signals())
         stack.enter_context(graphics_failures_told())
         # First, as its process starts while the window opens, and a model that cannot be read opens none.
         session = stack.enter_context(opened_session(view))
@@ -123,7 +123,7 @@ def show_in_window(view: View) -> int:
         viewer = LiveViewer(
             window, renderer, pipeline, view.tracker, session, options.quality, recording, options.loop, opener
         )
-        viewer.run(options.frames)
+        viewer.run(options.frames, end_if_asked)
     return ExitStatus.ANSWERED
 
 
@@ -132,7 +132,7 @@ def show_without_window(view: View, scene: Callable[[Session], Scene], *takers: 
     options = view.options
     _tell_of_recordings_cut_short(options.out)
     with contextlib.ExitStack() as stack:
-        stack.enter_context(_ended_by_signals())
+        end_if_asked = stack.enter_context(ended_by_signals())
         stack.enter_context(graphics_failures_told())
         stack.enter_context(view.source)
         renderer = Renderer(offscreen_context(), quality_of(options).render, view.size)
@@ -142,9 +142,13 @@ def show_without_window(view: View, scene: Callable[[Session], Scene], *takers: 
             recorder = Recorder(options.out, view.size, view.source.fps or 1.0, options.overwrite)
             takers = (*takers, stack.enter_context(recorder).write)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
-        play_headless(
-            view.source, view.tracker, session, renderer, Playback(scene, options.frames, options.loop, takers), report
-        )
+
+        def next_scene(session: Session) -> Scene:
+            end_if_asked()
+            return scene(session)
+
+        playback = Playback(next_scene, options.frames, options.loop, takers)
+        play_headless(view.source, view.tracker, session, renderer, playback, report)
         return _summed_up(view, session, report)
 
 
@@ -184,17 +188,24 @@ def _tell_of_recordings_cut_short(out: Path | None) -> None:
 
 
 @contextlib.contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """Within, a request to end unwinds the stack like any error, so that a recording is finished."""
+def ended_by_signals() -> Iterator[Callable[[], None]]:
+    """Within, a request to end unwinds the stack like any error, so that a recording is finished.
 
-    is_ending = False
+    What it yields is to be called now and then: it asks once more, where a callback from C or a destructor that the
+    signal fell into has swallowed the error.
+    """
+    asked: BaseException | None = None
 
     def end(number: int, _stack: FrameType | None) -> None:
-        nonlocal is_ending
+        nonlocal asked
         # Impatience must not cut short what unwinding finishes.
-        if not is_ending:
-            is_ending = True
-            raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
+        if asked is None:
+            asked = KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)
+            raise asked
+
+    def end_if_asked() -> None:
+        if asked is not None:
+            raise asked
 
     names = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
     numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
@@ -203,7 +214,7 @@ def _ended_by_signals() -> Iterator[None]:
     try:
         for number in before:
             signal.signal(number, end)
-        yield
+        yield end_if_asked
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

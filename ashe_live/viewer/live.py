@@ -71,13 +71,17 @@ class LiveViewer:
             Command.QUIT: lambda _now: self._stop(),
         }
 
-    def run(self, frame_limit: int | None = None) -> None:
-        """Until the window is closed, Esc, or `frame_limit` frames of the source; finishes a recording always."""
+    def run(self, frame_limit: int | None = None, end_if_asked: Callable[[], None] = lambda: None) -> None:
+        """Until the window is closed, Esc, or `frame_limit` frames of the source; finishes a recording always.
+
+        `end_if_asked`: called before each picture; what it raises ends the viewer.
+        """
         self._set_quality(self._quality_name)
         frames_left = frame_limit
         due_s = time.monotonic()
         try:
             while not (self._quit or self._window.is_closing):
+                end_if_asked()
                 now_s = time.monotonic()
                 due_s = max(due_s + self._interval_s, now_s)
                 for request in self._window.take_requests(0.0):
