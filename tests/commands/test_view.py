@@ -9,6 +9,15 @@ from ashe_live.commands.view import ended_by_signals
 ENDS = {signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: SystemExit}
 
 
+@pytest.fixture(autouse=True)
+def _heard():
+    """Not ignored, as they are in a shell's background job."""
+    before = {number: signal.signal(number, signal.default_int_handler) for number in ENDS}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 @pytest.mark.parametrize(("number", "error"), ENDS.items())
 def test_a_signal_that_something_swallowed_is_heard_at_the_next_picture(number, error):
     with ended_by_signals() as end_if_asked:
