@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from PIL import ImageGrab
 
+from tests.e2e.signals import ignore_none
+
 CHECKOUT = Path(__file__).parents[2]
 QUICK_VIEWER = Path(__file__).with_name("quick_viewer.py")
 SCREEN = "1280x960x24"
@@ -57,6 +59,7 @@ class Running:
             env={**screen.environment, "PYTHONPATH": str(CHECKOUT)},
             stdout=self._out,
             stderr=subprocess.STDOUT,
+            preexec_fn=ignore_none,
         )
 
     @property

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from ashe_live.capture.clip import ClipSource
+from tests.e2e.signals import ignore_none
 
 CHECKOUT = Path(__file__).parents[2]
 PATIENCE_S = 60.0
@@ -31,9 +32,7 @@ class Endless:
         self.err = folder / ".err"
 
         def prepare() -> None:
-            # Whoever runs the tests (nohup, a shell's background) may ignore signals, which children inherit.
-            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-                signal.signal(number, signal.SIG_DFL)
+            ignore_none()
             if file_size_limit is not None:
                 resource.setrlimit(resource.RLIMIT_FSIZE, (file_size_limit, file_size_limit))
 
