@@ -104,6 +104,12 @@ def sharpened(explanation: Explanation) -> Explanation:
     return replace(explanation, lights=fitted_lights(*sharp))
 
 
+def price(explanation: Explanation) -> float:
+    """What the region costs by the explanation's own account, and what the numbers of its body do."""
+    costs = Costs(explanation.region, explanation.materials, explanation.own)
+    return criterion(replace(explanation.alignment.placed, cost=costs.of(explanation.predicted)))
+
+
 def are_alike(one: Explanation, other: Explanation) -> bool:
     """Whether two explanations of one region say nearly the same of its pixels."""
     if one.region is not other.region:
@@ -115,9 +121,7 @@ def are_alike(one: Explanation, other: Explanation) -> bool:
 
 def _better(rough: Explanation, fine: Explanation) -> Explanation:
     """Whichever costs less, with what the rough one says of the object's colours; and with the later labels."""
-    known = Costs(rough.region, rough.materials, rough.own).of(rough.predicted)
-    before = replace(rough.alignment.placed, cost=known)
-    return fine if criterion(fine.alignment.placed) < criterion(before) else replace(rough, split=fine.split)
+    return fine if criterion(fine.alignment.placed) < price(rough) else replace(rough, split=fine.split)
 
 
 def _relabelled(last: Explanation) -> Proposal | None:

@@ -6,17 +6,16 @@ borders of its own that are seen (docs/maths.md).
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from operator import itemgetter
 
 import numpy as np
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.alignment import COST_PER_PARAMETER, criterion
+from ashe_live.light.alignment import COST_PER_PARAMETER
 from ashe_live.light.body import Body
 from ashe_live.light.costs import Costs
 from ashe_live.light.evidence import Explanation
-from ashe_live.light.explain import Proposal, suited
+from ashe_live.light.explain import Proposal, price, suited
 from ashe_live.light.ground import LitGround
 from ashe_live.light.judge import log_odds
 from ashe_live.light.materials import materials_of, object_cost
@@ -65,13 +64,7 @@ def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
     """Whether either shadow has clear borders, and no single light explains the region at less cost."""
     if min(both.alignment.clear_shadows) < LEAST_CLARITY:
         return False
-    return all(_price(both) <= _price(single) for single in singles if single.region is both.region)
-
-
-def _price(explanation: Explanation) -> float:
-    """What the region costs by the explanation's own account, and what the numbers of its body do."""
-    costs = Costs(explanation.region, explanation.materials, explanation.own)
-    return criterion(replace(explanation.alignment.placed, cost=costs.of(explanation.predicted)))
+    return all(price(both) <= price(single) for single in singles if single.region is both.region)
 
 
 def _is_part_of(both: Explanation, other: Explanation) -> bool:
