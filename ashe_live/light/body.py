@@ -59,9 +59,8 @@ def outlines_of(bodies: Sequence[Body], views: Sequence[View]) -> list[list[Floa
 
     All have equally many lights.
     """
-    P = np.array(
-        [view.camera.K @ view.T_cam_marker[:3] @ body.guess.M for body, view in zip(bodies, views, strict=True)]
-    )
+    seen = zip(bodies, views, strict=True)
+    P = np.array([body.guess.seen_by(view.camera, view.T_cam_marker).P for body, view in seen])
     parts, _ = parts_of([body.family for body in bodies], padded([body.shape for body in bodies]))
     clouds = outline_points(P, parts, np.array([body.slants for body in bodies]), AROUND).astype(np.float32)
     # What seems very large may go on behind the camera, which takes a closer look.

@@ -27,16 +27,12 @@ class FirstGuess:
     height: float
     slants: Float  # (l, 2) displacement s for each light
 
-    @property
-    def M(self) -> Float:
-        """(4, 4) marker frame from the guess's."""
-        M = np.diag([self.unit_m, self.unit_m, self.unit_m, 1.0])
-        M[:2, 3] = self.origin_marker
-        return M
-
     def seen_by(self, camera: Camera, T_cam_marker: Float, centre_px: Float = CORNER_PX) -> "FirstGuess":
         """The same cylinder in another picture, pixels about another centre (2,)."""
-        return replace(self, P=_about(centre_px) @ camera.K @ T_cam_marker[:3] @ self.M)
+        return replace(
+            self,
+            P=_about(centre_px) @ camera.K @ T_cam_marker[:3] @ _marker_from_guess(self.origin_marker, self.unit_m),
+        )
 
 
 def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> FirstGuess | str:
@@ -70,8 +66,7 @@ def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> Firs
     height = HIGHEST * missing / gain if gain > 0 else math.inf
     height = min(max(height, FLATTEST * radius), SLENDEREST * radius)
     unit = max(radius, height)
-    M = np.diag([unit, unit, unit, 1.0])
-    M[:2, 3] = centre
+    M = _marker_from_guess(centre, unit)
     if not (math.isfinite(unit) and unit > 0 and P[2] @ M[:, 3] > 0):
         return "the object lies above the horizon"
 
@@ -86,6 +81,13 @@ def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> Firs
         reach = float((offsets @ towards).max()) - 0.7 * radius / unit
         slants.append(-towards * max(reach, 0.1 * radius / unit) * unit / height)
     return FirstGuess(P @ M, centre, unit, radius / unit, height / unit, np.array(slants))
+
+
+def _marker_from_guess(origin_marker: Float, unit_m: float) -> Float:
+    """(4, 4)"""
+    M = np.diag([unit_m, unit_m, unit_m, 1.0])
+    M[:2, 3] = origin_marker
+    return M
 
 
 def _about(centre_px: Float) -> Float:
