@@ -200,11 +200,16 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
 
 
 def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
-    """Families whose parents have been tried before, a list after the other."""
+    """Families whose parents have been tried before, a list after the other.
+
+    Raises ValueError where a parent is not among them.
+    """
     left = [FAMILIES[name] for name in names]
     tried: set[str | None] = {None}
     while left:
         ripe = [family for family in left if family.grows_from in tried]
+        if not ripe:
+            raise ValueError(f"{left[0].name} grows from {left[0].grows_from}, which is not among the families tried")
         yield ripe
         tried |= {family.name for family in ripe}
         left = [family for family in left if family not in ripe]

@@ -72,6 +72,12 @@ def test_the_fast_preset_knows_the_plain_families(name: str) -> None:
     assert error_deg(fitted(render(BODIES[name](), [LIGHT], VIEW), FAST), LIGHT) < 1.5
 
 
+def test_a_family_is_not_tried_without_the_one_that_it_grows_from() -> None:
+    orphaned = FitPreset(32, ("frustum", "ell"), (1.0,), 8, 1, 0.0)
+    with pytest.raises(ValueError, match="ell grows from box"):
+        fitted(render(BODIES["box"](), [LIGHT], VIEW), orphaned)
+
+
 def test_the_accurate_preset_tries_every_family() -> None:
     fit = fitted(render(BODIES["bottle"](), [LIGHT], VIEW), ACCURATE)
     assert error_deg(fit, LIGHT) < 1.0
