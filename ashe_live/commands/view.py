@@ -3,12 +3,10 @@
 import argparse
 import contextlib
 import os
-import signal
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
 
 from ashe_live.capture.cut_short import rescue_recordings
 from ashe_live.capture.recorder import Recorder
@@ -17,6 +15,7 @@ from ashe_live.commands.setup import make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
 from ashe_live.core.output_files import check_output
+from ashe_live.core.signals import ended_by_signals
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.light.worker import LightWorker
 from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
@@ -185,36 +184,3 @@ def _tell_of_recordings_cut_short(out: Path | None) -> None:
     for folder in {Path.cwd(), *([] if out is None else [out.absolute().parent])}:
         for path in rescue_recordings(folder):
             print(f"ashe-live: a recording that was cut short is now {path}", file=sys.stderr)
-
-
-@contextlib.contextmanager
-def ended_by_signals() -> Iterator[Callable[[], None]]:
-    """Within, a request to end unwinds the stack like any error, so that a recording is finished.
-
-    What it yields is to be called now and then: it asks once more, where a callback from C or a destructor that the
-    signal fell into has swallowed the error.
-    """
-    asked: BaseException | None = None
-
-    def end(number: int, _stack: FrameType | None) -> None:
-        nonlocal asked
-        # Impatience must not cut short what unwinding finishes.
-        if asked is None:
-            asked = KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)
-            raise asked
-
-    def end_if_asked() -> None:
-        if asked is not None:
-            raise asked
-
-    names = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
-    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    # One that is ignored already (nohup, a shell's background job) is not meant for us.
-    before = {number: was for number in numbers if (was := signal.getsignal(number)) is not signal.SIG_IGN}
-    try:
-        for number in before:
-            signal.signal(number, end)
-        yield end_if_asked
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

@@ -7,6 +7,7 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.resources import resource
+from ashe_live.core.signals import signals_held
 
 
 class Programs:
@@ -32,9 +33,10 @@ class Programs:
 def build_program(ctx: moderngl.Context, name: str, **constants: float) -> moderngl.Program:
     """The program of `shaders/<name>.vert` and `.frag`; `constants` become macros in upper case."""
     defines = "".join(f"#define {key.upper()} {value}\n" for key, value in constants.items())
-    return ctx.program(
-        vertex_shader=shader_source(f"{name}.vert", defines), fragment_shader=shader_source(f"{name}.frag", defines)
-    )
+    vertex, fragment = (shader_source(f"{name}.{stage}", defines) for stage in ("vert", "frag"))
+    # moderngl 5.13 crashes when a signal's handler raises in the Python that it calls for each uniform.
+    with signals_held():
+        return ctx.program(vertex_shader=vertex, fragment_shader=fragment)
 
 
 def shader_source(file_name: str, defines: str = "") -> str:

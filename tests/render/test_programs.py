@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import moderngl
 import pytest
 
@@ -21,6 +24,31 @@ def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> N
         constants = {"lights": lights, "casters": casters, "blocker_taps": blocker_taps, "soft_taps": 16}
         if name not in ("contact", "ground_shadow") or lights:
             build_program(ctx, name, pcf_radius=1, contact_fade=0.3, **constants).release()
+
+
+INTERRUPTED = """
+import signal, sys
+from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.programs import build_program
+
+def interrupt(frame, event, _argument):
+    if event == "call" and frame.f_code.co_name == "make_uniform":
+        sys.setprofile(None)
+        signal.raise_signal(signal.SIGINT)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+ctx = offscreen_context()
+sys.setprofile(interrupt)
+try:
+    build_program(ctx, "model", lights=1, casters=1, blocker_taps=0, soft_taps=16, pcf_radius=1, contact_fade=0.3)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_an_interrupt_while_a_program_is_made_is_an_interrupt_and_no_crash() -> None:
+    run = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True)
+    assert (run.returncode, run.stdout) == (0, "interrupted\n"), run.stderr
 
 
 def test_include_and_constants_stand_after_the_version() -> None:

@@ -1,10 +1,11 @@
 """A request to end is not lost, wherever it falls."""
 
 import signal
+import threading
 
 import pytest
 
-from ashe_live.commands.view import ended_by_signals
+from ashe_live.core.signals import ended_by_signals, signals_held
 
 ENDS = {signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: SystemExit}
 
@@ -38,3 +39,36 @@ def test_impatience_does_not_cut_short_what_ends():
 def test_nobody_asked_and_nothing_ends():
     with ended_by_signals() as end_if_asked:
         end_if_asked()
+
+
+@pytest.mark.parametrize(("number", "error"), ENDS.items())
+def test_a_held_signal_is_heard_afterwards(number, error):
+    done = []
+
+    def work():
+        with signals_held():
+            signal.raise_signal(number)
+            done.append("all of it")
+
+    with ended_by_signals(), pytest.raises(error):
+        work()
+    assert done
+
+
+def test_holding_leaves_every_handler_as_it_was():
+    before = {number: signal.getsignal(number) for number in signal.valid_signals()}
+    with signals_held():
+        assert signal.getsignal(signal.SIGINT) is not before[signal.SIGINT]
+    assert {number: signal.getsignal(number) for number in signal.valid_signals()} == before
+
+
+def test_other_threads_hold_nothing_as_no_handler_runs_in_them():
+    def hold():
+        with signals_held():
+            handlers.append(signal.getsignal(signal.SIGINT))
+
+    handlers = []
+    thread = threading.Thread(target=hold)
+    thread.start()
+    thread.join()
+    assert handlers == [signal.default_int_handler]
