@@ -1,7 +1,8 @@
 """Which of a region's unlit areas may be shadow, and which object may belong to it."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,12 +24,14 @@ from ashe_live.light.mixtures import Mixture, nearest_squared_distance
 from ashe_live.light.regions import Region
 from ashe_live.light.shift import SHIFT_NOISE
 
+T = TypeVar("T")
+
 LEAST_PX = 14
 LEAST_OBJECT_PX, LEAST_SHADOW_PX = 12, 8
 LEAST_AREA_PX = 30
 SMALL_PART = 0.05
 OBJECTS, LESSER_OBJECT = 3, 0.1  # that may stand beside each other, and their least share of the largest one
-SAME_SHARE = 0.03
+SAME_SHARE = 0.12
 ROUNDS = 2  # of giving pixels to what they cost least as
 REACH_PX = 3
 # Shadows of the same light are more or less deep: in a penumbra, and where the object hides the sky as well.
@@ -52,6 +55,11 @@ class Split:
         return self.parts or (self.shadow_mask,)
 
     @property
+    def whole(self) -> Mask:
+        taken = self.object_mask | self.shadow_mask
+        return taken if self.either is None else taken | self.either
+
+    @property
     def is_large_enough(self) -> bool:
         return bool(
             np.count_nonzero(self.object_mask) >= LEAST_OBJECT_PX
@@ -59,10 +67,11 @@ class Split:
         )
 
     def is_like(self, other: "Split") -> bool:
-        """Whether hardly a pixel is explained otherwise."""
+        """Whether few pixels are explained otherwise. Both are of one region."""
+        if (self.either is None) != (other.either is None):
+            return False
         differing = (self.object_mask != other.object_mask) | (self.shadow_mask != other.shadow_mask)
-        total = np.count_nonzero(self.object_mask | self.shadow_mask)
-        return bool(np.count_nonzero(differing) < SAME_SHARE * total)
+        return bool(np.count_nonzero(differing) < SAME_SHARE * np.count_nonzero(self.whole))
 
 
 def splits(region: Region, ground: LitGround, materials: Materials, shadows_tried: int) -> list[Split]:
@@ -70,16 +79,18 @@ def splits(region: Region, ground: LitGround, materials: Materials, shadows_trie
     shadow_like = _shadow_like(region, ground, materials.shifts)
     shadows = areas_by_size(shadow_like, LEAST_PX)[:shadows_tried]
     roughs = [rough for shadow in shadows for rough in _splits_with(shadow, shadow_like, region.unlit)]
-    refined = (_classified(region, materials, rough) for rough in _unlike(roughs))
-    return _unlike(split for split in refined if split.is_large_enough)
+    refined = (_classified(region, materials, rough) for rough in distinct(roughs, Split.is_like))
+    return distinct((split for split in refined if split.is_large_enough), Split.is_like)
 
 
-def _unlike(several: Iterable[Split]) -> list[Split]:
-    """Without those that are like an earlier one."""
-    kept: list[Split] = []
-    for split in several:
-        if not any(split.is_like(other) for other in kept):
-            kept.append(split)
+def distinct(several: Iterable[T], are_alike: Callable[[T, T], bool], most: int | None = None) -> list[T]:
+    """The first of them, `most` at most, without those that are like an earlier one."""
+    kept: list[T] = []
+    for one in several:
+        if len(kept) == most:
+            break
+        if not any(are_alike(one, other) for other in kept):
+            kept.append(one)
     return kept
 
 

@@ -45,6 +45,10 @@ class Proposal:
     near: Float | None = None  # (l, 2) displacements by which the shadows may fall
     own: Float32 | None = None  # (h, w) cost of the object's colours, where more is known of them
 
+    def is_like(self, other: "Proposal") -> bool:
+        """Whether both split one region in nearly the same way."""
+        return self.region is other.region and self.split.is_like(other.split)
+
 
 def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanation | None]:
     """What follows from each; None where no light does."""

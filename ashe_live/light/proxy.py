@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light import fit as fitting
-from ashe_live.light.associate import doubted, splits
+from ashe_live.light.associate import distinct, doubted, splits
 from ashe_live.light.evidence import Explanation, shadow_core
 from ashe_live.light.explain import Proposal, are_alike, explained, finer, sharpened
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, lit_rgb, unlit_mask
@@ -61,7 +61,7 @@ FAST = ProxySteps(
     paired_shifts=5,
     pairs=1,
     shadows_per_shift=2,
-    tried=3,
+    tried=4,
     pairs_tried=1,
     refined=2,
     rounds=1,
@@ -89,14 +89,14 @@ BALANCED = ProxySteps(
 ACCURATE = ProxySteps(
     coarse_width_px=320,
     fine_width_px=960,
-    region_px=140,
+    region_px=100,
     regions=4,
     shifts=9,
     paired_shifts=9,
-    pairs=4,
+    pairs=1,
     shadows_per_shift=3,
     tried=8,
-    pairs_tried=3,
+    pairs_tried=1,
     refined=4,
     rounds=1,
     ground=GroundSteps(),
@@ -190,22 +190,16 @@ class ProxyEstimator:
                     yield Proposal(region, materials, doubtful)
 
     def _tried(self, proposals: list[Proposal]) -> list[Proposal]:
-        """Those that look best, of one light and of two."""
+        """Those that look best and differ, of one light, and those of two."""
         alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
         together = [proposal for proposal in proposals if proposal.materials.lights == 2]
         alone.sort(key=lambda one: promise(one.region, one.materials, one.split), reverse=True)
         together.sort(key=lambda one: savings(one.region, one.materials, one.split), reverse=True)
-        return alone[: self._steps.tried] + together[: self._steps.pairs_tried]
+        return distinct(alone, Proposal.is_like, self._steps.tried) + together[: self._steps.pairs_tried]
 
     def _promising(self, explanations: list[Explanation]) -> list[Explanation]:
         """The likeliest ones that differ from each other."""
-        kept: list[Explanation] = []
-        for explanation in sorted(explanations, key=log_odds, reverse=True):
-            if len(kept) == self._steps.refined:
-                break
-            if not any(are_alike(explanation, other) for other in kept):
-                kept.append(explanation)
-        return kept
+        return distinct(sorted(explanations, key=log_odds, reverse=True), are_alike, self._steps.refined)
 
 
 def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:

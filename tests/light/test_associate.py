@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Mask
-from ashe_live.light.associate import Split, doubted, splits
+from ashe_live.light.associate import Split, distinct, doubted, splits
 from ashe_live.light.materials import materials_of
 from ashe_live.light.proxy import BALANCED
 from ashe_live.light.regions import Region
@@ -99,6 +99,25 @@ def test_splits_are_alike_when_hardly_a_pixel_is_explained_otherwise() -> None:
     assert split.is_like(Split(body, other))
     assert Split(body, other).is_like(split)
     assert not split.is_like(Split(shadow, body))
+
+
+def test_a_doubted_split_is_another_one() -> None:
+    split = Split(*halves())
+    doubtful = doubted(split)
+    assert doubtful is not None
+    assert doubtful.is_like(doubtful)
+    assert not split.is_like(doubtful)
+    assert not doubtful.is_like(split)
+
+
+def test_of_what_is_alike_the_first_one_is_kept() -> None:
+    def same_ten(one: int, other: int) -> bool:
+        return one // 10 == other // 10
+
+    assert distinct([31, 12, 35, 18, 54], same_ten) == [31, 12, 54]
+    assert distinct(iter([31, 12, 35, 18, 54]), same_ten, 2) == [31, 12]
+    assert distinct([31, 12], same_ten, 0) == []
+    assert distinct([], same_ten) == []
 
 
 def test_nothing_is_too_small() -> None:
