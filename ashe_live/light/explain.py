@@ -30,7 +30,7 @@ FEW_PX = 20
 # Errors of neighbouring borders go together: so many of them tell what one independent measurement would. A body that
 # misses them by this share of its size is so wrong that its errors are as large as theirs. Both measured, so that 68 %
 # of the errors lie within sigma (docs/accuracy.md).
-CORRELATED, WRONG_BODY_SHARE = 4.5, 0.007
+CORRELATED, WRONG_BODY_SHARE = 2.3, 0.007
 # Share of its pixels in which an explanation must differ from another to be worth more work.
 DIFFERING_SHARE = 0.04
 

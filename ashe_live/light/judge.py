@@ -12,7 +12,7 @@ from ashe_live.light.evidence import Explanation, appearance, evidence
 from ashe_live.light.materials import Materials
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
-from ashe_live.light.uncertainty import of_direction, of_outlines, radius_of_68_percent
+from ashe_live.light.uncertainty import of_direction, of_doubt, of_outlines, radius_of_68_percent
 
 # Below this, an answer is more likely a wrong one.
 LEAST_CONFIDENCE = 0.25
@@ -21,13 +21,13 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -6.44
-WEIGHTS = np.array([-0.64, 2.09, 2.77, -1.82, 2.37, -3.07, -1.62, 0.43, -0.29, -0.8, -0.67, 0.81, -6.98, 0.3])
+OFFSET = -7.44
+WEIGHTS = np.array([-1.02, 1.66, 1.62, -2.43, 2.02, -3.92, -2.39, 0.17, -0.25, -0.59, -0.59, 1.7, -6.35, 0.3])
 # How much each of `appearance` promises before any fit; fitted to which splits the right light followed from.
 PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
-CONTEST_OFFSET = -0.84
-CONTEST_WEIGHTS = np.array([0.95, 0.79, 1.62])
+CONTEST_OFFSET = -0.67
+CONTEST_WEIGHTS = np.array([0.97, 1.45, 0.56])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:
@@ -75,7 +75,7 @@ def lights_of(explanation: Explanation, confidence: float, tracked: TrackedFrame
     """The lights of an explanation with what is known about them, in the order of its shifts: strongest first."""
     lights = []
     for fitted in explanation.lights:
-        covariance = of_direction(fitted.covariance_rad2, fitted.to_light_marker, tracked)
+        covariance = of_direction(fitted.covariance_rad2, fitted.to_light_marker, tracked) + of_doubt(confidence)
         sigma_rad = radius_of_68_percent(covariance)
         lights.append(DirectionalLight(fitted.to_light_marker, covariance, sigma_rad, confidence))
     return lights

@@ -1,4 +1,4 @@
-"""How uncertain a direction is beyond its outlines: the marker's pose, the focal length, what is never seen."""
+"""How uncertain a direction is beyond its outlines: the pose, the focal length, what is never seen, and doubt."""
 
 import math
 
@@ -10,6 +10,9 @@ from ashe_live.core.types import TrackedFrame
 
 FLOOR_RAD = math.radians(0.4)  # along each axis: the corners' bias, a curled sheet, the lens
 ASSUMED_FOCAL_RAD = math.radians(0.6)  # the same, for a field of view that nobody measured
+# Along each axis, of an answer in which there is no confidence at all. Measured: where confidence is low, errors are
+# larger than outlines know.
+DOUBT_RAD = math.radians(12)
 
 
 def of_outlines(covariance_rad2: Float) -> Float:
@@ -29,6 +32,11 @@ def of_direction(covariance_rad2: Float, to_light_marker: Float, tracked: Tracke
         by_turn = np.array([up, -east])
         total = total + by_turn @ tracked.marker.covariance[:3, :3] @ by_turn.T
     return np.asarray(0.5 * (total + total.T))
+
+
+def of_doubt(confidence: float) -> Float:
+    """(2, 2): what it adds that the outlines may be those of something else."""
+    return np.asarray((DOUBT_RAD * (1 - confidence) ** 2) ** 2 * np.eye(2))
 
 
 def radius_of_68_percent(covariance_rad2: Float) -> float:

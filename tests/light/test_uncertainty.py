@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.light.uncertainty import radius_of_68_percent
+from ashe_live.light.uncertainty import of_doubt, radius_of_68_percent
 
 
 def held_by(radius: float, deviations: tuple[float, float]) -> float:
@@ -27,3 +27,14 @@ def test_the_radius_holds_the_truth_with_probability_68_percent(share: float, tu
 def test_no_spread_has_no_radius() -> None:
     assert radius_of_68_percent(np.zeros((2, 2))) == 0
     assert radius_of_68_percent(np.diag([-1e-18, 0.0])) == 0
+
+
+def test_the_less_confident_an_answer_is_the_wider_it_is() -> None:
+    radii = [radius_of_68_percent(of_doubt(confidence)) for confidence in np.linspace(0, 1, 11)]
+    assert radii[-1] == 0.0
+    assert np.all(np.diff(radii) < 0)
+
+
+def test_doubt_has_no_direction() -> None:
+    smaller, larger = np.linalg.eigvalsh(of_doubt(0.3))
+    assert smaller == pytest.approx(larger)
