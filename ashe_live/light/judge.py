@@ -21,13 +21,13 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -7.44
-WEIGHTS = np.array([-1.02, 1.66, 1.62, -2.43, 2.02, -3.92, -2.39, 0.17, -0.25, -0.59, -0.59, 1.7, -6.35, 0.3])
+OFFSET = -7.46
+WEIGHTS = np.array([-1.0, 1.76, 1.72, -2.53, 2.0, -4.23, -2.97, 0.15, -0.29, -0.54, -0.64, 1.61, -6.49, 0.3])
 # How much each of `appearance` promises before any fit; fitted to which splits the right light followed from.
 PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
-CONTEST_OFFSET = -0.67
-CONTEST_WEIGHTS = np.array([0.97, 1.45, 0.56])
+CONTEST_OFFSET = -0.60
+CONTEST_WEIGHTS = np.array([0.96, 1.33, 0.78])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:
