@@ -15,7 +15,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.body import Body, outlines_of
 from ashe_live.light.borders import PLACES, Borders, Places, borders_at, evenly_spread
 from ashe_live.light.costs import Costs
@@ -71,6 +71,7 @@ class Alignment:
     clear_body: float  # share of the body's outline that has a clear border; of what is known of it
     clear_shadow: float  # of the shadows' outlines
     clear_shadows: tuple[float, ...]  # of each one's
+    ends_seen: tuple[float, ...]  # how much of each shadow's far end lies where a border could be seen
 
 
 def aligned(several: Sequence[tuple[Sequence[Body], Costs]]) -> list[Alignment | None]:
@@ -164,12 +165,24 @@ def _appraised(several: Sequence[Placed]) -> list[Alignment]:
     squares = (pull.weight * pull.away_px**2).sum(axis=1) / np.maximum(pull.weight.sum(axis=1), 1e-9)
     clarity = pull.borders.clarity.reshape(len(several), -1)
     found = []
-    for one, normal, square, clear in zip(several, pull.normal, squares, clarity, strict=True):
+    known = (pull.weight > 0).reshape(len(several), -1, PLACES)
+    for i, (one, normal, square, clear) in enumerate(zip(several, pull.normal, squares, clarity, strict=True)):
         size = one.body.slants.size + len(one.body.shape)
         clear_body, clear_shadow = _mean_of_known(clear[:PLACES]), _mean_of_known(clear[PLACES:])
         each = tuple(_mean_of_known(shadow) for shadow in clear[PLACES:].reshape(-1, PLACES))
-        found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow, each))
+        ends = _ends_seen(one.body.slants, pull.by_theta[i], known[i, 1:])
+        found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow, each, ends))
     return found
+
+
+def _ends_seen(slants: Float, by_theta: Float, known: Mask) -> tuple[float, ...]:
+    """Of l shadows, `known` (l, p): of the places that move outward as the shadow grows, by how far, those known."""
+    seen = []
+    for i, slant in enumerate(slants):
+        outward = slant @ by_theta[2 * i : 2 * i + 2].reshape(2, -1, PLACES)[:, 1 + i]
+        counts = np.maximum(outward, 0) ** 2
+        seen.append(float(counts @ known[i] / max(counts.sum(), 1e-9)))
+    return tuple(seen)
 
 
 def _mean_of_known(values: Float) -> float:

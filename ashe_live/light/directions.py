@@ -1,5 +1,7 @@
 """Directions towards lights, from the displacements by which their shadows fall."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +10,9 @@ from ashe_live.core.arrays import Float, frozen_floats, set_frozen
 from ashe_live.core.transforms import normalised, tangent_basis
 
 HEMISPHERE_RAD = 0.7  # how far a light may be from where it is found, if the outlines tell nothing
+# By how much its height may be off where nothing of its shadow's far end is seen: other borders tell lengths by the
+# body's shape alone. Measured on pictures cut through their shadows.
+UNSEEN_END_RAD = math.radians(6)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +47,17 @@ def above_the_ground(information: Float, slants: Float) -> Float:
         own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
         total[own, own] += slope.T @ slope / HEMISPHERE_RAD**2
     return total
+
+
+def with_ends_seen(information: Float, slants: Float, seen: Sequence[float]) -> Float:
+    """Information (2 l, 2 l) on slants (l, 2) when so much, 0 to 1, of each shadow's far end is seen."""
+    covariance = np.linalg.inv(information)
+    for i, (slant, share) in enumerate(zip(slants, seen, strict=True)):
+        own = np.s_[2 * i : 2 * i + 2]
+        along = slant / max(float(np.linalg.norm(slant)), 1e-9)
+        spread = UNSEEN_END_RAD * (1 - share) * (1 + slant @ slant)  # a slant is the cotangent of a height
+        covariance[own, own] += spread**2 * np.outer(along, along)
+    return np.asarray(np.linalg.inv(covariance))
 
 
 def _direction_by_slant(slant: Float) -> Float:

@@ -10,7 +10,7 @@ from ashe_live.light.alignment import Alignment, aligned, criterion
 from ashe_live.light.associate import Split
 from ashe_live.light.body import Body
 from ashe_live.light.costs import Costs
-from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights
+from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights, with_ends_seen
 from ashe_live.light.evidence import Explanation
 from ashe_live.light.fit import FitFailure, FitPreset, Masks, fit_bodies
 from ashe_live.light.log_colour import Float32
@@ -31,6 +31,7 @@ FEW_PX = 20
 # misses them by this share of its size is so wrong that its errors are as large as theirs. Both measured, so that 68 %
 # of the errors lie within sigma (docs/accuracy.md).
 CORRELATED, WRONG_BODY_SHARE = 2.3, 0.007
+END_SEEN = 0.5  # share of a shadow's far end from which on it is
 # Share of its pixels in which an explanation must differ from another to be worth more work.
 DIFFERING_SHARE = 0.04
 
@@ -90,10 +91,11 @@ def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]
 def sharpened(explanation: Explanation) -> Explanation:
     """With what its labels' common tangents say of the light, which needs no body: decisive where that is wrong.
 
-    Not of two lights: where their shadows overlap, labels do not tell how far each of them goes.
+    Not of two lights: where their shadows overlap, labels do not tell how far each of them goes. Nor of a shadow whose
+    far end is not seen: a tangent would touch it where the picture ends.
     """
     split, alignment = explanation.split, explanation.alignment
-    if len(explanation.lights) > 1:
+    if len(explanation.lights) > 1 or alignment.ends_seen[0] < END_SEEN:
         return explanation
     view, unreliable = explanation.region.view, explanation.region.unreliable
     outlines = observe_outlines(split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.either)
@@ -106,6 +108,13 @@ def sharpened(explanation: Explanation) -> Explanation:
     P = body.guess.seen_by(view.camera, view.T_cam_marker, outlines.centre_px).P
     sharp = sharpened_slants(P, outlines, body.slants, known, EDGE_SIGMA_PX, spheroids)
     return replace(explanation, lights=fitted_lights(*sharp))
+
+
+def leaves_the_picture(explanation: Explanation) -> bool:
+    """Whether a shadow reaches the picture's edge, and its far end is not seen."""
+    unseen = min(explanation.alignment.ends_seen) < END_SEEN
+    shadow = explanation.region.in_frame(explanation.predicted.shadow)
+    return unseen and bool(shadow[[0, -1]].any() or shadow[:, [0, -1]].any())
 
 
 def price(explanation: Explanation) -> float:
@@ -166,10 +175,11 @@ def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
 
 
 def _information(alignment: Alignment) -> Float:
-    """(2 l, 2 l) on slants: little, where the body is a wrong one."""
+    """(2 l, 2 l) on slants: little where the body is a wrong one, or a shadow's end is out of the picture."""
     slants = alignment.placed.body.slants
     information = information_on_slants(alignment.normal, slants.size)
-    return above_the_ground(information / (CORRELATED * (1 + _wrongness(alignment) ** 2)), slants)
+    information = above_the_ground(information / (CORRELATED * (1 + _wrongness(alignment) ** 2)), slants)
+    return with_ends_seen(information, slants, alignment.ends_seen)
 
 
 def _wrongness(alignment: Alignment) -> float:

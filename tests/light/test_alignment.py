@@ -199,6 +199,17 @@ def test_of_a_shadow_whose_tip_is_out_of_the_picture_the_length_is_not_known(ele
     assert along @ known @ along < 1e-3 * (across @ known @ across)
 
 
+@pytest.mark.parametrize(("elevation_deg", "least", "most"), [(60.0, 0.95, 1.0), (35.0, 0.95, 1.0), (8.0, 0.0, 0.05)])
+def test_the_end_of_a_shadow_is_seen_where_it_lies_in_the_picture(
+    elevation_deg: float, least: float, most: float
+) -> None:
+    here = painted_region(BOX, elevation_deg=elevation_deg)
+    found = aligned([body_of(here, BOX)], costs_of(here))
+    assert found is not None
+    (seen,) = found.ends_seen
+    assert least <= seen <= most
+
+
 def test_two_lights_shadows_come_back_to_their_own_places() -> None:
     here = painted_region(BOX)
     lights = here.scene.to_light, direction(170.0, 55.0)

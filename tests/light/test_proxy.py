@@ -297,6 +297,26 @@ NOTHING_TO_SEE = {
 }
 
 
+@pytest.mark.parametrize("elevation_deg", [4.0, 8.0, 12.0, 16.0])
+@pytest.mark.parametrize("azimuth_deg", [60, 120, 200, 290])
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+def test_a_shadow_that_leaves_the_picture_is_told_or_its_height_is_unsure(
+    caster: Caster, azimuth_deg: float, elevation_deg: float
+) -> None:
+    scene = paint(caster, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)
+    estimate = estimated(scene.tracked)
+    check_answer_or_reason(estimate)
+    leaves = scene.shadow[[0, -1]].any() or scene.shadow[:, [0, -1]].any()
+    if estimate.light is not None:
+        assert estimate.light.sigma_rad is not None
+        assert apart_deg(estimate.light.to_light_marker, scene.to_light) < 2.5 * math.degrees(estimate.light.sigma_rad)
+        assert not leaves or estimate.light.sigma_rad > math.radians(5)
+    else:
+        assert leaves
+        assert estimate.reason is not None
+        assert "leave the picture" in estimate.reason
+
+
 @pytest.mark.parametrize("image", NOTHING_TO_SEE.values(), ids=NOTHING_TO_SEE)
 def test_pictures_of_nothing_give_a_reason(image: Image) -> None:
     camera = Camera.from_hfov((image.shape[1], image.shape[0]), HFOV_DEG)
