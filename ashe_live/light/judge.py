@@ -38,11 +38,16 @@ def promise(region: Region, materials: Materials, split: Split) -> float:
 
 def log_odds(explanation: Explanation) -> float:
     """Log odds that the explanation is right, times that its direction is as good as an answer must be."""
-    is_right = 1 / (1 + math.exp(-float(np.clip(OFFSET + WEIGHTS @ evidence(explanation), -50, 50))))
+    is_right = 1 / (1 + math.exp(-_score(explanation)))
     radius = max(radius_of_68_percent(of_outlines(light.covariance_rad2)) for light in explanation.lights)
     is_good = -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2)
     probability = min(max(is_right * is_good, 1e-6), 1 - 1e-6)
     return math.log(probability / (1 - probability))
+
+
+def likeliest(explanations: Sequence[Explanation]) -> Explanation:
+    """The one that looks right, also where it hardly tells the light's direction."""
+    return max(explanations, key=_score)
 
 
 def best_of(explanations: Sequence[Explanation]) -> tuple[Explanation, float]:
@@ -79,3 +84,8 @@ def lights_of(explanation: Explanation, confidence: float, tracked: TrackedFrame
         sigma_rad = radius_of_68_percent(covariance)
         lights.append(DirectionalLight(fitted.to_light_marker, covariance, sigma_rad, confidence))
     return lights
+
+
+def _score(explanation: Explanation) -> float:
+    """Log odds that it is right."""
+    return float(np.clip(OFFSET + WEIGHTS @ evidence(explanation), -50, 50))

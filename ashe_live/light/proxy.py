@@ -17,7 +17,7 @@ from ashe_live.light.associate import distinct, doubted, splits
 from ashe_live.light.evidence import Explanation, shadow_core
 from ashe_live.light.explain import Proposal, are_alike, explained, finer, leaves_the_picture, sharpened
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, lit_rgb, unlit_mask
-from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, lights_of, log_odds, promise
+from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, lights_of, likeliest, log_odds, promise
 from ashe_live.light.materials import materials_of
 from ashe_live.light.penumbra import angular_size
 from ashe_live.light.regions import Region, unlit_regions
@@ -159,7 +159,7 @@ class ProxyEstimator:
         body, shadow = (best.region.in_frame(mask) for mask in (best.split.object_mask, best.split.shadow_mask))
         if confidence < LEAST_CONFIDENCE:
             reason = "what stands out from the ground does not fit an object and its shadow in one directional light"
-            if leaves_the_picture(best):
+            if leaves_the_picture(likeliest(refined)):
                 reason = "the shadow seems to leave the picture: show its far end"
             return answer(reason, body=body, shadow=shadow)
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]

@@ -10,7 +10,7 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.associate import Split
 from ashe_live.light.directions import FittedLight
 from ashe_live.light.evidence import Explanation
-from ashe_live.light.judge import GOOD_RAD, best_of, contest, log_odds, promise
+from ashe_live.light.judge import GOOD_RAD, best_of, contest, likeliest, log_odds, promise
 from ashe_live.light.materials import materials_of
 from ashe_live.light.predicted import Predicted
 from tests.light.painted_bodies import alignment_of, explanation_of
@@ -167,3 +167,10 @@ def test_the_best_explanation_wins_and_a_strong_rival_makes_it_less_believed() -
     assert best_of([rival, good])[1] < alone[1]
     assert best_of([rival, good])[1] < best_of([ally, good])[1]
     assert best_of([worse])[1] < alone[1]
+
+
+def test_the_likeliest_explanation_is_so_however_little_is_known_of_its_light() -> None:
+    vague, poor = explanation(0.3, covariance(40.0, 30.0)), explanation(1.0)
+    assert log_odds(vague) < log_odds(poor)
+    assert best_of([vague, poor])[0] is poor
+    assert likeliest([poor, vague]) is vague
