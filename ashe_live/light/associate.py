@@ -31,7 +31,7 @@ LEAST_OBJECT_PX, LEAST_SHADOW_PX = 12, 8
 LEAST_AREA_PX = 30
 SMALL_PART = 0.05
 OBJECTS, LESSER_OBJECT = 3, 0.1  # that may stand beside each other, and their least share of the largest one
-SAME_SHARE = 0.12
+SAME_SHARE = 0.12  # of its pixels, in less than which a split differs from one like it
 ROUNDS = 2  # of giving pixels to what they cost least as
 REACH_PX = 3
 # Shadows of the same light are more or less deep: in a penumbra, and where the object hides the sky as well.

@@ -31,7 +31,7 @@ FEW_PX = 20
 # misses them by this share of its size is so wrong that its errors are as large as theirs. Both measured, so that 68 %
 # of the errors lie within sigma (docs/accuracy.md).
 CORRELATED, WRONG_BODY_SHARE = 2.3, 0.007
-END_SEEN = 0.5  # share of a shadow's far end from which on it is
+END_SEEN = 0.5  # share of its far end that must be seen for a shadow's length to be
 # Share of its pixels in which an explanation must differ from another to be worth more work.
 DIFFERING_SHARE = 0.04
 
