@@ -16,8 +16,8 @@ from ashe_live.light.mixtures import Mixture
 
 # The vote's bins: log brightness, chroma red to blue, chroma green.
 BIN = np.array([0.06, 0.06, 0.05])
-LOWEST = np.array([-2.7, -1.6, -0.3])
-BINS = np.array([42, 34, 18])
+LOWEST = np.array([-4.5, -1.6, -0.3])
+BINS = np.array([72, 34, 18])
 # How far a shadow pixel may be from its ground's shifted colour.
 SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
 FINE = 0.6  # width of a mode, in units of that noise, where two lights' shifts must not become one

@@ -17,6 +17,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, rigid
 from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.proxy import ProxyEstimator
+from tests.light import painted_scenes
 from tests.light.painted_scenes import (
     BOX,
     CYLINDER,
@@ -295,6 +296,13 @@ NOTHING_TO_SEE = {
     **{f"level {h}x{w}": level(90, h, w) for h, w in ((1, 1), (2, 2), (1, 640), (640, 1), (64, 64))},
     **{f"noise {h}x{w}": noise(h, w) for h, w in ((1, 1), (2, 2), (3, 500), (64, 64), (480, 640))},
 }
+
+
+@pytest.mark.parametrize("left_over", [0.015, 0.03, 0.6])
+def test_shadows_may_be_nearly_black_or_pale(left_over: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(painted_scenes, "SHADOW_RATIO", left_over * np.array([0.9, 1.0, 1.1]))
+    scene = paint(BOX)
+    assert apart_deg(towards(scene.tracked), scene.to_light) < 1.0
 
 
 @pytest.mark.parametrize("elevation_deg", [4.0, 8.0, 12.0, 16.0])

@@ -1,5 +1,7 @@
 """The shift from lit to shadowed ground, on painted scenes whose ratio of shadow to light is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -58,6 +60,16 @@ def test_the_true_shift_is_among_those_voted_for(ground: str, caster: Caster) ->
     off = min(np.abs(shadow_ratio(here.ground, shift) / SHADOW_RATIO - 1).max() for shift in shifts)
     # Each brick has its own brightness, so that its shadow has one as well.
     assert off < (0.2 if ground == "bricks" else 0.1)
+
+
+@pytest.mark.parametrize("ratio", [0.6, 0.2, 0.05, 0.015])
+def test_pale_and_nearly_black_shadows_are_voted_for(ratio: float) -> None:
+    """Phones make strong shadows black."""
+    lit, shaded = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, ratio))
+    colours = shaded + np.random.default_rng(0).normal(0, 0.05, (20, 20, 3))
+    ground = replace(ground_of(lit), colours=colours.astype(np.float32))
+    shifts = shadow_shifts(ground, np.ones((20, 20), bool), 3)
+    assert min(np.abs(shift - (shaded - lit)).max() for shift in shifts) < 0.05
 
 
 def test_shifts_are_different_ones_and_make_darker() -> None:
