@@ -156,10 +156,12 @@ class ProxyEstimator:
             return answer("no shadow found: the light may be diffuse, or the shadow out of view")
         best, confidence = best_of(refined)
         clock.end("judge")
-        body, shadow = (best.region.in_frame(mask) for mask in (best.split.object_mask, best.split.shadow_mask))
-        if confidence < LEAST_CONFIDENCE:
+        is_answered = confidence >= LEAST_CONFIDENCE
+        told = best if is_answered else likeliest(refined)
+        body, shadow = (told.region.in_frame(mask) for mask in (told.split.object_mask, told.split.shadow_mask))
+        if not is_answered:
             reason = "what stands out from the ground does not fit an object and its shadow in one directional light"
-            if leaves_the_picture(likeliest(refined)):
+            if leaves_the_picture(told):
                 reason = "the shadow seems to leave the picture: show its far end"
             return answer(reason, body=body, shadow=shadow)
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]

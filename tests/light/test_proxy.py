@@ -323,6 +323,8 @@ def test_a_shadow_that_leaves_the_picture_is_told_or_its_height_is_unsure(
         assert leaves
         assert estimate.reason is not None
         assert "leave the picture" in estimate.reason
+        assert estimate.shadow_mask is not None
+        assert estimate.shadow_mask[[0, -1]].any() or estimate.shadow_mask[:, [0, -1]].any()
 
 
 @pytest.mark.parametrize("image", NOTHING_TO_SEE.values(), ids=NOTHING_TO_SEE)
