@@ -181,7 +181,8 @@ def _ends_seen(slants: Float, by_theta: Float, known: Mask) -> tuple[float, ...]
     for i, slant in enumerate(slants):
         outward = slant @ by_theta[2 * i : 2 * i + 2].reshape(2, -1, PLACES)[:, 1 + i]
         counts = np.maximum(outward, 0) ** 2
-        seen.append(float(counts @ known[i] / max(counts.sum(), 1e-9)))
+        # A shadow straight below its object has no far end.
+        seen.append(float(counts @ known[i] / counts.sum()) if counts.any() else 1.0)
     return tuple(seen)
 
 

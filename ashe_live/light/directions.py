@@ -1,7 +1,6 @@
 """Directions towards lights, from the displacements by which their shadows fall."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,7 @@ HEMISPHERE_RAD = 0.7  # how far a light may be from where it is found, if the ou
 # By how much its height may be off where nothing of its shadow's far end is seen: other borders tell lengths by the
 # body's shape alone. Measured on pictures cut through their shadows.
 UNSEEN_END_RAD = math.radians(6)
+HEIGHTS = 64  # at which a density is looked at
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,15 +49,21 @@ def above_the_ground(information: Float, slants: Float) -> Float:
     return total
 
 
-def with_ends_seen(information: Float, slants: Float, seen: Sequence[float]) -> Float:
-    """Information (2 l, 2 l) on slants (l, 2) when so much, 0 to 1, of each shadow's far end is seen."""
-    covariance = np.linalg.inv(information)
-    for i, (slant, share) in enumerate(zip(slants, seen, strict=True)):
-        own = np.s_[2 * i : 2 * i + 2]
-        along = slant / max(float(np.linalg.norm(slant)), 1e-9)
-        spread = UNSEEN_END_RAD * (1 - share) * (1 + slant @ slant)  # a slant is the cotangent of a height
-        covariance[own, own] += spread**2 * np.outer(along, along)
-    return np.asarray(np.linalg.inv(covariance))
+def with_end_seen(light: FittedLight, seen: float) -> FittedLight:
+    """What is known of it when so much, 0 to 1, of its shadow's far end is seen.
+
+    Unseen, a shadow may be longer than found but not shorter, and the light as much lower. How low is told by what else
+    told its height, the covariance; and long ends out of the picture are rarer than short ones.
+    """
+    height, deviation = math.asin(light.to_light_marker[2]), math.sqrt(light.covariance_rad2[1, 1])
+    heights = np.linspace(max(0.0, height - 5 * deviation), height, HEIGHTS)
+    likelihood = heights * np.exp(-0.5 * ((heights - height) / deviation) ** 2)
+    mean = np.average(heights, weights=likelihood)
+    variance = np.average((heights - mean) ** 2, weights=likelihood) + UNSEEN_END_RAD**2
+    change = np.array([1.0, seen + (1 - seen) * math.sqrt(variance) / deviation])
+    down = (1 - seen) * (height - mean)
+    lowered = math.cos(down) * light.to_light_marker - math.sin(down) * tangent_basis(light.to_light_marker)[1]
+    return FittedLight(lowered, light.covariance_rad2 * np.outer(change, change))
 
 
 def _direction_by_slant(slant: Float) -> Float:

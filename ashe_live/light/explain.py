@@ -10,7 +10,7 @@ from ashe_live.light.alignment import Alignment, aligned, criterion
 from ashe_live.light.associate import Split
 from ashe_live.light.body import Body
 from ashe_live.light.costs import Costs
-from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights, with_ends_seen
+from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights, with_end_seen
 from ashe_live.light.evidence import Explanation
 from ashe_live.light.fit import FitFailure, FitPreset, Masks, fit_bodies
 from ashe_live.light.log_colour import Float32
@@ -107,7 +107,7 @@ def sharpened(explanation: Explanation) -> Explanation:
     # The labels may be later ones than those that the guess was made from.
     P = body.guess.seen_by(view.camera, view.T_cam_marker, outlines.centre_px).P
     sharp = sharpened_slants(P, outlines, body.slants, known, EDGE_SIGMA_PX, spheroids)
-    return replace(explanation, lights=fitted_lights(*sharp))
+    return replace(explanation, lights=_with_ends_seen(fitted_lights(*sharp), alignment))
 
 
 def leaves_the_picture(explanation: Explanation) -> bool:
@@ -171,15 +171,19 @@ def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
 
 
 def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
-    return fitted_lights(alignment.placed.body.slants, np.asarray(np.linalg.inv(_information(alignment))))
+    covariance = np.asarray(np.linalg.inv(_information(alignment)))
+    return _with_ends_seen(fitted_lights(alignment.placed.body.slants, covariance), alignment)
+
+
+def _with_ends_seen(lights: Sequence[FittedLight], alignment: Alignment) -> tuple[FittedLight, ...]:
+    return tuple(with_end_seen(light, seen) for light, seen in zip(lights, alignment.ends_seen, strict=True))
 
 
 def _information(alignment: Alignment) -> Float:
-    """(2 l, 2 l) on slants: little where the body is a wrong one, or a shadow's end is out of the picture."""
+    """(2 l, 2 l) on slants: little where the body is a wrong one."""
     slants = alignment.placed.body.slants
     information = information_on_slants(alignment.normal, slants.size)
-    information = above_the_ground(information / (CORRELATED * (1 + _wrongness(alignment) ** 2)), slants)
-    return with_ends_seen(information, slants, alignment.ends_seen)
+    return above_the_ground(information / (CORRELATED * (1 + _wrongness(alignment) ** 2)), slants)
 
 
 def _wrongness(alignment: Alignment) -> float:

@@ -1,4 +1,4 @@
-"""What is known of displacements, said of directions."""
+"""What is known of a light whose shadow's far end is out of the picture."""
 
 import math
 
@@ -6,48 +6,72 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.directions import UNSEEN_END_RAD, fitted_lights, with_ends_seen
-from tests.light.painted_bodies import slant_of
+from ashe_live.core.transforms import angles_from_direction
+from ashe_live.light.directions import UNSEEN_END_RAD, FittedLight, with_end_seen
 from tests.light.synthetic_masks import direction
 
-INFORMATION = np.array([(900.0, 200.0), (200.0, 500.0)])
+DEG = math.pi / 180
+CORRELATION = 0.3
 
 
-def covariance_of(information: Float, slant: Float) -> Float:
-    (light,) = fitted_lights(slant[None], np.linalg.inv(information))
-    return light.covariance_rad2
+def light(azimuth_deg: float, elevation_deg: float, deviation_deg: float) -> FittedLight:
+    """Of a known azimuth, and a height that only deviates by so much."""
+    deviations = np.array([1.0, deviation_deg]) * DEG
+    correlation = np.array([(1.0, CORRELATION), (CORRELATION, 1.0)])
+    return FittedLight(direction(azimuth_deg, elevation_deg), correlation * np.outer(deviations, deviations))
+
+
+def height_deg(fitted: FittedLight) -> float:
+    return math.degrees(math.asin(fitted.to_light_marker[2]))
+
+
+def deviations_deg(fitted: FittedLight) -> Float:
+    return np.degrees(np.sqrt(np.diag(fitted.covariance_rad2)))
+
+
+def test_where_the_end_is_seen_nothing_changes() -> None:
+    before = light(40, 20, 3)
+    after = with_end_seen(before, 1.0)
+    assert after.to_light_marker == pytest.approx(before.to_light_marker, abs=1e-15)
+    assert after.covariance_rad2 == pytest.approx(before.covariance_rad2)
 
 
 @pytest.mark.parametrize("elevation_deg", [2.0, 30.0, 75.0])
 @pytest.mark.parametrize("azimuth_deg", [0.0, 130.0, 250.0])
-def test_where_no_end_is_seen_the_height_is_less_sure_and_the_azimuth_as_before(
-    azimuth_deg: float, elevation_deg: float
-) -> None:
-    slant = slant_of(direction(azimuth_deg, elevation_deg))
-    before = covariance_of(INFORMATION, slant)
-    after = covariance_of(with_ends_seen(INFORMATION, slant[None], [0.0]), slant)
-    assert after - before == pytest.approx(np.diag([0, UNSEEN_END_RAD**2]), abs=1e-6)
+def test_only_the_height_is_less_sure(azimuth_deg: float, elevation_deg: float) -> None:
+    before = light(azimuth_deg, elevation_deg, 3)
+    after = with_end_seen(before, 0.0)
+    assert angles_from_direction(after.to_light_marker)[0] == pytest.approx(
+        angles_from_direction(before.to_light_marker)[0], abs=1e-9
+    )
+    assert deviations_deg(after)[0] == pytest.approx(deviations_deg(before)[0])
+    assert deviations_deg(after)[1] >= math.degrees(UNSEEN_END_RAD)
+    assert after.covariance_rad2[0, 1] == pytest.approx(CORRELATION * np.prod(deviations_deg(after)) * DEG**2)
 
 
-def test_where_the_end_is_seen_nothing_changes() -> None:
-    slant = slant_of(direction(40, 20))
-    assert with_ends_seen(INFORMATION, slant[None], [1.0]) == pytest.approx(INFORMATION)
+def test_a_shadow_of_which_nothing_else_tells_the_length_stands_for_all_lower_lights() -> None:
+    """Heights from 0 to h, the larger the likelier: 2/3 of h in the mean, h / sqrt(18) about it."""
+    after = with_end_seen(light(40, 24, 1e6), 0.0)
+    assert height_deg(after) == pytest.approx(16, abs=0.2)
+    spread = math.hypot(24 / math.sqrt(18), math.degrees(UNSEEN_END_RAD))
+    assert deviations_deg(after)[1] == pytest.approx(spread, rel=0.02)
 
 
-def test_the_less_of_the_end_is_seen_the_less_is_known() -> None:
-    slant = slant_of(direction(40, 20))
-    known = [float(np.linalg.det(with_ends_seen(INFORMATION, slant[None], [seen]))) for seen in (0.0, 0.3, 0.6, 1.0)]
-    assert np.all(np.diff(known) > 0)
+def test_a_height_that_is_known_otherwise_stays() -> None:
+    after = with_end_seen(light(40, 24, 0.5), 0.0)
+    assert 24 - 0.5 < height_deg(after) < 24
+    assert deviations_deg(after)[1] == pytest.approx(math.degrees(UNSEEN_END_RAD), rel=0.01)
 
 
-def test_each_light_has_an_end_of_its_own() -> None:
-    slants = np.array([slant_of(direction(40, 20)), slant_of(direction(200, 50))])
-    both = np.kron(np.eye(2), INFORMATION)
-    changed = with_ends_seen(both, slants, [0.0, 1.0])
-    assert changed[2:, 2:] == pytest.approx(INFORMATION)
-    assert np.linalg.det(changed[:2, :2]) < np.linalg.det(INFORMATION)
+def test_the_less_of_the_end_is_seen_the_lower_and_the_less_sure() -> None:
+    found = [with_end_seen(light(40, 20, 1), seen) for seen in (0.0, 0.3, 0.6, 1.0)]
+    assert np.all(np.diff([height_deg(each) for each in found]) > 0)
+    assert np.all(np.diff([float(np.linalg.det(each.covariance_rad2)) for each in found]) < 0)
 
 
-def test_a_light_overhead_has_no_length_to_be_unsure_of() -> None:
-    assert with_ends_seen(INFORMATION, np.zeros((1, 2)), [0.0]) == pytest.approx(INFORMATION)
-    assert math.isfinite(with_ends_seen(INFORMATION, np.full((1, 2), 1e-12), [0.0]).sum())
+@pytest.mark.parametrize("elevation_deg", [1e-6, 0.5, 89.9, 90.0])
+@pytest.mark.parametrize("deviation_deg", [1e-3, 1.0, 60.0])
+def test_never_below_the_ground(elevation_deg: float, deviation_deg: float) -> None:
+    after = with_end_seen(light(40, elevation_deg, deviation_deg), 0.0)
+    assert 0 < height_deg(after) <= elevation_deg + 1e-6
+    assert np.isfinite(after.covariance_rad2).all()
