@@ -1,6 +1,7 @@
 """Directions towards lights, from the displacements by which their shadows fall."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +41,16 @@ def fitted_lights(slants: Float, covariance: Float) -> tuple[FittedLight, ...]:
     return tuple(lights)
 
 
+def slants_of(lights: Sequence[FittedLight]) -> tuple[Float, Float]:
+    """Displacements (l, 2) of lights, each found for itself, and the information (2 l, 2 l) on them."""
+    towards = np.array([light.to_light_marker for light in lights])
+    slants, information = towards[:, :2] / towards[:, 2:], np.zeros((2 * len(lights), 2 * len(lights)))
+    for i, (light, slant) in enumerate(zip(lights, slants, strict=True)):
+        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
+        information[own, own] = slope.T @ np.linalg.solve(light.covariance_rad2, slope)
+    return slants, information
+
+
 def above_the_ground(information: Float, slants: Float) -> Float:
     """Information (2 l, 2 l) on slants (l, 2) and that a light is on the hemisphere."""
     total = information.copy()
@@ -61,7 +72,7 @@ def with_end_seen(light: FittedLight, seen: float) -> FittedLight:
     mean = np.average(heights, weights=likelihood)
     variance = np.average((heights - mean) ** 2, weights=likelihood) + UNSEEN_END_RAD**2
     change = np.array([1.0, seen + (1 - seen) * math.sqrt(variance) / deviation])
-    down = (1 - seen) * (height - mean)
+    down = (1 - seen) ** 2 * (height - mean)
     lowered = math.cos(down) * light.to_light_marker - math.sin(down) * tangent_basis(light.to_light_marker)[1]
     return FittedLight(lowered, light.covariance_rad2 * np.outer(change, change))
 

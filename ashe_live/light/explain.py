@@ -10,7 +10,7 @@ from ashe_live.light.alignment import Alignment, aligned, criterion
 from ashe_live.light.associate import Split
 from ashe_live.light.body import Body
 from ashe_live.light.costs import Costs
-from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights, with_end_seen
+from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights, slants_of, with_end_seen
 from ashe_live.light.evidence import Explanation
 from ashe_live.light.fit import FitFailure, FitPreset, Masks, fit_bodies
 from ashe_live.light.log_colour import Float32
@@ -103,18 +103,10 @@ def sharpened(explanation: Explanation) -> Explanation:
         return explanation
     body = alignment.placed.body
     spheroids = body.spheroids if _wrongness(alignment) < 1 else None
-    known = _information(alignment)
     # The labels may be later ones than those that the guess was made from.
     P = body.guess.seen_by(view.camera, view.T_cam_marker, outlines.centre_px).P
-    sharp = sharpened_slants(P, outlines, body.slants, known, EDGE_SIGMA_PX, spheroids)
-    return replace(explanation, lights=_with_ends_seen(fitted_lights(*sharp), alignment))
-
-
-def leaves_the_picture(explanation: Explanation) -> bool:
-    """Whether a shadow reaches the picture's edge, and its far end is not seen."""
-    unseen = min(explanation.alignment.ends_seen) < END_SEEN
-    shadow = explanation.region.in_frame(explanation.predicted.shadow)
-    return unseen and bool(shadow[[0, -1]].any() or shadow[:, [0, -1]].any())
+    sharp = sharpened_slants(P, outlines, *slants_of(explanation.lights), EDGE_SIGMA_PX, spheroids)
+    return replace(explanation, lights=fitted_lights(*sharp))
 
 
 def price(explanation: Explanation) -> float:
@@ -172,10 +164,7 @@ def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
 
 def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
     covariance = np.asarray(np.linalg.inv(_information(alignment)))
-    return _with_ends_seen(fitted_lights(alignment.placed.body.slants, covariance), alignment)
-
-
-def _with_ends_seen(lights: Sequence[FittedLight], alignment: Alignment) -> tuple[FittedLight, ...]:
+    lights = fitted_lights(alignment.placed.body.slants, covariance)
     return tuple(with_end_seen(light, seen) for light, seen in zip(lights, alignment.ends_seen, strict=True))
 
 

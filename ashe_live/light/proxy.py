@@ -11,14 +11,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light import fit as fitting
 from ashe_live.light.associate import distinct, doubted, splits
 from ashe_live.light.evidence import Explanation, shadow_core
-from ashe_live.light.explain import Proposal, are_alike, explained, finer, leaves_the_picture, sharpened
+from ashe_live.light.explain import Proposal, are_alike, explained, finer, sharpened
 from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground, lit_rgb, unlit_mask
 from ashe_live.light.judge import LEAST_CONFIDENCE, best_of, lights_of, likeliest, log_odds, promise
 from ashe_live.light.materials import materials_of
+from ashe_live.light.no_answer import NO_SHADOW, NOTHING_THERE, TOO_LITTLE_GROUND, fault_of_exposure, fault_of_scene
 from ashe_live.light.penumbra import angular_size
 from ashe_live.light.regions import Region, unlit_regions
 from ashe_live.light.second_light import with_their_lights
@@ -80,7 +81,7 @@ BALANCED = ProxySteps(
     shadows_per_shift=2,
     tried=6,
     pairs_tried=1,
-    refined=3,
+    refined=2,
     rounds=1,
     ground=GroundSteps(),
     first_fit=fitting.FAST,
@@ -125,21 +126,20 @@ class ProxyEstimator:
         fine = View.of(tracked, steps.fine_width_px)
         coarse = fine.scaled(steps.coarse_width_px)
 
-        def answer(
-            reason: str | None, *lights: DirectionalLight, body: Mask | None = None, shadow: Mask | None = None
-        ) -> LightEstimate:
-            index = tracked.frame.index
-            return LightEstimate(self.name, index, lights, reason, body, shadow, clock.timing_ms())
+        def none(reason: str, *masks: Mask) -> LightEstimate:
+            body, shadow = masks or (None, None)
+            reason = fault_of_exposure(coarse) or reason
+            return LightEstimate(self.name, tracked.frame.index, (), reason, body, shadow, clock.timing_ms())
 
         ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
         if ground is None:
             clock.end("segment")
-            return answer("too little lit ground around the marker")
+            return none(TOO_LITTLE_GROUND)
         unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
         regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
         clock.end("segment")
         if not regions:
-            return answer("nothing stands on the ground: put something that casts a shadow beside the marker")
+            return none(NOTHING_THERE)
 
         shifts = shadow_shifts(ground, unlit, steps.shifts)
         paired = shadow_shifts(ground, unlit, steps.paired_shifts, FINE)
@@ -153,25 +153,29 @@ class ProxyEstimator:
         refined = [sharpened(explanation) for explanation in refined]
         clock.end("fit")
         if not refined:
-            return answer("no shadow found: the light may be diffuse, or the shadow out of view")
+            return none(NO_SHADOW)
         best, confidence = best_of(refined)
         clock.end("judge")
-        is_answered = confidence >= LEAST_CONFIDENCE
-        told = best if is_answered else likeliest(refined)
-        body, shadow = (told.region.in_frame(mask) for mask in (told.split.object_mask, told.split.shadow_mask))
-        if not is_answered:
-            reason = "what stands out from the ground does not fit an object and its shadow in one directional light"
-            if leaves_the_picture(told):
-                reason = "the shadow seems to leave the picture: show its far end"
-            return answer(reason, body=body, shadow=shadow)
+        if confidence < LEAST_CONFIDENCE:
+            told = likeliest(refined)
+            return none(fault_of_scene(told), *_masks_of(told))
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
         # Of two lights there is a third shift, where both are blocked.
         answers = zip(lights_of(best, confidence, tracked), ratios, strict=False)
         lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
         if len(lights) == 1:
             lights = [replace(lights[0], angular_size_rad=_angular_size(best))]
-        found = answer(None, *lights, body=body, shadow=shadow)
-        return replace(found, caster=best.proxy, ambient_rgb_ratio=ratios[-1], ground_rgb=lit_rgb(ground))
+        return LightEstimate(
+            self.name,
+            tracked.frame.index,
+            tuple(lights),
+            None,
+            *_masks_of(best),
+            clock.timing_ms(),
+            caster=best.proxy,
+            ambient_rgb_ratio=ratios[-1],
+            ground_rgb=lit_rgb(ground),
+        )
 
     def _proposals(
         self, region: Region, ground: LitGround, shifts: list[Float], paired: list[Float]
@@ -204,6 +208,12 @@ class ProxyEstimator:
     def _promising(self, explanations: list[Explanation]) -> list[Explanation]:
         """The likeliest ones that differ from each other."""
         return distinct(sorted(explanations, key=log_odds, reverse=True), are_alike, self._steps.refined)
+
+
+def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:
+    """(h, w) of the whole frame at the region's scale: object, shadow."""
+    region, split = explanation.region, explanation.split
+    return region.in_frame(split.object_mask), region.in_frame(split.shadow_mask)
 
 
 def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
