@@ -29,7 +29,6 @@ REACHES, LEAST_REACH_PX = (0.14, 0.1, 0.06, 0.05), 3.0
 OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # misses beyond this count less and less (Cauchy's loss) in the end;
 FORGIVING = 3.0  # and beyond this many times as much, at first
 DAMPING, LARGEST_STEP = 1e-3, 1.0
-FAMILIES_WEIGHED = 6
 # Bayes's ln n of the region's pixels, times the pixels whose errors go together: materials are wrong patch by patch.
 COST_PER_PARAMETER = 250.0
 TURN_RAD = 0.03  # by which a line is turned to touch either end of a straight edge
@@ -92,9 +91,8 @@ def criterion(placed: Placed) -> float:
 
 def _aligned(several: Sequence[tuple[Sequence[Body], Costs]]) -> list[Alignment | None]:
     """As `aligned`, where all bodies have equally many lights."""
-    weighed = [(body, costs) for bodies, costs in several for body in bodies[:FAMILIES_WEIGHED]]
-    candidates = iter(_placed(weighed))
-    best = [min((next(candidates) for _ in bodies[:FAMILIES_WEIGHED]), key=criterion) for bodies, _ in several]
+    candidates = iter(_placed([(body, costs) for bodies, costs in several for body in bodies]))
+    best = [min((next(candidates) for _ in bodies), key=criterion) for bodies, _ in several]
     here = list(best)
     for number, share in enumerate(REACHES):
         left = [i for i, one in enumerate(here) if one.is_in_view]
