@@ -15,7 +15,7 @@ from ashe_live.light.log_colour import Float32
 from ashe_live.light.materials import Materials
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
-from ashe_live.light.shading import agreement, correlation
+from ashe_live.light.shading import Shading, correlation, shading_of
 
 # The ring on either side of an outline where its sharpness is measured; the outline's own pixels are mixed.
 RING_PX = (1.0, 4.0)
@@ -49,7 +49,8 @@ EVIDENCE = (
     "clear body",
     "clear shadow",
     "flat",
-    "shading",
+    "contrast",
+    "sunlit",
     "hue",
     "brightness",
     "short",
@@ -63,13 +64,12 @@ EVIDENCE = (
 
 
 def evidence(explanation: Explanation) -> Float:
-    """(14,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
-    alignment = explanation.alignment
+    """(15,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
+    alignment, shading = explanation.alignment, _shading(explanation)
     misfit = math.log(max(alignment.missed_px, 0.05) / alignment.placed.object_px)
     looks = appearance(explanation.region, explanation.materials, explanation.predicted)
-    return np.array(
-        [misfit, alignment.clear_body, alignment.clear_shadow, _flatness(explanation), _agreement(explanation), *looks]
-    )
+    clear = alignment.clear_body, alignment.clear_shadow
+    return np.array([misfit, *clear, _flatness(explanation), shading.contrast, math.asinh(shading.sunlit), *looks])
 
 
 def _flatness(explanation: Explanation) -> float:
@@ -79,10 +79,10 @@ def _flatness(explanation: Explanation) -> float:
     return max(math.log(max(breadth, 1e-9) / max((z + half).max(), 1e-9)) - FLAT, 0.0)
 
 
-def _agreement(explanation: Explanation) -> float:
+def _shading(explanation: Explanation) -> Shading:
     lights = [light.to_light_marker for light in explanation.lights]
     left_over = [math.exp(shift[0]) for shift in explanation.materials.shifts[: len(lights)]]
-    return agreement(explanation.region, explanation.predicted.body, explanation.proxy, lights, left_over)
+    return shading_of(explanation.region, explanation.predicted.body, explanation.proxy, lights, left_over)
 
 
 def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:

@@ -15,19 +15,19 @@ from ashe_live.light.regions import Region
 from ashe_live.light.uncertainty import of_direction, of_doubt, of_outlines, radius_of_68_percent
 
 # Below this, an answer is more likely a wrong one.
-LEAST_CONFIDENCE = 0.25
+LEAST_CONFIDENCE = 0.3
 GOOD_RAD = math.radians(10)
 # A sample of a round normal distribution is beyond r times its 68 % radius with probability exp(RAYLEIGH_68 r^2).
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -7.46
-WEIGHTS = np.array([-1.0, 1.76, 1.72, -2.53, 2.0, -4.23, -2.97, 0.15, -0.29, -0.54, -0.64, 1.61, -6.49, 0.3])
+OFFSET = -8.76
+WEIGHTS = np.array([-0.82, 2.73, 2.8, -1.61, 1.67, 0.7, -3.77, -5.5, 0.05, 0.37, -0.54, -0.43, 1.28, -3.81, 0.3])
 # How much each of `appearance` promises before any fit; fitted to which splits the right light followed from.
 PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
-CONTEST_OFFSET = -0.60
-CONTEST_WEIGHTS = np.array([0.96, 1.33, 0.78])
+CONTEST_OFFSET = -0.55
+CONTEST_WEIGHTS = np.array([1.03, 0.46, 1.38])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:

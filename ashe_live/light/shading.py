@@ -1,6 +1,8 @@
 """Shading: whether the object is lit as the fitted body would be in the light that its shadow tells of."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -20,18 +22,58 @@ LOWEST_Z = 0.1
 FARTHEST_PX = 1e5
 LEAST_PX = 30
 LEAST_SPREAD = 1e-3
+FINEST = 0.03  # a difference in log brightness below which all bodies are one colour
+# How much of the sky's shading and of the light's an object may show, before it is looked at: 1 were it matt and of one
+# colour, and its body the true one. Means and deviations.
+USUAL, SPREAD = np.array([1.0, 0.5]), np.array([0.7, 0.5])
+LEAST_NOISE = 0.05
+TOGETHER_PX = 40  # as many neighbours differ from a body's brightness as one: an object's colours come in patches
 
 
-def agreement(region: Region, body: Mask, proxy: Proxy, to_lights_marker: list[Float], left_over: list[float]) -> float:
-    """Correlation of log brightness over the object with a Lambertian body's; 0 where either hardly varies.
+@dataclass(frozen=True, slots=True)
+class Shading:
+    """Whether an object is lit by a light, or by the sky alone; 0 where nothing tells."""
 
-    `left_over`: of the ground's light, in each light's shadow.
+    contrast: float  # log of how much more the sky alone leaves unexplained of its brightness than with the light
+    sunlit: float  # how surely the light's own part is seen in it, in sigmas; negative if it is lit from elsewhere
+
+
+UNKNOWN = Shading(0.0, 0.0)
+
+
+def shading_of(
+    region: Region, body: Mask, proxy: Proxy, to_lights_marker: Sequence[Float], left_over: Sequence[float]
+) -> Shading:
+    """Of the object `body` (h, w), compared with a Lambertian body in these lights and under the sky.
+
+    `left_over`: of the ground's light, in each light's shadow. It says how strong the light is: one whose shadow halves
+    the ground's brightness must shade the object as much; what lies flat and dark beside it has no such light.
     """
-    expected = _irradiance(region, proxy, to_lights_marker, left_over)
-    core = shrunk(body, 1) & region.is_ground & (expected > 0)
+    lit, under_sky = _irradiances(region, proxy, to_lights_marker, left_over)
+    core = shrunk(body, 1) & region.is_ground & (lit > 0)
     if np.count_nonzero(core) <= LEAST_PX:
-        return 0.0
-    return correlation(np.log(expected[core] + DARKEST), region.colours[..., 0][core])
+        return UNKNOWN
+    brightness = region.colours[..., 0][core].astype(np.float64)
+    by_light, by_sky = (np.log(picture[core] + DARKEST, dtype=np.float64) for picture in (lit, under_sky))
+    contrast = math.log((_spread(brightness - by_sky) + FINEST) / (_spread(brightness - by_light) + FINEST))
+    return Shading(contrast, _sunlit(brightness, by_sky, by_light - by_sky))
+
+
+def _sunlit(brightness: Float, by_sky: Float, by_light: Float) -> float:
+    """The amplitude of `by_light` in `brightness` over its deviation, as far as the object tells it."""
+    parts = np.column_stack([values - values.mean() for values in (by_sky, by_light)])
+    shown = brightness - brightness.mean()
+    noise = max(float(np.std(shown - parts @ USUAL)), LEAST_NOISE)
+    weight = 1 / (TOGETHER_PX * noise**2)
+    information = weight * (parts.T @ parts) + np.diag(SPREAD**-2.0)
+    amplitude = np.linalg.solve(information, weight * (parts.T @ shown) + USUAL / SPREAD**2)[1]
+    variance = float(np.linalg.inv(information)[1, 1])
+    return float(amplitude / math.sqrt(variance) * (1 - variance / SPREAD[1] ** 2))
+
+
+def _spread(values: Float) -> float:
+    """Mean of how far values are from their median: one that few outliers hardly change."""
+    return float(np.abs(values - np.median(values)).mean())
 
 
 def correlation(one: Float | Float32, other: Float | Float32) -> float:
@@ -41,8 +83,10 @@ def correlation(one: Float | Float32, other: Float | Float32) -> float:
     return float(a @ b) / len(a) / math.sqrt(variances[0] * variances[1]) if min(variances) >= LEAST_SPREAD**2 else 0.0
 
 
-def _irradiance(region: Region, proxy: Proxy, to_lights_marker: list[Float], left_over: list[float]) -> Float32:
-    """(h, w) of the body's surface, in units of lit level ground's; 0 where it is not."""
+def _irradiances(
+    region: Region, proxy: Proxy, to_lights_marker: Sequence[Float], left_over: Sequence[float]
+) -> tuple[Float32, Float32]:
+    """(h, w) of the body's surface in the lights and under the sky alone, in units of lit ground's; 0 beside it."""
     view = region.view
     points, triangles = proxy.surface(AROUND, UPWARDS)
     first, second, third = points[triangles.T]
@@ -54,13 +98,16 @@ def _irradiance(region: Region, proxy: Proxy, to_lights_marker: list[Float], lef
     front = (lengths > 1e-9 * lengths.max()) & (((eye - first) * normals).sum(axis=1) > 0) & in_view
     normals = normals[front] / lengths[front, None]
     up = normals[:, 2]
-    sky = 1 - sum(1 - left for left in left_over)
-    irradiance = max(sky, 0.0) * (1 + up) / 2 + BOUNCE * (1 - up) / 2
+    from_sky, bounced = (1 + up) / 2, BOUNCE * (1 - up) / 2
+    irradiance = max(1 - sum(1 - left for left in left_over), 0.0) * from_sky + bounced
     for to_light, left in zip(to_lights_marker, left_over, strict=True):
         irradiance += (1 - left) / max(to_light[2], LOWEST_Z) * np.maximum(normals @ to_light, 0)
-    picture = np.zeros(view.is_ground.shape, np.float32)
     corners = np.round(pixels[front] * 2**SUBPIXEL_BITS).astype(np.int32)
     # Neighbours share the pixels of their edge: the brighter one gets them, whichever way the marker is turned.
-    for index in np.argsort(irradiance):
-        cv2.fillConvexPoly(picture, corners[index], float(irradiance[index]), shift=SUBPIXEL_BITS)
-    return picture
+    order = np.argsort(irradiance)
+    facet = np.zeros(view.is_ground.shape, np.float32)
+    for number, index in enumerate(order, start=1):
+        cv2.fillConvexPoly(facet, corners[index], number, shift=SUBPIXEL_BITS)
+    facet_of = facet.astype(np.intp)
+    lit, under_sky = (np.append(0.0, each[order]).astype(np.float32) for each in (irradiance, from_sky + bounced))
+    return lit[facet_of], under_sky[facet_of]

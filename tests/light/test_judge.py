@@ -157,8 +157,8 @@ def test_within_ten_degrees_is_near() -> None:
 
 def test_the_best_explanation_wins_and_a_strong_rival_makes_it_less_believed() -> None:
     good, worse = explanation(0.3), explanation(3.0)
-    rival = explanation(0.31, to_light=direction(20.0, 40.0))
-    ally = explanation(0.31, to_light=direction(202.0, 41.0))
+    rival = explanation(0.4, to_light=direction(20.0, 40.0))
+    ally = explanation(0.4, to_light=direction(202.0, 41.0))
     alone = best_of([good])
     for others in ([worse], [rival], [ally], [rival, ally, worse]):
         best, confidence = best_of([*others, good])
