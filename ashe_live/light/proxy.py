@@ -40,8 +40,7 @@ class ProxySteps:
     fine_width_px: int  # no region is looked at more finely than in a frame of this width
     region_px: int  # size at which a region is looked at
     regions: int
-    shifts: int
-    paired_shifts: int  # found more finely, of which two may belong to two lights
+    shifts: int  # of a shadow's colour; as many are found more finely, of which two may belong to two lights
     pairs: int  # of them that are tried
     shadows_per_shift: int
     tried: int  # how many of the splits are fitted, those that look best
@@ -59,7 +58,6 @@ FAST = ProxySteps(
     region_px=90,
     regions=2,
     shifts=5,
-    paired_shifts=5,
     pairs=1,
     shadows_per_shift=2,
     tried=4,
@@ -76,7 +74,6 @@ BALANCED = ProxySteps(
     region_px=100,
     regions=3,
     shifts=8,
-    paired_shifts=8,
     pairs=1,
     shadows_per_shift=2,
     tried=6,
@@ -89,19 +86,18 @@ BALANCED = ProxySteps(
 )
 ACCURATE = ProxySteps(
     coarse_width_px=320,
-    fine_width_px=960,
+    fine_width_px=640,
     region_px=100,
     regions=4,
-    shifts=9,
-    paired_shifts=9,
+    shifts=12,
     pairs=1,
     shadows_per_shift=2,
-    tried=12,
+    tried=16,
     pairs_tried=1,
-    refined=6,
+    refined=4,
     rounds=1,
     ground=GroundSteps(),
-    first_fit=fitting.BALANCED,
+    first_fit=fitting.FAST,
     fine_fit=fitting.BALANCED,
 )
 
@@ -142,7 +138,7 @@ class ProxyEstimator:
             return none(NOTHING_THERE)
 
         shifts = shadow_shifts(ground, unlit, steps.shifts)
-        paired = shadow_shifts(ground, unlit, steps.paired_shifts, FINE)
+        paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
         proposals = [proposal for region in regions for proposal in self._proposals(region, ground, shifts, paired)]
         clock.end("associate")
         rough = [each for each in explained(self._tried(proposals), steps.first_fit) if each]

@@ -12,7 +12,7 @@ FLOOR_RAD = math.radians(0.4)  # along each axis: the corners' bias, a curled sh
 ASSUMED_FOCAL_RAD = math.radians(0.6)  # the same, for a field of view that nobody measured
 # Along each axis, of an answer in which there is no confidence at all. Measured: where confidence is low, errors are
 # larger than outlines know.
-DOUBT_RAD = math.radians(12)
+DOUBT_RAD = math.radians(15)
 
 
 def of_outlines(covariance_rad2: Float) -> Float:
