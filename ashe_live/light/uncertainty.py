@@ -12,7 +12,7 @@ FLOOR_RAD = math.radians(0.4)  # along each axis: the corners' bias, a curled sh
 ASSUMED_FOCAL_RAD = math.radians(0.6)  # the same, for a field of view that nobody measured
 # Along each axis, of an answer in which there is no confidence at all. Measured: where confidence is low, errors are
 # larger than outlines know.
-DOUBT_RAD = math.radians(15)
+DOUBT_RAD = math.radians(30)
 
 
 def of_outlines(covariance_rad2: Float) -> Float:
@@ -36,7 +36,7 @@ def of_direction(covariance_rad2: Float, to_light_marker: Float, tracked: Tracke
 
 def of_doubt(confidence: float) -> Float:
     """(2, 2): what it adds that the outlines may be those of something else."""
-    return np.asarray((DOUBT_RAD * (1 - confidence) ** 2) ** 2 * np.eye(2))
+    return np.asarray((DOUBT_RAD * (1 - confidence) ** 3) ** 2 * np.eye(2))
 
 
 def radius_of_68_percent(covariance_rad2: Float) -> float:
