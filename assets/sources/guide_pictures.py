@@ -56,7 +56,7 @@ class Table:
 TABLES = (
     Table("good: one upright thing in the sun, all of its shadow on the table"),
     Table("good: a patterned table, as long as the shadow is seen on it", ground="planks"),
-    Table("good: a lamp; its edge is soft, its middle is not", size_deg=6.0, model="goblet", azimuth_deg=160),
+    Table("good: a lamp; its edge is soft, its middle is not", size_deg=6.0, model="lantern", azimuth_deg=160),
     Table("bad: an overcast sky or a white ceiling casts no shadow", azimuth_deg=None),
     Table("bad: nothing stands beside the marker", model=None),
     Table("bad: the shadow falls on the marker's sheet", azimuth_deg=10.0, at_m=(0.12, 0.0), elevation_deg=38),
