@@ -33,12 +33,12 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _into_files(view: View) -> int:
-    """A video and a contact sheet in the current folder, for those without a display."""
+    """A video, in the current folder if no other is named, and a contact sheet beside it."""
     now = datetime.now()
     options = view.options
     if options.out is None:
         options.out = unused_name(Path.cwd(), "ashe-live-demo", ".mp4", now)
-    sheet = unused_name(Path.cwd(), "ashe-live-demo", ".png", now)
+    sheet = unused_name(options.out.parent, "ashe-live-demo", ".png", now)
     display = Display()
     moments = Moments(THUMBNAILS)
 

@@ -51,13 +51,14 @@ def run(options: argparse.Namespace) -> int:
     statuses = set()
     for path in _watched(named_files(options.files)):
         record, tracked = _answer(path, make_tracker(options, camera_for), estimator, options)
-        print(record.to_line() if options.json else f"{record.file}: {_said(record)}", flush=True)
+        print(record.to_line() if options.json else _line(record), flush=True)
         statuses.add(_status(record))
         if options.sheet is not None:
             picture = None if tracked is None else picture_of(tracked, record.estimate)
             page.add(record.file, _said(record), picture)
     if options.sheet is not None:
         page.write(options.sheet)
+        print(f"sheet in {options.sheet}", file=sys.stderr)
     return next(status for status in WORST_FIRST if status in statuses)
 
 
@@ -87,6 +88,10 @@ def _answer(
 ) -> tuple[FileRecord, TrackedFrame | None]:
     """What is said about a file, and the frame that was used, unless the file cannot be."""
     record = FileRecord(str(path), options.quality, options.estimator)
+    if path.is_dir():  # of others, those in it were named in their place
+        return dataclasses.replace(
+            record, error=f"{path} has no photo or clip in it: name another folder, or files"
+        ), None
     try:
         with open_source(path) as source:
             if isinstance(tracker, FocalTracker):
@@ -167,19 +172,28 @@ def _timed(
     return estimate, {stage: statistics.median(run[stage] for run in counted) for stage in counted[0]}
 
 
+def _line(record: FileRecord) -> str:
+    """What is said of a file, after its name; errors say it themselves."""
+    said, name = _said(record), Path(record.file).name
+    if said.startswith(record.file):
+        return said
+    return record.file + said.removeprefix(name) if said.startswith(name) else f"{record.file}: {said}"
+
+
 def _said(record: FileRecord) -> str:
     if record.error is not None:
         return record.error
     if record.marker is None:
-        return "no marker found"
+        return "no marker found: show all of it, or name the one that is there with --marker"
     assert record.estimate is not None
     light = record.estimate.light
     if light is None:
         return f"no directional light ({record.estimate.reason})"
     sigma = "" if light.sigma_rad is None else f" ± {math.degrees(light.sigma_rad):.1f}°"
+    sure = "" if light.confidence is None else f", {100 * light.confidence:.0f} % sure"
     milliseconds = (record.timing_ms or {}).get("total", 0.0)
     return (
-        f"azimuth {light.azimuth_deg:.1f}°, elevation {light.elevation_deg:.1f}°{sigma} "
+        f"azimuth {light.azimuth_deg:.1f}°, elevation {light.elevation_deg:.1f}°{sigma}{sure} "
         f"(frame {record.frame}, {milliseconds:.0f} ms)"
     )
 

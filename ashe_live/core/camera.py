@@ -92,7 +92,9 @@ def read_camera_file(path: str | Path) -> Camera:
         return Camera((width, height), content["K"], np.array(dist, dtype=np.float64), "file")
     except OSError as error:
         raise UserError(f"cannot read the camera file {path}", error.strerror or str(error)) from error
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as error:
+    except KeyError as error:
+        raise UserError(f"the camera file {path} is not a calibration: it has no {error}", remedy) from error
+    except (ValueError, TypeError, AttributeError, OverflowError, RecursionError) as error:
         raise UserError(f"the camera file {path} is not a calibration ({error})", remedy) from error
 
 

@@ -25,6 +25,8 @@ def make_folder(folder: Path) -> None:
     """The folder and what is above it, if they are not there yet. Raises UserError when that fails."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError as error:
+        raise UserError(f"{folder} is a file, not a folder", "name a folder, there or not yet") from error
     except OSError as error:
         raise cannot_write(folder, error) from error
 

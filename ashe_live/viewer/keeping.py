@@ -31,6 +31,10 @@ class Keeper:
         self._recording = recording
         self._renderer: Renderer | None = None
 
+    @property
+    def is_recording(self) -> bool:
+        return self._recording is not None
+
     def snapshot(self, preset: RenderPreset, now_s: float) -> None:
         """With the estimate in it, into the current folder. There is nothing to keep before the first frame."""
         session = self._session

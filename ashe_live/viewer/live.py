@@ -141,7 +141,8 @@ class LiveViewer:
         status = self._source_error or self._pipeline.stall or self._pipeline.status
         scale = self._window.content_scale
         moment = self._playback.moment(self._session.tracked, now_s)
-        manner = "   ".join(text for text in (self._quality_shown, self._playback.speed_shown) if text)
+        recording = "recording" if self._keeper.is_recording else ""
+        manner = "   ".join(filter(None, (self._quality_shown, self._playback.pace_shown, recording)))
         scene = self._display.scene(self._session, size, manner, now_s, self._fps(), status, scale, moment)
         self._renderer.render(scene)
         self._renderer.present(self._window.context.screen)

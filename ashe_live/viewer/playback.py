@@ -94,8 +94,10 @@ class Playback:
         return Moment(shown.frame.time_s, duration_s, frame, self._speed, self._loop)
 
     @property
-    def speed_shown(self) -> str:
+    def pace_shown(self) -> str:
         """Empty at a clip's own pace."""
+        if self._paused:
+            return "paused"
         return "" if self._speed == 1 else f"{self._speed:g}x"
 
     def _pause(self, now_s: float) -> None:

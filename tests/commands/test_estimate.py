@@ -56,7 +56,7 @@ def test_without_a_marker_the_status_is_3(run, files, schema):
     assert outcome.status == 3
     assert record["error"] is None
     assert not record["marker"]["found"]
-    assert run("estimate", *KNOWN, files["empty_table"]).out[0].endswith("no marker found")
+    assert run("estimate", *KNOWN, files["empty_table"]).out[0].count("no marker found") == 1
 
 
 NAMES = {"missing": "no.mp4", "pattern": "*.jpg", "folder": "folder", "empty": "empty.mp4"}
@@ -163,7 +163,7 @@ def test_steps_that_cannot_be_kept_are_refused_before_anything_is_estimated(run,
     outcome = run("estimate", *KNOWN, "--debug", files["photo"], files["photo"])
     assert outcome.status == 2
     assert outcome.out == []
-    assert "cannot write" in outcome.err[0]
+    assert "is a file, not a folder" in outcome.err[0]
 
 
 def test_a_folder_and_a_pattern_stand_for_the_pictures_in_them(run, files, film, tmp_path):

@@ -68,9 +68,16 @@ def test_speeds_go_from_a_quarter_to_four_and_stay_there(stage):
 
 
 def test_a_speed_that_is_not_the_clips_own_is_shown(stage):
-    assert stage.playback.speed_shown == ""
+    assert stage.playback.pace_shown == ""
     stage.ask(Command.SPEED, -1)
-    assert stage.playback.speed_shown == "0.5x"
+    assert stage.playback.pace_shown == "0.5x"
+
+
+def test_a_pause_is_shown_as_long_as_it_lasts(stage):
+    stage.ask(Command.PAUSE)
+    assert stage.playback.pace_shown == "paused"
+    stage.ask(Command.PAUSE)
+    assert stage.playback.pace_shown == ""
 
 
 def test_p_goes_on_after_a_step(stage):
