@@ -70,7 +70,7 @@ class Alignment:
     clear_body: float  # share of the body's outline that has a clear border; of what is known of it
     clear_shadow: float  # of the shadows' outlines
     clear_shadows: tuple[float, ...]  # of each one's
-    ends_seen: tuple[float, ...]  # how much of each shadow's far end lies where a border could be seen
+    ends_in_view: tuple[float, ...]  # how much of each shadow's far end is in the picture, be it hidden by the body
 
 
 def aligned(several: Sequence[tuple[Sequence[Body], Costs]]) -> list[Alignment | None]:
@@ -163,25 +163,25 @@ def _appraised(several: Sequence[Placed]) -> list[Alignment]:
     squares = (pull.weight * pull.away_px**2).sum(axis=1) / np.maximum(pull.weight.sum(axis=1), 1e-9)
     clarity = pull.borders.clarity.reshape(len(several), -1)
     found = []
-    known = (pull.weight > 0).reshape(len(several), -1, PLACES)
+    in_view = pull.borders.in_view.reshape(len(several), -1, PLACES)
     for i, (one, normal, square, clear) in enumerate(zip(several, pull.normal, squares, clarity, strict=True)):
         size = one.body.slants.size + len(one.body.shape)
         clear_body, clear_shadow = _mean_of_known(clear[:PLACES]), _mean_of_known(clear[PLACES:])
         each = tuple(_mean_of_known(shadow) for shadow in clear[PLACES:].reshape(-1, PLACES))
-        ends = _ends_seen(one.body.slants, pull.by_theta[i], known[i, 1:])
+        ends = _ends_in_view(one.body.slants, pull.by_theta[i], in_view[i, 1:])
         found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow, each, ends))
     return found
 
 
-def _ends_seen(slants: Float, by_theta: Float, known: Mask) -> tuple[float, ...]:
-    """Of l shadows, `known` (l, p): of the places that move outward as the shadow grows, by how far, those known."""
-    seen = []
+def _ends_in_view(slants: Float, by_theta: Float, in_view: Mask) -> tuple[float, ...]:
+    """Of l shadows, `in_view` (l, p): of the places that move outward as each grows, by how far, those in view."""
+    ends = []
     for i, slant in enumerate(slants):
         outward = slant @ by_theta[2 * i : 2 * i + 2].reshape(2, -1, PLACES)[:, 1 + i]
         counts = np.maximum(outward, 0) ** 2
         # A shadow straight below its object has no far end.
-        seen.append(float(counts @ known[i] / counts.sum()) if counts.any() else 1.0)
-    return tuple(seen)
+        ends.append(min(float(counts @ in_view[i] / counts.sum()), 1.0) if counts.any() else 1.0)
+    return tuple(ends)
 
 
 def _mean_of_known(values: Float) -> float:

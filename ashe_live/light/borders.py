@@ -37,6 +37,7 @@ class Borders:
     away_px: Float  # (n, p) how far outside of the place its border is
     information: Float  # (n, p) one over the variance of that; 0 where nothing is known
     clarity: Float  # (n, p) 0 where both sides look like the same material, 1 where they surely do not; nan: not known
+    in_view: Mask  # (n, p) whether the place lies on ground in the picture, be it hidden by the object
 
 
 def evenly_spread(hulls_px: Sequence[Float]) -> Places:
@@ -94,9 +95,10 @@ def borders_at(places: Places, sides: Sequence[Side], reach_px: Float) -> Border
 
     is_trusted, is_visible = holds([side.trusted for side in sides]), holds([side.visible for side in sides])
     # What seems to end where the picture or the ground does may go on there: the last place before counts for nothing.
-    is_known = is_visible & is_trusted & np.roll(is_trusted, 1, axis=1) & np.roll(is_trusted, -1, axis=1)
+    in_view = is_trusted & np.roll(is_trusted, 1, axis=1) & np.roll(is_trusted, -1, axis=1)
+    is_known = is_visible & in_view
     is_at_end = np.abs(np.take_along_axis(ends[:, None], best, axis=2)[..., 0]) > reach_px[:, None] - 1
     weight = is_known * np.where(is_at_end, AT_THE_END, 1.0)
     gained = np.minimum(cost[..., 0], cost[..., -1]) - np.take_along_axis(cost, best, axis=2)[..., 0]
     clarity = np.where(is_known, np.clip(gained / CLEAR, 0, 1), np.nan)
-    return Borders(away, weight / variance, clarity)
+    return Borders(away, weight / variance, clarity, in_view)

@@ -1,7 +1,6 @@
 """Directions towards lights, from the displacements by which their shadows fall."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,7 @@ from ashe_live.core.arrays import Float, frozen_floats, set_frozen
 from ashe_live.core.transforms import normalised, tangent_basis
 
 HEMISPHERE_RAD = 0.7  # how far a light may be from where it is found, if the outlines tell nothing
-# By how much its height may be off where nothing of its shadow's far end is seen: other borders tell lengths by the
+# By how much its height may be off where its shadow's far end is out of the picture: other borders tell lengths by the
 # body's shape alone. Measured on pictures cut through their shadows.
 UNSEEN_END_RAD = math.radians(6)
 HEIGHTS = 64  # at which a density is looked at
@@ -35,49 +34,55 @@ def fitted_lights(slants: Float, covariance: Float) -> tuple[FittedLight, ...]:
     """Displacements (l, 2) and their covariance (2 l, 2 l) as directions."""
     lights = []
     for i, slant in enumerate(slants):
-        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
+        own, slope = np.s_[2 * i : 2 * i + 2], direction_by_slant(slant)
         spread = slope @ covariance[own, own] @ slope.T
         lights.append(FittedLight(np.array([*slant, 1.0]), 0.5 * (spread + spread.T)))
     return tuple(lights)
 
 
-def slants_of(lights: Sequence[FittedLight]) -> tuple[Float, Float]:
-    """Displacements (l, 2) of lights, each found for itself, and the information (2 l, 2 l) on them."""
-    towards = np.array([light.to_light_marker for light in lights])
-    slants, information = towards[:, :2] / towards[:, 2:], np.zeros((2 * len(lights), 2 * len(lights)))
-    for i, (light, slant) in enumerate(zip(lights, slants, strict=True)):
-        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
-        information[own, own] = slope.T @ np.linalg.solve(light.covariance_rad2, slope)
-    return slants, information
+def slant_of(to_light_marker: Float) -> Float:
+    """(2,) displacement s by which a light above the ground throws shadows, for a unit of height."""
+    return np.asarray(to_light_marker[:2] / to_light_marker[2])
+
+
+def information_on_slant(light: FittedLight) -> Float:
+    """(2, 2) on its displacement; its covariance must be positive definite."""
+    slope = direction_by_slant(slant_of(light.to_light_marker))
+    return np.asarray(slope.T @ np.linalg.solve(light.covariance_rad2, slope))
 
 
 def above_the_ground(information: Float, slants: Float) -> Float:
     """Information (2 l, 2 l) on slants (l, 2) and that a light is on the hemisphere."""
     total = information.copy()
     for i, slant in enumerate(slants):
-        own, slope = np.s_[2 * i : 2 * i + 2], _direction_by_slant(slant)
+        own, slope = np.s_[2 * i : 2 * i + 2], direction_by_slant(slant)
         total[own, own] += slope.T @ slope / HEMISPHERE_RAD**2
     return total
 
 
-def with_end_seen(light: FittedLight, seen: float) -> FittedLight:
-    """What is known of it when so much, 0 to 1, of its shadow's far end is seen.
+def with_end_in_view(light: FittedLight, share: float) -> FittedLight:
+    """What is known of it when so much, 0 to 1, of its shadow's far end is in the picture.
 
-    Unseen, a shadow may be longer than found but not shorter, and the light as much lower. How low is told by what else
-    told its height, the covariance; and long ends out of the picture are rarer than short ones.
+    Out of it, a shadow may be longer than found but not shorter, and the light as much lower. How low is told by what
+    else told its height, the covariance, which must be positive definite; and long ends out of the picture are rarer
+    than short ones.
     """
     height, deviation = math.asin(light.to_light_marker[2]), math.sqrt(light.covariance_rad2[1, 1])
-    heights = np.linspace(max(0.0, height - 5 * deviation), height, HEIGHTS)
+    lowest = max(0.0, height - 5 * deviation)
+    heights = lowest + (np.arange(HEIGHTS) + 0.5) / HEIGHTS * (height - lowest)
     likelihood = heights * np.exp(-0.5 * ((heights - height) / deviation) ** 2)
     mean = np.average(heights, weights=likelihood)
     variance = np.average((heights - mean) ** 2, weights=likelihood) + UNSEEN_END_RAD**2
-    change = np.array([1.0, seen + (1 - seen) * math.sqrt(variance) / deviation])
-    down = (1 - seen) ** 2 * (height - mean)
+    down = (1 - share) ** 2 * (height - mean)
     lowered = math.cos(down) * light.to_light_marker - math.sin(down) * tangent_basis(light.to_light_marker)[1]
+    # The compass azimuth is as sure as before: the same angle is a longer arc lower down.
+    level, lower_level = math.cos(height), math.cos(height - down)
+    wider = lower_level / max(level, lower_level * math.sqrt(light.covariance_rad2[0, 0]), 1e-9)
+    change = np.array([max(wider, 1.0), share + (1 - share) * math.sqrt(variance) / deviation])
     return FittedLight(lowered, light.covariance_rad2 * np.outer(change, change))
 
 
-def _direction_by_slant(slant: Float) -> Float:
+def direction_by_slant(slant: Float) -> Float:
     """(2, 2) derivative of the direction (s, 1) / |(s, 1)|, on its tangent basis, by s."""
     towards = np.array([*slant, 1.0])
     return np.asarray(tangent_basis(towards)[:, :2] / np.linalg.norm(towards))

@@ -10,7 +10,14 @@ from ashe_live.light.alignment import Alignment, aligned, criterion
 from ashe_live.light.associate import Split
 from ashe_live.light.body import Body
 from ashe_live.light.costs import Costs
-from ashe_live.light.directions import FittedLight, above_the_ground, fitted_lights, slants_of, with_end_seen
+from ashe_live.light.directions import (
+    FittedLight,
+    above_the_ground,
+    fitted_lights,
+    information_on_slant,
+    slant_of,
+    with_end_in_view,
+)
 from ashe_live.light.evidence import Explanation
 from ashe_live.light.fit import FitFailure, FitPreset, Masks, fit_bodies
 from ashe_live.light.log_colour import Float32
@@ -31,7 +38,7 @@ FEW_PX = 20
 # misses them by this share of its size is so wrong that its errors are as large as theirs. Both measured, so that 68 %
 # of the errors lie within sigma (docs/accuracy.md).
 CORRELATED, WRONG_BODY_SHARE = 2.3, 0.007
-END_SEEN = 0.5  # share of its far end that must be seen for a shadow's length to be
+END_IN_VIEW = 0.5  # share of its far end that must be in the picture for a shadow's length to be known
 # Share of its pixels in which an explanation must differ from another to be worth more work.
 DIFFERING_SHARE = 0.04
 
@@ -92,10 +99,10 @@ def sharpened(explanation: Explanation) -> Explanation:
     """With what its labels' common tangents say of the light, which needs no body: decisive where that is wrong.
 
     Not of two lights: where their shadows overlap, labels do not tell how far each of them goes. Nor of a shadow whose
-    far end is not seen: a tangent would touch it where the picture ends.
+    far end is not in the picture: a tangent would touch it where the picture ends.
     """
     split, alignment = explanation.split, explanation.alignment
-    if len(explanation.lights) > 1 or alignment.ends_seen[0] < END_SEEN:
+    if len(explanation.lights) > 1 or alignment.ends_in_view[0] < END_IN_VIEW:
         return explanation
     view, unreliable = explanation.region.view, explanation.region.unreliable
     outlines = observe_outlines(split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.either)
@@ -105,7 +112,9 @@ def sharpened(explanation: Explanation) -> Explanation:
     spheroids = body.spheroids if _wrongness(alignment) < 1 else None
     # The labels may be later ones than those that the guess was made from.
     P = body.guess.seen_by(view.camera, view.T_cam_marker, outlines.centre_px).P
-    sharp = sharpened_slants(P, outlines, *slants_of(explanation.lights), EDGE_SIGMA_PX, spheroids)
+    (light,) = explanation.lights
+    slant = slant_of(light.to_light_marker)[None]
+    sharp = sharpened_slants(P, outlines, slant, information_on_slant(light), EDGE_SIGMA_PX, spheroids)
     return replace(explanation, lights=fitted_lights(*sharp))
 
 
@@ -134,8 +143,8 @@ def _relabelled(last: Explanation) -> Proposal | None:
     split = relabelled(last.region, last.materials, last.own, last.predicted)
     if last.materials.lights == 2 and not are_two(split.parts):
         return None
-    towards = np.array([light.to_light_marker for light in last.lights])
-    near = towards[:, :2] / towards[:, 2:] if towards[:, 2].min() > LOWEST_Z else None
+    body = last.alignment.placed.body
+    near = body.slants if min(towards[2] for towards in body.to_lights_marker) > LOWEST_Z else None
     return Proposal(last.region, last.materials, split, near, last.own)
 
 
@@ -165,7 +174,7 @@ def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
 def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
     covariance = np.asarray(np.linalg.inv(_information(alignment)))
     lights = fitted_lights(alignment.placed.body.slants, covariance)
-    return tuple(with_end_seen(light, seen) for light, seen in zip(lights, alignment.ends_seen, strict=True))
+    return tuple(with_end_in_view(light, share) for light, share in zip(lights, alignment.ends_in_view, strict=True))
 
 
 def _information(alignment: Alignment) -> Float:

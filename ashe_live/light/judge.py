@@ -14,7 +14,7 @@ from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
 from ashe_live.light.uncertainty import of_direction, of_doubt, of_outlines, radius_of_68_percent
 
-# Below this, an answer is more likely a wrong one.
+# Below this, fewer than two in five would be right: as wrong ones count more in the fit, 0.4 are even chances.
 LEAST_CONFIDENCE = 0.3
 GOOD_RAD = math.radians(10)
 # A sample of a round normal distribution is beyond r times its 68 % radius with probability exp(RAYLEIGH_68 r^2).

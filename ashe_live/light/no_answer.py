@@ -3,7 +3,7 @@
 import numpy as np
 
 from ashe_live.light.evidence import Explanation
-from ashe_live.light.explain import END_SEEN
+from ashe_live.light.explain import END_IN_VIEW
 from ashe_live.light.view import View
 
 TOO_LITTLE_GROUND = "too little lit ground around the marker"
@@ -22,7 +22,7 @@ MOST_CLIPPED = 0.5  # share of the ground
 
 def fault_of_exposure(view: View) -> str | None:
     """What is wrong with the picture's brightness, as the ground shows it; None if nothing is."""
-    brightest = np.asarray(view.image_bgr)[view.is_ground].max(axis=-1)
+    brightest = view.image_bgr[view.is_ground].max(axis=-1)
     if not len(brightest):
         return None
     if np.median(brightest) < DARK:
@@ -32,7 +32,7 @@ def fault_of_exposure(view: View) -> str | None:
 
 def fault_of_scene(explanation: Explanation) -> str:
     """What is wrong with the likeliest explanation of a scene of which none is likely."""
-    unseen = min(explanation.alignment.ends_seen) < END_SEEN
+    out_of_view = min(explanation.alignment.ends_in_view) < END_IN_VIEW
     shadow = explanation.region.in_frame(explanation.predicted.shadow)
     leaves_the_picture = shadow[[0, -1]].any() or shadow[:, [0, -1]].any()
-    return CUT_OFF if unseen and leaves_the_picture else DOES_NOT_FIT
+    return CUT_OFF if out_of_view and leaves_the_picture else DOES_NOT_FIT

@@ -7,8 +7,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import project, tangent_basis
+from ashe_live.core.transforms import project
 from ashe_live.light.areas import grown
+from ashe_live.light.directions import direction_by_slant, slant_of
 from ashe_live.light.log_colour import Float32
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.view import View
@@ -58,7 +59,7 @@ def angular_size(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Pr
 def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
     """(n,) pixels by which a light of 1 rad would spread each place of the shadow's edge, and its variance (px^2)."""
     points = proxy.points_marker()
-    slant = to_light_marker[:2] / to_light_marker[2]
+    slant = slant_of(to_light_marker)
     cast = points[:, :2] - points[:, 2:] * slant
     rim = cv2.convexHull(cast.astype(np.float32), returnPoints=False)[:, 0]
     corners, heights = cast[rim], points[rim, 2]
@@ -78,7 +79,7 @@ def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicte
     scale = np.hypot(*across.T)
     seen = scale > 1e-6  # nor is it NaN, as behind the camera
 
-    by_direction = np.linalg.inv(tangent_basis(to_light_marker)[:, :2] / math.hypot(*slant, 1.0))
+    by_direction = np.linalg.inv(direction_by_slant(slant))
     smeared = np.linalg.norm(outward @ by_direction, axis=1)[edge]
     spreads = (heights[edge] + part * rise[edge]) * smeared / 4 * scale / ACROSS_M
     clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)

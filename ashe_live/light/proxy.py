@@ -40,8 +40,8 @@ class ProxySteps:
     fine_width_px: int  # no region is looked at more finely than in a frame of this width
     region_px: int  # size at which a region is looked at
     regions: int
-    shifts: int  # of a shadow's colour; as many are found more finely, of which two may belong to two lights
-    pairs: int  # of them that are tried
+    shifts: int  # of a shadow's colour that are tried; as many are found more finely, to be paired
+    pairs: int  # of those that are tried, one for each of two lights
     shadows_per_shift: int
     tried: int  # how many of the splits are fitted, those that look best
     pairs_tried: int  # and how many of those into two lights' shadows
@@ -122,8 +122,7 @@ class ProxyEstimator:
         fine = View.of(tracked, steps.fine_width_px)
         coarse = fine.scaled(steps.coarse_width_px)
 
-        def none(reason: str, *masks: Mask) -> LightEstimate:
-            body, shadow = masks or (None, None)
+        def none(reason: str, body: Mask | None = None, shadow: Mask | None = None) -> LightEstimate:
             reason = fault_of_exposure(coarse) or reason
             return LightEstimate(self.name, tracked.frame.index, (), reason, body, shadow, clock.timing_ms())
 

@@ -52,7 +52,7 @@ def with_their_lights(
     one = max(kept, key=log_odds, default=None)
     if one is None or len(one.lights) > 1:
         return kept
-    found = glimpses(one.proxy, one.lights[0].to_light_marker, coarse, ground, TRIED)
+    found = glimpses(one.proxy, one.alignment.placed.body.to_lights_marker[0], coarse, ground, TRIED)
     tried = [_tried(one, glimpse, fine, coarse, ground, region_px) for glimpse in found]
     gain, both = max((pair for pair in tried if pair is not None), key=itemgetter(0), default=(0.0, one))
     if gain < LEAST_GAIN:

@@ -22,7 +22,7 @@ LOWEST_Z = 0.1
 FARTHEST_PX = 1e5
 LEAST_PX = 30
 LEAST_SPREAD = 1e-3
-FINEST = 0.03  # a difference in log brightness below which all bodies are one colour
+FINEST = 0.03  # added to both spreads: smaller differences in log brightness are noise
 # How much of the sky's shading and of the light's an object may show, before it is looked at: 1 were it matt and of one
 # colour, and its body the true one. Means and deviations.
 USUAL, SPREAD = np.array([1.0, 0.5]), np.array([0.7, 0.5])
@@ -32,9 +32,9 @@ TOGETHER_PX = 40  # as many neighbours differ from a body's brightness as one: a
 
 @dataclass(frozen=True, slots=True)
 class Shading:
-    """Whether an object is lit by a light, or by the sky alone; 0 where nothing tells."""
+    """Whether an object is lit by a light, or by the sky alone; 0 where too little of it is seen."""
 
-    contrast: float  # log of how much more the sky alone leaves unexplained of its brightness than with the light
+    contrast: float  # log of how much more of its brightness the sky alone leaves unexplained than sky and light do
     sunlit: float  # how surely the light's own part is seen in it, in sigmas; negative if it is lit from elsewhere
 
 
@@ -46,8 +46,9 @@ def shading_of(
 ) -> Shading:
     """Of the object `body` (h, w), compared with a Lambertian body in these lights and under the sky.
 
-    `left_over`: of the ground's light, in each light's shadow. It says how strong the light is: one whose shadow halves
-    the ground's brightness must shade the object as much; what lies flat and dark beside it has no such light.
+    to_lights_marker: (3,) unit vectors. left_over: of the ground's light, in each light's shadow. It says how strong
+    the light is: one whose shadow halves the ground's brightness must shade the object as much; what lies flat and dark
+    beside it has no such light.
     """
     lit, under_sky = _irradiances(region, proxy, to_lights_marker, left_over)
     core = shrunk(body, 1) & region.is_ground & (lit > 0)
@@ -105,9 +106,8 @@ def _irradiances(
     corners = np.round(pixels[front] * 2**SUBPIXEL_BITS).astype(np.int32)
     # Neighbours share the pixels of their edge: the brighter one gets them, whichever way the marker is turned.
     order = np.argsort(irradiance)
-    facet = np.zeros(view.is_ground.shape, np.float32)
+    facet = np.zeros(view.is_ground.shape, np.int32)
     for number, index in enumerate(order, start=1):
         cv2.fillConvexPoly(facet, corners[index], number, shift=SUBPIXEL_BITS)
-    facet_of = facet.astype(np.intp)
     lit, under_sky = (np.append(0.0, each[order]).astype(np.float32) for each in (irradiance, from_sky + bounced))
-    return lit[facet_of], under_sky[facet_of]
+    return lit[facet], under_sky[facet]

@@ -200,14 +200,23 @@ def test_of_a_shadow_whose_tip_is_out_of_the_picture_the_length_is_not_known(ele
 
 
 @pytest.mark.parametrize(("elevation_deg", "least", "most"), [(60.0, 0.95, 1.0), (35.0, 0.95, 1.0), (8.0, 0.0, 0.05)])
-def test_the_end_of_a_shadow_is_seen_where_it_lies_in_the_picture(
+def test_the_end_of_a_shadow_is_in_view_where_it_lies_in_the_picture(
     elevation_deg: float, least: float, most: float
 ) -> None:
     here = painted_region(BOX, elevation_deg=elevation_deg)
     found = aligned([body_of(here, BOX)], costs_of(here))
     assert found is not None
-    (seen,) = found.ends_seen
-    assert least <= seen <= most
+    (share,) = found.ends_in_view
+    assert least <= share <= most
+
+
+@pytest.mark.parametrize("elevation_deg", [50.0, 60.0])
+def test_an_end_that_the_object_hides_is_in_view_all_the_same(elevation_deg: float) -> None:
+    """The light comes from before the camera: were the shadow longer, it would come out from behind the object."""
+    here = painted_region(CYLINDER, azimuth_deg=250.0, elevation_deg=elevation_deg)
+    found = aligned([body_of(here, CYLINDER)], costs_of(here))
+    assert found is not None
+    assert found.ends_in_view == pytest.approx((1.0,), abs=0.05)
 
 
 def test_two_lights_shadows_come_back_to_their_own_places() -> None:

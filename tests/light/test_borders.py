@@ -1,5 +1,6 @@
 """Places on outlines, and the borders that a picture shows across them."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -41,7 +42,7 @@ def spread_over(hull: Float) -> Places:
 def borders_of(hull: Float, side: Side, reach_px: float = REACH_PX) -> Borders:
     """(n,) of one outline."""
     borders = borders_at(evenly_spread([hull]), [side], np.array([reach_px]))
-    return Borders(borders.away_px[0], borders.information[0], borders.clarity[0])
+    return Borders(*(getattr(borders, field.name)[0] for field in dataclasses.fields(borders)))
 
 
 def found(gain: Float32, trusted: Mask = ALL, visible: Mask = ALL, reach_px: float = REACH_PX) -> Borders:

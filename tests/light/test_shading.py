@@ -21,7 +21,7 @@ CENTRE, RADIUS = np.array([0.12, 0.0, 0.035]), 0.035
 BALL = Proxy("sphere", np.array([[*CENTRE, RADIUS, RADIUS]]))
 
 
-def agreed(caster: Caster, to_light: Float | None = None, **how: str) -> Shading:
+def shading_in(caster: Caster, to_light: Float | None = None, **how: str) -> Shading:
     here = painted_region(caster, **how)
     lights = [here.scene.to_light if to_light is None else to_light]
     return shading_of(here.region, here.body, body_of(here, caster).proxy, lights, [LEFT_OVER])
@@ -70,7 +70,7 @@ def ball_under_the_sky() -> Float:
 @pytest.mark.parametrize("ground", GROUNDS)
 def test_a_painted_body_shows_its_light_and_not_the_opposite_one(ground: str, caster: Caster) -> None:
     here = painted_region(caster, ground=ground)
-    true, wrong = agreed(caster, ground=ground), agreed(caster, opposite(here.scene.to_light), ground=ground)
+    true, wrong = shading_in(caster, ground=ground), shading_in(caster, opposite(here.scene.to_light), ground=ground)
     assert true.contrast > max(wrong.contrast, 0)
     assert true.sunlit > max(wrong.sunlit, 0)
 
@@ -110,6 +110,22 @@ def test_two_lights_show_both() -> None:
     assert all(both.sunlit > one.sunlit for one in alone)
 
 
+def test_a_light_is_the_more_surely_seen_the_more_of_the_shading_it_makes() -> None:
+    light = direction(200.0, 40.0)
+    found = []
+    for ambient in (3.0, 1.0, 0.3):
+        region, where = shown(lit_ball(light, ambient=ambient))
+        found.append(shading_of(region, where, BALL, [light], [LEFT_OVER]).sunlit)
+    assert np.all(np.diff(found) > 0)
+
+
+def test_a_light_that_shades_the_object_like_the_sky_is_not_seen_apart_from_it() -> None:
+    """With next to no shadow there is next to no light of its own to be seen."""
+    light = direction(200.0, 40.0)
+    region, where = shown(lit_ball(light))
+    assert abs(shading_of(region, where, BALL, [light], [1.0]).sunlit) < 1e-3
+
+
 def test_exposure_and_the_colour_of_the_object_do_not_matter() -> None:
     light = direction(200.0, 40.0)
     logs = lit_ball(light)
@@ -145,7 +161,9 @@ def test_turning_the_marker_by_quarters_changes_nothing(quarters: int) -> None:
     spheroids[:, :3] = spheroids[:, :3] @ R[:3, :3].T
     light = R[:3, :3] @ here.scene.to_light
     turned = shading_of(replace(here.region, view=view), here.body, Proxy("frustum", spheroids), [light], [LEFT_OVER])
-    assert (turned.contrast, turned.sunlit) == pytest.approx((agreed(CYLINDER).contrast, agreed(CYLINDER).sunlit))
+    assert (turned.contrast, turned.sunlit) == pytest.approx(
+        (shading_in(CYLINDER).contrast, shading_in(CYLINDER).sunlit)
+    )
 
 
 @pytest.mark.parametrize("light", [(1, 0, 0), (0, 0, 1), (0.6, 0.8, 1e-9), (0, 1, -0.5)])
