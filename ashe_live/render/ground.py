@@ -51,8 +51,12 @@ class ShadowCatcher:
         shadows: GroundShadows,
         casters: int,
         model: StandingModel,
+        ground_rgb: Float | None,
     ) -> None:
-        """Draws behind the model's depth; nothing where the camera is below the plane."""
+        """Draws behind the model's depth; nothing where the camera is below the plane.
+
+        `ground_rgb`: (3,) linear, the lit ground's in the video, if it is known.
+        """
         if framing.eye_marker[2] <= 0 or self._buffer is None:
             return
         program = self._programs.get("catcher", contact_fade=FADE, lights=len(lighting.suns), casters=casters)
@@ -68,6 +72,7 @@ class ShadowCatcher:
             placed_from_marker=model.placed_from_marker,
             video=0,
             viewport=tuple(float(value) for value in framing.viewport),
+            ground_rgb=(0.0, 0.0, 0.0) if ground_rgb is None else tuple(float(value) for value in ground_rgb),
             **lighting.uniforms(),
         )
         self._fan_of(program).render(moderngl.TRIANGLE_FAN)

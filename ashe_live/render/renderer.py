@@ -192,18 +192,13 @@ class Renderer:
         look = self._photometry.look(scene.tracked)
         if model.model.mirrors:
             self._environment.show(scene.surroundings or scene.tracked, scene.ground_rgb)
-        self._draw_framed(model, frame, lighting, look.white_rgb, arrows)
+        self._draw_framed(model, frame, lighting, look.white_rgb, arrows, scene)
         part = frame.part(model.corners)
         self._camera_match.draw(self._surface.colour, part, viewport, scene.tracked.frame, look)
         return frame.region
 
     def _draw_framed(
-        self,
-        model: StandingModel,
-        frame: Framing,
-        lighting: Lighting,
-        white: RGB,
-        arrows: list[Float],
+        self, model: StandingModel, frame: Framing, lighting: Lighting, white: RGB, arrows: list[Float], scene: Scene
     ) -> None:
         """Works within the framing's region only: a software rasteriser pays for every pixel."""
         view = View(frame, lighting, self._looked_up, white)
@@ -217,7 +212,7 @@ class Renderer:
             for arrow in arrows:
                 self._arrow.draw(frame, arrow)
             casters = 2 if self._shadows.shadows_meet else 1
-            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model)
+            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model, scene.ground_rgb)
             self._model_pass.draw_blended(model, view)
 
     def _drawn_points(self, model: StandingModel, arrows: list[Float]) -> Float:

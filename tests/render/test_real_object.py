@@ -108,3 +108,29 @@ def test_ground_in_the_objects_shadow_is_not_darkened_again(make_renderer, stage
     overlap = _proxy_box(0.0, 0.0, 0.015, 0.05)  # the model's double: all of its shadow is there already
     renderer.render(Scene(tracked, model, (light,), caster=overlap))
     np.testing.assert_allclose(_pixel(renderer.read_bgr(), tracked, (0.07, 0.0, 0.0)), GREY, atol=1)
+
+
+@pytest.mark.parametrize("off_m", [-0.0015, 0.0015])
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_where_both_shadows_meet_there_is_no_seam_though_the_objects_outline_is_off(
+    make_renderer, stage, preset, off_m: float
+) -> None:
+    """All along a line across the outline the ground is as dark as in either shadow; no seam of twice or none."""
+    renderer = make_renderer(preset)
+    light = stage.light(180, 30, RATIO)
+    pose = stage.pose(-90, 60, 0.5)
+    double = stage.placed(box((0.04, 0.04, 0.08)).moved(1.0, np.array([0.0, 0.06, 0.0])))
+    renderer.render(Scene(stage.tracked(GREY, pose), double, (light,)))
+    tracked = stage.tracked(renderer.read_bgr(), pose)  # a video of an object whose shadow begins at y = 0.04
+    model = stage.placed(box((0.03, 0.12, 0.05)))  # its shadow crosses that
+    across = [(0.08, y, 0.0) for y in np.linspace(0.034, 0.046, 25)]
+    lit = LINEAR_FROM_SRGB_8BIT[GREY]
+    for ground_rgb in (None, np.full(3, lit)):
+        caster = _proxy_box(0.0, 0.06 + off_m, 0.02, 0.08)
+        renderer.render(Scene(tracked, model, (light,), caster=caster, ground_rgb=ground_rgb))
+        picture = renderer.read_bgr()
+        left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in across]) / lit / RATIO
+        if ground_rgb is None:
+            assert left.min() < 0.6 or left.max() > 1.5
+        else:
+            np.testing.assert_allclose(left, 1, atol=0.3)
