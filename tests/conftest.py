@@ -12,6 +12,7 @@ import pytest
 from ashe_live.capture.recorder import Recorder
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import direction_from_angles, project, rigid
 from ashe_live.tracking.markers import parse_marker
 
@@ -19,7 +20,8 @@ SIDE_M = 0.08
 FPS = 30.0
 HFOV_DEG = 55.0
 GROUND_BGR, SHADOW_BGR = (150, 155, 160), (50, 50, 55)
-BOX_FACES_BGR = ((60, 170, 250), (40, 140, 235), (25, 95, 165))  # top, lit side, dark side
+BOX_TOP_BGR = (60, 150, 220)
+SKY, BOUNCED = 0.1, 0.3  # of the light on level ground, as in the shadow; and what the ground sends back of it
 SUPERSAMPLING = 2
 MARKER_PX = 400
 
@@ -77,9 +79,18 @@ def painted_frame(camera: Camera, T_cam_marker: Float, to_light: Float) -> Image
         outward = side[:2].mean(axis=0) - base.mean(axis=0)
         eye = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
         if outward @ (eye - side[0]) > 0:
-            fill(side, BOX_FACES_BGR[1 if outward @ to_light > 0 else 2])
-    fill(top, BOX_FACES_BGR[0])
+            normal = outward / np.linalg.norm(outward)
+            lit = (1 - SKY) * max(float(normal @ to_light), 0.0) / to_light[2]
+            fill(side, as_bright(BOX_TOP_BGR, SKY / 2 + BOUNCED / 2 + lit))
+    fill(top, BOX_TOP_BGR)
     return cv2.resize(image, camera.size, interpolation=cv2.INTER_AREA)
+
+
+def as_bright(colour_bgr: tuple[int, int, int], share: float) -> tuple[int, int, int]:
+    """A matt thing's colour where it gets this share of the light."""
+    linear = share * LINEAR_FROM_SRGB_8BIT[list(colour_bgr)]
+    blue, green, red = np.round(255 * srgb_from_linear(np.minimum(linear, 1)))
+    return int(blue), int(green), int(red)
 
 
 def box_corners() -> tuple[Float, Float]:

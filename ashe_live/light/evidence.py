@@ -22,6 +22,8 @@ RING_PX = (1.0, 4.0)
 BESIDE_OBJECT_PX = 3.0  # what is nearer to the object may be of it
 WITHIN_PX = 1.5
 FLAT = 0.7  # log of breadth over height above which a body is flat
+# A picture may show a strongly lit object without its shading: clipped, shining through, painted.
+LEAST_CONTRAST = -0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +71,8 @@ def evidence(explanation: Explanation) -> Float:
     misfit = math.log(max(alignment.missed_px, 0.05) / alignment.placed.object_px)
     looks = appearance(explanation.region, explanation.materials, explanation.predicted)
     clear = alignment.clear_body, alignment.clear_shadow
-    return np.array([misfit, *clear, _flatness(explanation), shading.contrast, math.asinh(shading.sunlit), *looks])
+    shown = max(shading.contrast, LEAST_CONTRAST), math.asinh(shading.sunlit)
+    return np.array([misfit, *clear, _flatness(explanation), *shown, *looks])
 
 
 def _flatness(explanation: Explanation) -> float:

@@ -21,13 +21,13 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 # That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
 # maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
-OFFSET = -8.69
-WEIGHTS = np.array([-0.77, 3.04, 2.73, -1.24, 1.91, 0.71, -3.4, -7.19, 0.19, 0.45, -0.68, -0.4, 1.16, -3.85, 0.3])
+OFFSET = -8.75
+WEIGHTS = np.array([-0.79, 2.93, 2.7, -1.27, 2.29, 0.69, -3.38, -6.98, 0.19, 0.4, -0.74, -0.43, 1.19, -3.89, 0.3])
 # How much each of `appearance` promises before any fit; fitted to which splits the right light followed from.
 PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
 # That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
 CONTEST_OFFSET = -0.35
-CONTEST_WEIGHTS = np.array([1.03, 0.84, 0.63])
+CONTEST_WEIGHTS = np.array([1.02, 0.87, 0.58])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:
