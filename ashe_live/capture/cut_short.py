@@ -3,7 +3,7 @@
 import time
 from pathlib import Path
 
-from ashe_live.capture.recorder import has_picture
+from ashe_live.capture.recorder import salvaged
 from ashe_live.core.output_files import partial_name, unused
 
 # A recording in the making is written to every other second.
@@ -16,7 +16,7 @@ def rescue_recordings(folder: Path, untouched_for_s: float = UNTOUCHED_FOR_S) ->
     for partial in sorted(folder.glob(partial_name(Path("*.mp4")).name)):
         try:
             is_abandoned = time.time() - partial.stat().st_mtime > untouched_for_s
-            if is_abandoned and has_picture(partial):
+            if is_abandoned and salvaged(partial):
                 found.append(partial.rename(_name_for(partial)))
         except OSError:
             continue

@@ -5,6 +5,7 @@ was written so far can be played. Closing copies the packets, without encoding t
 first, and only that one gets the final name.
 """
 
+import struct
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
@@ -27,6 +28,7 @@ TICKS_PER_S = 90_000
 CRF = 20
 PRESET = "veryfast"
 KEYFRAME_EVERY_S = 2
+BOX_HEADER = struct.Struct(">I4s")  # of what MP4 files consist of: length in bytes with this header, kind
 # The plain conversion darkens every colour by 1.5 levels; rounding rightly costs 0.4 ms at 640x480.
 CONVERSION = Interpolation.BILINEAR | Interpolation.ACCURATE_RND
 
@@ -171,7 +173,7 @@ class Recorder:
         with suppress(OSError, av.error.FFmpegError):
             self._release()
         failure = cannot_write(self.path, error)
-        if has_picture(self._partial):
+        if salvaged(self._partial):
             self._partial.replace(self.path)
             failure = UserError(f"{failure.message}; the first part of the recording is saved", failure.remedy)
         self._partial.unlink(missing_ok=True)
@@ -183,10 +185,29 @@ class Recorder:
             container.close()
 
 
-def has_picture(path: Path) -> bool:
-    """Whether it is a clip of which at least one picture can be decoded."""
+def salvaged(path: Path) -> bool:
+    """Whether it is a clip, or the beginning of one that broke off, of which at least one picture can be decoded.
+
+    A fragment's header that is not whole is cut off: readers refuse all that comes before it as well.
+    """
     try:
+        _cut_off_broken_header(path)
         with av.open(str(path)) as clip:
             return next(clip.decode(video=0), None) is not None
     except (OSError, av.error.FFmpegError, IndexError):
         return False
+
+
+def _cut_off_broken_header(path: Path) -> None:
+    """Whatever ends beyond the file, unless it is a fragment's pictures: the whole ones of those can be played."""
+    size, end = path.stat().st_size, 0
+    with path.open("r+b") as file:
+        while end < size:
+            file.seek(end)
+            header = file.read(BOX_HEADER.size)
+            length, kind = BOX_HEADER.unpack(header) if len(header) == BOX_HEADER.size else (0, b"")
+            if length < BOX_HEADER.size or end + length > size:
+                if kind != b"mdat":
+                    file.truncate(end)
+                return
+            end += length

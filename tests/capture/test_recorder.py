@@ -3,6 +3,7 @@
 import errno
 import itertools
 import resource
+import struct
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -13,7 +14,7 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recorder import Recorder, salvaged
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -165,7 +166,7 @@ def test_another_size_in_mid_stream_is_the_callers_fault(tmp_path: Path, picture
 
 RECORD_UNTIL_KILLED = """
 import sys, numpy as np
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recorder import Recorder, salvaged
 recorder = Recorder(sys.argv[1], (96, 64), 10)
 for i in range(90):
     recorder.write(np.full((64, 96, 3), i, np.uint8))
@@ -234,3 +235,44 @@ def test_without_room_for_a_second_copy_the_fragments_are_the_clip(
             recorder.write(picture(i))
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
     assert len(frames_of(tmp_path / "a.mp4")) == 70
+
+
+def boxes(clip: bytes) -> list[tuple[int, bytes]]:
+    """Where each box of an MP4 file begins, and its kind."""
+    found, at = [], 0
+    while at + 8 <= len(clip):
+        length, kind = struct.unpack_from(">I4s", clip, at)
+        found.append((at, kind))
+        at += length
+    return found
+
+
+@pytest.fixture(scope="module")
+def fragments(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """What a recording of seven seconds has written when it breaks off: three fragments of two seconds."""
+    folder, noise = tmp_path_factory.mktemp("fragments"), np.random.default_rng(0)
+    with Recorder(folder / "clip.mp4", (64, 48), 30) as recorder:
+        for index in range(210):
+            recorder.write(noise.integers(0, 256, (48, 64, 3), dtype=np.uint8), index / 30)
+        return (folder / ".clip.partial.mp4").read_bytes()
+
+
+@pytest.mark.parametrize("further", [0, 1, 7, 8, 100, 400])
+@pytest.mark.parametrize("kind", [b"moof", b"mdat"])
+def test_wherever_it_breaks_off_the_whole_fragments_can_be_played(
+    tmp_path: Path, fragments: bytes, kind: bytes, further: int
+) -> None:
+    last = [at for at, of_kind in boxes(fragments) if of_kind == kind][-1]
+    broken = tmp_path / "broken.mp4"
+    broken.write_bytes(fragments[: last + further])
+    assert salvaged(broken)
+    assert len(frames_of(broken)) >= 60
+
+
+def test_what_breaks_off_before_its_first_picture_is_nothing(tmp_path: Path, fragments: bytes) -> None:
+    first = next(at for at, kind in boxes(fragments) if kind == b"moof")
+    for length in (0, 3, 8, 40, first, first + 20):
+        broken = tmp_path / "broken.mp4"
+        broken.write_bytes(fragments[:length])
+        assert not salvaged(broken)
+    assert not salvaged(tmp_path / "missing.mp4")
