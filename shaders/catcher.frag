@@ -10,7 +10,7 @@ uniform vec3 sky;  // of lit level ground's light, linear RGB; with the suns' sh
 #if LIGHTS > 0
 uniform vec3 sun_on_ground[LIGHTS];
 #endif
-#if CASTERS > 1
+#if LIGHTS > 0 && CASTERS > 1
 uniform vec3 ground_rgb;  // of the lit ground in the video, linear; 0 where that is not known
 const float RIM_PX = 2.5;  // by which the real shadow's outline may be off
 #endif
@@ -21,12 +21,16 @@ in vec2 ground;
 in vec2 ground_placed;
 out vec4 encoded;
 
-#if CASTERS > 1
+vec3 video_here() {
+    return linear_from_srgb(texture(video, (gl_FragCoord.xy - viewport.xy) / viewport.zw).rgb);
+}
+
+#if LIGHTS > 0 && CASTERS > 1
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 // Share of a light that the real object lets through. Along its shadow's outline the video itself tells, as an outline
 // that is off by a pixel would leave a seam where the ground is darkened twice, or not at all.
-float lit_past_real(int light, vec3 seen) {
+float lit_past_real(int light) {
     float known = lit_on_ground(1, light, ground);
     vec2 across = RIM_PX * dFdx(ground), along = RIM_PX * dFdy(ground);
     float least = known, most = known;
@@ -36,15 +40,14 @@ float lit_past_real(int light, vec3 seen) {
         most = max(most, max(beside.x, beside.y));
     }
     float lit_ground = dot(ground_rgb, LUMINANCE);
-    if (lit_ground <= 0.0) return known;
+    if (least == most || lit_ground <= 0.0) return known;
     float share = dot(sun_on_ground[light], LUMINANCE);
-    float gone = clamp((1.0 - dot(seen, LUMINANCE) / lit_ground) / max(share, 1e-3), 0.0, 1.0);
+    float gone = clamp((1.0 - dot(video_here(), LUMINANCE) / lit_ground) / max(share, 1e-3), 0.0, 1.0);
     return mix(known, 1.0 - gone, most - least);
 }
 #endif
 
 void main() {
-    vec3 shown = linear_from_srgb(texture(video, (gl_FragCoord.xy - viewport.xy) / viewport.zw).rgb);
     vec2 at = (ground_placed - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
     // Ends smoothly at the patch's border, so that the video beyond it is untouched.
     vec2 inside = smoothstep(0.0, CONTACT_FADE, 0.5 - abs(at - 0.5));
@@ -54,7 +57,7 @@ void main() {
     for (int light = 0; light < LIGHTS; ++light) {
         vec3 seen = sun_on_ground[light];
 #if CASTERS > 1
-        seen *= lit_past_real(light, shown);
+        seen *= lit_past_real(light);
 #endif
         before += seen;
         after += seen * lit_on_ground(0, light, ground);
@@ -62,5 +65,5 @@ void main() {
 #endif
     vec3 ratio = after / max(before, 1e-3);
     if (min(ratio.r, min(ratio.g, ratio.b)) > 0.9995) discard;
-    encoded = vec4(srgb_from_linear(shown * ratio), 1.0);
+    encoded = vec4(srgb_from_linear(video_here() * ratio), 1.0);
 }

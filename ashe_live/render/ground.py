@@ -55,7 +55,7 @@ class ShadowCatcher:
     ) -> None:
         """Draws behind the model's depth; nothing where the camera is below the plane.
 
-        `ground_rgb`: (3,) linear, the lit ground's in the video, if it is known.
+        `ground_rgb`: (3,) linear RGB of the lit ground in the video, where that is known.
         """
         if framing.eye_marker[2] <= 0 or self._buffer is None:
             return
