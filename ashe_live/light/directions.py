@@ -76,9 +76,8 @@ def with_end_in_view(light: FittedLight, share: float) -> FittedLight:
     down = (1 - share) ** 2 * (height - mean)
     lowered = math.cos(down) * light.to_light_marker - math.sin(down) * tangent_basis(light.to_light_marker)[1]
     # The compass azimuth is as sure as before: the same angle is a longer arc lower down.
-    level, lower_level = math.cos(height), math.cos(height - down)
-    wider = lower_level / max(level, lower_level * math.sqrt(light.covariance_rad2[0, 0]), 1e-9)
-    change = np.array([max(wider, 1.0), share + (1 - share) * math.sqrt(variance) / deviation])
+    wider = max(1.0, math.cos(height - down) / max(math.cos(height), math.sqrt(light.covariance_rad2[0, 0])))
+    change = np.array([wider, share + (1 - share) * math.sqrt(variance) / deviation])
     return FittedLight(lowered, light.covariance_rad2 * np.outer(change, change))
 
 

@@ -15,7 +15,7 @@ from ashe_live.light.log_colour import Float32
 from ashe_live.light.materials import Materials
 from ashe_live.light.predicted import Predicted
 from ashe_live.light.regions import Region
-from ashe_live.light.shading import Shading, correlation, shading_of
+from ashe_live.light.shading import Shading, shading_of
 
 # The ring on either side of an outline where its sharpness is measured; the outline's own pixels are mixed.
 RING_PX = (1.0, 4.0)
@@ -24,6 +24,7 @@ WITHIN_PX = 1.5
 FLAT = 0.7  # log of breadth over height above which a body is flat
 # A picture may show a strongly lit object without its shading: clipped, shining through, painted.
 LEAST_CONTRAST = -0.5
+LEAST_SPREAD = 1e-3  # of what a correlation can be told of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,7 +136,14 @@ def _lit_side(region: Region, masks: Predicted) -> float:
     if places.shape[1] <= 30 or shaded.shape[1] <= 5:
         return 0.0
     along = (places.mean(axis=1) - shaded.mean(axis=1)) @ places
-    return correlation(along, region.colours[..., 0][core])
+    return _correlation(along, region.colours[..., 0][core])
+
+
+def _correlation(one: Float | Float32, other: Float | Float32) -> float:
+    """Pearson's, of n numbers each; 0 where either hardly varies."""
+    a, b = (values - values.mean(dtype=np.float64) for values in (one, other))
+    variances = float(a @ a) / len(a), float(b @ b) / len(b)
+    return float(a @ b) / len(a) / math.sqrt(variances[0] * variances[1]) if min(variances) >= LEAST_SPREAD**2 else 0.0
 
 
 def _places(mask: Mask) -> Float:

@@ -21,11 +21,10 @@ DARKEST = 0.02
 LOWEST_Z = 0.1
 FARTHEST_PX = 1e5
 LEAST_PX = 30
-LEAST_SPREAD = 1e-3
 FINEST = 0.03  # added to both spreads: smaller differences in log brightness are noise
 # How much of the sky's shading and of the light's an object may show, before it is looked at: 1 were it matt and of one
 # colour, and its body the true one. Means and deviations.
-USUAL, SPREAD = np.array([1.0, 0.5]), np.array([0.7, 0.5])
+USUAL, DEVIATION = np.array([1.0, 0.5]), np.array([0.7, 0.5])
 LEAST_NOISE = 0.05
 TOGETHER_PX = 40  # as many neighbours differ from a body's brightness as one: an object's colours come in patches
 
@@ -66,22 +65,15 @@ def _sunlit(brightness: Float, by_sky: Float, by_light: Float) -> float:
     shown = brightness - brightness.mean()
     noise = max(float(np.std(shown - parts @ USUAL)), LEAST_NOISE)
     weight = 1 / (TOGETHER_PX * noise**2)
-    information = weight * (parts.T @ parts) + np.diag(SPREAD**-2.0)
-    amplitude = np.linalg.solve(information, weight * (parts.T @ shown) + USUAL / SPREAD**2)[1]
+    information = weight * (parts.T @ parts) + np.diag(DEVIATION**-2.0)
+    amplitude = np.linalg.solve(information, weight * (parts.T @ shown) + USUAL / DEVIATION**2)[1]
     variance = float(np.linalg.inv(information)[1, 1])
-    return float(amplitude / math.sqrt(variance) * (1 - variance / SPREAD[1] ** 2))
+    return float(amplitude / math.sqrt(variance) * (1 - variance / DEVIATION[1] ** 2))
 
 
 def _spread(values: Float) -> float:
     """Mean of how far values are from their median: one that few outliers hardly change."""
     return float(np.abs(values - np.median(values)).mean())
-
-
-def correlation(one: Float | Float32, other: Float | Float32) -> float:
-    """Pearson's, of n numbers each; 0 where either hardly varies."""
-    a, b = (values - values.mean(dtype=np.float64) for values in (one, other))
-    variances = float(a @ a) / len(a), float(b @ b) / len(b)
-    return float(a @ b) / len(a) / math.sqrt(variances[0] * variances[1]) if min(variances) >= LEAST_SPREAD**2 else 0.0
 
 
 def _irradiances(

@@ -10,9 +10,10 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.alignment import Alignment
 from ashe_live.light.areas import grown, shrunk
 from ashe_live.light.directions import FittedLight
-from ashe_live.light.evidence import EVIDENCE, Explanation, appearance, evidence
+from ashe_live.light.evidence import EVIDENCE, LEAST_CONTRAST, Explanation, appearance, evidence
 from ashe_live.light.materials import Materials, materials_of
 from ashe_live.light.predicted import Predicted
+from ashe_live.light.shading import shading_of
 from tests.light.painted_bodies import alignment_of, body_of, explanation_of
 from tests.light.painted_regions import PaintedRegion, painted_region, shift_of
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
@@ -110,6 +111,17 @@ def test_the_truth_has_clear_borders_and_is_shaded_by_its_light(ground: str, cas
     assert min(truth["contrast"], truth["sunlit"]) > 0
     assert truth["flat"] == 0
     assert truth["misfit"] < np.log(0.01)
+
+
+def test_a_picture_without_shading_speaks_only_so_much_against_its_light() -> None:
+    here = painted_region(BOX)
+    colours = here.region.colours.copy()
+    colours[..., 0][here.body] = -0.7
+    truth = explanation_of(here)
+    plain = replace(truth, region=replace(here.region, colours=colours))
+    shown = shading_of(plain.region, here.body, truth.proxy, [here.scene.to_light], [0.1])
+    assert shown.contrast < LEAST_CONTRAST
+    assert weighed(plain)["contrast"] == LEAST_CONTRAST < weighed(truth)["contrast"]
 
 
 def test_the_object_is_shaded_otherwise_in_another_light() -> None:
