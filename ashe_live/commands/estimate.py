@@ -2,7 +2,6 @@
 
 import argparse
 import dataclasses
-import math
 import statistics
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -88,10 +87,9 @@ def _answer(
 ) -> tuple[FileRecord, TrackedFrame | None]:
     """What is said about a file, and the frame that was used, unless the file cannot be."""
     record = FileRecord(str(path), options.quality, options.estimator)
-    if path.is_dir():  # of others, those in it were named in their place
-        return dataclasses.replace(
-            record, error=f"{path} has no photo or clip in it: name another folder, or files"
-        ), None
+    if path.is_dir():  # in the place of others stand the files in them
+        problem = "there is no photo or clip in it: name another folder, or files"
+        return dataclasses.replace(record, error=problem), None
     try:
         with open_source(path) as source:
             if isinstance(tracker, FocalTracker):
@@ -137,11 +135,11 @@ def usable_frame(source: Source, tracker: Tracker, estimate_at: int | None) -> T
             found = found or last
     if estimate_at is not None and last is not None:
         raise UserError(
-            f"{source.name} has no frame {estimate_at}", f"choose one from 0 to {last.frame.index} for --estimate-at"
+            f"there is no frame {estimate_at} in it", f"choose one from 0 to {last.frame.index} for --estimate-at"
         )
     answer = found or last
     if answer is None:
-        raise UserError(f"{source.name} has no readable picture", "copy or record it again")
+        raise UserError("there is no readable picture in it", "copy or record it again")
     return answer
 
 
@@ -173,11 +171,9 @@ def _timed(
 
 
 def _line(record: FileRecord) -> str:
-    """What is said of a file, after its name; errors say it themselves."""
-    said, name = _said(record), Path(record.file).name
-    if said.startswith(record.file):
-        return said
-    return record.file + said.removeprefix(name) if said.startswith(name) else f"{record.file}: {said}"
+    """What is said of a file, after its name, which most errors say themselves."""
+    said = _said(record)
+    return said if record.file in said else f"{record.file}: {said}"
 
 
 def _said(record: FileRecord) -> str:
@@ -189,13 +185,8 @@ def _said(record: FileRecord) -> str:
     light = record.estimate.light
     if light is None:
         return f"no directional light ({record.estimate.reason})"
-    sigma = "" if light.sigma_rad is None else f" ± {math.degrees(light.sigma_rad):.1f}°"
-    sure = "" if light.confidence is None else f", {100 * light.confidence:.0f} % sure"
     milliseconds = (record.timing_ms or {}).get("total", 0.0)
-    return (
-        f"azimuth {light.azimuth_deg:.1f}°, elevation {light.elevation_deg:.1f}°{sigma}{sure} "
-        f"(frame {record.frame}, {milliseconds:.0f} ms)"
-    )
+    return f"{light.said(decimals=1)} (frame {record.frame}, {milliseconds:.0f} ms)"
 
 
 def _status(record: FileRecord) -> ExitStatus:

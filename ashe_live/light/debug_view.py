@@ -68,7 +68,7 @@ def debug_pictures(tracked: TrackedFrame, estimate: LightEstimate, width_px: int
         pictures.append(DebugPicture("red: not explained, green: not seen", rest))
     camera_marker = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
     rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_marker)
-    said = "; ".join(map(_said_of, estimate.lights)) or f"none: {estimate.reason}"
+    said = "; ".join(light.said() for light in estimate.lights) or f"none: {estimate.reason}"
     pictures.append(DebugPicture(said, _centred(rose, photo.shape)))
     return pictures
 
@@ -161,12 +161,6 @@ def _centred(picture_bgr: Image, shape: tuple[int, ...]) -> Image:
     top, left = (shape[0] - height) // 2, (shape[1] - width) // 2
     sheet[top : top + height, left : left + width] = picture_bgr
     return sheet
-
-
-def _said_of(light: DirectionalLight) -> str:
-    sigma = "" if light.sigma_rad is None else f" ±{math.degrees(light.sigma_rad):.1f}°"
-    confidence = "" if light.confidence is None else f", P {light.confidence:.2f}"
-    return f"azimuth {light.azimuth_deg:.0f}°, elevation {light.elevation_deg:.0f}°{sigma}{confidence}"
 
 
 def _ellipse(light: DirectionalLight, squared_sigmas: float, around: int = 72) -> list[Float]:

@@ -27,10 +27,7 @@ def light_line(session: Session) -> str:
         text = f"no clear light: {estimate.reason}"
     else:
         light = estimate.light
-        sigma = "" if light.sigma_rad is None else f" ± {math.degrees(light.sigma_rad):.1f}°"
-        name = "light" if session.hand.light is None else "light by hand"
-        sure = "" if light.confidence is None else f", {100 * light.confidence:.0f} % sure"
-        text = f"{name}: azimuth {light.azimuth_deg:.0f}°, elevation {light.elevation_deg:.0f}°{sigma}{sure}"
+        text = f"{'light' if session.hand.light is None else 'light by hand'}: {light.said()}"
         if session.fusion is not None and session.fusion.count > 1:
             text += f", of {session.fusion.count} estimates"
         if (count := len(estimate.lights)) > 1:

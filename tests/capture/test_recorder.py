@@ -166,7 +166,7 @@ def test_another_size_in_mid_stream_is_the_callers_fault(tmp_path: Path, picture
 
 RECORD_UNTIL_KILLED = """
 import sys, numpy as np
-from ashe_live.capture.recorder import Recorder, salvaged
+from ashe_live.capture.recorder import Recorder
 recorder = Recorder(sys.argv[1], (96, 64), 10)
 for i in range(90):
     recorder.write(np.full((64, 96, 3), i, np.uint8))

@@ -56,7 +56,7 @@ def test_without_a_marker_the_status_is_3(run, files, schema):
     assert outcome.status == 3
     assert record["error"] is None
     assert not record["marker"]["found"]
-    assert run("estimate", *KNOWN, files["empty_table"]).out[0].count("no marker found") == 1
+    assert run("estimate", *KNOWN, files["empty_table"]).out[0].count("no marker found: ") == 1
 
 
 NAMES = {"missing": "no.mp4", "pattern": "*.jpg", "folder": "folder", "empty": "empty.mp4"}
@@ -75,6 +75,7 @@ def test_an_unreadable_file_is_a_line_too_and_status_2(run, tmp_path, files, sch
     assert record["error"]
     assert "\n" not in record["error"]
     assert record["marker"] is record["camera"] is record["frame"] is None
+    assert run("estimate", *KNOWN, path).out[0].count(str(path)) == 1
 
 
 @pytest.mark.parametrize(

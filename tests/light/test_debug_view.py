@@ -62,7 +62,7 @@ def test_all_steps_have_one_size_and_the_light_is_said_last(tracked, estimate):
     pictures = debug_pictures(tracked, estimate)
     assert len(pictures) == 8
     assert {picture.image_bgr.shape for picture in pictures} == {(240, 320, 3)}
-    assert pictures[-1].title == "azimuth 30°, elevation 45° ±4.0°, P 0.90"
+    assert pictures[-1].title == "azimuth 30°, elevation 45° ± 4.0°, 90 % sure"
 
 
 def test_without_an_answer_the_reason_stands_in_its_place(tracked):

@@ -21,6 +21,7 @@ from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer import keeping
 from ashe_live.viewer import recording as recording_module
 from ashe_live.viewer.controls import Command, Files, MouseEvent, Request
+from ashe_live.viewer.display import Display
 from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.session import EstimatePolicy, Session
 
@@ -206,6 +207,21 @@ def test_recording_goes_on_while_paused_and_ends_by_the_same_key(stage, tmp_path
     with ClipSource(path) as clip:
         assert len(list(iter(clip.read, None))) > 2
     assert capfd.readouterr().out.startswith("saved ")
+
+
+def test_that_it_records_is_shown_as_long_as_it_does(stage, monkeypatch):
+    shown, scene = [], Display.scene
+
+    def spy(display, session, size, manner, *rest):
+        shown.append("recording" in manner)
+        return scene(display, session, size, manner, *rest)
+
+    monkeypatch.setattr(Display, "scene", spy)
+    stage.put(0)
+    stage.run(None, Command.RECORD, *[None] * 20, Command.RECORD, None, None)
+    first, last = shown.index(True), len(shown) - 1 - shown[::-1].index(True)
+    assert 0 < first < last < len(shown) - 1
+    assert all(shown[first : last + 1])
 
 
 @pytest.mark.parametrize("error", [SystemExit(143), KeyboardInterrupt(), RuntimeError("a bug")])
