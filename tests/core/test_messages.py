@@ -1,0 +1,52 @@
+"""Whatever a file name or a damaged file holds, a message is one printable line of bounded length."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ashe_live.core.messages import MOST_CHARACTERS, printable, say, tell
+
+ANY_TEXT = st.text(st.characters(exclude_categories=()))  # lone surrogates too
+
+
+@given(ANY_TEXT)
+def test_a_message_is_one_printable_line(text: str) -> None:
+    line = printable(text)
+    assert line.isprintable()
+    assert len(line) <= MOST_CHARACTERS
+    line.encode("utf-8")
+
+
+@given(st.text(st.characters(categories=["L", "N", "P"]), min_size=1, max_size=MOST_CHARACTERS))
+def test_ordinary_text_stays_as_it_is(text: str) -> None:
+    assert printable(text) == text
+
+
+@pytest.mark.parametrize(
+    ("hostile", "seen"),
+    [
+        ("a\x1b[2Jb", "a\\x1b[2Jb"),
+        ("a\udcffb", "a\\udcffb"),
+        ("a\u202egnp.exe", "a\\u202egnp.exe"),
+        ("two\nlines\r\nand a\ttab", "two lines and a tab"),
+        ("a\u2028b\x85c", "a b c"),
+    ],
+)
+def test_what_would_command_a_terminal_is_shown_as_an_escape(hostile: str, seen: str) -> None:
+    assert printable(hostile) == seen
+
+
+@pytest.mark.parametrize("letter", ["x", "\x1b", "\U0010ffff", "x "])
+def test_what_is_too_long_keeps_its_beginning_and_its_end(letter: str) -> None:
+    line = printable(f"cannot read {letter * 2_000_000}: copy it again", 100)
+    assert len(line) <= 100
+    assert line.startswith("cannot read ")
+    assert line.endswith(": copy it again")
+
+
+def test_errors_and_answers_take_one_line_each(capsys: pytest.CaptureFixture[str]) -> None:
+    tell("no\nmarker")
+    say("light\x1b from the left")
+    said = capsys.readouterr()
+    assert said.err == "ashe-live: no marker\n"
+    assert said.out == "light\\x1b from the left\n"
