@@ -2,14 +2,13 @@
 
 import argparse
 import math
-import os
-import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import NoReturn, TypeVar
 
 from ashe_live import __version__
+from ashe_live.core.messages import say_exactly, tell
 from ashe_live.errors import ExitStatus, UserError
 
 Number = TypeVar("Number", int, float)
@@ -33,7 +32,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     parser = (parser_class or _Parser)(
         prog="ashe-live", description="AR whose virtual objects are lit as the real ones are.", epilog=EPILOG
     )
-    parser.add_argument("--version", action="version", version=f"ashe-live {__version__}")
+    parser.add_argument("--version", action=_Version, nargs=0, help="say which version this is")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
     demo = commands.add_parser("demo", help="play the shipped clip (without a display: into a video file)")
@@ -231,11 +230,24 @@ def _size(text: str) -> tuple[int, int]:
     return int(width), int(height)
 
 
+class _Version(argparse.Action):
+    """As argparse's own, which is silent where the text cannot be written."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        say_exactly(f"ashe-live {__version__}")
+        parser.exit()
+
+
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one line, without the usage that hides it."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(ExitStatus.WRONG_USE, f"ashe-live: {message} (see {self.prog} --help)\n")
+        tell(f"{message} (see {self.prog} --help)")
+        self.exit(ExitStatus.WRONG_USE)
+
+    def print_help(self, _file: object = None) -> None:
+        # Argparse's own is silent where the text cannot be written.
+        say_exactly(self.format_help().rstrip("\n"))
 
 
 class _SettingsParser(argparse.ArgumentParser):
@@ -269,18 +281,31 @@ def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     return build_parser(_SettingsParser).parse_args([first, *flags_of(settings, options.command), *rest])
 
 
-def run(arguments: Sequence[str]) -> int:
-    """Parses, runs the command, and returns its exit status; a UserError becomes one line on stderr."""
+def run(arguments: Sequence[str], begins: Callable[[], None] | None = None) -> int:
+    """Parses, runs the command, and returns its exit status; what a user can mend becomes one line on stderr.
+
+    `begins` is called when all is loaded and the command itself is next.
+    """
     try:
         options = parsed(arguments)
         command: Callable[[argparse.Namespace], int] = import_module(f"ashe_live.commands.{options.command}").run
+        if begins is not None:
+            begins()
         return int(command(options))
     except UserError as error:
-        print(f"ashe-live: {' '.join(str(error).split())}", file=sys.stderr)
-        return ExitStatus.WRONG_USE
+        tell(error)
     except KeyboardInterrupt:
-        return 130
-    except BrokenPipeError:
-        # The reader (`| head`) has what it wanted; without this Python complains once more at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return ExitStatus.INTERRUPTED
+    except BrokenPipeError:  # the reader (`| head`) has what it wanted
         return ExitStatus.ANSWERED
+    # What no command has foreseen, and a file, a name or the machine has brought about all the same.
+    except MemoryError:
+        tell("there is not enough memory for this: close other programs, or give something smaller")
+    except RecursionError:
+        tell("something is nested too deeply in one of the files: export or write it again")
+    except UnicodeError as error:
+        tell(f"a name or a text cannot be encoded ({error}): rename or convert it")
+    except OSError as error:
+        named = f" ({error.filename})" if error.filename is not None else ""
+        tell(f"the system refuses: {error.strerror or error}{named}: check the files, folders and space that it needs")
+    return ExitStatus.WRONG_USE

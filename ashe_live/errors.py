@@ -10,6 +10,7 @@ class ExitStatus(IntEnum):
     WRONG_USE = 2
     NO_MARKER = 3
     NO_DIRECTIONAL_LIGHT = 4
+    INTERRUPTED = 130  # by Ctrl-C, as shells have it
 
 
 class UserError(Exception):

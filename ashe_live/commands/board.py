@@ -2,6 +2,7 @@
 
 import argparse
 
+from ashe_live.core.messages import say
 from ashe_live.errors import ExitStatus
 from ashe_live.tracking.calibration_board import CalibrationBoard
 from ashe_live.tracking.printing import write_board_sheet
@@ -9,5 +10,5 @@ from ashe_live.tracking.printing import write_board_sheet
 
 def run(options: argparse.Namespace) -> int:
     write_board_sheet(options.out, CalibrationBoard(), options.square_mm / 1000, options.overwrite)
-    print(f"{options.out}: print it, fix it on something flat, then: ashe-live calibrate --out camera.json")
+    say(f"{options.out}: print it, fix it on something flat, then: ashe-live calibrate --out camera.json")
     return ExitStatus.ANSWERED

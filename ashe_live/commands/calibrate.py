@@ -2,7 +2,6 @@
 
 import argparse
 import contextlib
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,6 +15,7 @@ from rich.table import Table
 
 from ashe_live.capture.sources import Source, SourceLost, open_source
 from ashe_live.capture.webcam import WebcamSource
+from ashe_live.core.messages import tell
 from ashe_live.core.output_files import check_output, write_json
 from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError
@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
     check_output(options.out, options.overwrite)
     with _opened(options) as source:
         if source.note is not None:
-            print(f"ashe-live: {source.note}", file=sys.stderr)
+            tell(source.note)
         guide = CalibrationGuide(source.size)
         with _window(source) if source.is_live and not options.headless else _lines() as guidance:
             calibration = _collect(source, guide, guidance) or guide.calibration()

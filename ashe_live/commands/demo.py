@@ -11,6 +11,7 @@ from ashe_live.capture.snapshot import write_png
 from ashe_live.commands.setup import make_tracker
 from ashe_live.commands.view import View, check_outputs, has_display, show_in_window, show_without_window
 from ashe_live.core.arrays import Image
+from ashe_live.core.messages import say
 from ashe_live.core.output_files import unused_name
 from ashe_live.render.scene import Scene
 from ashe_live.viewer.display import Display
@@ -48,7 +49,7 @@ def _into_files(view: View) -> int:
 
     status = show_without_window(view, scene, moments.add)
     write_png(sheet, contact_sheet(*moments.spread()))
-    print(f"see {options.out} and {sheet}")
+    say(f"see {options.out} and {sheet}")
     return status
 
 

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from ashe_live import __version__
 from ashe_live.cli import parsed
+from ashe_live.core.messages import printable, say
 from ashe_live.core.resources import resource
 from ashe_live.core.settings import settings_path
 from ashe_live.errors import ExitStatus, UserError
@@ -37,12 +38,12 @@ def run(_options: argparse.Namespace) -> int:
     findings = {}
     for name, check in CHECKS.items():
         finding = findings[name] = _tried(name, check)
-        print(f"{'works' if finding.works else 'does not work':<14} {name:<19} {finding.said}", flush=True)
+        say(f"{'works' if finding.works else 'does not work':<14} {name:<19} {finding.said}")
     missing = [name for name in needed_for_demo(findings["display"].works) if not findings[name].works]
     if missing:
-        print(f"The demo cannot run: mend {', '.join(missing)}.")
+        say(f"The demo cannot run: mend {', '.join(missing)}.")
         return ExitStatus.WRONG_USE
-    print("The demo can run: ashe-live demo")
+    say("The demo can run: ashe-live demo")
     return ExitStatus.ANSWERED
 
 
@@ -55,9 +56,9 @@ def _tried(name: str, check: Callable[[], str]) -> Finding:
     try:
         return Finding(name, True, check())
     except UserError as error:
-        return Finding(name, False, " ".join(str(error).split()))
+        return Finding(name, False, printable(error))
     except Exception as error:  # whatever is broken, the other checks go on
-        reason = " ".join(str(error).split()) or type(error).__name__
+        reason = printable(error) or type(error).__name__
         return Finding(name, False, f"{reason}: install ashe-live again, or report this")
 
 

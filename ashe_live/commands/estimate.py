@@ -19,6 +19,7 @@ from ashe_live.commands.light_page import LightPage, picture_of
 from ashe_live.commands.named_files import named_files
 from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
 from ashe_live.core.contract import FileRecord
+from ashe_live.core.messages import printable, say, say_exactly, tell
 from ashe_live.core.output_files import check_output, make_folder, unused_name
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.errors import ExitStatus, UserError
@@ -50,14 +51,14 @@ def run(options: argparse.Namespace) -> int:
     statuses = set()
     for path in _watched(named_files(options.files)):
         record, tracked = _answer(path, make_tracker(options, camera_for), estimator, options)
-        print(record.to_line() if options.json else _line(record), flush=True)
+        say_exactly(record.to_line()) if options.json else say(_line(record))
         statuses.add(_status(record))
         if options.sheet is not None:
             picture = None if tracked is None else picture_of(tracked, record.estimate)
             page.add(record.file, _said(record), picture)
     if options.sheet is not None:
         page.write(options.sheet)
-        print(f"sheet in {options.sheet}", file=sys.stderr)
+        tell(f"sheet in {options.sheet}")
     return next(status for status in WORST_FIRST if status in statuses)
 
 
@@ -96,14 +97,14 @@ def _answer(
                 learn_focal_length(source, tracker)
             tracked = usable_frame(source, tracker, options.estimate_at)
     except UserError as error:
-        return dataclasses.replace(record, error=" ".join(str(error).split())), None
+        return dataclasses.replace(record, error=printable(error)), None
     record = dataclasses.replace(record, frame=tracked.frame.index, camera=tracked.camera, marker=tracked.marker)
     if tracked.marker is None:
         return dataclasses.replace(record, timing_ms={"detect": tracked.detect_ms, "total": tracked.detect_ms}), tracked
     estimate, timing_ms = _timed(tracker, tracked, estimator, options.repeat)
     if options.debug is not None:
         sheet = _write_steps(options.debug, path, tracked, estimate)
-        print(f"{path}: steps in {sheet}", file=sys.stderr)
+        tell(f"{path}: steps in {sheet}")
     return dataclasses.replace(record, estimate=estimate, timing_ms=timing_ms), tracked
 
 
@@ -173,7 +174,7 @@ def _timed(
 def _line(record: FileRecord) -> str:
     """What is said of a file, after its name, which most errors say themselves."""
     said = _said(record)
-    return said if record.file in said else f"{record.file}: {said}"
+    return said if printable(record.file) in said else f"{record.file}: {said}"
 
 
 def _said(record: FileRecord) -> str:

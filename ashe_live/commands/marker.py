@@ -2,6 +2,7 @@
 
 import argparse
 
+from ashe_live.core.messages import say
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.tracking.layout import Layout, parse_target
 from ashe_live.tracking.printing import write_marker_sheet
@@ -23,5 +24,5 @@ def run(options: argparse.Namespace) -> int:
         show_marker(marker.spec, marker.bitmap(SHOWN_PX))
         return ExitStatus.ANSWERED
     write_marker_sheet(options.out, marker, options.size_mm / 1000, options.overwrite)
-    print(f"{options.out}: print it at 100 %, then the ruler line on it is true")
+    say(f"{options.out}: print it at 100 %, then the ruler line on it is true")
     return ExitStatus.ANSWERED

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 from ashe_live.cli import parsed
+from ashe_live.core.messages import say, say_exactly
 from ashe_live.core.settings import SETTINGS, read_settings, settings_path
 from ashe_live.errors import ExitStatus
 
@@ -16,11 +17,13 @@ def run(_options: argparse.Namespace) -> int:
     settings = read_settings(path)
     # This command has all the flags that settings stand for.
     effective = vars(parsed(["webcam"]))
-    print(f"# {path}" if path.exists() else f"# {path} (not there: ashe-live settings > FILE is a start)")
+    say(f"# {path}" if path.exists() else f"# {path} (not there: ashe-live settings > FILE is a start)")
     for key in SETTINGS:
         value = effective[key.replace("-", "_")]
         line = f"# {key} =" if value is None else f"{key} = {_toml(value)}"
-        print(f"{line:<{NOTE_AT}} # {'set here' if key in settings else 'not set' if value is None else 'default'}")
+        say_exactly(
+            f"{line:<{NOTE_AT}} # {'set here' if key in settings else 'not set' if value is None else 'default'}"
+        )
     return ExitStatus.ANSWERED
 
 
@@ -28,4 +31,7 @@ def _toml(value: str | Path | float | tuple[int, int]) -> str:
     """A size is written as its flag takes it; JSON's strings are TOML's."""
     if isinstance(value, tuple):
         value = f"{value[0]}x{value[1]}"
-    return repr(value) if isinstance(value, float) else json.dumps(str(value), ensure_ascii=False)
+    if isinstance(value, float):
+        return repr(value)
+    text = json.dumps(str(value), ensure_ascii=False)
+    return "".join(letter if letter.isprintable() else f"\\U{ord(letter):08x}" for letter in text)

@@ -1,10 +1,10 @@
 """What several commands make of the same options: the camera, the tracker."""
 
 import argparse
-import sys
 from collections.abc import Callable
 
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
+from ashe_live.core.messages import tell
 from ashe_live.core.quality import BALANCED, QUALITIES, Quality
 from ashe_live.errors import UserError
 from ashe_live.tracking.focal_memory import FocalMemory
@@ -40,10 +40,9 @@ class AssumedCamera:
     def __call__(self, size: Size) -> Camera:
         if not self._is_said:
             self._is_said = True
-            print(
-                f"ashe-live: the camera's field of view is not known, {ASSUMED_HFOV_DEG:g} degrees assumed until the "
-                "marker, seen from several sides, tells it; --hfov, --focal-px or --camera-file make it right",
-                file=sys.stderr,
+            tell(
+                f"the camera's field of view is not known, {ASSUMED_HFOV_DEG:g} degrees assumed until the "
+                "marker, seen from several sides, tells it; --hfov, --focal-px or --camera-file make it right"
             )
         return Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
 

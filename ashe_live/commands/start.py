@@ -1,11 +1,11 @@
 """`ashe-live` alone: the camera that is connected, or the demo where there is none."""
 
 import argparse
-import sys
 
 from ashe_live.capture.cameras import connected
 from ashe_live.commands import demo, webcam
 from ashe_live.commands.view import check_outputs
+from ashe_live.core.messages import tell
 
 
 def run(options: argparse.Namespace) -> int:
@@ -13,7 +13,7 @@ def run(options: argparse.Namespace) -> int:
     if options.camera is None:
         devices = connected()
         if not devices:
-            print("ashe-live: no camera is connected, so this is the demo (ashe-live --help has more)", file=sys.stderr)
+            tell("no camera is connected, so this is the demo (ashe-live --help has more)")
             return demo.run(options)
         options.camera = str(devices[0].number)
     return webcam.run(options)

@@ -14,6 +14,7 @@ from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.setup import make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
+from ashe_live.core.messages import say, tell
 from ashe_live.core.output_files import check_output
 from ashe_live.core.signals import ended_by_signals
 from ashe_live.errors import ExitStatus, UserError
@@ -157,9 +158,9 @@ def _summed_up(view: View, session: Session, report: Report) -> int:
         report.write(options.report)
     found = sum(frame["found"] for frame in report.frames)
     light = "light: not estimated" if session.estimate is None else light_line(session)
-    print(f"{view.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
+    say(f"{view.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
     for notice in _notices(view, session, {frame["index"] for frame in report.frames if frame["found"]}):
-        print(f"ashe-live: {notice}", file=sys.stderr)
+        tell(notice)
     return ExitStatus.ANSWERED if found else ExitStatus.NO_MARKER
 
 
@@ -183,4 +184,4 @@ def _tell_of_recordings_cut_short(out: Path | None) -> None:
     """Of a program that was killed, at the next one's start."""
     for folder in {Path.cwd(), *([] if out is None else [out.absolute().parent])}:
         for path in rescue_recordings(folder):
-            print(f"ashe-live: a recording that was cut short is now {path}", file=sys.stderr)
+            tell(f"a recording that was cut short is now {path}")

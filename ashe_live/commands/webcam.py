@@ -1,12 +1,12 @@
 """`ashe-live webcam`: a camera, a printed marker, a sunny table."""
 
 import argparse
-import sys
 
 from ashe_live.capture.cameras import connected, name_of
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.commands.setup import make_tracker
 from ashe_live.commands.view import View, check_outputs, show
+from ashe_live.core.messages import tell
 from ashe_live.tracking.focal_memory import FocalMemory
 
 
@@ -16,5 +16,5 @@ def run(options: argparse.Namespace) -> int:
     tracker = make_tracker(options, memory=FocalMemory(name_of(camera, connected())))
     source = WebcamSource(camera, options.size)
     if source.note is not None:
-        print(f"ashe-live: {source.note}", file=sys.stderr)
+        tell(source.note)
     return show(View(source, tracker, options))

@@ -1,12 +1,12 @@
 """The loop on the main thread: keys in, the latest tracked frame in, a picture out at the display's own rate."""
 
-import sys
 import time
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
 from ashe_live.core.mailbox import Closed
+from ashe_live.core.messages import say, tell
 from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.errors import UserError
 from ashe_live.render.renderer import Renderer
@@ -121,7 +121,7 @@ class LiveViewer:
             if self._session.tracked is None:
                 raise
             self._source_error = str(error)
-            print(f"ashe-live: {error}", file=sys.stderr, flush=True)
+            tell(error)
             return False
         if tracked is None:
             return False
@@ -132,7 +132,7 @@ class LiveViewer:
         fusion = self._session.fusion
         # One line a light, not one an estimate that agrees with those before.
         if self._session.poll(now_s) is not None and (fusion is None or fusion.is_new):
-            print(light_line(self._session), flush=True)
+            say(light_line(self._session))
         size = self._window.framebuffer_size
         if min(size) < 1:  # minimised
             return
@@ -232,4 +232,4 @@ class LiveViewer:
     def _tell(self, text: str, now_s: float) -> None:
         """On the screen and, to be found when it has gone from there, in the terminal."""
         self._session.say(text, now_s)
-        print(text, flush=True)
+        say(text)

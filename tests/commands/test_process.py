@@ -1,0 +1,80 @@
+"""The process around a command: standard streams in any state, and what lies in the current folder."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ASHE_LIVE = Path(sys.executable).with_name("ashe-live")
+ANSWERS = [["--help"], ["--version"], ["settings"], ["estimate", "gone.jpg", "--json"]]
+
+
+def run_in_shell(line: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
+    """`line` in bash, where $A is ashe-live."""
+    variables = {**os.environ, "A": str(ASHE_LIVE), "HOME": str(folder), **environment}
+    return subprocess.run(
+        ["bash", "-c", line], cwd=folder, env=variables, capture_output=True, text=True, errors="surrogateescape"
+    )
+
+
+@pytest.mark.parametrize("command", ANSWERS, ids=" ".join)
+def test_a_reader_that_leaves_is_no_error(command: list[str], tmp_path: Path) -> None:
+    done = run_in_shell(f"$A {' '.join(command)} | true; exit ${{PIPESTATUS[0]}}", tmp_path)
+    # Whether the reader has gone before the first line or after the last is chance.
+    assert done.returncode in ((0, 2) if "gone.jpg" in command else (0,))
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("command", ANSWERS, ids=" ".join)
+def test_an_answer_that_cannot_be_written_is_an_error(command: list[str], tmp_path: Path) -> None:
+    done = run_in_shell(f"$A {' '.join(command)} > /dev/full", tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "standard output" in done.stderr
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&-", "<&- >&- 2>&-"])
+def test_a_closed_stream_is_as_if_nobody_read_it(closed: str, tmp_path: Path) -> None:
+    done = run_in_shell(f"$A marker --out marker.png {closed}", tmp_path)
+    assert done.returncode == 0
+    assert done.stderr == ""
+    assert (tmp_path / "marker.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_any_name_can_be_said_in_ascii(tmp_path: Path) -> None:
+    line = r"""$A estimate $'b\xc3\xa4\xff\e[2Jd.jpg'"""
+    done = run_in_shell(line, tmp_path, PYTHONIOENCODING="ascii", LC_ALL="C")
+    assert done.returncode == 2
+    assert done.stdout.isascii()
+    assert "\x1b" not in done.stdout
+    assert done.stdout.count("\n") == 1
+
+
+def test_ctrl_c_while_all_is_loaded_ends_at_once_and_in_silence(tmp_path: Path) -> None:
+    """Interrupted where the first heavy import begins."""
+    (tmp_path / "sitecustomize.py").write_text(
+        """
+import os, signal, sys
+class Interrupting:
+    def find_spec(self, name, path=None, target=None):
+        if name == "numpy":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupting())
+"""
+    )
+    done = run_in_shell("$A play gone.mp4", tmp_path, PYTHONPATH=str(tmp_path))
+    assert done.returncode == 128 + signal.SIGINT
+    assert done.stdout + done.stderr == ""
+
+
+@pytest.mark.parametrize("name", ["platformdirs", "numpy", "rich", "argparse", "tomllib"])
+def test_what_lies_in_the_current_folder_is_not_imported(name: str, tmp_path: Path) -> None:
+    """Not by `python -m` either, which puts that folder first, once the program itself has begun."""
+    (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'canary')!r}, 'w')")
+    for start in ("$A", f"{sys.executable} -m ashe_live"):
+        run_in_shell(f"{start} settings", tmp_path)
+        run_in_shell(f"{start} estimate gone.jpg", tmp_path)
+    assert not (tmp_path / "canary").exists()
