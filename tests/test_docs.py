@@ -17,9 +17,9 @@ import pytest
 
 from ashe_live import cli
 from ashe_live.commands import view
-from ashe_live.core.resources import resource
 from ashe_live.core.settings import read_settings
 from ashe_live.errors import ExitStatus
+from ashe_live.files.resources import resource
 from ashe_live.viewer.controls import BINDINGS
 from tests.commands.conftest import InstantWorker
 

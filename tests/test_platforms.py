@@ -6,7 +6,8 @@ import sys
 from datetime import datetime
 from pathlib import Path, PureWindowsPath
 
-from ashe_live.core.output_files import partial_name, unused_name
+from ashe_live.files.new_file import partial_path
+from ashe_live.files.writing import unused_name
 
 CHECKOUT = Path(__file__).parents[1]
 SOURCES = {path: path.read_text(encoding="utf-8") for path in (CHECKOUT / "ashe_live").rglob("*.py")}
@@ -36,7 +37,7 @@ def test_every_module_loads_where_unixs_own_are_missing() -> None:
 
 def test_names_of_files_are_allowed_on_every_system(tmp_path: Path) -> None:
     path = unused_name(tmp_path, "ashe-live", ".mp4", datetime(2026, 11, 21, 14, 3, 12))
-    for each in (path, partial_name(path)):
+    for each in (path, partial_path(path)):
         assert not set(each.name) & set('<>:"/\\|?*')
         assert PureWindowsPath(each.name).name == each.name
 

@@ -18,12 +18,12 @@ from ashe_live.bench.light_targets import Verdict, verdicts
 from ashe_live.bench.light_trade import COST, print_trade, sweep
 from ashe_live.bench.light_truth import error_on_true_masks_deg, mask_overlaps
 from ashe_live.bench.machine import machine_json, measured_with, versions_json
-from ashe_live.bench.plots import SUFFIXES, check_can_draw, draw_trade
+from ashe_live.bench.plots import SUFFIXES, TradePoint, check_can_draw, draw_trade
 from ashe_live.bench.tables import bench_console
 from ashe_live.core.contract import Json
-from ashe_live.core.output_files import check_folder, write_json
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.types import TrackedFrame
+from ashe_live.files.writing import check_folder, write_json
 from ashe_live.light.estimator import Estimator, make_estimator
 from ashe_live.light.fit import FitPreset
 from ashe_live.light.proxy import PRESETS
@@ -62,20 +62,22 @@ class LightBench:
             check_folder(out, (RESULTS, *(TRADE + suffix for suffix in SUFFIXES if draws)), overwrite)
         estimators = {preset: make_estimator(self.estimator, preset) for preset in self.presets}
         record = self._measured(estimators)
-        if out is not None:
-            write_json(out / RESULTS, record)  # already here, as the sweep takes as long again
+        written = None
+        if out is not None:  # already here, as the sweep takes as long again
+            written = write_json(out / RESULTS, record, overwrite, beside=True)
         if self.sweeps:
-            self._sweep(estimators, record, out)
+            points = self._sweep(estimators, record)
+            if out is not None and written is not None:
+                write_json(written, record, overwrite=True)
+                draw_trade(points, "Light estimation: error against time", COST, _note(record), out / TRADE, overwrite)
         return record
 
-    def _sweep(self, estimators: Mapping[str, Estimator], record: Json, out: Path | None) -> None:
-        """Adds `trade` to the record, and draws it."""
+    def _sweep(self, estimators: Mapping[str, Estimator], record: Json) -> list[TradePoint]:
+        """Adds `trade` to the record."""
         points = sweep(thinned(self.cases(), SWEEP_EVERY), estimators, self.console)
         print_trade(self.console, points)
         record["trade"] = [asdict(point) for point in points]
-        if out is not None:
-            write_json(out / RESULTS, record)
-            draw_trade(points, "Light estimation: error against time", COST, _note(record), out / TRADE)
+        return points
 
     def _measured(self, estimators: Mapping[str, Estimator]) -> Json:
         results = self._results(estimators)

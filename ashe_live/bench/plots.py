@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ashe_live.core.output_files import written_whole
 from ashe_live.errors import UserError
+from ashe_live.files.writing import written_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,11 +47,13 @@ def pareto_front(points: Sequence[TradePoint], measure: str) -> list[TradePoint]
     return front
 
 
-def draw_trade(points: Sequence[TradePoint], title: str, cost_label: str, note: str, stem: Path) -> None:
+def draw_trade(
+    points: Sequence[TradePoint], title: str, cost_label: str, note: str, stem: Path, overwrite: bool = False
+) -> None:
     """Writes `stem`.svg and `stem`.png: a panel for each measure, cost on a logarithmic axis, presets named.
 
-    `note` (date, machine, versions) stands at the top. Existing files are replaced: ask check_output first. Raises
-    ValueError without points, UserError without Matplotlib or when a file cannot be written.
+    `note` (date, machine, versions) stands at the top. Beside files that have appeared meanwhile, unless `overwrite`.
+    Raises ValueError without points, UserError without Matplotlib or when a file cannot be written.
     """
     if not points:
         raise ValueError("there is nothing to draw")
@@ -73,8 +75,8 @@ def draw_trade(points: Sequence[TradePoint], title: str, cost_label: str, note: 
         figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize="small")
         for suffix in SUFFIXES:
             metadata = {"Date": None} if suffix == ".svg" else {"Software": None}
-            with written_whole(stem.with_suffix(suffix)) as partial:
-                figure.savefig(partial, format=suffix[1:], dpi=120, metadata=metadata)
+            with written_whole(stem.with_suffix(suffix), overwrite, beside=True) as file:
+                figure.savefig(file.stream, format=suffix[1:], dpi=120, metadata=metadata)
 
 
 def _draw_panel(ax: "Axes", points: Sequence[TradePoint], measure: str, cost_label: str) -> None:

@@ -18,10 +18,10 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.output_files import check_folder, write_json, written_whole
 from ashe_live.core.quality import BALANCED, FAST, QUALITIES, RenderPreset
-from ashe_live.core.resources import resource
 from ashe_live.core.types import DirectionalLight, TrackedFrame
+from ashe_live.files.resources import resource
+from ashe_live.files.writing import check_folder, write_json, written_whole
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import Context, offscreen_context
@@ -69,8 +69,8 @@ class RenderBench:
         }
         print_render_record(record)
         if self.out is not None:
-            write_json(self.out / RESULTS, record)
-            _draw(record, self.out)
+            write_json(self.out / RESULTS, record, overwrite, beside=True)
+            _draw(record, self.out, overwrite)
         return record
 
     def _loop(self, ctx: Context, size: Size) -> Json:
@@ -196,7 +196,7 @@ def print_render_record(record: Json) -> None:
     )
 
 
-def _draw(record: Json, out: Path) -> None:
+def _draw(record: Json, out: Path, overwrite: bool) -> None:
     note = f"{date.today()}, {record['machine']['gl_renderer']}, {record['machine']['cpus']} cores"
     points = [
         TradePoint(
@@ -213,11 +213,11 @@ def _draw(record: Json, out: Path) -> None:
         for row in record["errors"]
     ]
     if points:
-        draw_trade(points, "Error against a path tracer", "ms a picture, 480x360", note, out / ERRORS)
-    _draw_sweeps(record, note, out / COSTS)
+        draw_trade(points, "Error against a path tracer", "ms a picture, 480x360", note, out / ERRORS, overwrite)
+    _draw_sweeps(record, note, out / COSTS, overwrite)
 
 
-def _draw_sweeps(record: Json, note: str, path: Path) -> None:
+def _draw_sweeps(record: Json, note: str, path: Path, overwrite: bool) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11, 3.2), layout="constrained")
@@ -231,8 +231,8 @@ def _draw_sweeps(record: Json, note: str, path: Path) -> None:
         )
         ax.grid(alpha=0.3)
     figure.supxlabel(note, fontsize="x-small", color="dimgray")
-    with written_whole(path) as partial:
-        figure.savefig(partial, dpi=120, metadata={"Software": None})
+    with written_whole(path, overwrite, beside=True) as file:
+        figure.savefig(file.stream, format="png", dpi=120, metadata={"Software": None})
 
 
 def _costs(row: Json) -> list[str]:

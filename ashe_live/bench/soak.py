@@ -18,8 +18,9 @@ from ashe_live.bench.time_code import TimeCodeCamera
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.contract import Json
-from ashe_live.core.output_files import check_output, write_json
 from ashe_live.core.quality import Quality
+from ashe_live.files.new_file import check_output
+from ashe_live.files.writing import write_json
 from ashe_live.light.estimator import Estimator
 from ashe_live.light.worker import LightWorker
 from ashe_live.render.offscreen import offscreen_context
@@ -74,7 +75,7 @@ class SoakBench:
         }
         print_soak_record(record)
         if out is not None:
-            write_json(out, record)
+            write_json(out, record, overwrite, beside=True)
         return record
 
     def _age(self, camera_hz: float) -> Json:

@@ -29,8 +29,8 @@ from ashe_live.bench.track_tables import Figure, print_clips, print_figures
 from ashe_live.bench.track_takes import HD, LENS, Take, at_rest, roaming, scattered, sliding
 from ashe_live.bench.track_trade import COST, SETTLED_FRAMES, print_trade, sweep
 from ashe_live.core.contract import Json
-from ashe_live.core.output_files import check_folder, write_json
 from ashe_live.core.quality import BALANCED, TrackingPreset
+from ashe_live.files.writing import check_folder, write_json
 
 SCHEMA = 1
 RESULTS, TRADE = "results.json", "trade"
@@ -59,12 +59,12 @@ class TrackBench:
         if out is not None:
             check_folder(out, (RESULTS, *(TRADE + suffix for suffix in SUFFIXES if draws)), overwrite)
         with _one_thread():
-            record = self._measured(out, draws)
+            record = self._measured(out, draws, overwrite)
         if out is not None:
-            write_json(out / RESULTS, record)
+            write_json(out / RESULTS, record, overwrite, beside=True)
         return record
 
-    def _measured(self, out: Path | None, draws: bool) -> Json:
+    def _measured(self, out: Path | None, draws: bool, overwrite: bool) -> Json:
         figures = list(self._figures())
         print_figures(self.console, figures)
         clips: list[ClipFigures] = [] if self.real is None else follow_clips(self.real, self.preset)
@@ -85,7 +85,7 @@ class TrackBench:
             print_trade(self.console, points)
             record["trade"] = [asdict(point) for point in points]
             if draws and out is not None:
-                draw_trade(points, "Tracking: error against time", COST, measured_with(record), out / TRADE)
+                draw_trade(points, "Tracking: error against time", COST, measured_with(record), out / TRADE, overwrite)
         return record
 
     def _frames(self, frames: int) -> int:

@@ -17,9 +17,10 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.output_files import check_output, write_json
 from ashe_live.core.quality import Quality
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.files.new_file import check_output
+from ashe_live.files.writing import write_json
 from ashe_live.light.estimator import Estimator
 from ashe_live.light.worker import LightWorker
 from ashe_live.render.offscreen import offscreen_context
@@ -64,7 +65,7 @@ class ViewerBench:
         record = self._measured()
         print_viewer_record(record)
         if out is not None:
-            write_json(out, record)
+            write_json(out, record, overwrite, beside=True)
         return record
 
     def _measured(self) -> Json:

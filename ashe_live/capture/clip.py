@@ -9,9 +9,10 @@ from av.video.reformatter import Colorspace
 
 from ashe_live.capture.clip_index import ClipIndex
 from ashe_live.capture.clip_pictures import ClipPictures, Picture
-from ashe_live.capture.sources import Source, check_readable
+from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
+from ashe_live.files.reading import opened
 
 # FFmpeg's number for "the clip does not say".
 UNSPECIFIED_MATRIX = 2
@@ -30,7 +31,6 @@ class ClipSource(Source):
     def __init__(self, path: str | Path) -> None:
         """Opens the clip and decodes its first frame. Raises UserError when there is none."""
         self._path = Path(path)
-        check_readable(self._path)
         self.name = self._path.name
         self._pictures: ClipPictures | None = None
         self._index: ClipIndex | None = None
@@ -150,7 +150,8 @@ class ClipSource(Source):
         """Read when it is first needed; None where counting from the start is the only way."""
         if not self._has_looked_for_index:
             self._has_looked_for_index = True
-            index = ClipIndex.read(self._path)
+            with opened(self._path) as file:
+                index = ClipIndex.read(file)
             if index is not None and self._pictures is not None and index.pts[0] == self._pictures.start_pts:
                 self._index, self.duration_s = index, index.duration_s
         # The index has the damaged frames, which the count has not.

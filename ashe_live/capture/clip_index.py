@@ -3,10 +3,11 @@
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
-from typing import Self
+from typing import BinaryIO, Self
 
 import av
+
+from ashe_live.capture.container import opened_container
 
 # Of a time that was computed from one of a frame; no two frames are that close.
 ROUNDING_S = 1e-6
@@ -21,10 +22,10 @@ class ClipIndex:
     time_base: Fraction  # seconds
 
     @classmethod
-    def read(cls, path: Path) -> Self | None:
+    def read(cls, file: BinaryIO) -> Self | None:
         """None where the packets do not tell one order of frames, as in streams without times."""
         try:
-            with av.open(str(path), metadata_errors="replace") as container:
+            with opened_container(file) as container:
                 stream = container.streams.video[0]
                 # The last packet is empty: it only ends the decoding. Some are decoded for others and never shown.
                 shown = [packet for packet in container.demux(stream) if packet.size and not packet.is_discard]

@@ -14,7 +14,9 @@ from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
 from ashe_live.capture.clip_index import ClipIndex
+from ashe_live.capture.container import opened_container
 from ashe_live.errors import UserError
+from ashe_live.files.reading import opened
 
 FALLBACK_FPS = 30.0
 # A second decoding thread is taken from the renderer, so only frames too large for one get it.
@@ -37,11 +39,13 @@ class ClipPictures:
 
     def __init__(self, path: Path) -> None:
         """Opens the clip and decodes its first picture. Raises UserError when there is none."""
+        self._file = opened(path)
         self.damaged = 0  # packets and pictures that could not be read
         self.decoded = 0  # pictures, which gives the next one's index
         try:
-            self._container: InputContainer = av.open(str(path), metadata_errors="replace")
+            self._container: InputContainer = opened_container(self._file)
         except (av.error.FFmpegError, OSError):
+            self._file.close()
             raise _no_clip(path) from None
         try:
             self._stream: VideoStream = self._container.streams.video[0]
@@ -102,6 +106,7 @@ class ClipPictures:
     def close(self) -> None:
         self._videos = iter(())
         self._container.close()
+        self._file.close()
 
     def _numbered(self, video: VideoFrame) -> Picture:
         if video.pts is None or self.start_pts is None or video.time_base is None:

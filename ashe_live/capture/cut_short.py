@@ -1,28 +1,65 @@
 """Recordings that a killed program or a power cut left under their hidden names: given names that can be seen."""
 
-import time
+import contextlib
+import os
+import re
+import stat
 from pathlib import Path
 
-from ashe_live.capture.recorder import salvaged
-from ashe_live.core.output_files import partial_name, unused
+import av
 
-# A recording in the making is written to every other second.
-UNTOUCHED_FOR_S = 60.0
+from ashe_live.capture.fragments import copy_whole_fragments, is_in_the_making, pictures_in, published
+from ashe_live.errors import UserError
+from ashe_live.files.new_file import NO_LINK, NewFile, lock
+from ashe_live.files.writing import unused
+
+# As new_file.partial_path makes them.
+HIDDEN_NAME = re.compile(r"\.(?P<stem>.*)\.[0-9a-f]{8}\.partial\.mp4", re.IGNORECASE | re.DOTALL)
 
 
-def rescue_recordings(folder: Path, untouched_for_s: float = UNTOUCHED_FOR_S) -> list[Path]:
-    """Renames every playable one in `folder` to NAME-cut-short.mp4; what cannot be renamed stays as it is."""
-    found = []
-    for partial in sorted(folder.glob(partial_name(Path("*.mp4")).name)):
-        try:
-            is_abandoned = time.time() - partial.stat().st_mtime > untouched_for_s
-            if is_abandoned and salvaged(partial):
-                found.append(partial.rename(_name_for(partial)))
-        except OSError:
-            continue
-    return found
+def rescue_recordings(folder: Path) -> list[Path]:
+    """Makes NAME-cut-short.mp4 of every one in `folder`, and removes what it was made of.
+
+    Only regular files of this user that begin as our recordings do and that no running program has locked are taken
+    for such; all others, and all that cannot be read or written, stay as they are.
+    """
+    rescued = []
+    for partial in _hidden_in(folder):
+        with contextlib.suppress(OSError, UserError, av.error.FFmpegError, IndexError):
+            path = _rescued(partial)
+            if path is not None:
+                rescued.append(path)
+    return rescued
+
+
+def _hidden_in(folder: Path) -> list[Path]:
+    try:
+        return sorted(path for path in folder.iterdir() if HIDDEN_NAME.fullmatch(path.name))
+    except OSError:
+        return []
+
+
+def _rescued(partial: Path) -> Path | None:
+    """None when it is not ours or still written to, or when there is nothing to play in it: then it goes as well."""
+    # Not waiting, should it be a pipe.
+    number = os.open(partial, os.O_RDWR | NO_LINK | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    with open(number, "r+b") as stream:  # noqa: PTH123
+        status = os.fstat(number)
+        is_own = not hasattr(os, "geteuid") or status.st_uid == os.geteuid()
+        if not (stat.S_ISREG(status.st_mode) and is_own and lock(stream) and is_in_the_making(stream)):
+            return None
+        path = _name_for(partial)
+        with NewFile(path) as fragments:
+            copy_whole_fragments(stream, fragments.stream)
+            pictures = pictures_in(fragments.stream)
+            rescued = published(fragments, path, False, pictures) if pictures else None
+        # Another file that has been put in its place meanwhile stays.
+        if os.path.samestat(status, partial.lstat()):
+            partial.unlink()
+        return rescued
 
 
 def _name_for(partial: Path) -> Path:
-    stem = partial.name.removeprefix(".").removesuffix(".partial.mp4")
-    return unused(partial.with_name(f"{stem}-cut-short.mp4"))
+    match = HIDDEN_NAME.fullmatch(partial.name)
+    assert match is not None
+    return unused(partial.with_name(f"{match['stem']}-cut-short.mp4"))

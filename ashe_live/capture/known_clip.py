@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
 from ashe_live.core.camera import Camera
-from ashe_live.core.resources import resource
+from ashe_live.files.resources import resource
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,17 +2,19 @@
 
 import warnings
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 import PIL.Image
 from PIL import ImageOps
 
-from ashe_live.capture.sources import Source, check_readable
+from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.files.reading import opened
 
-MAX_PIXELS = 200_000_000
+MAX_PIXELS = 178_000_000  # about as many as Pillow itself allows
 FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
@@ -29,7 +31,6 @@ class PhotoSource(Source):
     def __init__(self, path: str | Path) -> None:
         """Decodes the file. Raises UserError when it is missing, damaged, too large or of an unknown format."""
         path = Path(path)
-        check_readable(path)
         self.name = path.name
         self._frame = Frame(_read_bgr(path), index=0, time_s=0.0)
         self.size = self._frame.size
@@ -48,9 +49,12 @@ class PhotoSource(Source):
 
 
 def looks_like_photo(path: Path) -> bool:
-    """Whether the file begins as a photo does, or at least is named as one."""
+    """Whether the file begins as a photo does, or at least is named as one. Raises UserError as `opened`."""
     try:
-        _open(path).close()
+        with opened(path) as file:
+            _open(file).close()
+    except UserError:
+        raise
     except PIL.UnidentifiedImageError:
         return path.suffix.lower() in SUFFIXES
     except Exception:
@@ -58,23 +62,25 @@ def looks_like_photo(path: Path) -> bool:
     return True
 
 
-def _open(path: Path) -> PIL.Image.Image:
+def _open(file: BinaryIO) -> PIL.Image.Image:
     """Reads the header only."""
     with warnings.catch_warnings():
         # Pillow warns of large pictures at a limit of its own; ours is MAX_PIXELS.
         warnings.simplefilter("ignore", PIL.Image.DecompressionBombWarning)
-        return PIL.Image.open(path, formats=FORMATS)
+        return PIL.Image.open(file, formats=FORMATS)
 
 
 def _read_bgr(path: Path) -> Image:
     """(h, w, 3) uint8. Pillow and not OpenCV decodes, as it refuses a truncated picture and OpenCV greys the rest."""
     try:
-        with _open(path) as picture:
+        with opened(path) as file, _open(file) as picture:
             width, height = picture.size
             if width * height > MAX_PIXELS:
                 raise PIL.Image.DecompressionBombError
             upright = ImageOps.exif_transpose(picture)
             return np.ascontiguousarray(_rgb_8bit(upright)[:, :, ::-1])
+    except UserError:
+        raise
     except PIL.Image.DecompressionBombError:
         raise UserError(f"{path} has more than {MAX_PIXELS // 10**6} million pixels", "scale it down") from None
     except PIL.UnidentifiedImageError:

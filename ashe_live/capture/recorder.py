@@ -1,11 +1,10 @@
 """Records frames as H.264 in an MP4 that phones and browsers play.
 
-While recording, the file grows in fragments under a hidden name, so that whatever happens (a full disk, an error) what
-was written so far can be played. Closing copies the packets, without encoding them again, into an MP4 whose index comes
-first, and only that one gets the final name.
+While recording, the file grows in fragments under a hidden name, so that whatever happens (a full disk, an error, a
+killed process) what was written so far can be played. Closing it makes a clip of it (fragments.py), and only that one
+gets the final name.
 """
 
-import struct
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
@@ -19,16 +18,17 @@ from av.video.frame import VideoFrame
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation
 from av.video.stream import VideoStream
 
+from ashe_live.capture.fragments import IN_THE_MAKING, made_playable, published
 from ashe_live.core.arrays import Image
-from ashe_live.core.output_files import cannot_write, check_output, partial_name
 from ashe_live.errors import UserError
+from ashe_live.files.new_file import NewFile, cannot_write
 
 TICKS_PER_S = 90_000
 # Constant quality: 18 looks lossless, 23 is x264's default.
 CRF = 20
 PRESET = "veryfast"
 KEYFRAME_EVERY_S = 2
-BOX_HEADER = struct.Struct(">I4s")  # of what MP4 files consist of: length in bytes with this header, kind
+MAX_FPS = 1000.0  # of a clip that states a rate; more is a damaged header
 # The plain conversion darkens every colour by 1.5 levels; rounding rightly costs 0.4 ms at 640x480.
 CONVERSION = Interpolation.BILINEAR | Interpolation.ACCURATE_RND
 
@@ -40,40 +40,48 @@ class Recorder:
         """`size` is (width, height) in pixels of the frames to come; an odd last column or row is left out.
 
         `fps` is nominal: it paces frames without a time. Raises UserError when `path` exists (without `overwrite`),
-        is not an .mp4, or its folder is missing or not writable; ValueError for a size or rate that no clip has.
+        is not an .mp4, or its folder is missing or not writable, and for pictures of less than 2 pixels a side, which
+        H.264 does not have; ValueError for a rate that no clip has.
         """
-        self.path = Path(path)
+        self.path = Path(path)  # once closed, where the clip is: beside a file that has appeared there meanwhile
         self.frame_count = 0
         self._size = size
         self._even_size = (size[0] // 2 * 2, size[1] // 2 * 2)
-        if min(self._even_size) < 2 or not fps > 0:
-            raise ValueError(f"a clip cannot have frames of {size} at {fps} a second")
+        if not 0 < fps < float("inf"):
+            raise ValueError(f"a clip cannot have {fps} frames a second")
+        if min(self._even_size) < 2:
+            raise UserError(f"pictures of {size[0]}x{size[1]} cannot be recorded", "give a --size of 2x2 or more")
         if self.path.suffix.lower() != ".mp4":
             raise UserError(f"{self.path} is not named as an MP4 file", "let its name end in .mp4")
-        check_output(self.path, overwrite)
-        self._partial = partial_name(self.path)
+        fps = min(fps, MAX_FPS)
         self._ticks_per_frame = max(1, round(TICKS_PER_S / fps))
         self._last_pts = -self._ticks_per_frame
         self._start_s: float | None = None
+        self._overwrite = overwrite
         self._container: OutputContainer | None = None
+        self._fragments = NewFile(self.path, overwrite, is_recoverable=True)
         try:
-            self._partial.write_bytes(b"")
             self._container = av.open(
-                str(self._partial),
+                self._fragments.stream,
                 "w",
+                format="mp4",
                 options={"movflags": "frag_keyframe+empty_moov+default_base_moof", "flush_packets": "1"},
             )
+            self._container.metadata["comment"] = IN_THE_MAKING
             self._stream = self._add_h264(self._container, fps)
+            # At once, as it is by its header that an abandoned recording is known.
+            self._container.start_encoding()
+            self._fragments.stream.flush()
         except (OSError, av.error.FFmpegError) as error:
-            self._partial.unlink(missing_ok=True)
+            self._fragments.discard()
             raise cannot_write(self.path, error) from error
 
     def write(self, image_bgr: Image, time_s: float | None = None) -> None:
         """Appends (h, w, 3) uint8, shown from `time_s` on a clock of the caller's; None: one frame period later.
 
-        The clip begins with its first frame. Raises ValueError for another size, a time before the last frame's or a
-        closed recorder; UserError when the disk or the encoder fails: what came before is then saved and the recorder
-        closed.
+        The clip begins with its first frame; one that comes before the last in time is shown right after it. Raises
+        ValueError for another size or a closed recorder; UserError when the disk or the encoder fails: what came before
+        is then saved and the recorder closed.
         """
         if self._container is None:
             raise ValueError(f"the recording {self.path} is closed")
@@ -92,6 +100,7 @@ class Recorder:
         picture.time_base = Fraction(1, TICKS_PER_S)
         try:
             self._container.mux(self._stream.encode(picture))
+            self._fragments.stream.flush()
         except (OSError, av.error.FFmpegError) as error:
             self._save_and_raise(error)
         self._last_pts = pts
@@ -106,10 +115,10 @@ class Recorder:
                 self._container.mux(self._stream.encode(None))
             self._release()
             if self.frame_count:
-                self._index_first()
+                self.path = published(self._fragments, self.path, self._overwrite, self.frame_count)
         except (OSError, av.error.FFmpegError) as error:
             self._save_and_raise(error)
-        self._partial.unlink(missing_ok=True)
+        self._fragments.discard()
 
     def __enter__(self) -> Self:
         return self
@@ -138,34 +147,7 @@ class Recorder:
             return self._last_pts + self._ticks_per_frame
         if self._start_s is None:
             self._start_s = time_s - max(0, self._last_pts + self._ticks_per_frame) / TICKS_PER_S
-        pts = round((time_s - self._start_s) * TICKS_PER_S)
-        if pts < self._last_pts:
-            raise ValueError(f"a frame at {time_s} s comes before the last one")
-        return max(pts, self._last_pts + 1)
-
-    def _index_first(self) -> None:
-        """Copies the fragments' packets into an MP4 with the index in front, and gives that the final name.
-
-        Where there is no room for a second copy the fragments, which can be played too, get it.
-        """
-        finished = self._partial.with_name(f".{self.path.stem}.finished.mp4")
-        try:
-            with (
-                av.open(str(self._partial)) as fragments,
-                av.open(str(finished), "w", options={"movflags": "faststart"}) as clip,
-            ):
-                template = fragments.streams.video[0]
-                stream = clip.add_stream_from_template(template)
-                for packet in fragments.demux(template):
-                    # The last packet is empty: there is no decoder here that it could flush.
-                    if packet.dts is not None:
-                        packet.stream = stream
-                        clip.mux(packet)
-            finished.replace(self.path)
-        except (OSError, av.error.FFmpegError):
-            self._partial.replace(self.path)
-        finally:
-            finished.unlink(missing_ok=True)
+        return max(round((time_s - self._start_s) * TICKS_PER_S), self._last_pts + 1)
 
     def _save_and_raise(self, error: Exception) -> None:
         """Keeps the fragments written so far under the final name, if any is whole. Raises UserError always."""
@@ -173,41 +155,16 @@ class Recorder:
         with suppress(OSError, av.error.FFmpegError):
             self._release()
         failure = cannot_write(self.path, error)
-        if salvaged(self._partial):
-            self._partial.replace(self.path)
-            failure = UserError(f"{failure.message}; the first part of the recording is saved", failure.remedy)
-        self._partial.unlink(missing_ok=True)
+        with suppress(OSError):
+            if made_playable(self._fragments.stream):
+                self.path = self._fragments.publish(beside=True)
+                saved = f"{failure.message}; the first part of the recording is saved as {self.path}"
+                failure = UserError(saved, failure.remedy)
+        self._fragments.discard()
         raise failure from error
 
     def _release(self) -> None:
         container, self._container = self._container, None
         if container is not None:
             container.close()
-
-
-def salvaged(path: Path) -> bool:
-    """Whether it is a clip, or the beginning of one that broke off, of which at least one picture can be decoded.
-
-    A fragment's header that is not whole is cut off: readers refuse all that comes before it as well.
-    """
-    try:
-        _cut_off_broken_header(path)
-        with av.open(str(path)) as clip:
-            return next(clip.decode(video=0), None) is not None
-    except (OSError, av.error.FFmpegError, IndexError):
-        return False
-
-
-def _cut_off_broken_header(path: Path) -> None:
-    """Whatever ends beyond the file, unless it is a fragment's pictures: the whole ones of those can be played."""
-    size, end = path.stat().st_size, 0
-    with path.open("r+b") as file:
-        while end < size:
-            file.seek(end)
-            header = file.read(BOX_HEADER.size)
-            length, kind = BOX_HEADER.unpack(header) if len(header) == BOX_HEADER.size else (0, b"")
-            if length < BOX_HEADER.size or end + length > size:
-                if kind != b"mdat":
-                    file.truncate(end)
-                return
-            end += length
+            self._fragments.stream.flush()

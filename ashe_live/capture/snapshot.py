@@ -8,7 +8,7 @@ import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.output_files import check_output, written_whole
+from ashe_live.files.writing import written_whole
 
 # A little larger than Pillow's 6, in a fifth of the time: the viewer waits for it.
 COMPRESSION = 1
@@ -21,11 +21,9 @@ def write_png(
 
     Raises UserError when `path` exists (without `overwrite`) or cannot be written.
     """
-    path = Path(path)
-    check_output(path, overwrite)
     info = PngInfo()
     for keyword, text in (texts or {}).items():
         info.add_itxt(keyword, text)
     picture = PIL.Image.fromarray(np.ascontiguousarray(image_bgr[:, :, ::-1]))
-    with written_whole(path) as partial:
-        picture.save(partial, format="PNG", pnginfo=info, compress_level=COMPRESSION)
+    with written_whole(Path(path), overwrite) as file:
+        picture.save(file.stream, format="PNG", pnginfo=info, compress_level=COMPRESSION)

@@ -66,24 +66,8 @@ def open_source(path: str | Path) -> Source:
     from ashe_live.capture.photo import PhotoSource, looks_like_photo
 
     path = Path(path)
-    check_readable(path)
     if looks_like_photo(path):
         return PhotoSource(path)
     from ashe_live.capture.clip import ClipSource
 
     return ClipSource(path)
-
-
-def check_readable(path: Path) -> None:
-    """Raises UserError unless `path` is a file with something in it that this user may read."""
-    try:
-        with path.open("rb") as file:
-            is_empty = not file.read(1)
-    except FileNotFoundError:
-        raise UserError(f"there is no file {path}", "check the name and the folder") from None
-    except IsADirectoryError:
-        raise UserError(f"{path} is a folder", "name one photo or clip in it") from None
-    except OSError as error:
-        raise UserError(f"cannot read {path} ({error.strerror})", "check its permissions") from None
-    if is_empty:
-        raise UserError(f"{path} is empty", "copy or record it again")

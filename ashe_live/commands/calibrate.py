@@ -16,9 +16,10 @@ from rich.table import Table
 from ashe_live.capture.sources import Source, SourceLost, open_source
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.messages import tell
-from ashe_live.core.output_files import check_output, write_json
 from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.files.new_file import check_output
+from ashe_live.files.writing import write_json
 from ashe_live.tracking.calibration import Calibration
 from ashe_live.tracking.calibration_board import BoardView, CalibrationBoard
 from ashe_live.tracking.calibration_guide import CalibrationGuide, KeptView
@@ -42,8 +43,8 @@ def run(options: argparse.Namespace) -> int:
         guide = CalibrationGuide(source.size)
         with _window(source) if source.is_live and not options.headless else _lines() as guidance:
             calibration = _collect(source, guide, guidance) or guide.calibration()
-    write_json(options.out, calibration.to_json())
-    _print_result(calibration, guide.kept, options.out)
+    path = write_json(options.out, calibration.to_json(), options.overwrite, beside=True)
+    _print_result(calibration, guide.kept, path)
     return ExitStatus.ANSWERED
 
 

@@ -20,9 +20,10 @@ from ashe_live.commands.named_files import named_files
 from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
 from ashe_live.core.contract import FileRecord
 from ashe_live.core.messages import printable, say, say_exactly, tell
-from ashe_live.core.output_files import check_output, make_folder, unused_name
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.files.new_file import check_output
+from ashe_live.files.writing import make_folder, unused_name
 from ashe_live.light.debug_view import debug_pictures
 from ashe_live.light.estimator import Estimator, make_estimator
 from ashe_live.tracking.focal_tracker import FocalTracker
@@ -57,8 +58,7 @@ def run(options: argparse.Namespace) -> int:
             picture = None if tracked is None else picture_of(tracked, record.estimate)
             page.add(record.file, _said(record), picture)
     if options.sheet is not None:
-        page.write(options.sheet)
-        tell(f"sheet in {options.sheet}")
+        tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
     return next(status for status in WORST_FIRST if status in statuses)
 
 

@@ -8,9 +8,9 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.output_files import written_whole
 from ashe_live.core.transforms import project
 from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.files.writing import written_whole
 from ashe_live.light.debug_view import LIGHT_BGR, PAPER_BGR, with_body, with_masks
 from ashe_live.light.view import View
 
@@ -54,11 +54,13 @@ class LightPage:
         image = "" if picture_bgr is None else _embedded(picture_bgr, f"{name}: {said}")
         self._figures.append(FIGURE.format(image=image, name=html.escape(name), said=html.escape(said)))
 
-    def write(self, path: Path) -> None:
-        """Whole or not at all. Raises UserError when `path` cannot be written."""
+    def write(self, path: Path, overwrite: bool) -> Path:
+        """Whole or not at all; returns where it is. Raises UserError when `path` cannot be written."""
         title = f"Light in {len(self._figures)} {'picture' if len(self._figures) == 1 else 'pictures'}"
-        with written_whole(path) as partial:
-            partial.write_text(PAGE.format(title=title, figures="\n".join(self._figures)), encoding="utf-8")
+        page = PAGE.format(title=title, figures="\n".join(self._figures))
+        with written_whole(path, overwrite, beside=True) as file:
+            file.stream.write(page.encode("utf-8", "backslashreplace"))
+        return file.path
 
 
 def picture_of(tracked: TrackedFrame, estimate: LightEstimate | None) -> Image:

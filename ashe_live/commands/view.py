@@ -15,9 +15,9 @@ from ashe_live.commands.setup import make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
 from ashe_live.core.messages import say, tell
-from ashe_live.core.output_files import check_output
 from ashe_live.core.signals import ended_by_signals
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.files.new_file import check_output
 from ashe_live.light.worker import LightWorker
 from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
 from ashe_live.render.renderer import Renderer

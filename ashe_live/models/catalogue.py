@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ashe_live.core.resources import resource
 from ashe_live.errors import UserError
+from ashe_live.files.resources import resource
 from ashe_live.models.loading import SUFFIXES, load_model_file
 from ashe_live.models.mesh import Model
 

@@ -8,8 +8,8 @@ from typing import Any
 import platformdirs
 
 from ashe_live.core.camera import Size
-from ashe_live.core.output_files import write_json
 from ashe_live.errors import UserError
+from ashe_live.files.writing import write_json
 from ashe_live.tracking.focal import FocalEstimate
 
 
@@ -42,7 +42,7 @@ class FocalMemory:
         entry = {"focal_px": estimate.focal_px, "sigma_px": estimate.sigma_px, "views": estimate.views}
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            write_json(self._path, {**self._read(), self._key(estimate.size): entry})
+            write_json(self._path, {**self._read(), self._key(estimate.size): entry}, overwrite=True)
         except (OSError, UserError):
             return
 

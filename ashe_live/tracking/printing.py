@@ -8,8 +8,9 @@ import PIL.ImageDraw
 import PIL.ImageFont
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.output_files import check_output, written_whole
 from ashe_live.errors import UserError
+from ashe_live.files.new_file import check_output
+from ashe_live.files.writing import written_whole
 from ashe_live.tracking.calibration_board import CalibrationBoard
 from ashe_live.tracking.layout import Layout, members_of
 from ashe_live.tracking.markers import Marker
@@ -88,7 +89,7 @@ def write_marker_sheet(path: Path, marker: Marker | Layout, side_m: float, overw
         left, top, _ = member.corners[0] * side_mm
         page.picture(member.marker.bitmap(page.px(side_mm)), (middle_x + left, middle_y - top))
     page.text((middle_x, middle_y - side_mm * (height / 2 + QUIET_ZONE) - 4), "up")
-    _write(path, page, f"{_short(marker.spec)}   {side_mm:g} mm")
+    _write(path, overwrite, page, f"{_short(marker.spec)}   {side_mm:g} mm")
 
 
 def write_board_sheet(path: Path, board: CalibrationBoard, square_m: float, overwrite: bool = False) -> None:
@@ -105,7 +106,7 @@ def write_board_sheet(path: Path, board: CalibrationBoard, square_m: float, over
     middle_x, middle_y = page.middle_mm
     picture = board.bitmap((page.px(width_mm), page.px(height_mm)))
     page.picture(picture, (middle_x - width_mm / 2, middle_y - height_mm / 2))
-    _write(path, page, f"calibration board   {columns} x {rows} squares of {square_mm:g} mm   must lie flat")
+    _write(path, overwrite, page, f"calibration board   {columns} x {rows} squares of {square_mm:g} mm   must lie flat")
 
 
 def _check(path: Path, overwrite: bool) -> None:
@@ -123,17 +124,17 @@ def _blank_page(size_mm: tuple[float, float], quiet_mm: float) -> _Page | None:
     return None
 
 
-def _write(path: Path, page: _Page, caption: str) -> None:
+def _write(path: Path, overwrite: bool, page: _Page, caption: str) -> None:
     """Saves the page with its foot: what it shows, and a line to check its scale with."""
     (middle_x, _), height = page.middle_mm, page.height_mm
     page.text((middle_x, height - FOOT_MM + 8), caption)
     page.text((middle_x, height - FOOT_MM + 15), "print at 100 %, do not scale, then check with this line:", 3.5)
     _draw_ruler(page, middle_x, height - FOOT_MM + 24)
-    with written_whole(path) as partial:
+    with written_whole(path, overwrite) as file:
         if path.suffix.lower() == ".pdf":
-            page.image.save(partial, "PDF", resolution=page.dpi, quality=95)
+            page.image.save(file.stream, "PDF", resolution=page.dpi, quality=95, title=caption)
         else:
-            page.image.save(partial, "PNG", dpi=(page.dpi, page.dpi))
+            page.image.save(file.stream, "PNG", dpi=(page.dpi, page.dpi))
 
 
 def _draw_ruler(page: _Page, middle_x: float, y: float) -> None:

@@ -8,9 +8,9 @@ from pathlib import Path
 from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
 from ashe_live.core.contract import SNAPSHOT_KEYWORD, snapshot_json
-from ashe_live.core.output_files import unused_name
 from ashe_live.core.quality import RenderPreset
 from ashe_live.errors import UserError
+from ashe_live.files.writing import unused_name
 from ashe_live.render.offscreen import Context
 from ashe_live.render.renderer import Renderer
 from ashe_live.viewer.display import bare_scene

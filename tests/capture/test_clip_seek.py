@@ -116,7 +116,8 @@ def test_of_a_rotated_clip(film) -> None:
 def test_without_any_times(film) -> None:
     """A bare stream: counted from the start."""
     path = film(EVEN, "film.h264", bf="2", g="12")
-    assert ClipIndex.read(path) is None
+    with path.open("rb") as file:
+        assert ClipIndex.read(file) is None
     assert_seeks_right(path)
 
 

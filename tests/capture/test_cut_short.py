@@ -1,6 +1,9 @@
 """Recordings whose program was killed are found again, and nothing else is touched."""
 
 import os
+import shutil
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -8,27 +11,61 @@ import pytest
 
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.cut_short import rescue_recordings
+from ashe_live.capture.recorder import Recorder
 from ashe_live.core.arrays import Image
-from ashe_live.core.output_files import partial_name
+from ashe_live.files.new_file import partial_path
 
 Draw = Callable[[int], Image]
+CHECKOUT = Path(__file__).parents[2]
+
+RECORD_UNTIL_KILLED = """
+import sys, numpy as np
+from ashe_live.capture.recorder import Recorder
+recorder = Recorder(sys.argv[1], (96, 64), 10)
+for i in range(int(sys.argv[2])):
+    recorder.write(np.full((64, 96, 3), i, np.uint8))
+print("recording", flush=True)
+sys.stdin.read()
+"""
 
 
-@pytest.fixture
-def abandoned(clip: Path) -> Path:
-    """An hour ago, under its hidden name."""
-    partial = clip.rename(partial_name(clip.with_name("walk.mp4")))
-    an_hour_ago = partial.stat().st_mtime - 3600
-    os.utime(partial, (an_hour_ago, an_hour_ago))
+def killed_recording(path: Path, frames: int) -> Path:
+    """What a program leaves of a recording at `path` that is killed after so many frames."""
+    before = set(path.parent.iterdir())
+    with subprocess.Popen(
+        [sys.executable, "-c", RECORD_UNTIL_KILLED, str(path), str(frames)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        cwd=CHECKOUT,
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"recording\n"
+        process.kill()
+    (partial,) = set(path.parent.iterdir()) - before
     return partial
 
 
-def test_it_gets_a_name_that_can_be_seen(abandoned: Path) -> None:
+@pytest.fixture(scope="module")
+def nine_seconds(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return killed_recording(tmp_path_factory.mktemp("killed") / "walk.mp4", 90)
+
+
+@pytest.fixture
+def abandoned(nine_seconds: Path, tmp_path: Path) -> Path:
+    """Of walk.mp4, under its hidden name."""
+    return Path(shutil.copy(nine_seconds, tmp_path))
+
+
+def frames_in(path: Path) -> int:
+    with ClipSource(path) as source:
+        return len(list(iter(source.read, None)))
+
+
+def test_it_gets_a_name_that_can_be_seen_at_once(abandoned: Path) -> None:
     (found,) = rescue_recordings(abandoned.parent)
     assert found.name == "walk-cut-short.mp4"
-    assert [path.name for path in found.parent.iterdir()] == [found.name]
-    with ClipSource(found) as source:
-        assert source.read() is not None
+    assert list(found.parent.iterdir()) == [found]
+    assert frames_in(found) >= 40
     assert rescue_recordings(abandoned.parent) == []
 
 
@@ -40,13 +77,55 @@ def test_nothing_is_overwritten(abandoned: Path) -> None:
     assert taken.read_text() == "precious"
 
 
-def test_what_is_being_written_or_is_no_clip_is_left_alone(abandoned: Path, tmp_path: Path) -> None:
-    os.utime(abandoned)
-    broken = tmp_path / ".notes.partial.mp4"
-    broken.write_text("not a clip")
-    os.utime(broken, (0, 0))
+def test_a_name_in_capitals_is_found_too(tmp_path: Path) -> None:
+    killed_recording(tmp_path / "WALK.MP4", 90)
+    (found,) = rescue_recordings(tmp_path)
+    assert found.name == "WALK-cut-short.mp4"
+
+
+def test_one_that_broke_off_before_its_first_picture_goes(tmp_path: Path) -> None:
+    partial = killed_recording(tmp_path / "walk.mp4", 3)
     assert rescue_recordings(tmp_path) == []
-    assert {path.name for path in tmp_path.iterdir()} == {abandoned.name, broken.name}
+    assert not partial.exists()
+
+
+def test_what_is_being_recorded_is_left_alone_however_long_it_rests(tmp_path: Path, picture: Draw) -> None:
+    with Recorder(tmp_path / "walk.mp4", (96, 64), 10) as recorder:
+        for index in range(60):
+            recorder.write(picture(index))
+        (partial,) = tmp_path.iterdir()
+        os.utime(partial, (0, 0))
+        assert rescue_recordings(tmp_path) == []
+    assert frames_in(tmp_path / "walk.mp4") == 60
+
+
+def contents(folder: Path) -> dict[str, bytes | str]:
+    """By name: what files hold, and where links lead."""
+    return {
+        path.name: str(path.readlink()) if path.is_symlink() else path.read_bytes()
+        for path in folder.iterdir()
+        if path.is_symlink() or path.is_file()
+    }
+
+
+def test_files_and_links_of_others_are_left_alone(abandoned: Path, tmp_path: Path, clip: Path) -> None:
+    folder = tmp_path / "others"
+    folder.mkdir()
+    thesis = folder / "thesis.txt"
+    thesis.write_text("ten years")
+    partial_path(folder / "a.mp4").symlink_to(thesis)
+    partial_path(folder / "recording.mp4").symlink_to(abandoned)
+    partial_path(folder / "gone.mp4").symlink_to("gone")
+    partial_path(folder / "b.mp4").write_text("not a clip")
+    partial_path(folder / "c.mp4").write_bytes(b"")
+    shutil.copy(clip, partial_path(folder / "finished.mp4"))
+    (folder / ".movie.partial.mp4").write_bytes(abandoned.read_bytes())
+    partial_path(folder / "folder.mp4").mkdir()
+    os.mkfifo(partial_path(folder / "pipe.mp4"))
+    before = contents(folder)
+    assert rescue_recordings(folder) == []
+    assert contents(folder) == before
+    assert abandoned.exists()
 
 
 def test_a_folder_that_is_not_there_holds_none(tmp_path: Path) -> None:

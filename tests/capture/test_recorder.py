@@ -1,20 +1,20 @@
 """What goes into a Recorder comes out of a ClipSource; what goes wrong leaves no broken file under the final name."""
 
-import errno
 import itertools
 import resource
 import struct
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 import av
 import numpy as np
 import pytest
 
+from ashe_live.capture import fragments as fragments_module
 from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.recorder import Recorder, salvaged
+from ashe_live.capture.fragments import made_playable
+from ashe_live.capture.recorder import Recorder
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
@@ -46,12 +46,14 @@ def test_times_of_the_caller_are_kept_from_the_first_frame_on(tmp_path: Path, pi
     assert (np.diff(read) > 0).all()
 
 
-def test_a_time_before_the_last_is_refused(tmp_path: Path, picture: Draw) -> None:
+def test_a_time_before_the_last_is_shown_right_after_it(tmp_path: Path, picture: Draw) -> None:
+    """As of streams whose clock jumps back: the picture is not lost, and the clip's times ascend."""
     with Recorder(tmp_path / "a.mp4", (96, 64), 60) as recorder:
-        recorder.write(picture(0), 5.0)
-        recorder.write(picture(1), 5.1)
-        with pytest.raises(ValueError, match="before the last"):
-            recorder.write(picture(2), 5.05)
+        for index, time_s in enumerate((5.0, 5.1, 1.0, 5.2)):
+            recorder.write(picture(index), time_s)
+    times = [frame.time_s for frame in frames_of(tmp_path / "a.mp4")]
+    np.testing.assert_allclose(times, [0.0, 0.1, 0.1, 0.2], atol=2e-5)
+    assert (np.diff(times) > 0).all()
 
 
 def test_colours_survive(tmp_path: Path) -> None:
@@ -117,7 +119,7 @@ def test_overwriting_replaces_only_at_the_end(clip: Path, picture: Draw) -> None
     assert len(frames_of(clip)) == 1
 
 
-@pytest.mark.parametrize("name", ["missing/a.mp4", "a.avi", "."])
+@pytest.mark.parametrize("name", ["missing/a.mp4", "a.avi", ".", "a" * 300 + ".mp4"])
 def test_unusable_names_are_refused(tmp_path: Path, name: str) -> None:
     with pytest.raises(UserError):
         Recorder(tmp_path / name, (96, 64), 30)
@@ -164,36 +166,6 @@ def test_another_size_in_mid_stream_is_the_callers_fault(tmp_path: Path, picture
     assert len(frames_of(tmp_path / "a.mp4")) == 1
 
 
-RECORD_UNTIL_KILLED = """
-import sys, numpy as np
-from ashe_live.capture.recorder import Recorder
-recorder = Recorder(sys.argv[1], (96, 64), 10)
-for i in range(90):
-    recorder.write(np.full((64, 96, 3), i, np.uint8))
-print("recording", flush=True)
-sys.stdin.read()
-"""
-
-
-def test_killed_in_mid_run_leaves_nothing_under_the_final_name(tmp_path: Path, picture: Draw) -> None:
-    target = tmp_path / "a.mp4"
-    with subprocess.Popen(
-        [sys.executable, "-c", RECORD_UNTIL_KILLED, str(target)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        cwd=Path(__file__).parents[2],
-    ) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == b"recording\n"
-        process.kill()
-    assert not target.exists()
-    (partial,) = tmp_path.iterdir()
-    assert len(frames_of(partial)) >= 40, "what was recorded can be rescued"
-    with Recorder(target, (96, 64), 30) as recorder:
-        recorder.write(picture(0))
-    assert list(tmp_path.iterdir()) == [target], "the next recording of that name clears up"
-
-
 @pytest.fixture
 def files_of_60_kb_at_most() -> Iterator[None]:
     """Writing beyond fails as it does on a full disk (Python ignores the signal that would come with it)."""
@@ -219,22 +191,62 @@ def test_full_disk_saves_what_was_recorded(tmp_path: Path) -> None:
     assert len(frames_of(tmp_path / "a.mp4")) >= 4
 
 
-def test_without_room_for_a_second_copy_the_fragments_are_the_clip(
+@pytest.mark.parametrize("most_bytes", [3_000, 12_000, 30_000])
+def test_a_disk_that_is_full_at_closing_is_said(tmp_path: Path, most_bytes: int) -> None:
+    """All pictures still are in the encoder, or in the fragment that closing would write."""
+    noise = np.random.default_rng(0).integers(0, 256, (64, 96, 3), np.uint8)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    recorder = Recorder(tmp_path / "a.mp4", (96, 64), 30)
+    for i in range(40):
+        recorder.write(np.roll(noise, i * 7, axis=1))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, hard))
+    try:
+        with pytest.raises(UserError, match="cannot write"):
+            recorder.close()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    left = list(tmp_path.iterdir())
+    assert left in ([], [tmp_path / "a.mp4"])
+    if left:
+        assert 0 < len(frames_of(left[0])) < 40
+
+
+def test_a_copy_that_is_not_whole_is_not_trusted(
     tmp_path: Path, picture: Draw, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    really_open = av.open
+    """The fragments are the clip then."""
+    whole = fragments_module.with_index_first
 
-    def open_unless_finishing(name: str, *arguments: object, **options: object) -> object:
-        if ".finished" in name:
-            raise OSError(errno.ENOSPC, "No space left on device")
-        return really_open(name, *arguments, **options)
+    def cut(fragments: BinaryIO, clip: BinaryIO, pictures: int) -> None:
+        whole(fragments, clip, pictures)
+        clip.truncate(clip.seek(0, 2) * 3 // 4)
 
-    monkeypatch.setattr(av, "open", open_unless_finishing)
+    monkeypatch.setattr(fragments_module, "with_index_first", cut)
     with Recorder(tmp_path / "a.mp4", (96, 64), 30) as recorder:
         for i in range(70):
             recorder.write(picture(i))
     assert [path.name for path in tmp_path.iterdir()] == ["a.mp4"]
     assert len(frames_of(tmp_path / "a.mp4")) == 70
+
+
+def test_what_appears_under_its_name_meanwhile_stays(tmp_path: Path, picture: Draw) -> None:
+    wanted = tmp_path / "a.mp4"
+    with Recorder(wanted, (96, 64), 30) as recorder, Recorder(wanted, (96, 64), 30) as other:
+        recorder.write(picture(0))
+        for _ in range(2):
+            other.write(picture(1))
+        wanted.write_text("precious")
+    assert wanted.read_text() == "precious"
+    assert len(frames_of(recorder.path)) == 1
+    assert len(frames_of(other.path)) == 2
+    assert {path.name for path in tmp_path.iterdir()} == {"a.mp4", "a-2.mp4", "a-3.mp4"}
+
+
+def test_a_long_name_is_no_obstacle(tmp_path: Path, picture: Draw) -> None:
+    wanted = tmp_path / ("ä" * 124 + ".mp4")  # 252 bytes of the 255 that a name may have
+    with Recorder(wanted, (96, 64), 30) as recorder:
+        recorder.write(picture(0))
+    assert len(frames_of(wanted)) == 1
 
 
 def boxes(clip: bytes) -> list[tuple[int, bytes]]:
@@ -254,7 +266,8 @@ def fragments(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     with Recorder(folder / "clip.mp4", (64, 48), 30) as recorder:
         for index in range(210):
             recorder.write(noise.integers(0, 256, (48, 64, 3), dtype=np.uint8), index / 30)
-        return (folder / ".clip.partial.mp4").read_bytes()
+        (partial,) = folder.iterdir()
+        return partial.read_bytes()
 
 
 @pytest.mark.parametrize("further", [0, 1, 7, 8, 100, 400])
@@ -265,7 +278,8 @@ def test_wherever_it_breaks_off_the_whole_fragments_can_be_played(
     last = [at for at, of_kind in boxes(fragments) if of_kind == kind][-1]
     broken = tmp_path / "broken.mp4"
     broken.write_bytes(fragments[: last + further])
-    assert salvaged(broken)
+    with broken.open("r+b") as file:
+        assert made_playable(file)
     assert len(frames_of(broken)) >= 60
 
 
@@ -274,5 +288,5 @@ def test_what_breaks_off_before_its_first_picture_is_nothing(tmp_path: Path, fra
     for length in (0, 3, 8, 40, first, first + 20):
         broken = tmp_path / "broken.mp4"
         broken.write_bytes(fragments[:length])
-        assert not salvaged(broken)
-    assert not salvaged(tmp_path / "missing.mp4")
+        with broken.open("r+b") as file:
+            assert not made_playable(file)

@@ -10,8 +10,8 @@ import pytest
 
 from ashe_live.capture.contact_sheet import contact_sheet
 from ashe_live.capture.snapshot import write_png
-from ashe_live.core.output_files import unused_name
 from ashe_live.errors import UserError
+from ashe_live.files.writing import unused_name
 
 NOON = datetime(2026, 11, 21, 14, 3, 12)
 

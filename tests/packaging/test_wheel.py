@@ -12,7 +12,7 @@ CHECKOUT = Path(__file__).parents[2]
 LOAD_EVERYTHING = """
 from pathlib import Path
 import ashe_live
-from ashe_live.core.resources import resource
+from ashe_live.files.resources import resource
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.capture.clip import ClipSource
 from ashe_live.core.quality import FAST

@@ -4,8 +4,8 @@ import sys
 import moderngl
 import pytest
 
-from ashe_live.core.resources import resource
 from ashe_live.errors import UserError
+from ashe_live.files.resources import resource
 from ashe_live.render import offscreen
 from ashe_live.render.programs import build_program, shader_source
 

@@ -1,0 +1,114 @@
+"""A recording in the making as it lies on the disk: an MP4 of fragments (ISO/IEC 14496-12) that may break off anywhere.
+
+All functions take files that are open, and never look one up by its name again.
+"""
+
+import struct
+from contextlib import suppress
+from pathlib import Path
+from typing import BinaryIO
+
+import av
+
+from ashe_live.capture.container import opened_container
+from ashe_live.errors import UserError
+from ashe_live.files.new_file import NewFile
+
+IN_THE_MAKING = "ashe-live: a recording in the making"
+HEADER_BYTES = 4096  # of a recording: the boxes ftyp and moov, with the comment in the latter
+BOX_HEADER = struct.Struct(">I4s")  # of what MP4 files consist of: length in bytes with this header, kind
+# Of the index (box moov): what does not depend on the number of pictures, and for each at most its size (4 bytes), place
+# (8), time (8), shift (8), share in a chunk (12) and whether decoding can begin at it (4).
+INDEX_BYTES, INDEX_BYTES_PER_PICTURE = 4096, 44
+COPIED_BYTES = 1 << 20  # at a time
+
+
+def is_in_the_making(stream: BinaryIO) -> bool:
+    """Whether it begins as our recordings do before they are finished."""
+    stream.seek(0)
+    return IN_THE_MAKING.encode("ascii") in stream.read(HEADER_BYTES)
+
+
+def with_index_first(fragments: BinaryIO, clip: BinaryIO, pictures: int) -> None:
+    """Copies the packets, without encoding them again, into an MP4 whose index comes first.
+
+    There is room for the index of so many `pictures`. (`faststart`, which moves the index, wants to open the file by
+    its name once more.) Raises OSError or FFmpegError when reading or writing fails.
+    """
+    room = INDEX_BYTES + pictures * INDEX_BYTES_PER_PICTURE
+    with (
+        opened_container(fragments) as source,
+        av.open(clip, "w", format="mp4", options={"moov_size": str(room)}) as target,
+    ):
+        template = source.streams.video[0]
+        stream = target.add_stream_from_template(template)
+        for packet in source.demux(template):
+            # The last packet is empty: there is no decoder here that it could flush.
+            if packet.dts is not None:
+                packet.stream = stream
+                target.mux(packet)
+    clip.flush()
+
+
+def published(fragments: NewFile, path: Path, overwrite: bool, pictures: int) -> Path:
+    """Gives the name `path` to a copy with its index in front, or to the fragments where there is no room for one.
+
+    Both are read again before, as a disk that is full is not always told. What has appeared at `path` meanwhile stays
+    unless `overwrite`; where the clip is then is returned. Raises OSError when it has not all `pictures`.
+    """
+    with suppress(OSError, av.error.FFmpegError, UserError), NewFile(path, overwrite) as clip:
+        with_index_first(fragments.stream, clip.stream, pictures)
+        if pictures_in(clip.stream) == pictures:
+            return clip.publish(beside=True)
+    if pictures_in(fragments.stream) < pictures:
+        raise OSError("not all of it could be written")
+    return fragments.publish(beside=True)
+
+
+def pictures_in(stream: BinaryIO) -> int:
+    """How many packets of pictures can be read; 0 when it is no clip, or the first one cannot be decoded.
+
+    Raises OSError or FFmpegError when reading fails.
+    """
+    try:
+        with opened_container(stream) as clip:
+            next(clip.decode(video=0))
+        with opened_container(stream) as clip:
+            return sum(packet.size > 0 for packet in clip.demux(video=0))
+    except (av.error.InvalidDataError, EOFError, StopIteration, IndexError):
+        return 0
+
+
+def made_playable(recording: BinaryIO) -> bool:
+    """Cuts off what broke off within a fragment's header: readers refuse all that comes before it as well.
+
+    For a file of our own. True when at least one picture can be decoded.
+    """
+    try:
+        recording.truncate(_whole_bytes(recording))
+        return pictures_in(recording) > 0
+    except (OSError, av.error.FFmpegError):
+        return False
+
+
+def copy_whole_fragments(broken: BinaryIO, copy: BinaryIO) -> None:
+    """Copies what can be played of a file that is only read. Raises OSError."""
+    left = _whole_bytes(broken)
+    broken.seek(0)
+    while left > 0 and (content := broken.read(min(left, COPIED_BYTES))):
+        copy.write(content)
+        left -= len(content)
+    copy.flush()
+
+
+def _whole_bytes(stream: BinaryIO) -> int:
+    """Where the last whole box ends; the file's end if it breaks off in a fragment's pictures, which can be read."""
+    size, end = stream.seek(0, 2), 0
+    while end < size:
+        stream.seek(end)
+        header = stream.read(BOX_HEADER.size)
+        length, kind = BOX_HEADER.unpack(header) if len(header) == BOX_HEADER.size else (0, b"")
+        if length < BOX_HEADER.size or end + length > size:
+            return size if kind == b"mdat" else end
+        end += length
+    return end

@@ -1,0 +1,65 @@
+"""What may be opened: regular files, by whatever name. A pipe would be waited for, a device never ends."""
+
+import os
+import stat
+from pathlib import Path
+from typing import BinaryIO
+
+from ashe_live.errors import UserError
+
+MOST_SETTINGS_BYTES = 1_000_000  # of a file that a person writes: settings, a camera file
+
+
+def opened(path: Path) -> BinaryIO:
+    """The file at `path` or where the link there leads to, to be closed by the caller.
+
+    Raises UserError when it is not there, no regular file, empty, or must not be read.
+    """
+    try:
+        # Looked at before, as opening a device may do something; and again when open, as it may be another by then.
+        _check_kind(path, path.stat().st_mode)
+        number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+        stream = open(number, "rb")  # noqa: SIM115, PTH123
+        try:
+            _check_kind(path, os.fstat(number).st_mode)
+            if not stream.peek(1):
+                raise UserError(f"{path} is empty", "copy or record it again")
+        except BaseException:
+            stream.close()
+            raise
+        return stream
+    except (FileNotFoundError, NotADirectoryError):
+        raise UserError(f"there is no file {path}", "check the name and the folder") from None
+    except OSError as error:
+        raise UserError(f"cannot read {path} ({error.strerror})", "check its name and permissions") from None
+    except ValueError as error:  # a NUL in it
+        raise UserError(f"{str(path)!r} is no file's name ({error})", "check the name") from None
+
+
+def read_bytes(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> bytes:
+    """The whole content. Raises UserError as `opened`, and for more than `most_bytes`."""
+    with opened(path) as stream:
+        try:
+            content = stream.read(most_bytes + 1)
+        except OSError as error:
+            raise UserError(f"cannot read {path} ({error.strerror})", "copy it again") from error
+    if len(content) > most_bytes:
+        raise UserError(f"{path} is too large", f"give a file of {most_bytes:,} bytes or fewer")
+    return content
+
+
+def read_text(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> str:
+    """As `read_bytes`, decoded from UTF-8, with or without a byte order mark."""
+    try:
+        return read_bytes(path, most_bytes).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise UserError(
+            f"{path} is not UTF-8 text ({error.reason} at byte {error.start})", "save it as UTF-8"
+        ) from None
+
+
+def _check_kind(path: Path, mode: int) -> None:
+    if stat.S_ISDIR(mode):
+        raise UserError(f"{path} is a folder", "name a file in it")
+    if not stat.S_ISREG(mode):
+        raise UserError(f"{path} is a device or a pipe and not a file", "name a file")

@@ -1,0 +1,70 @@
+"""Files that are written at once: nothing is overwritten unasked, nothing is left half-written."""
+
+import contextlib
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from datetime import datetime
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from ashe_live.errors import UserError
+from ashe_live.files.new_file import NewFile, cannot_write, check_output
+
+STEM_CHARACTERS = 48  # of up to 4 bytes each, in names of at most 255 bytes
+
+
+def make_folder(folder: Path) -> None:
+    """The folder and what is above it, if they are not there yet. Raises UserError when that fails."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError as error:
+        raise UserError(f"{folder} is a file, not a folder", "name a folder, there or not yet") from error
+    except (OSError, ValueError) as error:
+        raise cannot_write(folder, error) from error
+
+
+def check_folder(folder: Path, names: Iterable[str], overwrite: bool) -> None:
+    """Makes the folder, so that nothing is done in vain. Raises UserError when one of `names` must not be written."""
+    make_folder(folder)
+    for name in names:
+        check_output(folder / name, overwrite)
+
+
+@contextlib.contextmanager
+def written_whole(path: Path, overwrite: bool = False, beside: bool = False) -> Iterator[NewFile]:
+    """Within, write to the `stream` of what this gives; at the end that is `path`, or nothing is left of it.
+
+    What took long to find out is better put `beside` a file that has appeared at `path` meanwhile than lost (`path` of
+    what this gives then says where). Raises UserError when writing fails.
+    """
+    try:
+        with NewFile(path, overwrite) as file:
+            yield file
+            file.publish(beside)
+    except OSError as error:
+        raise cannot_write(path, error) from error
+
+
+def write_json(path: Path, content: Mapping[str, Any], overwrite: bool = False, beside: bool = False) -> Path:
+    """Whole or not at all; returns where it is. Raises UserError as `written_whole`, ValueError for NaN."""
+    text = json.dumps(content, indent=1, allow_nan=False) + "\n"
+    with written_whole(path, overwrite, beside) as file:
+        file.stream.write(text.encode("utf-8"))
+    return file.path
+
+
+def unused_name(folder: Path, stem: str, suffix: str, at: datetime) -> Path:
+    """`stem-20261121-140312.png` (suffix ".png"), with -2, -3... where that exists already.
+
+    A stem that is too long for a name is cut.
+    """
+    return unused(folder / f"{stem[:STEM_CHARACTERS]}-{at:%Y%m%d-%H%M%S}{suffix}")
+
+
+def unused(wanted: Path) -> Path:
+    """`wanted`, with -2, -3... behind its stem where that exists already."""
+    path, numbers = wanted, count(2)
+    while path.exists() or path.is_symlink():
+        path = wanted.with_stem(f"{wanted.stem}-{next(numbers)}")
+    return path
