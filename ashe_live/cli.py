@@ -1,17 +1,25 @@
 """The command line: what can be asked for. What is asked is loaded only then, so that --help is instant."""
 
 import argparse
-import math
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
-from typing import NoReturn, TypeVar
+from typing import NoReturn
 
 from ashe_live import __version__
 from ashe_live.core.messages import say_exactly, tell
+from ashe_live.core.ranges import (
+    CAMERA_NUMBER,
+    COUNT,
+    FIELD_OF_VIEW,
+    FOCAL,
+    INDEX,
+    MARKER_SIDE,
+    PRINTED_MM,
+    SIDE,
+    Range,
+)
 from ashe_live.errors import ExitStatus, UserError
-
-Number = TypeVar("Number", int, float)
 
 EPILOG = (
     "Without COMMAND: your camera, with the options of webcam, or the demo where there is none. "
@@ -40,13 +48,13 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     demo.set_defaults(camera_file=None, focal_px=None, hfov=None)
 
     webcam = commands.add_parser("webcam", help="the real thing: a camera, a printed marker, a sunny table")
-    webcam.add_argument("--camera", default="0", metavar="N|PATH", help="number or path of the camera (default 0)")
+    webcam.add_argument("--camera", type=_camera, default="0", metavar="N|PATH", help="its number or path (default 0)")
     _add_scene_options(webcam)
     _add_view_options(webcam)
 
     # Without help it is not listed: nobody has to know its name.
     start = commands.add_parser(START, prog="ashe-live")
-    start.add_argument("--camera", metavar="N|PATH", help="number or path of the camera (default: the first one)")
+    start.add_argument("--camera", type=_camera, metavar="N|PATH", help="its number or path (default: the first one)")
     _add_scene_options(start)
     _add_view_options(start)
 
@@ -66,11 +74,13 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
 
     board = commands.add_parser("board", help="a board to print, with which `calibrate` measures a camera")
     board.add_argument("--out", type=Path, required=True, metavar="FILE.pdf|png")
-    board.add_argument("--square-mm", type=_positive, default=25.0, metavar="MM", help="a square's side (default 25)")
+    board.add_argument("--square-mm", type=_mm, default=25.0, metavar="MM", help="a square's side (default 25)")
     board.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
     calibrate = commands.add_parser("calibrate", help="measure a camera's focal length and distortion with the board")
-    calibrate.add_argument("--camera", default="0", metavar="N|CLIP", help="camera, or a clip of the board (default 0)")
+    calibrate.add_argument(
+        "--camera", type=_camera, default="0", metavar="N|CLIP", help="or a clip of the board (default 0)"
+    )
     calibrate.add_argument("--out", type=Path, required=True, metavar="FILE.json", help="for --camera-file")
     calibrate.add_argument("--size", type=_size, metavar="WxH", help="size to ask the camera for")
     calibrate.add_argument("--headless", action="store_true", help="guide by lines, without a window")
@@ -102,9 +112,7 @@ def _add_marker_options(marker: argparse.ArgumentParser) -> None:
     target.add_argument("--out", type=Path, metavar="FILE.pdf|png")
     target.add_argument("--show", action="store_true", help="in a window, for want of a printer")
     marker.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
-    marker.add_argument(
-        "--size-mm", type=_positive, default=80.0, metavar="MM", help="black square's side (default 80)"
-    )
+    marker.add_argument("--size-mm", type=_mm, default=80.0, metavar="MM", help="black square's side (default 80)")
     marker.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
 
@@ -152,12 +160,21 @@ def _add_scene_options(parser: argparse.ArgumentParser) -> None:
     scene = parser.add_argument_group("what the camera sees")
     scene.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
     scene.add_argument(
-        "--marker-size", type=_positive, default=0.08, metavar="METRES", help="black square's side (default 0.08)"
+        "--marker-size",
+        type=_side_m,
+        default=0.08,
+        metavar="METRES",
+        help="black square's side (default 0.08)",
     )
     camera = scene.add_mutually_exclusive_group()
     camera.add_argument("--camera-file", type=Path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}')
-    camera.add_argument("--focal-px", type=_positive, metavar="F", help="focal length in pixels of the source")
-    camera.add_argument("--hfov", type=_angle, metavar="DEG", help="horizontal field of view (default: 60 is assumed)")
+    camera.add_argument("--focal-px", type=_focal_px, metavar="F", help="focal length in pixels of the source")
+    camera.add_argument(
+        "--hfov",
+        type=_angle,
+        metavar="DEG",
+        help="horizontal field of view (default: 60 is assumed)",
+    )
 
 
 def _add_view_options(parser: argparse.ArgumentParser) -> None:
@@ -187,47 +204,45 @@ def _add_quality_options(parser: argparse.ArgumentParser, default: str = "balanc
     trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=f"(default {DEFAULT_ESTIMATOR})")
 
 
-def _positive(text: str) -> float:
-    value = _number(float, text)
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
-    return value
+def _number_in(allowed: Range) -> Callable[[str], float]:
+    def number(text: str) -> float:
+        try:
+            return allowed.checked(float(text), "it")
+        except ValueError:
+            # Argparse's own words would name the function here.
+            raise argparse.ArgumentTypeError(f"{text!r} is not a number {allowed}") from None
+
+    return number
 
 
-def _angle(text: str) -> float:
-    value = _number(float, text)
-    if not 1 <= value < 180:
-        raise argparse.ArgumentTypeError(f"{text} is not a field of view from 1 to 179 degrees")
-    return value
+def _whole_number_in(allowed: Range) -> Callable[[str], int]:
+    def number(text: str) -> int:
+        try:
+            return int(allowed.checked(int(text), "it"))
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number {allowed}") from None
+
+    return number
 
 
-def _count(text: str) -> int:
-    value = _number(int, text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 1 on")
-    return value
-
-
-def _index(text: str) -> int:
-    value = _number(int, text)
-    if value < 0:
-        raise argparse.ArgumentTypeError(f"{text} is not a whole number from 0 on")
-    return value
-
-
-def _number(kind: Callable[[str], Number], text: str) -> Number:
-    try:
-        return kind(text)
-    except ValueError:
-        # Argparse's own words would name the function here.
-        raise argparse.ArgumentTypeError(f"{text!r} is not a {'whole ' if kind is int else ''}number") from None
+_side_m, _mm = _number_in(MARKER_SIDE), _number_in(PRINTED_MM)
+_focal_px, _angle = _number_in(FOCAL), _number_in(FIELD_OF_VIEW)
+_count, _index = _whole_number_in(COUNT), _whole_number_in(INDEX)
 
 
 def _size(text: str) -> tuple[int, int]:
+    """WIDTHxHEIGHT."""
     width, _, height = text.lower().partition("x")
-    if not (width.isdecimal() and height.isdecimal() and 0 < int(width) <= 16384 and 0 < int(height) <= 16384):
-        raise argparse.ArgumentTypeError(f"{text} is not a size like 1280x720")
+    if not all(side.isascii() and side.isdecimal() and len(side) < 9 and int(side) in SIDE for side in (width, height)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size like 1280x720, with sides {SIDE}")
     return int(width), int(height)
+
+
+def _camera(text: str) -> str:
+    """A number, or what may be a path."""
+    if text.isdecimal() and not (len(text) < 9 and int(text) in CAMERA_NUMBER):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a camera's number {CAMERA_NUMBER}")
+    return text
 
 
 class _Version(argparse.Action):

@@ -1,6 +1,5 @@
 """Pictures with a known light: rendered scenes and photos, read from a folder's ground_truth.json."""
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,14 +8,16 @@ from typing import Any
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, set_frozen
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.files.reading import read_bytes, read_json
 from ashe_live.tracking.pose import estimate_pose, square_corners
 
 GROUND_TRUTH = "ground_truth.json"
+MOST_TRUTH_BYTES, MOST_PICTURE_BYTES = 100_000_000, 200_000_000
 PHOTO_CATEGORY = "photo"
 
 
@@ -40,7 +41,7 @@ class Case:
 
     def tracked(self, index: int = 0) -> TrackedFrame:
         """The picture as a frame, with the true pose; raises UserError when it cannot be read."""
-        image = cv2.imread(str(self.image_path), cv2.IMREAD_COLOR)
+        image = decoded(self.image_path, cv2.IMREAD_COLOR)
         if image is None:
             raise UserError(f"cannot read the picture {self.image_path}", "is it there, and a PNG or JPEG?")
         return TrackedFrame(Frame(np.asarray(image, dtype=np.uint8), index, 0.0), self.camera, self.marker)
@@ -49,17 +50,24 @@ class Case:
         """(h, w), or None when there is none of that name; raises UserError when it cannot be read."""
         if name not in self.mask_paths:
             return None
-        picture = cv2.imread(str(self.mask_paths[name]), cv2.IMREAD_GRAYSCALE)
+        picture = decoded(self.mask_paths[name], cv2.IMREAD_GRAYSCALE)
         if picture is None:
             raise UserError(f"cannot read the mask {self.mask_paths[name]}", "is it there, and a PNG?")
         return np.asarray(picture) > 127
+
+
+def decoded(path: Path, flags: int) -> Image | None:
+    """As cv2.imread, of a file only: a pipe would be waited for. None for what is no picture."""
+    content = np.frombuffer(read_bytes(path, MOST_PICTURE_BYTES), dtype=np.uint8)
+    picture = cv2.imdecode(content, flags) if content.size else None
+    return None if picture is None else np.asarray(picture, dtype=np.uint8)
 
 
 def read_cases(folder: Path) -> list[Case]:
     """The cases of a folder with a ground_truth.json that lists `scenes` or `photos`; raises UserError without one."""
     path = folder / GROUND_TRUTH
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = read_json(path, MOST_TRUTH_BYTES)
         return [*_scenes(folder, content.get("scenes", [])), *_photos(folder, content)]
     except OSError as error:
         raise UserError(f"cannot read {path}", error.strerror or str(error)) from error

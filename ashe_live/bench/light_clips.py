@@ -1,6 +1,5 @@
 """Clips under a light that does not move: estimates from many frames, which must agree with the truth or each other."""
 
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ashe_live.bench.cases import GROUND_TRUTH
+from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES
 from ashe_live.bench.metrics import angular_error_deg, rms_deg
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import read_known_clip
@@ -18,6 +17,7 @@ from ashe_live.core.quality import BALANCED
 from ashe_live.core.transforms import normalised
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.files.reading import read_json
 from ashe_live.light.estimator import Estimator
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.tracker import Tracker
@@ -66,7 +66,7 @@ def read_clips(folder: Path) -> list[LightClip]:
     Raises UserError when one is not described as the others are.
     """
     try:
-        content = json.loads((folder / GROUND_TRUTH).read_text(encoding="utf-8"))
+        content = read_json(folder / GROUND_TRUTH, MOST_TRUTH_BYTES)
         return [*_listed(folder, content), *_described(folder)]
     except OSError as error:
         raise UserError(f"cannot read {folder / GROUND_TRUTH}", error.strerror or str(error)) from error

@@ -1,6 +1,5 @@
 """Real clips, without a truth: whether the marker is found throughout, whether its pose flips, how smoothly it goes."""
 
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ashe_live.bench.cases import GROUND_TRUTH
+from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES
 from ashe_live.capture.clip import ClipSource
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
@@ -17,6 +16,7 @@ from ashe_live.core.quality import TrackingPreset
 from ashe_live.core.transforms import angle_between, project
 from ashe_live.core.types import MarkerPose
 from ashe_live.errors import UserError
+from ashe_live.files.reading import read_json
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import square_corners
 from ashe_live.tracking.tracker import Tracker
@@ -40,7 +40,7 @@ def follow_clips(folder: Path, preset: TrackingPreset) -> list[ClipFigures]:
     """The clips that `folder`'s list names. Raises UserError when it cannot be read."""
     path = folder / GROUND_TRUTH
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = read_json(path, MOST_TRUTH_BYTES)
         marker, clips = content["marker"], content["clips"]
         return [
             _followed(folder / name, folder / marker["pattern_file"], marker["side_units"], clip["f_px"], preset)

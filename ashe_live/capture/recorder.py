@@ -20,6 +20,7 @@ from av.video.stream import VideoStream
 
 from ashe_live.capture.fragments import IN_THE_MAKING, made_playable, published
 from ashe_live.core.arrays import Image
+from ashe_live.core.signals import signals_held
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NewFile, cannot_write
 
@@ -107,18 +108,22 @@ class Recorder:
         self.frame_count += 1
 
     def close(self) -> None:
-        """Finishes the clip; without frames no file is left. May be called twice. Raises UserError as `write` does."""
+        """Finishes the clip; without frames no file is left. May be called twice. Raises UserError as `write` does.
+
+        Signals wait until that is done.
+        """
         if self._container is None:
             return
-        try:
-            if self.frame_count:
-                self._container.mux(self._stream.encode(None))
-            self._release()
-            if self.frame_count:
-                self.path = published(self._fragments, self.path, self._overwrite, self.frame_count)
-        except (OSError, av.error.FFmpegError) as error:
-            self._save_and_raise(error)
-        self._fragments.discard()
+        with signals_held():
+            try:
+                if self.frame_count:
+                    self._container.mux(self._stream.encode(None))
+                self._release()
+                if self.frame_count:
+                    self.path = published(self._fragments, self.path, self._overwrite, self.frame_count)
+            except (OSError, av.error.FFmpegError) as error:
+                self._save_and_raise(error)
+            self._fragments.discard()
 
     def __enter__(self) -> Self:
         return self

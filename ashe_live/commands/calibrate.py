@@ -18,8 +18,7 @@ from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.messages import tell
 from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError
-from ashe_live.files.new_file import check_output
-from ashe_live.files.writing import write_json
+from ashe_live.files.writing import check_outputs, write_json
 from ashe_live.tracking.calibration import Calibration
 from ashe_live.tracking.calibration_board import BoardView, CalibrationBoard
 from ashe_live.tracking.calibration_guide import CalibrationGuide, KeptView
@@ -36,7 +35,7 @@ class Guidance(Protocol):
 
 
 def run(options: argparse.Namespace) -> int:
-    check_output(options.out, options.overwrite)
+    check_outputs([options.out], [Path(options.camera)], options.overwrite)
     with _opened(options) as source:
         if source.note is not None:
             tell(source.note)

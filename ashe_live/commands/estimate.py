@@ -22,8 +22,7 @@ from ashe_live.core.contract import FileRecord
 from ashe_live.core.messages import printable, say, say_exactly, tell
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.errors import ExitStatus, UserError
-from ashe_live.files.new_file import check_output
-from ashe_live.files.writing import make_folder, unused_name
+from ashe_live.files.writing import check_outputs, make_folder, unused_name
 from ashe_live.light.debug_view import debug_pictures
 from ashe_live.light.estimator import Estimator, make_estimator
 from ashe_live.tracking.focal_tracker import FocalTracker
@@ -44,13 +43,13 @@ WORST_FIRST = (
 def run(options: argparse.Namespace) -> int:
     if options.debug is not None:
         make_folder(options.debug)
-    if options.sheet is not None:
-        check_output(options.sheet, options.overwrite)
+    named = named_files(options.files)
+    check_outputs([options.sheet], [*named, options.camera_file], options.overwrite)
     estimator = make_estimator(options.estimator, quality_of(options).name)
     camera_for = camera_chooser(options)
     page = LightPage()
     statuses = set()
-    for path in _watched(named_files(options.files)):
+    for path in _watched(named):
         record, tracked = _answer(path, make_tracker(options, camera_for), estimator, options)
         say_exactly(record.to_line()) if options.json else say(_line(record))
         statuses.add(_status(record))

@@ -2,6 +2,7 @@
 
 import glob
 import mimetypes
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -17,14 +18,31 @@ def named_files(names: Iterable[Path]) -> list[Path]:
 
 
 def _of(name: Path) -> list[Path]:
-    if name.is_dir():
+    try:
+        is_folder, is_there = name.is_dir(), name.exists()
+    except OSError:  # a name that is too long, a folder that must not be entered
+        return [name]
+    if is_folder:
         return sorted(path for path in _listed(name) if _is_named_as_picture(path))
     # A file may have a pattern's characters in its name.
-    if name.exists() or not glob.has_magic(str(name)):
+    if is_there or not glob.has_magic(str(name)):
         return [name]
-    # Not Path.glob, which needs to be told where a pattern's fixed part ends.
-    matches = glob.iglob(str(name), recursive=True)  # noqa: PTH207
-    return sorted(path for path in map(Path, matches) if path.is_file())
+    return sorted(path for path in _matching(name) if _is_file(path))
+
+
+def _matching(pattern: Path) -> Iterator[Path]:
+    """What a shell would give for it: nothing hidden unless the pattern says so, and no link followed to look deeper.
+
+    (glob.iglob follows links to folders; a few that lead back to their own folder make it go on for ever.)
+    """
+    parts = [part if part == "**" else re.sub(r"\*{2,}", "*", part) for part in pattern.parts[bool(pattern.anchor) :]]
+    if parts[-1] == "**":  # of which pathlib gives the folders only
+        parts.append("*")
+    root = Path(pattern.anchor)
+    shows_hidden = any(part.startswith(".") for part in parts)
+    for path in root.glob("/".join(parts)):
+        if shows_hidden or not any(part.startswith(".") for part in path.relative_to(root).parts):
+            yield path
 
 
 def _listed(folder: Path) -> Iterator[Path]:
@@ -34,7 +52,14 @@ def _listed(folder: Path) -> Iterator[Path]:
         return  # not ours to read, as the folder's own line will say
 
 
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except OSError:  # in a folder that must not be entered
+        return False
+
+
 def _is_named_as_picture(path: Path) -> bool:
-    if path.name.startswith(".") or not path.is_file():
+    if path.name.startswith(".") or not _is_file(path):
         return False
     return path.suffix.lower() in SUFFIXES or (mimetypes.guess_type(path.name)[0] or "").startswith("video/")

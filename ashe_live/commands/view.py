@@ -17,8 +17,9 @@ from ashe_live.core.camera import Size
 from ashe_live.core.messages import say, tell
 from ashe_live.core.signals import ended_by_signals
 from ashe_live.errors import ExitStatus, UserError
-from ashe_live.files.new_file import check_output
+from ashe_live.files import writing as files
 from ashe_live.light.worker import LightWorker
+from ashe_live.models.catalogue import model_names
 from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
 from ashe_live.render.renderer import Renderer
 from ashe_live.render.scene import Scene
@@ -51,9 +52,9 @@ class View:
 
 def check_outputs(options: argparse.Namespace) -> None:
     """Raises UserError before anything is opened when a file must not or cannot be written."""
-    for path in (options.out, options.report):
-        if path is not None:
-            check_output(path, options.overwrite)
+    model = Path(options.model) if options.model not in model_names() else None
+    inputs = (getattr(options, "file", None), options.camera_file, model)
+    files.check_outputs((options.out, options.report), inputs, options.overwrite)
     if options.headless and options.loop and options.frames is None:
         raise UserError("--loop without a window never ends", "give --frames N too")
     if options.report is not None and not options.headless:
@@ -138,6 +139,7 @@ def show_without_window(view: View, scene: Callable[[Session], Scene], *takers: 
         renderer = Renderer(offscreen_context(), quality_of(options).render, view.size)
         stack.callback(renderer.release)
         session = stack.enter_context(opened_session(view))
+        recorder = None
         if options.out is not None:
             recorder = Recorder(options.out, view.size, view.source.fps or 1.0, options.overwrite)
             takers = (*takers, stack.enter_context(recorder).write)
@@ -149,13 +151,21 @@ def show_without_window(view: View, scene: Callable[[Session], Scene], *takers: 
 
         playback = Playback(next_scene, options.frames, options.loop, takers)
         play_headless(view.source, view.tracker, session, renderer, playback, report)
-        return _summed_up(view, session, report)
+        if options.report is not None:
+            _tell_where(options.report, report.write(options.report, options.overwrite))
+    # Only now it is known what has become of the recording.
+    if recorder is not None:
+        _tell_where(options.out, recorder.path)
+        options.out = recorder.path
+    return _summed_up(view, session, report)
+
+
+def _tell_where(wanted: Path, path: Path) -> None:
+    if path != wanted:
+        tell(f"{wanted} has appeared meanwhile and stays as it is: see {path}")
 
 
 def _summed_up(view: View, session: Session, report: Report) -> int:
-    options = view.options
-    if options.report is not None:
-        report.write(options.report)
     found = sum(frame["found"] for frame in report.frames)
     light = "light: not estimated" if session.estimate is None else light_line(session)
     say(f"{view.source.name}: marker in {found} of {len(report.frames)} frames; {light}")

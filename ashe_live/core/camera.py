@@ -1,6 +1,5 @@
 """The pinhole camera: intrinsics and distortion in OpenCV's model, pixel centres at integer coordinates."""
 
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +9,9 @@ from typing import Literal
 import numpy as np
 
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.ranges import DISTORTION, FOCAL, PIXEL, SIDE
 from ashe_live.errors import UserError
+from ashe_live.files.reading import read_json
 
 Size = tuple[int, int]
 CameraSource = Literal["file", "flag", "assumed", "estimated"]
@@ -31,10 +32,19 @@ class Camera:
 
     def __post_init__(self) -> None:
         set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(self.dist, (-1,), "dist"))
-        if min(self.size) < 1:
-            raise ValueError(f"camera size {self.size} is empty")
-        if not (self.K[0, 0] > 0 and self.K[1, 1] > 0 and np.array_equal(self.K[2], (0, 0, 1))):
-            raise ValueError("K needs positive focal lengths and the last row 0 0 1")
+        for side in self.size:
+            SIDE.checked(side, "a side of the camera's pictures")
+        if not np.array_equal(self.K[2], (0, 0, 1)):
+            raise ValueError("K needs the last row 0 0 1")
+        for name, value, allowed in (
+            ("the focal length K[0][0]", self.K[0, 0], FOCAL),
+            ("the focal length K[1][1]", self.K[1, 1], FOCAL),
+            ("the principal point K[0][2]", self.K[0, 2], PIXEL),
+            ("the principal point K[1][2]", self.K[1, 2], PIXEL),
+            ("the skew K[0][1]", self.K[0, 1], PIXEL),
+            *((f"dist[{index}]", value, DISTORTION) for index, value in enumerate(self.dist)),
+        ):
+            allowed.checked(float(value), name)
         if len(self.dist) not in DISTORTION_LENGTHS:
             raise ValueError(f"dist has {len(self.dist)} coefficients, not one of {DISTORTION_LENGTHS}")
 
@@ -86,12 +96,10 @@ def read_camera_file(path: str | Path) -> Camera:
     """Reads `{"size": [w, h], "K": 3x3, "dist": [...]}`; raises UserError when that is not what it holds."""
     remedy = 'it needs {"size": [width, height], "K": 3x3 numbers, "dist": [k1, k2, p1, p2, k3]}'
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
+        content = read_json(Path(path))
         width, height = (_whole_number(value) for value in content["size"])
         dist: Sequence[float] = content.get("dist") or [0.0] * 5
         return Camera((width, height), content["K"], np.array(dist, dtype=np.float64), "file")
-    except OSError as error:
-        raise UserError(f"cannot read the camera file {path}", error.strerror or str(error)) from error
     except KeyError as error:
         raise UserError(f"the camera file {path} is not a calibration: it has no {error}", remedy) from error
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError) as error:

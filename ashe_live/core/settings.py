@@ -4,6 +4,7 @@ A setting is the long flag of the same name, as if it had been given first; so f
 """
 
 import difflib
+import os
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from typing import Any
 import platformdirs
 
 from ashe_live.errors import UserError
+from ashe_live.files.reading import read_text
 
 Value = str | int | float
 
@@ -57,13 +59,12 @@ def read_settings(path: Path) -> dict[str, Value]:
 
     Raises UserError for a file that cannot be read or is not TOML, a key that is not there, a value of another kind.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
+    if not os.path.lexists(path):  # nor where its folder must not be entered
         return {}
-    except OSError as error:
-        raise UserError(f"cannot read {path} ({error.strerror})", "check its permissions") from None
-    except (ValueError, RecursionError) as error:  # what TOML and UTF-8 raise
+    text = read_text(path)
+    try:
+        content = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
         raise UserError(f"{path} is not TOML ({error})", 'write lines such as: quality = "fast"') from None
     for key, value in content.items():
         _check(path, key, value)
@@ -72,7 +73,10 @@ def read_settings(path: Path) -> dict[str, Value]:
         raise UserError(f"{path} has {' and '.join(several)}", "keep one of them, as they say the same thing")
     if "camera-file" in content:
         # Beside the settings, wherever the command is given.
-        content["camera-file"] = str(path.parent / Path(content["camera-file"]).expanduser())
+        try:
+            content["camera-file"] = str(path.parent / Path(content["camera-file"]).expanduser())
+        except RuntimeError as error:  # ~somebody
+            raise UserError(f"{path}: camera-file names nobody's folder ({error})", "write the whole path") from None
     return content
 
 

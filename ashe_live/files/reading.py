@@ -1,19 +1,22 @@
 """What may be opened: regular files, by whatever name. A pipe would be waited for, a device never ends."""
 
+import json
+import math
 import os
 import stat
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from ashe_live.errors import UserError
 
 MOST_SETTINGS_BYTES = 1_000_000  # of a file that a person writes: settings, a camera file
 
 
-def opened(path: Path) -> BinaryIO:
+def opened(path: Path, may_be_empty: bool = False) -> BinaryIO:
     """The file at `path` or where the link there leads to, to be closed by the caller.
 
-    Raises UserError when it is not there, no regular file, empty, or must not be read.
+    Raises UserError when it is not there, no regular file, must not be read, or is empty where
+    it may not.
     """
     try:
         # Looked at before, as opening a device may do something; and again when open, as it may be another by then.
@@ -22,7 +25,7 @@ def opened(path: Path) -> BinaryIO:
         stream = open(number, "rb")  # noqa: SIM115, PTH123
         try:
             _check_kind(path, os.fstat(number).st_mode)
-            if not stream.peek(1):
+            if not may_be_empty and not stream.peek(1):
                 raise UserError(f"{path} is empty", "copy or record it again")
         except BaseException:
             stream.close()
@@ -38,7 +41,7 @@ def opened(path: Path) -> BinaryIO:
 
 def read_bytes(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> bytes:
     """The whole content. Raises UserError as `opened`, and for more than `most_bytes`."""
-    with opened(path) as stream:
+    with opened(path, may_be_empty=True) as stream:
         try:
             content = stream.read(most_bytes + 1)
         except OSError as error:
@@ -56,6 +59,25 @@ def read_text(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> str:
         raise UserError(
             f"{path} is not UTF-8 text ({error.reason} at byte {error.start})", "save it as UTF-8"
         ) from None
+
+
+def read_json(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> Any:
+    """As `read_text`, parsed. Raises UserError for what is no JSON, also for NaN and infinite numbers in it."""
+    try:
+        return json.loads(read_text(path, most_bytes), parse_constant=_refused, parse_float=_finite)
+    except (ValueError, RecursionError) as error:
+        raise UserError(f"{path} is not JSON ({error})", "write or export it again") from None
+
+
+def _refused(constant: str) -> None:
+    raise ValueError(f"{constant} is no number")
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text[:16]} is too large a number")
+    return value
 
 
 def _check_kind(path: Path, mode: int) -> None:

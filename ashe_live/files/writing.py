@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from itertools import count
@@ -29,6 +30,17 @@ def check_folder(folder: Path, names: Iterable[str], overwrite: bool) -> None:
     make_folder(folder)
     for name in names:
         check_output(folder / name, overwrite)
+
+
+def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None], overwrite: bool) -> None:
+    """Raises UserError when one of `outputs` cannot or must not be written, or is also another or one of `inputs`."""
+    taken = {os.path.realpath(path) for path in inputs if path is not None}
+    for path in outputs:
+        if path is not None:
+            if os.path.realpath(path) in taken:
+                raise UserError(f"{path} is named twice", "write to a file of its own")
+            taken.add(os.path.realpath(path))
+            check_output(path, overwrite)
 
 
 @contextlib.contextmanager

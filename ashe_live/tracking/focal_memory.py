@@ -1,16 +1,18 @@
 """Focal lengths that were estimated, kept for each camera in the user's configuration folder."""
 
-import json
-import math
 from pathlib import Path
 from typing import Any
 
 import platformdirs
 
 from ashe_live.core.camera import Size
+from ashe_live.core.ranges import COUNT, FOCAL, Range
 from ashe_live.errors import UserError
+from ashe_live.files.reading import read_json
 from ashe_live.files.writing import write_json
 from ashe_live.tracking.focal import FocalEstimate
+
+SIGMA = Range(1e-6, FOCAL.high, "px")
 
 
 def default_path() -> Path:
@@ -28,11 +30,12 @@ class FocalMemory:
         """What was estimated from pictures of `size`: another size may show another part of what the lens sees."""
         kept = self._read().get(self._key(size), {})
         try:
-            focal_px, sigma_px, views = float(kept["focal_px"]), float(kept["sigma_px"]), int(kept["views"])
+            focal_px = FOCAL.checked(kept["focal_px"], "focal_px")
+            sigma_px = SIGMA.checked(kept["sigma_px"], "sigma_px")
+            views = COUNT.checked(kept["views"], "views")
         except (TypeError, KeyError, ValueError):
             return None
-        is_possible = math.isfinite(focal_px) and math.isfinite(sigma_px) and focal_px > 0 and sigma_px > 0
-        return FocalEstimate(size, focal_px, sigma_px, views) if is_possible else None
+        return FocalEstimate(size, focal_px, sigma_px, int(views))
 
     def keep(self, estimate: FocalEstimate) -> None:
         """Replaces what was known, unless that was surer."""
@@ -51,7 +54,7 @@ class FocalMemory:
 
     def _read(self) -> dict[str, Any]:
         try:
-            content = json.loads(self._path.read_text(encoding="utf-8"))
-        except (OSError, ValueError, RecursionError):
+            content = read_json(self._path)
+        except UserError:
             return {}
         return content if isinstance(content, dict) else {}

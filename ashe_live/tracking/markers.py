@@ -56,7 +56,7 @@ def _dictionary_marker(spec: str, kind: str, family: str, marker_id: str) -> Dic
     if family not in families:
         raise UserError(f"{kind} knows no dictionary {family!r}", f"choose one of {', '.join(families)}")
     marker = DictionaryMarker(spec, families[family], int(marker_id[:9]))
-    if marker.marker_id >= marker.count:
+    if len(marker_id) > 9 or marker.marker_id >= marker.count:
         raise UserError(f"{kind}:{family} has no marker {marker_id}", f"choose a number from 0 to {marker.count - 1}")
     return marker
 

@@ -74,6 +74,9 @@ class Report:
             },
         }
 
-    def write(self, path: Path) -> None:
-        """Whole or not at all. Raises UserError when `path` cannot be written."""
-        write_json(path, self.to_json())
+    def write(self, path: Path, overwrite: bool = False) -> Path:
+        """Whole or not at all; returns where it is, beside a file that has appeared at `path` meanwhile.
+
+        Raises UserError when it cannot be written.
+        """
+        return write_json(path, self.to_json(), overwrite, beside=True)

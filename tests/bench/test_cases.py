@@ -67,7 +67,7 @@ def test_what_is_no_ground_truth_is_said_to_be_none(tmp_path, content):
 
 
 def test_an_empty_folder_is_said_to_be_one(tmp_path):
-    with pytest.raises(UserError, match="cannot read"):
+    with pytest.raises(UserError, match="there is no file"):
         read_cases(tmp_path)
 
 

@@ -36,7 +36,8 @@ def clip(tmp_path: Path, picture: Callable[[int], Image]) -> Path:
 def damaged_clip(clip: Path, tmp_path: Path) -> Path:
     """The same with zeros in its middle."""
     content = bytearray(clip.read_bytes())
-    middle = len(content) * 3 // 5
+    pictures = content.index(b"mdat")
+    middle = pictures + (len(content) - pictures) * 3 // 5
     content[middle : middle + 200] = bytes(200)
     damaged = tmp_path / "damaged.mp4"
     damaged.write_bytes(content)

@@ -74,5 +74,5 @@ def test_broken_settings_are_a_finding_and_no_end(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     settings_path().parent.mkdir()
     settings_path().write_text("hfov = 200")
-    with pytest.raises(UserError, match="hfov: 200"):
+    with pytest.raises(UserError, match="hfov: '200'"):
         doctor.CHECKS["settings"]()

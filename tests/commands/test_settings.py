@@ -49,7 +49,7 @@ def test_the_demo_keeps_its_own_camera_and_the_bench_has_no_settings(settle):
 
 @pytest.mark.parametrize(
     ("content", "said"),
-    [("hfov = 200", "hfov: 200"), ('quality = "best"', "best"), ("hfow = 60", "did you mean hfov?")],
+    [("hfov = 200", "hfov: '200'"), ('quality = "best"', "best"), ("hfow = 60", "did you mean hfov?")],
 )
 def test_a_value_that_its_flag_refuses_is_one_line_that_names_the_file(run, settle, content, said):
     path = settle(content)

@@ -46,7 +46,8 @@ def test_a_camera_file_is_beside_the_settings_unless_its_path_is_full(path):
         ("[marker]\nsize = 1", "marker is not text"),
         ('hfov = 60\ncamera-file = "a.json"', "keep one of them"),
         ("quality = fast", "is not TOML"),
-        ("\udcff", "is not TOML"),
+        ("\udcff", "is not UTF-8"),
+        ('camera-file = "~nobody-of-that-name/a.json"', "nobody's folder"),
     ],
 )
 def test_what_is_wrong_is_said_in_one_line(path, content, said):
@@ -58,7 +59,7 @@ def test_what_is_wrong_is_said_in_one_line(path, content, said):
 
 
 def test_a_folder_in_its_place_cannot_be_read(tmp_path):
-    with pytest.raises(UserError, match="cannot read"):
+    with pytest.raises(UserError, match="is a folder"):
         read_settings(tmp_path)
 
 

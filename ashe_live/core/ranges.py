@@ -1,0 +1,42 @@
+"""Which numbers make sense: what the command line, settings, camera files and the Python API are held to alike."""
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """From `low` to `high`, both included."""
+
+    low: float
+    high: float
+    unit: str = ""
+
+    def __contains__(self, value: float) -> bool:
+        return math.isfinite(value) and self.low <= value <= self.high
+
+    def __str__(self) -> str:
+        return f"from {self.low:g} to {self.high:g}{self.unit and ' '}{self.unit}"
+
+    def checked(self, value: float, name: str) -> float:
+        """`value`. Raises ValueError, which names it, when it lies outside or is not a number at all."""
+        if isinstance(value, bool) or not isinstance(value, int | float) or value not in self:
+            raise ValueError(f"{name} must be a number {self}, and is {_shown(value)}")
+        return value
+
+
+MARKER_SIDE = Range(1e-4, 1e4, "m")  # a hair's width to a town square
+PRINTED_MM = Range(0.1, 10_000, "mm")  # what pages hold is narrower, and printing says so
+FOCAL = Range(1.0, 1e7, "px")  # a fish's eye to a telescope
+PIXEL = Range(-1e7, 1e7, "px")  # a place in a picture or far outside it
+DISTORTION = Range(-1e6, 1e6)
+FIELD_OF_VIEW = Range(1.0, 179.0, "degrees")
+SIDE = Range(1, 16384, "px")  # of a picture: what graphics cards draw
+COUNT = Range(1, 1e9)
+INDEX = Range(0, 1e9)
+CAMERA_NUMBER = Range(0, 65535)
+
+
+def _shown(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else f"{text[:32]}..."

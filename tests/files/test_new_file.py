@@ -1,0 +1,197 @@
+"""A new file is there whole or not at all, and takes nothing away from what is there already."""
+
+import os
+import resource
+import subprocess
+import sys
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from ashe_live.errors import UserError
+from ashe_live.files import new_file
+from ashe_live.files.new_file import NewFile, check_output, partial_path
+from ashe_live.files.writing import check_outputs, unused_name, write_json, written_whole
+
+
+@pytest.fixture(params=["unnamed", "named", "without hard links"])
+def a_system(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which can do more or less."""
+    if request.param != "unnamed":
+        monkeypatch.setattr(new_file, "UNNAMED", 0)
+    if request.param == "without hard links":
+
+        def refuse(*_: object, **__: object) -> None:
+            raise PermissionError("no hard links here")
+
+        monkeypatch.setattr(os, "link", refuse)
+
+
+pytestmark = pytest.mark.usefixtures("a_system")
+
+
+def write(path: Path, text: str, overwrite: bool = False, beside: bool = False) -> Path:
+    with written_whole(path, overwrite, beside) as file:
+        file.stream.write(text.encode())
+    return file.path
+
+
+def test_it_is_there_at_the_end_and_not_before(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    with written_whole(path) as file:
+        file.stream.write(b"whole")
+        assert not path.exists()
+    assert path.read_bytes() == b"whole"
+    assert list(tmp_path.iterdir()) == [path]
+    umask = os.umask(0)
+    os.umask(umask)
+    assert path.stat().st_mode & 0o777 == 0o666 & ~umask
+
+
+def test_an_error_within_leaves_nothing(tmp_path: Path) -> None:
+    def fail() -> None:
+        with written_whole(tmp_path / "a.txt") as file:
+            file.stream.write(b"half")
+            raise KeyError
+
+    with pytest.raises(KeyError):
+        fail()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_leaves_nothing_and_is_said(tmp_path: Path) -> None:
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, hard))
+    try:
+        with pytest.raises(UserError, match="File too large"):
+            write(tmp_path / "a.txt", "x" * 2000)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_there_is_replaced_only_when_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    write(path, "first")
+    with pytest.raises(UserError, match="exists already"):
+        write(path, "second")
+    assert path.read_text() == "first"
+    assert write(path, "third", overwrite=True) == path
+    assert path.read_text() == "third"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("beside", [False, True])
+def test_what_appears_meanwhile_stays(tmp_path: Path, beside: bool) -> None:
+    path = tmp_path / "a.txt"
+    file = NewFile(path)
+    file.stream.write(b"ours")
+    path.write_text("theirs")
+    if beside:
+        assert file.publish(beside) == tmp_path / "a-2.txt"
+        assert (tmp_path / "a-2.txt").read_text() == "ours"
+    else:
+        with pytest.raises(UserError, match="exists already"):
+            file.publish()
+    file.discard()
+    assert path.read_text() == "theirs"
+    assert len(list(tmp_path.iterdir())) == 1 + beside
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+@pytest.mark.parametrize("target", ["thesis.txt", "gone"])
+def test_links_are_neither_followed_nor_replaced(tmp_path: Path, target: str, overwrite: bool) -> None:
+    (tmp_path / "thesis.txt").write_text("precious")
+    link = tmp_path / "a.txt"
+    link.symlink_to(target)
+    with pytest.raises(UserError, match="is a link"):
+        write(link, "ours", overwrite)
+    assert link.readlink() == Path(target)
+    assert (tmp_path / "thesis.txt").read_text() == "precious"
+    assert not (tmp_path / "gone").exists()
+
+
+def test_devices_pipes_and_folders_are_not_replaced(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "folder").mkdir()
+    for path in (tmp_path / "pipe", tmp_path / "folder", Path("/dev/null")):
+        with pytest.raises(UserError):
+            check_output(path, overwrite=True)
+    assert (tmp_path / "pipe").is_fifo()
+
+
+@pytest.mark.parametrize("name", ["missing/a.txt", "a" * 300, "a\0b", "file/a.txt"])
+def test_places_where_nothing_can_be_written_are_said_before(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(UserError):
+        check_output(tmp_path / name, overwrite=False)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_folder_that_must_not_be_written_to_is_said_before() -> None:
+    """Linux lets nobody, not even root, create a file here."""
+    if not Path("/proc").is_dir():
+        pytest.skip("no /proc on this system")
+    with pytest.raises(UserError, match="cannot write"):
+        check_output(Path("/proc/a.txt"), overwrite=False)
+
+
+@pytest.mark.parametrize("stem", ["ä" * 125, "a" * 250, "x"])
+def test_hidden_names_are_names_and_not_to_be_foreseen(tmp_path: Path, stem: str) -> None:
+    path = tmp_path / f"{stem}.mp4"
+    first, second = partial_path(path), partial_path(path)
+    assert first != second
+    assert first.name.startswith(".")
+    assert len(os.fsencode(first.name)) <= 255
+    assert write(path, "whole").read_text() == "whole"
+
+
+def test_outputs_are_not_also_inputs_or_each_other(tmp_path: Path) -> None:
+    clip, report = tmp_path / "clip.mp4", tmp_path / "report.json"
+    clip.write_text("precious")
+    (tmp_path / "link").symlink_to(tmp_path)
+    check_outputs([report, None], [clip, None], overwrite=True)
+    for outputs in ([clip], [tmp_path / "link" / "clip.mp4"], [report, tmp_path / "." / "report.json"]):
+        with pytest.raises(UserError, match="named twice"):
+            check_outputs(outputs, [clip], overwrite=True)
+
+
+def test_json_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="JSON"):
+        write_json(tmp_path / "a.json", {"a": float("nan")})
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("stem", ["x" * 300, "ä" * 200])
+def test_a_name_made_of_a_long_one_is_a_name(tmp_path: Path, stem: str) -> None:
+    path = unused_name(tmp_path, stem, ".png", datetime(2026, 11, 22))
+    assert write(path, "whole") == path
+
+
+WRITE_UNTIL_KILLED = """
+import sys
+from datetime import datetime
+from pathlib import Path
+from ashe_live.files.new_file import NewFile
+file = NewFile(Path(sys.argv[1]))
+file.stream.write(b"half")
+file.stream.flush()
+print("writing", flush=True)
+sys.stdin.read()
+"""
+
+
+def test_a_killed_program_leaves_nothing(tmp_path: Path) -> None:
+    if not new_file.UNNAMED:
+        pytest.skip("files cannot be without a name on this system")
+    with subprocess.Popen(
+        [sys.executable, "-c", WRITE_UNTIL_KILLED, str(tmp_path / "a.json")],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        cwd=Path(__file__).parents[2],
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"writing\n"
+        process.kill()
+    assert list(tmp_path.iterdir()) == []

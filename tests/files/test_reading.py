@@ -1,0 +1,73 @@
+"""Regular files can be opened, by whatever name; nothing else is, and nothing is waited for."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from ashe_live.errors import UserError
+from ashe_live.files.reading import opened, read_bytes, read_json, read_text
+
+
+def test_a_file_can_be_read_through_a_link(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_bytes(b"text")
+    (tmp_path / "link").symlink_to("a.txt")
+    for name in ("a.txt", "link"):
+        with opened(tmp_path / name) as stream:
+            assert stream.read() == b"text"
+
+
+def make_nothing(_: Path) -> None:
+    pass
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (make_nothing, "there is no file"),
+        (lambda path: path.symlink_to("gone"), "there is no file"),
+        (lambda path: path.symlink_to(path), "cannot read"),
+        (lambda path: path.mkdir(), "is a folder"),
+        (lambda path: os.mkfifo(path), "is a device or a pipe"),
+        (lambda path: path.symlink_to("/dev/zero"), "is a device or a pipe"),
+        (lambda path: path.write_bytes(b""), "is empty"),
+    ],
+    ids=["missing", "dangling", "loop", "folder", "pipe", "device", "empty"],
+)
+def test_what_is_no_file_with_something_in_it_is_said(tmp_path: Path, make, said: str) -> None:
+    make(tmp_path / "a")
+    with pytest.raises(UserError, match=said):
+        opened(tmp_path / "a")
+
+
+@pytest.mark.parametrize("name", ["a\0b", "a" * 300, "a/b"])
+def test_a_name_that_no_file_has_is_said(tmp_path: Path, name: str) -> None:
+    (tmp_path / "a").write_bytes(b"x")
+    with pytest.raises(UserError):
+        opened(tmp_path / name)
+
+
+def test_no_more_is_read_than_was_asked_for(tmp_path: Path) -> None:
+    path = tmp_path / "sparse"
+    with path.open("wb") as file:
+        file.truncate(1 << 40)
+    with pytest.raises(UserError, match="too large"):
+        read_bytes(path, 1000)
+
+
+def test_text_is_utf8_with_or_without_a_mark(tmp_path: Path) -> None:
+    path = tmp_path / "a"
+    for content in (b"\xc3\xa4", b"\xef\xbb\xbf\xc3\xa4"):
+        path.write_bytes(content)
+        assert read_text(path) == "ä"
+    path.write_bytes(b"\xe4")
+    with pytest.raises(UserError, match="not UTF-8"):
+        read_text(path)
+
+
+@pytest.mark.parametrize("content", ["", "{", "NaN", "[Infinity]", '{"a": 1e400}', "-1e999", "[" * 100_000])
+def test_only_json_of_finite_numbers_is_read(tmp_path: Path, content: str) -> None:
+    path = tmp_path / "a.json"
+    path.write_text(content)
+    with pytest.raises(UserError, match="is not JSON"):
+        read_json(path)
