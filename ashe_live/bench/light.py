@@ -24,9 +24,9 @@ from ashe_live.core.contract import Json
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.types import TrackedFrame
 from ashe_live.files.writing import check_folder, write_json
-from ashe_live.light.estimator import Estimator, make_estimator
-from ashe_live.light.fit import FitPreset
-from ashe_live.light.proxy import PRESETS
+from ashe_live.light.estimators.estimator import Estimator, make_estimator
+from ashe_live.light.estimators.proxy import PRESETS
+from ashe_live.light.outline_fit.fit import FitPreset
 
 SCHEMA = 2
 RESULTS = "results.json"

@@ -18,7 +18,7 @@ from ashe_live.core.quality import BALANCED
 from ashe_live.core.transforms import normalised
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.light.estimator import Estimator
+from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.tracker import Tracker
 

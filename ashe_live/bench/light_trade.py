@@ -13,9 +13,9 @@ from ashe_live.bench.cases import Case
 from ashe_live.bench.light_results import GOOD_DEG, CaseResult, case_result
 from ashe_live.bench.plots import TradePoint, pareto_front
 from ashe_live.bench.tables import figures_table
-from ashe_live.light import fit
-from ashe_live.light.estimator import Estimator
-from ashe_live.light.proxy import BALANCED, ProxyEstimator, ProxySteps
+from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.light.estimators.proxy import BALANCED, ProxyEstimator, ProxySteps
+from ashe_live.light.outline_fit import fit
 
 MEDIAN_ERROR = "median error, no answer = 90° (degrees)"
 MISSED = f"no answer, or more than {GOOD_DEG:.0f}° off (% of the lit scenes)"

@@ -7,7 +7,7 @@ from ashe_live.bench.cases import Case
 from ashe_live.bench.metrics import angular_error_deg, overlap
 from ashe_live.core.arrays import Mask
 from ashe_live.core.types import LightEstimate
-from ashe_live.light.fit import FitFailure, FitPreset, Masks, fit_light
+from ashe_live.light.outline_fit.fit import FitFailure, FitPreset, Masks, fit_light
 
 TRUE_EDGE_SIGMA_PX = 0.2
 

@@ -21,8 +21,8 @@ from ashe_live.core.contract import Json
 from ashe_live.core.quality import Quality
 from ashe_live.files.new_file import check_output
 from ashe_live.files.writing import write_json
-from ashe_live.light.estimator import Estimator
-from ashe_live.light.worker import LightWorker
+from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.light.live.worker import LightWorker
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.render.renderer import Renderer
 from ashe_live.tracking.markers import parse_marker

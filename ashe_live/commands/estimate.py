@@ -25,7 +25,7 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.new_file import check_output
 from ashe_live.files.writing import make_folder, unused_name
 from ashe_live.light.debug_view import debug_pictures
-from ashe_live.light.estimator import Estimator, make_estimator
+from ashe_live.light.estimators.estimator import Estimator, make_estimator
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker

@@ -12,7 +12,7 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.files.writing import written_whole
 from ashe_live.light.debug_view import LIGHT_BGR, PAPER_BGR, with_body, with_masks
-from ashe_live.light.view import View
+from ashe_live.light.pixels.view import View
 
 WIDTH_PX = 480
 JPEG_QUALITY = 85

@@ -18,10 +18,10 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles, tangent_basis
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
-from ashe_live.light.ground import GroundSteps, LitGround, fit_lit_ground
-from ashe_live.light.log_colour import linear_rgb, log_opponent
-from ashe_live.light.predicted import outline, predicted, shadow_outline
-from ashe_live.light.view import View
+from ashe_live.light.ground.lit_ground import GroundSteps, LitGround, fit_lit_ground
+from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.predicted import outline, predicted, shadow_outline
 
 # Told apart also by the colour-blind: Okabe and Ito's sky blue, orange, vermilion and bluish green, and with those
 # a light yellow, as theirs is too near their orange.

@@ -9,7 +9,7 @@ import pytest
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light_truth import error_on_true_masks_deg, mask_overlaps
 from ashe_live.core.types import LightEstimate, MarkerPose
-from ashe_live.light.fit import BALANCED
+from ashe_live.light.outline_fit.fit import BALANCED
 from tests.light.synthetic_masks import box, camera_towards, direction, render
 
 LIGHT = direction(200.0, 40.0)

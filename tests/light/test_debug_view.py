@@ -18,7 +18,7 @@ from ashe_live.light.debug_view import (
     light_rose,
     with_body,
 )
-from ashe_live.light.predicted import outline, shadow_outline
+from ashe_live.light.shape.predicted import outline, shadow_outline
 from tests.light.synthetic_masks import camera_towards
 
 SIZE = (320, 240)
