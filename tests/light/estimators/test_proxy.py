@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import cv2
@@ -32,6 +31,7 @@ from tests.light.painted_scenes import (
     tracked_frame,
 )
 from tests.light.synthetic_masks import camera_towards
+from tests.shared_data import shared_folder
 
 CASTERS = {"box": BOX, "cylinder": CYLINDER}
 SMALL = (320, 240)
@@ -421,15 +421,11 @@ def test_without_a_marker_it_is_not_asked() -> None:
 
 # Pictures that are not ours
 
-SHARED = Path(__file__).resolve().parents[2].parent / "shared"
-
 
 def known_errors_deg(folder: str) -> dict[str, float | None]:
     """By picture with a known light: the error, or None without an answer."""
-    if not (SHARED / folder).exists():
-        pytest.skip(f"there is no folder shared/{folder} beside the checkout")
     errors: dict[str, float | None] = {}
-    for case in read_cases(SHARED / folder):
+    for case in read_cases(shared_folder(folder)):
         if case.to_lights_marker is not None and len(case.to_lights_marker):
             light = estimated(case.tracked()).light
             errors[case.id] = None if light is None else apart_deg(light.to_light_marker, case.to_lights_marker[0])

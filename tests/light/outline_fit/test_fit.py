@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -24,6 +23,7 @@ from tests.light.synthetic_masks import (
     render,
     turned,
 )
+from tests.shared_data import shared_folder
 
 BODIES: dict[str, Callable[[], Parts]] = {
     "box": lambda: box(0.1, 0.02, (0.06, 0.04, 0.08), 25.0),
@@ -312,15 +312,10 @@ def test_wrong_use_is_a_value_error() -> None:
 
 # Rendered scenes, with their true masks
 
-SHARED = Path(__file__).resolve().parents[2].parent / "shared"
-
 
 def test_the_papers_scenes_are_solved() -> None:
-    folder = SHARED / "paper_scenes"
-    if not folder.exists():
-        pytest.skip("there is no folder shared/paper_scenes beside the checkout")
     errors = []
-    for case in read_cases(folder):
+    for case in read_cases(shared_folder("paper_scenes")):
         masks = [cv2.imread(str(case.mask_paths[name]), cv2.IMREAD_GRAYSCALE) > 127 for name in ("object", "shadow")]
         fit = fit_light(Masks(masks[0], masks[1:], case.camera, case.marker.T_cam_marker, None, 0.2))
         assert isinstance(fit, Fit)
@@ -332,11 +327,8 @@ def test_the_papers_scenes_are_solved() -> None:
 
 def test_rendered_scenes_are_solved_and_their_errors_foretold() -> None:
     """All casters, odd ones too, in all kinds of light; perfect masks."""
-    folder = SHARED / "scenes"
-    if not folder.exists():
-        pytest.skip("there is no folder shared/scenes beside the checkout")
     errors, sigmas = [], []
-    for case in read_cases(folder):
+    for case in read_cases(shared_folder("scenes")):
         if case.to_lights_marker is None or not len(case.to_lights_marker):
             continue
         masks = {name: cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) > 127 for name, path in case.mask_paths.items()}
