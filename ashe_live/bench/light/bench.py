@@ -23,7 +23,7 @@ from ashe_live.core.contract import Json
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator, make_estimator
-from ashe_live.light.estimators.proxy import PRESETS
+from ashe_live.light.estimators.steps import PRESETS
 from ashe_live.light.outline_fit.fit import FitPreset
 
 QUICK_PRESETS = ("balanced",)

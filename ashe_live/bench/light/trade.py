@@ -14,7 +14,8 @@ from ashe_live.bench.light.results import GOOD_DEG, CaseResult, case_result
 from ashe_live.bench.plots import TradePoint, pareto_front
 from ashe_live.bench.tables import figures_table
 from ashe_live.light.estimators.estimator import Estimator
-from ashe_live.light.estimators.proxy import BALANCED, ProxyEstimator, ProxySteps
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.outline_fit import fit
 
 MEDIAN_ERROR = "median error, no answer = 90° (degrees)"

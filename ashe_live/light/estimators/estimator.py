@@ -22,7 +22,8 @@ class Estimator(Protocol):
 
 
 def _proxy(preset: str) -> Estimator:
-    from ashe_live.light.estimators.proxy import PRESETS, ProxyEstimator
+    from ashe_live.light.estimators.proxy import ProxyEstimator
+    from ashe_live.light.estimators.steps import PRESETS
 
     return ProxyEstimator(PRESETS[preset])
 

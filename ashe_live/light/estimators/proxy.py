@@ -7,15 +7,16 @@ round once more with the pixels labelled by it; `judge` says how far to believe 
 nothing to believe.
 """
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.estimators.proposals import proposals_of, worth_a_fit
+from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
-from ashe_live.light.explanation.explain import Proposal, are_alike, explained, finer, sharpened
-from ashe_live.light.explanation.judge import LEAST_CONFIDENCE, best_of, lights_of, likeliest, log_odds, promise
+from ashe_live.light.explanation.explain import are_alike, explained, finer, sharpened
+from ashe_live.light.explanation.judge import LEAST_CONFIDENCE, best_of, lights_of, likeliest, log_odds
 from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
     NOTHING_THERE,
@@ -25,90 +26,14 @@ from ashe_live.light.explanation.no_answer import (
 )
 from ashe_live.light.explanation.penumbra import angular_size
 from ashe_live.light.explanation.second_light import with_their_lights
-from ashe_live.light.ground.lit_ground import GroundSteps, LitGround, fit_lit_ground, lit_rgb, unlit_mask
-from ashe_live.light.ground.regions import Region, unlit_regions
+from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, lit_rgb, unlit_mask
+from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
-from ashe_live.light.labels.associate import distinct, doubted, splits
-from ashe_live.light.labels.materials import materials_of
-from ashe_live.light.labels.two_lights import are_two, likeliest_pairs, materials_of_two, parted, savings
-from ashe_live.light.outline_fit import fit as fitting
+from ashe_live.light.labels.associate import distinct
 from ashe_live.light.pixels.view import View
 
 # Of the coarse picture: smaller things are specks.
 LEAST_SHARE = 0.0005
-
-
-@dataclass(frozen=True, slots=True)
-class ProxySteps:
-    """How much work the estimator spends: the numbers that the presets differ in."""
-
-    coarse_width_px: int  # at which the ground is modelled and unlit regions are found
-    fine_width_px: int  # no region is looked at more finely than in a frame of this width
-    region_px: int  # size at which a region is looked at
-    regions: int
-    shifts: int  # of a shadow's colour that are tried; as many are found more finely, to be paired
-    pairs: int  # of those that are tried, one for each of two lights
-    shadows_per_shift: int
-    tried: int  # how many of the splits are fitted, those that look best
-    pairs_tried: int  # and how many of those into two lights' shadows
-    refined: int  # how many of the fits are worked out, the best ones
-    rounds: int  # of relabelling by the fit and fitting to the labels
-    ground: GroundSteps
-    first_fit: fitting.FitPreset
-    fine_fit: fitting.FitPreset
-
-
-FAST = ProxySteps(
-    coarse_width_px=240,
-    fine_width_px=480,
-    region_px=90,
-    regions=2,
-    shifts=5,
-    pairs=1,
-    shadows_per_shift=2,
-    tried=4,
-    pairs_tried=1,
-    refined=2,
-    rounds=1,
-    ground=GroundSteps(12, 8, 1),
-    first_fit=fitting.FAST,
-    fine_fit=fitting.FAST,
-)
-BALANCED = ProxySteps(
-    coarse_width_px=320,
-    fine_width_px=640,
-    region_px=100,
-    regions=3,
-    shifts=8,
-    pairs=1,
-    shadows_per_shift=2,
-    tried=6,
-    pairs_tried=1,
-    refined=2,
-    rounds=1,
-    ground=GroundSteps(),
-    first_fit=fitting.FAST,
-    fine_fit=fitting.BALANCED,
-)
-ACCURATE = ProxySteps(
-    coarse_width_px=320,
-    fine_width_px=640,
-    region_px=100,
-    regions=4,
-    shifts=12,
-    pairs=1,
-    shadows_per_shift=2,
-    tried=16,
-    pairs_tried=1,
-    refined=4,
-    rounds=1,
-    ground=GroundSteps(),
-    first_fit=fitting.FAST,
-    fine_fit=fitting.BALANCED,
-)
-
-
-PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}
 
 
 class ProxyEstimator:
@@ -144,10 +69,10 @@ class ProxyEstimator:
 
         shifts = shadow_shifts(ground, unlit, steps.shifts)
         paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
-        proposals = [proposal for region in regions for proposal in self._proposals(region, ground, shifts, paired)]
+        proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired, steps)]
         clock.end("associate")
-        rough = [each for each in explained(self._tried(proposals), steps.first_fit) if each]
-        refined = self._promising(rough)
+        rough = [each for each in explained(worth_a_fit(proposals, steps), steps.first_fit) if each]
+        refined = distinct(sorted(rough, key=log_odds, reverse=True), are_alike, steps.refined)
         for _ in range(steps.rounds):
             refined = finer(refined, steps.fine_fit)
         refined = with_their_lights(refined, rough, fine, coarse, ground, steps.region_px)
@@ -177,38 +102,6 @@ class ProxyEstimator:
             ambient_rgb_ratio=ratios[-1],
             ground_rgb=lit_rgb(ground),
         )
-
-    def _proposals(
-        self, region: Region, ground: LitGround, shifts: list[Float], paired: list[Float]
-    ) -> Iterator[Proposal]:
-        alone = [materials_of(region, ground, shift) for shift in shifts]
-        pairs = likeliest_pairs(region, ground, paired, self._steps.pairs)
-        single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
-        both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
-        together = [materials for materials in both if materials is not None]
-        for materials in alone + together:
-            for whole in splits(region, ground, materials, self._steps.shadows_per_shift):
-                split = replace(whole, parts=parted(materials, whole.shadow_mask))
-                if materials.lights == 2:
-                    if are_two(split.parts):
-                        yield Proposal(region, materials, split)
-                    continue
-                yield Proposal(region, materials, split)
-                doubtful = doubted(split)
-                if doubtful is not None:
-                    yield Proposal(region, materials, doubtful)
-
-    def _tried(self, proposals: list[Proposal]) -> list[Proposal]:
-        """Those that look best and differ, of one light, and those of two."""
-        alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
-        together = [proposal for proposal in proposals if proposal.materials.lights == 2]
-        alone.sort(key=lambda one: promise(one.region, one.materials, one.split), reverse=True)
-        together.sort(key=lambda one: savings(one.region, one.materials, one.split), reverse=True)
-        return distinct(alone, Proposal.is_like, self._steps.tried) + together[: self._steps.pairs_tried]
-
-    def _promising(self, explanations: list[Explanation]) -> list[Explanation]:
-        """The likeliest ones that differ from each other."""
-        return distinct(sorted(explanations, key=log_odds, reverse=True), are_alike, self._steps.refined)
 
 
 def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:

@@ -12,7 +12,7 @@ from ashe_live.bench.light.trade import MEDIAN_ERROR, MISSED, VARIATIONS, Variat
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
-from ashe_live.light.estimators.proxy import BALANCED, ProxySteps
+from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 
 
 class Guess:

@@ -9,7 +9,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
-from ashe_live.light.estimators.proxy import BALANCED, ProxyEstimator
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.explanation.second_shadow import glimpses
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.ground.shadow_shift import shift_of_ratio

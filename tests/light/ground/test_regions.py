@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.light.estimators.proxy import BALANCED
+from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import ground_colours
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.pixels.view import View

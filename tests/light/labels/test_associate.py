@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Mask
-from ashe_live.light.estimators.proxy import BALANCED
+from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split, distinct, doubted, splits
 from ashe_live.light.labels.materials import materials_of

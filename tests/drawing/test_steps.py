@@ -10,14 +10,10 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
-from ashe_live.light.debug_view import (
-    OBJECT_BGR,
-    SHADOW_BGR,
-    UNEXPLAINED_BGR,
-    debug_pictures,
-    light_rose,
-    with_body,
-)
+from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR, UNEXPLAINED_BGR
+from ashe_live.drawing.light_rose import light_rose
+from ashe_live.drawing.overlays import with_body
+from ashe_live.drawing.steps import debug_pictures
 from ashe_live.light.shape.predicted import outline, shadow_outline
 from tests.light.synthetic_masks import camera_towards
 
