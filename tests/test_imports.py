@@ -17,10 +17,11 @@ PACKAGE = CHECKOUT / "ashe_live"
 # of those stands further up, so that imports have one direction.
 ROOMS: dict[str, set[str]] = {
     "errors": set(),
+    "files": {"errors"},
     "core": {"errors"},
-    "models": {"core", "errors"},
-    "capture": {"core", "errors"},
-    "tracking": {"core", "errors"},
+    "models": {"core", "errors", "files"},
+    "capture": {"core", "errors", "files"},
+    "tracking": {"core", "errors", "files"},
     "light": set(),
     "light.pixels": {"core"},
     "light.ground": {"core", "light.pixels"},
@@ -37,17 +38,17 @@ ROOMS: dict[str, set[str]] = {
     },
     "light.live": {"core", "light.estimators"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape"},
-    "render": {"core", "errors", "models"},
+    "render": {"core", "errors", "files", "models"},
     "viewer": {
-        "core", "errors", "models", "capture", "tracking", "light.pixels", "light.estimators", "light.live", "drawing",
-        "render",
+        "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators", "light.live",
+        "drawing", "render",
     },
     "api": {"core", "models", "capture", "tracking", "light.estimators", "render"},
     "": {"core", "errors", "models", "capture", "light.estimators", "api"},  # `import ashe_live` itself
-    "bench": {"core", "errors", "capture", "tracking", "render", "viewer"},
+    "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer"},
     "bench.light": {"core", "errors", "capture", "tracking", "light.estimators", "light.outline_fit", "bench"},
     "bench.track": {"core", "errors", "capture", "tracking", "bench"},
-    "bench.render": {"core", "models", "capture", "tracking", "render", "viewer", "bench"},
+    "bench.render": {"core", "files", "models", "capture", "tracking", "render", "viewer", "bench"},
     "bench.viewer": {
         "core", "capture", "tracking", "light.estimators", "light.live", "render", "viewer", "bench",
     },
@@ -56,10 +57,12 @@ ROOMS: dict[str, set[str]] = {
     },
     "cli": {"core", "errors", ""},
     "commands": {
-        "core", "errors", "models", "capture", "tracking", "light.pixels", "light.estimators", "light.live", "drawing",
-        "render", "viewer", "bench.light", "bench.track", "bench.render", "bench.viewer", "bench.soak", "cli", "",
+        "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators", "light.live",
+        "drawing", "render", "viewer", "bench.light", "bench.track", "bench.render", "bench.viewer", "bench.soak",
+        "cli", "",
     },
-    "__main__": {"cli"},
+    "process": {"core", "errors", "cli"},
+    "__main__": {"cli", "process"},
 }  # fmt: skip
 MOST_ROOMS = 4  # of `light` that one of its modules imports from, beside its own
 
