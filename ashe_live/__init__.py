@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ashe_live.core.camera import Camera, read_camera_file
     from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose, TrackedFrame
     from ashe_live.errors import UserError
-    from ashe_live.light.estimator import make_estimator
+    from ashe_live.light.estimators.estimator import make_estimator
     from ashe_live.models.catalogue import model_names
 
 __version__ = "0.1.0"
@@ -47,7 +47,7 @@ _HOMES = {
     "Tracker": "api",
     "UserError": "errors",
     "estimate_light": "api",
-    "make_estimator": "light.estimator",
+    "make_estimator": "light.estimators.estimator",
     "model_names": "models.catalogue",
     "open_source": "capture.sources",
     "read_camera_file": "core.camera",

@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
-from ashe_live.light.estimator import make_estimator
+from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.tracking import tracker

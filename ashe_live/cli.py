@@ -122,37 +122,35 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
     viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")
     viewer.add_argument("--frames", type=_count, default=600, metavar="N", help="frames in each run (default 600)")
     viewer.add_argument("--size", type=_size, metavar="WxH", help="size of the picture (default: the clip's)")
-    viewer.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures there")
-    viewer.add_argument("--overwrite", action="store_true", help="replace an existing file")
+    _add_results_folder(viewer)
     _add_quality_options(viewer, default="fast")
 
     render = benches.add_parser("render", help="what pictures cost, and how far they are from a path tracer's")
     render.add_argument("--frames", type=_count, default=100, metavar="N", help="frames of each loop (default 100)")
     render.add_argument("--memory-frames", type=_count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
-    _add_results_folder(render, "render.json")
+    _add_results_folder(render)
 
     soak = benches.add_parser("soak", help="very many frames: leaks, drift, and how old a picture is on the screen")
     soak.add_argument("--frames", type=_count, default=100_000, metavar="N", help="frames (default 100000)")
-    soak.add_argument("--out", type=Path, metavar="FILE.json", help="also write the figures there")
-    soak.add_argument("--overwrite", action="store_true", help="replace an existing file")
+    _add_results_folder(soak)
     _add_quality_options(soak, default="fast")
 
     light = benches.add_parser("light", help="the estimators' errors on scenes whose light is known")
     light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
-    _add_results_folder(light, "results.json")
+    _add_results_folder(light)
     light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
     light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
     light.add_argument("--limit", type=_count, metavar="N", help="the first N scenes of each folder only")
 
     tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
     tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
-    _add_results_folder(tracking, "results.json")
+    _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no trade of settings")
     tracking.add_argument("--quality", choices=("fast", "balanced", "accurate"), default="balanced")
 
 
-def _add_results_folder(bench: argparse.ArgumentParser, file: str) -> None:
-    bench.add_argument("--out", type=Path, metavar="DIR", help=f"where {file} and the plots go")
+def _add_results_folder(bench: argparse.ArgumentParser) -> None:
+    bench.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the plots go")
     bench.add_argument("--overwrite", action="store_true", help="replace existing files there")
 
 

@@ -1,25 +1,81 @@
-"""What each package must not load: the layers, held by a subprocess that imports the package's every module."""
+"""Which room may import which, and what each may load: allow-lists, so that a new import is a decision."""
 
 import ast
 import json
+import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 CHECKOUT = Path(__file__).parents[1]
+PACKAGE = CHECKOUT / "ashe_live"
 
-GL = {"moderngl", "glfw"}
-FLOORS = {
-    "ashe_live.core": GL | {"cv2", "av", "trimesh", "PIL", "rich"},
-    "ashe_live.models": GL | {"cv2", "av"},
-    "ashe_live.capture": GL | {"trimesh", "ashe_live.tracking", "ashe_live.light", "ashe_live.render"},
-    "ashe_live.tracking": GL | {"trimesh", "av", "ashe_live.capture", "ashe_live.light", "ashe_live.render"},
-    "ashe_live.light": GL | {"trimesh", "av", "ashe_live.capture", "ashe_live.tracking", "ashe_live.render"},
-    "ashe_live.render": {"glfw", "av", "ashe_live.capture", "ashe_live.tracking", "ashe_live.light"},
-    "ashe_live.viewer": {"ashe_live.bench", "ashe_live.commands", "ashe_live.cli"},
-    "ashe_live.bench": {"ashe_live.commands", "ashe_live.cli"},
+# A room is a package, or a package within `light` or `bench`. It may import the rooms named here and itself; every one
+# of those stands further up, so that imports have one direction.
+ROOMS: dict[str, set[str]] = {
+    "errors": set(),
+    "files": {"errors"},
+    "core": {"errors", "files"},
+    "models": {"core", "errors", "files"},
+    "capture": {"core", "errors", "files"},
+    "tracking": {"core", "errors", "files"},
+    "light": set(),
+    "light.pixels": {"core"},
+    "light.ground": {"core", "light.pixels"},
+    "light.shape": {"core", "light.pixels"},
+    "light.outline_fit": {"core", "light.shape"},
+    "light.labels": {"core", "light.pixels", "light.ground", "light.shape"},
+    "light.explanation": {
+        "core", "light.pixels", "light.ground", "light.shape", "light.outline_fit", "light.labels",
+    },
+    "light.paper": {"core"},
+    "light.estimators": {
+        "core", "errors", "light.pixels", "light.ground", "light.outline_fit", "light.labels", "light.explanation",
+        "light.paper",
+    },
+    "light.live": {"core", "light.estimators"},
+    "drawing": {"core", "light.pixels", "light.ground", "light.shape"},
+    "render": {"core", "errors", "files", "models"},
+    "viewer": {
+        "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators", "light.live",
+        "drawing", "render",
+    },
+    "api": {"core", "models", "capture", "tracking", "light.estimators", "render"},
+    "": {"core", "errors", "models", "capture", "light.estimators", "api"},  # `import ashe_live` itself
+    "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer"},
+    "bench.light": {"core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit", "bench"},
+    "bench.track": {"core", "errors", "files", "capture", "tracking", "bench"},
+    "bench.render": {"core", "files", "models", "capture", "tracking", "render", "viewer", "bench"},
+    "bench.viewer": {
+        "core", "capture", "tracking", "light.estimators", "light.live", "render", "viewer", "bench",
+    },
+    "bench.soak": {
+        "core", "models", "capture", "tracking", "light.estimators", "light.live", "render", "viewer", "bench",
+    },
+    "cli": {"core", "errors", ""},
+    "commands": {
+        "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators", "light.live",
+        "drawing", "render", "viewer", "bench.light", "bench.track", "bench.render", "bench.viewer", "bench.soak",
+        "cli", "",
+    },
+    "process": {"core", "errors", "cli"},
+    "__main__": {"cli", "process"},
+}  # fmt: skip
+MOST_ROOMS = 4  # of `light` that one of its modules imports from, beside its own
+
+# What a package may load beside Python and NumPy, itself or through what it imports.
+HEAVY = {"cv2", "av", "PIL", "trimesh", "moderngl", "glfw", "rich", "pyrr", "platformdirs", "matplotlib"}
+LOADS = {
+    "core": {"pyrr", "platformdirs"},
+    "models": {"pyrr", "platformdirs", "PIL", "trimesh"},
+    "capture": {"pyrr", "platformdirs", "PIL", "cv2", "av"},
+    "tracking": {"pyrr", "platformdirs", "PIL", "cv2"},
+    "light": {"pyrr", "cv2"},
+    "drawing": {"pyrr", "PIL", "cv2"},
+    "render": {"pyrr", "platformdirs", "PIL", "cv2", "trimesh", "moderngl"},
 }
 
 LOAD_EVERY_MODULE = """
@@ -48,25 +104,86 @@ def modules_after(code: str, *arguments: str) -> set[str]:
     return set(json.loads(done.stdout.splitlines()[-1]))
 
 
-@pytest.mark.parametrize("package", FLOORS)
-def test_a_package_loads_nothing_from_above(package: str) -> None:
-    loaded = modules_after(LOAD_EVERY_MODULE, package)
-    assert package in loaded
-    assert not loaded & FLOORS[package]
+def room_of(module: list[str]) -> str:
+    """The room of a module, or of a name in it, given by its parts without the package's name."""
+    if module and module[0] in ("light", "bench") and (PACKAGE / "/".join(module[:2])).is_dir():
+        return ".".join(module[:2])
+    is_module = bool(module) and ((PACKAGE / module[0]).is_dir() or (PACKAGE / f"{module[0]}.py").exists())
+    return module[0] if is_module else ""
+
+
+def imported(path: Path) -> Iterator[list[str]]:
+    """The parts of every name that a file imports, also within functions and for the type checker alone."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (name.name.split(".") for name in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield from ([*(node.module or "").split("."), name.name] for name in node.names)
+
+
+def files_by_room() -> dict[str, list[Path]]:
+    rooms: dict[str, list[Path]] = {}
+    for path in sorted(PACKAGE.rglob("*.py")):
+        module = [*path.relative_to(PACKAGE).with_suffix("").parts]
+        rooms.setdefault(room_of([part for part in module if part != "__init__"]), []).append(path)
+    return rooms
+
+
+FILES = files_by_room()
+
+
+def rooms_imported(path: Path) -> set[str]:
+    return {room_of(parts[1:]) for parts in imported(path) if parts[0] == "ashe_live"}
+
+
+def test_every_room_has_its_list_and_every_list_its_room() -> None:
+    assert FILES.keys() == ROOMS.keys()
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_room_imports_what_its_list_allows(room: str) -> None:
+    for path in FILES[room]:
+        assert rooms_imported(path) - {room} <= ROOMS[room], path
+
+
+def test_imports_have_one_direction() -> None:
+    above: set[str] = set()
+    for room, allowed in ROOMS.items():
+        assert allowed <= above, room
+        above.add(room)
+
+
+def test_no_module_of_light_knows_more_than_four_rooms_beside_its_own() -> None:
+    for room in ROOMS:
+        for path in FILES[room] if room.startswith("light.") else ():
+            others = {other for other in rooms_imported(path) if other.startswith("light.")} - {room}
+            assert len(others) <= MOST_ROOMS, path
+
+
+@pytest.mark.parametrize("room", [room for room in ROOMS if room.startswith("light.")])
+def test_a_rooms_own_words_say_what_it_may_import(room: str) -> None:
+    words = ast.get_docstring(ast.parse((PACKAGE / room.replace(".", "/") / "__init__.py").read_text(encoding="utf-8")))
+    said = set(re.findall(r"`(\w+)`", (words or "").split("May import")[1]))
+    assert said == {name.removeprefix("light.") for name in ROOMS[room]}
+
+
+@pytest.mark.parametrize("package", LOADS)
+def test_a_package_loads_what_its_list_allows(package: str) -> None:
+    loaded = modules_after(LOAD_EVERY_MODULE, f"ashe_live.{package}")
+    assert f"ashe_live.{package}" in loaded
+    assert loaded & HEAVY <= LOADS[package]
 
 
 def test_help_is_instant_because_it_loads_nothing_heavy() -> None:
     loaded = modules_after(LOAD_HELP)
     assert "ashe_live.cli" in loaded
-    assert not loaded & (GL | {"cv2", "numpy", "av", "trimesh", "PIL", "rich"})
+    assert not loaded & (HEAVY | {"numpy"})
 
 
 def test_only_render_names_moderngl_and_only_the_viewer_glfw() -> None:
     for name, home in (("moderngl", "render"), ("glfw", "viewer")):
         users = {
-            path.relative_to(CHECKOUT / "ashe_live").parts[0]
-            for path in (CHECKOUT / "ashe_live").rglob("*.py")
-            if any(line.split()[:2] in (["import", name], ["from", name]) for line in path.read_text().splitlines())
+            room for room, paths in FILES.items() if any([name] == p[:1] for path in paths for p in imported(path))
         }
         assert users == {home}
 
@@ -74,15 +191,13 @@ def test_only_render_names_moderngl_and_only_the_viewer_glfw() -> None:
 def test_no_file_is_unpickled_or_evaluated_and_no_network_is_asked() -> None:
     """core/pipes.py pickles between the program's own processes, and nothing else does."""
     never = {"marshal", "shelve", "socket", "urllib.request", "http", "ftplib", "ssl", "requests"}
-    for path in (CHECKOUT / "ashe_live").rglob("*.py"):
-        imported, called = set(), set()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                imported |= {name.name for name in node.names}
-            elif isinstance(node, ast.ImportFrom):
-                imported |= {node.module, *(f"{node.module}.{name.name}" for name in node.names)}
-            elif isinstance(node, ast.Call):
-                called.add(ast.unparse(node.func))
-        assert not imported & never, path
+    for path in PACKAGE.rglob("*.py"):
+        names = {".".join(parts[:length]) for parts in imported(path) for length in range(1, len(parts) + 1)}
+        called = {
+            ast.unparse(node.func)
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            if isinstance(node, ast.Call)
+        }
+        assert not names & never, path
         assert not called & {"eval", "exec", "np.load", "numpy.load"}, path
-        assert "pickle" not in imported or path.name == "pipes.py", path
+        assert "pickle" not in names or path.name == "pipes.py", path

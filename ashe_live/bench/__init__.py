@@ -1,1 +1,4 @@
-"""Measures accuracy, speed, and the trade between them."""
+"""Measures accuracy, speed, and the trade between them: a folder for each bench, beside it what they share.
+
+May import every package but `commands` and `cli`.
+"""

@@ -2,6 +2,7 @@
 
 import os
 import platform
+from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 
 from ashe_live.core.contract import Json
@@ -9,7 +10,17 @@ from ashe_live.core.contract import Json
 LIBRARIES = {"opencv": "opencv-contrib-python-headless", "numpy": "numpy", "moderngl": "moderngl", "pyav": "av"}
 
 
-def machine_json() -> Json:
+def header_json(schema: int, with_opengl: bool = False) -> Json:
+    """What every record begins with. Raises UserError where OpenGL is asked for and there is none."""
+    return {
+        "schema": schema,
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "machine": _machine_json() | (_opengl_json() if with_opengl else {}),
+        "versions": _versions_json(),
+    }
+
+
+def _machine_json() -> Json:
     """Cores that this process may use, system, kind of processor, and how busy the machine is (None: not told)."""
     affinity = getattr(os, "sched_getaffinity", None)
     return {
@@ -20,7 +31,17 @@ def machine_json() -> Json:
     }
 
 
-def versions_json() -> Json:
+def _opengl_json() -> Json:
+    from ashe_live.render.offscreen import offscreen_context
+
+    ctx = offscreen_context()
+    try:
+        return {"gl_renderer": ctx.info["GL_RENDERER"], "gl_version": ctx.info["GL_VERSION"]}
+    finally:
+        ctx.release()
+
+
+def _versions_json() -> Json:
     return {"python": platform.python_version(), **{name: _version(library) for name, library in LIBRARIES.items()}}
 
 
@@ -28,7 +49,10 @@ def measured_with(record: Json) -> str:
     """Date, machine and versions of a bench's record, in one line."""
     machine, versions = record["machine"], record["versions"]
     libraries = ", ".join(f"{name} {versions[name]}" for name in ("python", "opencv", "numpy"))
-    return f"{record['date'][:10]}; {machine['cpus']} cores, {machine['processor']}; {libraries}"
+    load, graphics = machine["load_average_1min"], machine.get("gl_renderer")
+    hardware = [f"{machine['cpus']} cores", machine["processor"]]
+    hardware += [f"load {load:.1f}"] * (load is not None) + [graphics] * (graphics is not None)
+    return f"{record['date'][:10]}; {', '.join(hardware)}; {libraries}"
 
 
 def _version(library: str) -> str | None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ashe_live.core.contract import Json
 from ashe_live.errors import UserError
 from ashe_live.files.writing import written_whole
 
@@ -28,6 +29,11 @@ class TradePoint:
     cost: float
     errors: Mapping[str, float]  # by measure, one panel each; smaller is better
     is_preset: bool = False
+
+
+def points_of(recorded: Sequence[Json]) -> list[TradePoint]:
+    """The points that a record holds, each as `dataclasses.asdict` made it."""
+    return [TradePoint(**point) for point in recorded]
 
 
 def check_can_draw() -> None:

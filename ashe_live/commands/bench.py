@@ -13,7 +13,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _viewer(options: argparse.Namespace) -> None:
-    from ashe_live.bench.viewer import ViewerBench
+    from ashe_live.bench.viewer.bench import ViewerBench
     from ashe_live.capture.known_clip import shipped_clip
 
     ViewerBench(shipped_clip(), _fixed_quality(options), options.estimator, options.frames, options.size).run(
@@ -22,7 +22,7 @@ def _viewer(options: argparse.Namespace) -> None:
 
 
 def _soak(options: argparse.Namespace) -> None:
-    from ashe_live.bench.soak import SoakBench
+    from ashe_live.bench.soak.bench import SoakBench
     from ashe_live.capture.known_clip import shipped_clip
 
     SoakBench(shipped_clip(), _fixed_quality(options), options.estimator, options.frames).run(
@@ -37,14 +37,14 @@ def _fixed_quality(options: argparse.Namespace) -> Quality:
 
 
 def _render(options: argparse.Namespace) -> None:
-    from ashe_live.bench.render import RenderBench
+    from ashe_live.bench.render.bench import RenderBench
     from ashe_live.capture.known_clip import shipped_clip
 
-    RenderBench(shipped_clip(), options.frames, max(10, options.memory_frames), options.out).run(options.overwrite)
+    RenderBench(shipped_clip(), options.frames, max(10, options.memory_frames)).run(options.out, options.overwrite)
 
 
 def _light(options: argparse.Namespace) -> None:
-    from ashe_live.bench.light import QUICK_PRESETS, LightBench
+    from ashe_live.bench.light.bench import QUICK_PRESETS, LightBench
 
     has_presets = options.estimator == DEFAULT_ESTIMATOR
     bench = LightBench(
@@ -59,7 +59,7 @@ def _light(options: argparse.Namespace) -> None:
 
 
 def _track(options: argparse.Namespace) -> None:
-    from ashe_live.bench.track import TrackBench
+    from ashe_live.bench.track.bench import TrackBench
 
     bench = TrackBench(QUALITIES[options.quality].tracking, options.real, options.quick)
     bench.run(options.out, options.overwrite)

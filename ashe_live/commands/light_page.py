@@ -10,9 +10,10 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.transforms import project
 from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.drawing.colours import LIGHT_BGR, PAPER_BGR
+from ashe_live.drawing.overlays import with_body, with_masks
 from ashe_live.files.writing import written_whole
-from ashe_live.light.debug_view import LIGHT_BGR, PAPER_BGR, with_body, with_masks
-from ashe_live.light.view import View
+from ashe_live.light.pixels.view import View
 
 WIDTH_PX = 480
 JPEG_QUALITY = 85

@@ -18,7 +18,7 @@ from ashe_live.core.messages import say, tell
 from ashe_live.core.signals import ended_by_signals
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files import writing as files
-from ashe_live.light.worker import LightWorker
+from ashe_live.light.live.worker import LightWorker
 from ashe_live.models.catalogue import model_names
 from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
 from ashe_live.render.renderer import Renderer

@@ -77,6 +77,15 @@ def tangent_basis(direction: ArrayLike) -> Float:
     return np.array([east, up])
 
 
+def radius_of_68_percent(covariance_rad2: Float) -> float:
+    """Radius of the circle that holds a 2D normal distribution's sample with probability 0.68.
+
+    Between 0.99 of the larger deviation (a line) and 1.51 of it (a circle); in between, and at both ends, right to 1 %.
+    """
+    smaller, larger = np.maximum(np.linalg.eigvalsh(covariance_rad2), 0.0)
+    return math.sqrt(0.985 * larger + 1.326 * smaller)
+
+
 def angle_between(a: ArrayLike, b: ArrayLike) -> float:
     """Radians between two directions, exact also where arccos is not (nearly parallel, nearly opposite)."""
     unit_a, unit_b = normalised(a), normalised(b)

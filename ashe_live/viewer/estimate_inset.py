@@ -7,8 +7,9 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.core.transforms import inverse_rigid
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.light.debug_view import light_rose, with_body, with_masks
-from ashe_live.light.view import View
+from ashe_live.drawing.light_rose import light_rose
+from ashe_live.drawing.overlays import with_body, with_masks
+from ashe_live.light.pixels.view import View
 from ashe_live.render.scene import Overlay
 
 WIDTH = 0.32  # of the window's

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.light.fusion import LightFusion
-from ashe_live.light.worker import LightWorker
-from ashe_live.light.worker_process import WorkerFailure
+from ashe_live.light.live.fusion import LightFusion
+from ashe_live.light.live.worker import LightWorker
+from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.models.placement import PlacedModel
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request

@@ -1,7 +1,6 @@
 """Reading pictures with a known light."""
 
 import json
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -10,8 +9,7 @@ import pytest
 from ashe_live.bench.cases import read_cases
 from ashe_live.core.transforms import angle_between
 from ashe_live.errors import UserError
-
-SHARED = Path(__file__).resolve().parents[2].parent / "shared"
+from tests.shared_data import shared_folder
 
 
 def scene(**changes):
@@ -79,10 +77,8 @@ def test_a_missing_picture_is_named(tmp_path):
 
 @pytest.mark.parametrize("folder", ["paper_scenes", "scenes", "real"])
 def test_the_shared_sets_explain_their_corners(folder):
-    if not (SHARED / folder).exists():
-        pytest.skip(f"no shared/{folder} beside the checkout")
-    cases = read_cases(SHARED / folder)
-    truth = json.loads((SHARED / folder / "ground_truth.json").read_text(encoding="utf-8"))
+    cases = read_cases(shared_folder(folder))
+    truth = json.loads((shared_folder(folder) / "ground_truth.json").read_text(encoding="utf-8"))
     assert len(cases) == len(truth.get("scenes", truth.get("photos")))
     for case in cases:
         assert case.image_path.exists()
@@ -92,9 +88,7 @@ def test_the_shared_sets_explain_their_corners(folder):
 
 
 def test_two_photos_of_one_cup_see_the_sun_from_the_same_side():
-    if not (SHARED / "real").exists():
-        pytest.skip("no shared/real beside the checkout")
-    cases = {case.image_path.name: case for case in read_cases(SHARED / "real")}
+    cases = {case.image_path.name: case for case in read_cases(shared_folder("real"))}
     suns = [cases[name].to_lights_marker[0] for name in ("real_2_3.jpeg", "img_extobj_5.jpeg")]
     assert np.degrees(angle_between(*suns)) < 3
 

@@ -12,7 +12,7 @@ import pytest
 from ashe_live import cli
 from ashe_live.commands import view
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
-from ashe_live.light import estimator
+from ashe_live.light.estimators import estimator
 
 
 @dataclass(frozen=True)

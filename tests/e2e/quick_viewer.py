@@ -5,8 +5,9 @@ Its process has the viewer's priority, as at the lowest one a crowded machine le
 
 import sys
 
-from ashe_live.light import estimator, worker_process
-from ashe_live.light.paper import PaperEstimator, PaperSteps
+from ashe_live.light.estimators import estimator
+from ashe_live.light.live import worker_process
+from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
 
 
 def quick(preset: str) -> PaperEstimator:  # noqa: ARG001

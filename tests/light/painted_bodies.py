@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.alignment import Alignment, aligned
-from ashe_live.light.associate import Split
-from ashe_live.light.body import Body
-from ashe_live.light.costs import Costs
-from ashe_live.light.directions import FittedLight
-from ashe_live.light.evidence import Explanation
-from ashe_live.light.first_guess import FirstGuess
-from ashe_live.light.materials import object_cost
-from ashe_live.light.proxies import FAMILIES
-from ashe_live.light.regions import Region
+from ashe_live.light.explanation.alignment import Alignment, aligned
+from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.labels.associate import Split
+from ashe_live.light.labels.costs import Costs
+from ashe_live.light.labels.materials import object_cost
+from ashe_live.light.shape.body import Body
+from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.shape.families import FAMILIES
+from ashe_live.light.shape.first_guess import FirstGuess
 from tests.light.painted_regions import PaintedRegion
 from tests.light.painted_scenes import BOX, Caster
 

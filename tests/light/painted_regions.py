@@ -8,13 +8,13 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.ground import LitGround, fit_lit_ground, unlit_mask
-from ashe_live.light.log_colour import log_opponent
-from ashe_live.light.materials import Materials, materials_of
-from ashe_live.light.proxy import BALANCED
-from ashe_live.light.regions import Region, unlit_regions
-from ashe_live.light.shift import shadow_shifts
-from ashe_live.light.view import View
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
+from ashe_live.light.ground.regions import Region, unlit_regions
+from ashe_live.light.ground.shadow_shift import shadow_shifts
+from ashe_live.light.labels.materials import Materials, materials_of
+from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.view import View
 from tests.light.painted_scenes import SHADOW_RATIO, Caster, Painted, paint
 
 LEAST_PX = 40

@@ -112,7 +112,7 @@ def test_opengl_3_3_is_enough() -> None:
 import numpy as np
 from ashe_live.core.quality import QUALITIES
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.bench.render_cost import lights_around, orbit, round_model
+from ashe_live.bench.render.cost import lights_around, orbit, round_model
 from ashe_live.render.renderer import Renderer
 ctx = offscreen_context()
 scene = orbit((160, 120), round_model(200), lights_around(2))[1]

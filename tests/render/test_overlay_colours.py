@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
-from ashe_live.light import debug_view
+from ashe_live.drawing import colours
 from ashe_live.models.primitives import box
 from ashe_live.render import hud
 from ashe_live.render.scene import Scene
@@ -34,9 +34,9 @@ TOLD_APART = 30
 # Web Content Accessibility Guidelines 2.1: 1.4.3 text, 1.4.11 graphical objects.
 TEXT_CONTRAST, GRAPHICS_CONTRAST = 4.5, 3.0
 TOGETHER = {
-    "object, its shadow and the light": (debug_view.OBJECT_BGR, debug_view.SHADOW_BGR, debug_view.LIGHT_BGR),
-    "not explained and not seen": (debug_view.UNEXPLAINED_BGR, debug_view.UNSEEN_BGR),
-    "a light and its ellipses": (debug_view.INK_BGR, debug_view.SHADOW_BGR, debug_view.PAPER_BGR),
+    "object, its shadow and the light": (colours.OBJECT_BGR, colours.SHADOW_BGR, colours.LIGHT_BGR),
+    "not explained and not seen": (colours.UNEXPLAINED_BGR, colours.UNSEEN_BGR),
+    "a light and its ellipses": (colours.INK_BGR, colours.SHADOW_BGR, colours.PAPER_BGR),
 }
 
 
@@ -56,9 +56,9 @@ def contrast(one: np.ndarray, other: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("eyes", SEEN_BY)
-@pytest.mark.parametrize("colours", TOGETHER)
-def test_colours_that_are_shown_together_are_told_apart(colours: str, eyes: str) -> None:
-    seen = [lab(SEEN_BY[eyes] @ linear(bgr)) for bgr in TOGETHER[colours]]
+@pytest.mark.parametrize("together", TOGETHER)
+def test_colours_that_are_shown_together_are_told_apart(together: str, eyes: str) -> None:
+    seen = [lab(SEEN_BY[eyes] @ linear(bgr)) for bgr in TOGETHER[together]]
     assert min(np.linalg.norm(one - other) for one, other in combinations(seen, 2)) > TOLD_APART
 
 
@@ -68,9 +68,9 @@ def test_the_law_refuses_red_and_green() -> None:
     assert np.linalg.norm(red - green) < TOLD_APART
 
 
-@pytest.mark.parametrize("ink", [debug_view.INK_BGR, debug_view.FAINT_BGR])
+@pytest.mark.parametrize("ink", [colours.INK_BGR, colours.FAINT_BGR])
 def test_writing_on_sheets_is_legible(ink: tuple[int, ...]) -> None:
-    assert contrast(linear(ink), linear(debug_view.PAPER_BGR)) >= TEXT_CONTRAST
+    assert contrast(linear(ink), linear(colours.PAPER_BGR)) >= TEXT_CONTRAST
 
 
 @pytest.mark.parametrize("video", [0, 128, 255])

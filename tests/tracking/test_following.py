@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.track_frames import CLEAN_CAMERA, Flaws, painted
+from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, painted
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.quality import BALANCED

@@ -9,7 +9,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
-from ashe_live.light.worker_process import WorkerFailure
+from ashe_live.light.live.worker_process import WorkerFailure
 
 SIZE = (64, 48)
 SIDE_M = 0.08

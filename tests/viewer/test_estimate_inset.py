@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import LightEstimate
-from ashe_live.light.debug_view import OBJECT_BGR, SHADOW_BGR
+from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.viewer.estimate_inset import inset_overlays
 
 SIZE = (640, 480)

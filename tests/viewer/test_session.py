@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.errors import UserError
-from ashe_live.light.worker_process import WorkerFailure
+from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.models.placement import UNMOVED
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request

@@ -1,0 +1,59 @@
+"""What the benches have in common: each measures, prints, and writes one record that says what it was made with."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar
+
+from rich.console import Console
+
+from ashe_live.bench.machine import header_json, measured_with
+from ashe_live.bench.plots import check_can_draw
+from ashe_live.bench.tables import bench_console
+from ashe_live.core.contract import Json
+from ashe_live.files.writing import check_folder, write_json
+
+RESULTS = "results.json"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bench(ABC):
+    """A bench, its fields saying what is measured."""
+
+    SCHEMA: ClassVar[int] = 1  # of its record; one more when a figure changes its name or meaning
+    NEEDS_OPENGL: ClassVar[bool] = False
+    console: Console = field(default_factory=bench_console)
+
+    def run(self, out: Path | None = None, overwrite: bool = False) -> Json:
+        """Measures, prints, and writes results.json and the plots into the folder `out`; returns the record.
+
+        Raises UserError for an unwritable `out`, for what cannot be measured (an unknown estimator, an unreadable
+        folder, no OpenGL), or when there is something to draw but no Matplotlib.
+        """
+        if out is not None:
+            plots = self.plots()
+            if plots:
+                check_can_draw()
+            check_folder(out, (RESULTS, *plots), overwrite)
+        record = header_json(self.SCHEMA, self.NEEDS_OPENGL)
+        self.console.print(measured_with(record), highlight=False)
+        written: Path | None = None
+        for part in self.parts():
+            record |= part
+            if out is not None:  # each part at once, as the next may take as long again
+                written = write_json(written or out / RESULTS, record, overwrite or written is not None, beside=True)
+        if out is not None:
+            self.draw(record, out, overwrite)
+        return record
+
+    @abstractmethod
+    def parts(self) -> Iterator[Json]:
+        """Measures and prints: the record's parts, one after the other."""
+
+    def plots(self) -> Sequence[str]:
+        """The names of the files that `draw` writes."""
+        return ()
+
+    def draw(self, record: Json, out: Path, overwrite: bool) -> None:  # noqa: B027 - a bench without plots draws nothing
+        """Writes the plots of the record into the folder `out`, beside files that have appeared unless `overwrite`."""

@@ -1,0 +1,161 @@
+"""`ashe-live bench light`: the estimators' errors, honesty and times on pictures and clips with a known light."""
+
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import ClassVar
+
+from rich.progress import track
+
+from ashe_live.bench.bench import Bench
+from ashe_live.bench.cases import Case, read_cases
+from ashe_live.bench.light.clips import ClipResult, estimate_clip, read_clips
+from ashe_live.bench.light.results import CaseResult, Summary, case_result, grouped, stage_times, summarise
+from ashe_live.bench.light.tables import print_clips, print_preset
+from ashe_live.bench.light.targets import Verdict, verdicts
+from ashe_live.bench.light.trade import COST, print_trade, sweep
+from ashe_live.bench.light.truth import error_on_true_masks_deg, mask_overlaps
+from ashe_live.bench.machine import measured_with
+from ashe_live.bench.plots import SUFFIXES, draw_trade, points_of
+from ashe_live.core.contract import Json
+from ashe_live.core.quality import QUALITIES
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.estimators.estimator import Estimator, make_estimator
+from ashe_live.light.estimators.steps import PRESETS
+from ashe_live.light.outline_fit.fit import FitPreset
+
+QUICK_PRESETS = ("balanced",)
+QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4
+TRADE, SWEEP_EVERY = "trade", 3
+# By estimator and preset; the paper's method has a geometry of its own.
+TRUE_MASK_FITS = {"proxy": {name: steps.fine_fit for name, steps in PRESETS.items()}}
+
+
+@dataclass(frozen=True, slots=True)
+class LightBench(Bench):
+    """What is measured: `presets` of `estimator` on the folders `scenes`, which count as one set."""
+
+    SCHEMA: ClassVar[int] = 2
+
+    scenes: Sequence[Path]
+    estimator: str = "proxy"
+    presets: Sequence[str] = tuple(QUALITIES)
+    quick: bool = False  # a few scenes of each category, a few frames of each clip
+    limit: int | None = None  # the first so many scenes of each folder
+    sweeps: bool = False  # also draws the trade of error against time, on some scenes of each category
+
+    def parts(self) -> Iterator[Json]:
+        estimators = {preset: make_estimator(self.estimator, preset) for preset in self.presets}
+        yield self._measured(estimators)
+        if self.sweeps:
+            points = sweep(thinned(self.cases(), SWEEP_EVERY), estimators, self.console)
+            print_trade(self.console, points)
+            yield {"trade": [asdict(point) for point in points]}
+
+    def plots(self) -> Sequence[str]:
+        return [TRADE + suffix for suffix in SUFFIXES] if self.sweeps else ()
+
+    def draw(self, record: Json, out: Path, overwrite: bool) -> None:
+        if "trade" in record:
+            points = points_of(record["trade"])
+            draw_trade(points, "Light estimation: error against time", COST, _note(record), out / TRADE, overwrite)
+
+    def _measured(self, estimators: Mapping[str, Estimator]) -> Json:
+        results = self._results(estimators)
+        clips = self._clip_results(estimators)
+        presets: dict[str, Json] = {}
+        for preset in estimators:
+            own = [result for result in results if result.preset == preset]
+            own_clips = [clip for clip in clips if clip.preset == preset]
+            summaries = {group: summarise(members) for group, members in grouped(own).items()}
+            stages = stage_times(own)
+            met = verdicts(preset, summaries, own_clips)
+            print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, own, met)
+            presets[preset] = _preset_json(summaries, stages, own_clips, met)
+        if clips:
+            print_clips(self.console, clips)
+        return {
+            "scenes": [folder.resolve().name for folder in self.scenes],
+            "quick": self.quick,
+            "limit": self.limit,
+            "estimator": self.estimator,
+            "presets": presets,
+            "cases": [asdict(result) for result in results],
+        }
+
+    def cases(self) -> list[Case]:
+        """Those whose light is known; with `quick`, every fifth of each category."""
+        cases = [case for folder in self.scenes for case in _known(read_cases(folder))[: self.limit]]
+        return thinned(cases, QUICK_EVERY) if self.quick else cases
+
+    def _results(self, estimators: Mapping[str, Estimator]) -> list[CaseResult]:
+        """Case by case, the presets in turn, so that what else runs on the machine meets all of them."""
+        results = []
+        cases = self.cases()
+        if cases:  # what is loaded or made only once is not to be counted
+            for estimator in estimators.values():
+                estimator.estimate(cases[0].tracked())
+        for index, case in enumerate(track(cases, "scenes", console=self.console, transient=True)):
+            tracked = case.tracked(index)
+            for preset, estimator in estimators.items():
+                geometry = TRUE_MASK_FITS.get(self.estimator, {}).get(preset)
+                results.append(attempt(estimator, preset, case, tracked, geometry))
+        return results
+
+    def _clip_results(self, estimators: Mapping[str, Estimator]) -> list[ClipResult]:
+        limit = QUICK_CLIP_FRAMES if self.quick else self.limit
+        results = []
+        clips = [clip for folder in self.scenes for clip in read_clips(folder)]
+        for clip in track(clips, "clips", console=self.console, transient=True):
+            frames = clip.frames(limit)
+            results += [estimate_clip(estimator, preset, clip, frames) for preset, estimator in estimators.items()]
+        return results
+
+
+def attempt(
+    estimator: Estimator, preset: str, case: Case, tracked: TrackedFrame, geometry: FitPreset | None
+) -> CaseResult:
+    """The estimate of `tracked`, which is `case`'s picture, timed and compared with all that is known of it.
+
+    `geometry` is the fit to try on the true masks.
+    """
+    started_s = time.process_time()
+    estimate = estimator.estimate(tracked)
+    cpu_ms = 1e3 * (time.process_time() - started_s)
+    alone = None if geometry is None else error_on_true_masks_deg(case, geometry)
+    return case_result(preset, case, estimate, cpu_ms, mask_overlaps(estimate, case), alone)
+
+
+def thinned(cases: Sequence[Case], every: int) -> list[Case]:
+    """The first, and every `every`th after it, of each category."""
+    seen: Counter[str] = Counter()
+    kept = []
+    for case in cases:
+        if seen[case.category] % every == 0:
+            kept.append(case)
+        seen[case.category] += 1
+    return kept
+
+
+def _note(record: Json) -> str:
+    return f"{measured_with(record)}; every {SWEEP_EVERY}rd scene of {', '.join(record['scenes'])}"
+
+
+def _known(cases: Sequence[Case]) -> list[Case]:
+    return [case for case in cases if case.to_lights_marker is not None]
+
+
+def _preset_json(
+    summaries: Mapping[str, Summary],
+    stages: Mapping[str, Mapping[str, float]],
+    clips: Sequence[ClipResult],
+    met: Sequence[Verdict],
+) -> Json:
+    return {
+        "summaries": {group: asdict(summary) for group, summary in summaries.items()},
+        "stages_ms": stages,
+        "clips": [asdict(clip) for clip in clips],
+        "targets": [{**asdict(verdict), "met": verdict.is_met, "missed_by": verdict.missed_by} for verdict in met],
+    }

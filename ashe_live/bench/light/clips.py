@@ -1,0 +1,109 @@
+"""Clips under a light that does not move: estimates from many frames, which must agree with the truth or each other."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES
+from ashe_live.bench.metrics import angular_error_deg, rms_deg
+from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.known_clip import read_known_clip
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.quality import BALANCED
+from ashe_live.core.transforms import normalised
+from ashe_live.core.types import TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.files.reading import read_json
+from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.tracker import Tracker
+
+EVERY = 10  # frames
+
+
+@dataclass(frozen=True, slots=True)
+class LightClip:
+    """A clip, how to track it, and its light where that is known."""
+
+    path: Path
+    camera: Camera
+    marker_spec: str  # as --marker takes it
+    marker_side_m: float
+    to_light_marker: Float | None  # (3,) unit; None: only that it does not move
+
+    def frames(self, limit: int | None = None) -> list[TrackedFrame]:
+        """Every EVERYth frame, at most `limit` of them, with the pose that the tracker finds (None: no marker)."""
+        tracker = Tracker(parse_marker(self.marker_spec), self.camera, self.marker_side_m, BALANCED.tracking)
+        tracked: list[TrackedFrame] = []
+        with ClipSource(self.path) as source:
+            while (frame := source.read()) is not None and (limit is None or len(tracked) < limit):
+                if frame.index % EVERY == 0:
+                    tracked.append(tracker.track(frame))
+        return tracked
+
+
+@dataclass(frozen=True, slots=True)
+class ClipResult:
+    """What one estimator said of a clip's frames."""
+
+    preset: str
+    clip: str
+    about: str  # "truth" or "mean": what the errors are measured from
+    frames: int
+    without_marker: int
+    abstained: int
+    rms_deg: float | None  # None: fewer than two answers
+    max_deg: float | None
+
+
+def read_clips(folder: Path) -> list[LightClip]:
+    """Those that ground_truth.json lists under `clips`, and those with a JSON file of their own name beside them.
+
+    Raises UserError when one is not described as the others are.
+    """
+    try:
+        content = read_json(folder / GROUND_TRUTH, MOST_TRUTH_BYTES)
+        return [*_listed(folder, content), *_described(folder)]
+    except OSError as error:
+        raise UserError(f"cannot read {folder / GROUND_TRUTH}", error.strerror or str(error)) from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise UserError(f"{folder} has a clip without a proper description ({error})", "mend its JSON") from error
+
+
+def estimate_clip(estimator: Estimator, preset: str, clip: LightClip, frames: list[TrackedFrame]) -> ClipResult:
+    """Estimates from `frames` of `clip` (LightClip.frames) and measures how they spread."""
+    seen = [tracked for tracked in frames if tracked.marker is not None]
+    answers = [light.to_light_marker for tracked in seen if (light := estimator.estimate(tracked).light) is not None]
+    rms = worst = None
+    if len(answers) > 1:
+        centre = normalised(np.mean(answers, axis=0)) if clip.to_light_marker is None else clip.to_light_marker
+        rms = rms_deg(answers, centre)
+        worst = max(angular_error_deg(answer, centre) for answer in answers)
+    about = "mean" if clip.to_light_marker is None else "truth"
+    without_marker, abstained = len(frames) - len(seen), len(seen) - len(answers)
+    return ClipResult(preset, clip.path.name, about, len(frames), without_marker, abstained, rms, worst)
+
+
+def _listed(folder: Path, content: dict[str, Any]) -> Iterator[LightClip]:
+    for file, clip in content.get("clips", {}).items():
+        width, height = clip["size"]
+        marker = content["marker"]
+        light = clip.get("to_light_marker")
+        yield LightClip(
+            folder / file,
+            Camera.from_focal((width, height), clip["f_px"], "file"),
+            f"pattern:{folder / marker['pattern_file']}",
+            marker["side_units"],
+            None if light is None else normalised(light),
+        )
+
+
+def _described(folder: Path) -> Iterator[LightClip]:
+    for path in sorted(folder.glob("*.mp4")):
+        if (description := path.with_suffix(".json")).exists():
+            known = read_known_clip(description)
+            yield LightClip(path, known.camera, known.marker_spec, known.marker_side_m, known.to_light_marker)

@@ -1,0 +1,151 @@
+"""The figures of `ashe-live bench light` for a person."""
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+
+from rich.console import Console
+from rich.table import Table
+
+from ashe_live.bench.light.clips import EVERY, ClipResult
+from ashe_live.bench.light.results import ALL, GOOD_DEG, CaseResult, Summary
+from ashe_live.bench.light.targets import DEG, MS, Verdict
+
+WORST = 10
+
+
+def print_preset(
+    console: Console,
+    name: str,
+    summaries: Mapping[str, Summary],
+    stages: Mapping[str, Mapping[str, float]],
+    results: Sequence[CaseResult],
+    verdicts: Iterable[Verdict],
+) -> None:
+    """Everything about one preset."""
+    console.print(_errors(name, summaries))
+    console.print(_shares_of_stages(name, summaries))
+    console.print(_honesty(name, summaries))
+    console.print(_times(name, stages, summaries[ALL]))
+    console.print(_worst(name, results))
+    _print_reasons(console, results)
+    console.print(_targets(name, verdicts))
+
+
+def print_clips(console: Console, clips: Sequence[ClipResult]) -> None:
+    table = _table(
+        f"clips: every {EVERY}th frame", ("clip", "preset"), ("frames", "no marker", "none", "about", "RMS", "max")
+    )
+    for clip in clips:
+        counts = (str(count) for count in (clip.frames, clip.without_marker, clip.abstained))
+        table.add_row(clip.clip, clip.preset, *counts, clip.about, _degrees(clip.rms_deg), _degrees(clip.max_deg))
+    console.print(table)
+
+
+def _errors(name: str, summaries: Mapping[str, Summary]) -> Table:
+    columns = ("cases", "none", "mean", "median", "p90", "max", f"< {GOOD_DEG:.0f}°", "count right", "ms", "p95")
+    table = _table(f"{name}: angular error", ("category",), columns)
+    for category, summary in summaries.items():
+        errors = (summary.mean_deg, summary.median_deg, summary.p90_deg, summary.max_deg)
+        table.add_row(
+            category,
+            str(summary.attempted),
+            str(summary.abstained),
+            *map(_degrees, errors),
+            _percent(summary.good_share),
+            _percent(summary.right_count_share),
+            *("-" if ms is None else f"{ms:.0f}" for ms in (summary.median_ms, summary.p95_ms)),
+        )
+    return table
+
+
+def _shares_of_stages(name: str, summaries: Mapping[str, Summary]) -> Table:
+    """Segmentation: how well its masks overlap with the true ones. Geometry: what the fit makes of the true ones."""
+    columns = ("IoU object", "IoU shadow", "mean", "fit on true masks: mean", "median", "max")
+    table = _table(f"{name}: segmentation's share and geometry's (medians of IoU)", ("category",), columns)
+    for category, summary in summaries.items():
+        alone = (summary.true_masks_mean_deg, summary.true_masks_median_deg, summary.true_masks_max_deg)
+        overlaps = map(_fraction, (summary.object_iou, summary.shadow_iou))
+        table.add_row(category, *overlaps, *map(_degrees, (summary.mean_deg, *alone)))
+    return table
+
+
+def _honesty(name: str, summaries: Mapping[str, Summary]) -> Table:
+    columns = ("within 1 σ", "2 σ", "95 % ellipse", "Brier", "wrong with confidence")
+    table = _table(f"{name}: what it says of its own errors", ("category",), columns)
+    for category, summary in summaries.items():
+        within = (summary.within_1_sigma, summary.within_2_sigma, summary.within_ellipse_95)
+        table.add_row(category, *map(_percent, within), _fraction(summary.brier), _percent(summary.bad_share))
+    return table
+
+
+def _times(name: str, stages: Mapping[str, Mapping[str, float]], everything: Summary) -> Table:
+    table = _table(f"{name}: milliseconds by stage", ("stage",), ("median", "p95"))
+    for stage, ms in stages.items():
+        table.add_row(stage, *(f"{ms[key]:.1f}" for key in ("p50", "p95")))
+    cpu_ms = (everything.median_cpu_ms, everything.p95_cpu_ms)
+    table.add_row("total, CPU of all threads", *("-" if ms is None else f"{ms:.1f}" for ms in cpu_ms))
+    return table
+
+
+def _targets(name: str, verdicts: Iterable[Verdict]) -> Table:
+    """The target beside each figure, and for a miss the stage that alone misses it too."""
+    table = _table(f"{name}: targets", ("data", "figure"), ("measured", "target", "on true masks", "", "missed by"))
+    for verdict in verdicts:
+        measured = "-" if verdict.value is None else _value(verdict.value, verdict.unit)
+        alone = "" if verdict.on_true_masks is None else _value(verdict.on_true_masks, verdict.unit)
+        mark = "[green]met[/]" if verdict.is_met else "[red]missed[/]"
+        by = verdict.missed_by or ""
+        table.add_row(verdict.group, verdict.figure, measured, _bounds(verdict), alone, mark, by)
+    return table
+
+
+def _worst(name: str, results: Sequence[CaseResult]) -> Table:
+    """Where to look first."""
+    columns = ("error", "σ", "confidence", "on true masks", "IoU object", "IoU shadow")
+    table = _table(f"{name}: the largest errors", ("case", "caster"), columns)
+    wrong = [result for result in results if result.error_deg is not None]
+    for result in sorted(wrong, key=lambda result: -(result.error_deg or 0.0))[:WORST]:
+        degrees = (_degrees(value) for value in (result.error_deg, result.sigma_deg))
+        overlaps = map(_fraction, (result.object_iou, result.shadow_iou))
+        confidence, alone = _fraction(result.confidence), _degrees(result.true_masks_deg)
+        table.add_row(f"{result.folder}/{result.case}", result.caster or "-", *degrees, confidence, alone, *overlaps)
+    return table
+
+
+def _print_reasons(console: Console, results: Sequence[CaseResult]) -> None:
+    """Why lit cases were not answered."""
+    reasons = Counter(result.reason for result in results if result.is_lit and not result.is_answered)
+    for reason, count in reasons.most_common():
+        console.print(f"{count:4d} x {reason}", highlight=False)
+
+
+def _table(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
+    table = Table(title=title, title_justify="left")
+    for heading in left:
+        table.add_column(heading, no_wrap=True)
+    for heading in right:
+        table.add_column(heading, justify="right")
+    return table
+
+
+def _bounds(verdict: Verdict) -> str:
+    least, most = (_value(bound, verdict.unit) for bound in (verdict.least, verdict.most))
+    if verdict.least <= 0:
+        return f"≤ {most}"
+    return f"≥ {least}" if verdict.most >= 1 else f"{least} to {most}"
+
+
+def _value(value: float, unit: str) -> str:
+    return {DEG: f"{value:.1f}°", MS: f"{value:.0f} ms"}.get(unit, f"{value:.0%}")
+
+
+def _degrees(value: float | None) -> str:
+    return "-" if value is None else f"{value:.1f}°"
+
+
+def _percent(value: float | None) -> str:
+    return "-" if value is None else f"{value:.0%}"
+
+
+def _fraction(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"

@@ -1,0 +1,119 @@
+"""The estimator's trade of error against time: the few numbers that matter, varied one by one about `balanced`."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+
+from ashe_live.bench.cases import Case
+from ashe_live.bench.light.results import GOOD_DEG, CaseResult, case_result
+from ashe_live.bench.plots import TradePoint, pareto_front
+from ashe_live.bench.tables import figures_table
+from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import BALANCED, ProxySteps
+from ashe_live.light.outline_fit import fit
+
+MEDIAN_ERROR = "median error, no answer = 90° (degrees)"
+MISSED = f"no answer, or more than {GOOD_DEG:.0f}° off (% of the lit scenes)"
+COST = "median time of an estimate (ms)"
+UNANSWERED_DEG = 90.0
+
+
+@dataclass(frozen=True, slots=True)
+class Variation:
+    """`balanced` with other numbers."""
+
+    series: str
+    name: str
+    changes: Mapping[str, Any]  # by field of ProxySteps; a dot leads into a record within
+
+    def steps(self) -> ProxySteps:
+        steps = BALANCED
+        for path, value in self.changes.items():
+            steps = replaced(steps, path, value)
+        return steps
+
+
+def _varied(series: str, field: str, *values: int) -> tuple[Variation, ...]:
+    return tuple(Variation(series, str(value), {field: value}) for value in values)
+
+
+def _fits(series: str, field: str, *presets: str) -> tuple[Variation, ...]:
+    fits = {"fast": fit.FAST, "balanced": fit.BALANCED, "accurate": fit.ACCURATE}
+    return tuple(Variation(series, name, {field: fits[name]}) for name in presets)
+
+
+VARIATIONS = (
+    *(
+        Variation(
+            "working size, coarse and fine", f"{width} px", {"coarse_width_px": width // 2, "fine_width_px": width}
+        )
+        for width in (320, 480, 640, 960)
+    ),
+    *_varied("coarse width", "coarse_width_px", 160, 240, 320, 480),
+    *_varied("fine width", "fine_width_px", 320, 480, 640, 960),
+    *_varied("size of a region", "region_px", 60, 80, 100, 130, 200),
+    *_varied("regions", "regions", 1, 2, 3, 5),
+    *_varied("colours of the ground", "ground.palette_colours", 4, 7, 10, 16),
+    *_varied("shadow colours tried", "shifts", 2, 4, 8, 12),
+    *_varied("pairs of shadow colours", "pairs", 0, 1, 3, 6),
+    *_varied("shadows of a colour", "shadows_per_shift", 1, 2, 3, 5),
+    *_varied("splits fitted", "tried", 2, 4, 6, 8, 12, 16),
+    *_varied("splits in two shadows fitted", "pairs_tried", 0, 1, 2, 4),
+    *_varied("fits refined", "refined", 1, 2, 3, 4, 6),
+    *_varied("rounds of labels and fit", "rounds", 1, 2, 3),
+    *_fits("first fit", "first_fit", "fast", "balanced"),
+    *_fits("fine fit", "fine_fit", "fast", "balanced", "accurate"),
+)
+
+
+def replaced(record: Any, path: str, value: Any) -> Any:
+    """A frozen dataclass with the field at `path` (names joined by dots) changed; TypeError when there is none."""
+    name, _, rest = path.partition(".")
+    return replace(record, **{name: replaced(getattr(record, name), rest, value) if rest else value})
+
+
+def sweep(cases: Sequence[Case], presets: Mapping[str, Estimator], console: Console) -> list[TradePoint]:
+    """Every variation and preset on the lit ones of `cases`; presets last.
+
+    Case by case, all of them in turn, so that what else runs on the machine meets all.
+    """
+    tried: list[tuple[str, str, Estimator, bool]] = [
+        (variation.series, variation.name, ProxyEstimator(variation.steps()), False) for variation in VARIATIONS
+    ]
+    tried += [("presets", name, estimator, True) for name, estimator in presets.items()]
+    results: list[list[CaseResult]] = [[] for _ in tried]
+    lit = [case for case in cases if case.to_lights_marker is not None and len(case.to_lights_marker)]
+    for case in track(lit, "trade", console=console, transient=True):
+        tracked = case.tracked()
+        for own, (_, name, estimator, _) in zip(results, tried, strict=True):
+            started_s = time.process_time()
+            estimate = estimator.estimate(tracked)
+            own.append(case_result(name, case, estimate, 1e3 * (time.process_time() - started_s)))
+    return [
+        TradePoint(name, series, float(np.median([result.wall_ms["total"] for result in own])), _errors(own), is_preset)
+        for own, (series, name, _, is_preset) in zip(results, tried, strict=True)
+    ]
+
+
+def print_trade(console: Console, points: Sequence[TradePoint]) -> None:
+    """One line a setting; those on the Pareto front of a measure are marked."""
+    fronts = {measure: pareto_front(points, measure) for measure in (MEDIAN_ERROR, MISSED)}
+    table = figures_table("trade (* on the Pareto front)", "varied", "to", "ms", "median", "missed")
+    for point in points:
+        median, missed = (
+            f"{point.errors[measure]:.1f}{unit}{'*' if point in fronts[measure] else ' '}"
+            for measure, unit in ((MEDIAN_ERROR, "°"), (MISSED, " %"))
+        )
+        table.add_row(point.series, point.name, f"{point.cost:.0f}", median, missed)
+    console.print(table)
+
+
+def _errors(results: Sequence[CaseResult]) -> dict[str, float]:
+    errors = np.array([UNANSWERED_DEG if result.error_deg is None else result.error_deg for result in results])
+    return {MEDIAN_ERROR: float(np.median(errors)), MISSED: 100 * float(np.mean(errors >= GOOD_DEG))}

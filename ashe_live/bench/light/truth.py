@@ -1,0 +1,53 @@
+"""How much of an error is whose: how well the masks overlap with the true ones, and what the fit makes of those."""
+
+import cv2
+import numpy as np
+
+from ashe_live.bench.cases import Case
+from ashe_live.bench.metrics import angular_error_deg, overlap
+from ashe_live.core.arrays import Mask
+from ashe_live.core.types import LightEstimate
+from ashe_live.light.outline_fit.fit import FitFailure, FitPreset, Masks, fit_light
+
+TRUE_EDGE_SIGMA_PX = 0.2
+
+
+def mask_overlaps(estimate: LightEstimate, case: Case) -> tuple[float | None, float | None]:
+    """Intersection over union of the object's and the shadow's masks with the true ones; None where either lacks.
+
+    True is the main caster, and every shadow it casts: an answer may well come from another object.
+    """
+    return _overlap(estimate.object_mask, case.mask("object")), _overlap(estimate.shadow_mask, _all_shadows(case))
+
+
+def error_on_true_masks_deg(case: Case, preset: FitPreset) -> float | None:
+    """Degrees between the strongest light and the fit to the true masks; None without masks, a light, or a fit."""
+    body, shadows = case.mask("object"), _shadows(case)
+    if body is None or not shadows or case.to_lights_marker is None or not len(case.to_lights_marker):
+        return None
+    pose = case.marker.T_cam_marker
+    found = fit_light(Masks(body, shadows, case.camera, pose, case.mask("clutter"), TRUE_EDGE_SIGMA_PX), preset)
+    if isinstance(found, FitFailure):
+        return None
+    return angular_error_deg(found.lights[0].to_light_marker, case.to_lights_marker[0])
+
+
+def _shadows(case: Case) -> list[Mask]:
+    """The main caster's, light by light."""
+    own = case.mask("shadow_caster")
+    masks = [own if own is not None else case.mask("shadow"), case.mask("shadow2")]
+    return [mask for mask in masks if mask is not None]
+
+
+def _all_shadows(case: Case) -> Mask | None:
+    shadows = _shadows(case)
+    return np.logical_or.reduce(shadows) if shadows else None
+
+
+def _overlap(found: Mask | None, true: Mask | None) -> float | None:
+    """Masks come at the estimator's working size."""
+    if found is None or true is None:
+        return None
+    height, width = true.shape
+    enlarged = cv2.resize(found.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST)
+    return overlap(enlarged.astype(bool), true)

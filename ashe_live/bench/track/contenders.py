@@ -1,0 +1,96 @@
+"""Who is measured by the tracking bench: OpenCV's detector, frame by frame, and our tracker."""
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Protocol
+
+import cv2
+import numpy as np
+
+from ashe_live.bench.track.takes import SIDE_M, SPEC, Take
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.quality import TrackingPreset
+from ashe_live.core.transforms import rigid
+from ashe_live.core.types import Frame, MarkerPose
+from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.pose import square_corners
+from ashe_live.tracking.tracker import Tracker
+
+REFERENCE_ID = int(SPEC.rpartition(":")[2])
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a contender says of one frame."""
+
+    truth: Float  # (4, 4) T_cam_marker
+    T_cam_marker: Float | None  # (4, 4)
+    ms: float
+    cpu_ms: float  # of this thread: what else runs on the machine hardly changes it
+    pose: MarkerPose | None = None  # of ours, with all that it says
+
+
+class Contender(Protocol):
+    """Looks at frames in order."""
+
+    def look(self, frame: Frame) -> Float | MarkerPose | None:
+        """The pose, or T_cam_marker (4, 4) alone; None when it finds no marker."""
+
+
+class OpencvReference:
+    """ArucoDetector on the full frame, sub-pixel corners or not, IPPE's solution of the smaller error."""
+
+    def __init__(self, camera: Camera, subpixel: bool = True) -> None:
+        parameters = cv2.aruco.DetectorParameters()
+        if subpixel:
+            parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+        dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+        self._detector = cv2.aruco.ArucoDetector(dictionary, parameters)
+        self._camera = camera
+
+    def look(self, frame: Frame) -> Float | None:
+        """See Contender."""
+        quads, ids, _ = self._detector.detectMarkers(frame.image_bgr)
+        at = np.flatnonzero(np.asarray([] if ids is None else ids) == REFERENCE_ID)
+        if not len(at):
+            return None
+        corners = np.asarray(quads[at[0]], dtype=np.float64).reshape(4, 2)
+        _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
+            square_corners(SIDE_M), corners, self._camera.K, self._camera.dist, flags=cv2.SOLVEPNP_IPPE_SQUARE
+        )
+        return rigid(cv2.Rodrigues(rvecs[0])[0], tvecs[0])
+
+
+class Ours:
+    """The tracker; `cold` lets it forget everything before each frame."""
+
+    def __init__(self, camera: Camera, preset: TrackingPreset, cold: bool = False) -> None:
+        self._tracker = Tracker(parse_marker(SPEC), camera, SIDE_M, preset)
+        self._cold = cold
+
+    def look(self, frame: Frame) -> MarkerPose | None:
+        """See Contender."""
+        if self._cold:
+            self._tracker.reset()
+        return self._tracker.track(frame).marker
+
+
+def answers(take: Take, contenders: dict[str, Contender]) -> dict[str, list[Answer]]:
+    """Every contender's answers on the same frames, each frame shown to all in turn."""
+    given: dict[str, list[Answer]] = {name: [] for name in contenders}
+    for frame, truth in take.film():
+        for name, contender in contenders.items():
+            start, cpu_start = time.perf_counter(), time.thread_time()
+            said = contender.look(frame)
+            ms, cpu_ms = (time.perf_counter() - start) * 1e3, (time.thread_time() - cpu_start) * 1e3
+            pose = said if isinstance(said, MarkerPose) else None
+            T_cam_marker = said.T_cam_marker if isinstance(said, MarkerPose) else said
+            given[name].append(Answer(truth, T_cam_marker, ms, cpu_ms, pose))
+    return given
+
+
+def found_share(given: Iterable[Answer]) -> float:
+    """Of the frames, in how many there was an answer."""
+    return float(np.mean([answer.T_cam_marker is not None for answer in given]))

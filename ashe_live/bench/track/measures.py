@@ -1,0 +1,81 @@
+"""What the answers of the tracking bench come to: errors, flips, jitter and lag."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import cv2
+import numpy as np
+
+from ashe_live.bench.track.contenders import Answer
+from ashe_live.bench.track.takes import FPS, SIDE_M
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angle_between, project
+from ashe_live.tracking.pose import square_corners
+
+FLIP_DEG, LASTING_FRAMES = 10.0, 3
+
+
+def rotation_errors_deg(given: Sequence[Answer]) -> list[float]:
+    """The angle between each answer's rotation and the true one."""
+    return [turn_deg(T, answer.truth) for answer, T in _answered(given)]
+
+
+def turn_deg(T_a: Float, T_b: Float) -> float:
+    """Degrees between the rotations of two poses (4, 4)."""
+    chord = float(np.linalg.norm(T_a[:3, :3] - T_b[:3, :3]))
+    return math.degrees(2 * math.asin(min(1.0, chord / math.sqrt(8))))
+
+
+def flipped_share(given: Sequence[Answer]) -> float:
+    """Of the answered frames, in how many the normal is more than FLIP_DEG wrong."""
+    flipped = [_is_flipped(T, answer.truth) for answer, T in _answered(given)]
+    return float(np.mean(flipped)) if flipped else 0.0
+
+
+def lasting_flips(given: Sequence[Answer]) -> int:
+    """How often the normal was more than FLIP_DEG wrong for more than LASTING_FRAMES frames on end."""
+    lasting, run = 0, 0
+    for answer, T in _answered(given):
+        run = run + 1 if _is_flipped(T, answer.truth) else 0
+        lasting += run == LASTING_FRAMES + 1
+    return lasting
+
+
+def corner_jitter_px(given: Sequence[Answer], camera: Camera, unfiltered: bool = False) -> float:
+    """How far the corners stray from their mean place, RMS, where each answer's pose projects them."""
+    poses = [T if not unfiltered or a.pose is None else a.pose.measured_T_cam_marker for a, T in _answered(given)]
+    corners = np.array([project(camera, T, square_corners(SIDE_M)) for T in poses])
+    return float(np.sqrt(((corners - corners.mean(axis=0)) ** 2).sum(axis=2).mean()))
+
+
+def lag_ms(given: Sequence[Answer]) -> float:
+    """By how much the answers' positions trail the true ones: the delay that explains their difference best."""
+    pairs = list(_answered(given))
+    truth = np.array([answer.truth[:3, 3] for answer, _ in pairs])
+    behind = truth - np.array([T[:3, 3] for _, T in pairs])
+    velocity = np.gradient(truth, 1 / FPS, axis=0)
+    return float(1e3 * (behind * velocity).sum() / (velocity**2).sum())
+
+
+def normalised_error_squared(given: Sequence[Answer]) -> float:
+    """Median of the unfiltered poses' squared errors in their own covariance, over what it should be: 1 is honest."""
+    squares = []
+    for answer in given:
+        if answer.pose is not None and answer.pose.covariance is not None:
+            T = answer.pose.measured_T_cam_marker
+            turn = cv2.Rodrigues(T[:3, :3] @ answer.truth[:3, :3].T)[0].ravel()
+            error = np.concatenate([turn, T[:3, 3] - answer.truth[:3, 3]])
+            squares.append(float(error @ np.linalg.solve(answer.pose.covariance, error)))
+    median_of_chi_squared_6 = 5.348
+    return float(np.median(squares)) / median_of_chi_squared_6
+
+
+def _answered(given: Sequence[Answer]) -> Iterator[tuple[Answer, Float]]:
+    for answer in given:
+        if answer.T_cam_marker is not None:
+            yield answer, answer.T_cam_marker
+
+
+def _is_flipped(T_cam_marker: Float, truth: Float) -> bool:
+    return math.degrees(angle_between(T_cam_marker[:3, 2], truth[:3, 2])) > FLIP_DEG

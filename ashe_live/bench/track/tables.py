@@ -1,0 +1,63 @@
+"""The figures of `ashe-live bench track` for a person."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rich.console import Console
+
+from ashe_live.bench.tables import figures_table
+from ashe_live.bench.track.clips import ClipFigures
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One line: what was measured of the reference and of ours, and where ours should be."""
+
+    name: str
+    unit: str
+    reference: float | None
+    ours: float | None
+    most: float | None
+    least: float | None = None
+
+    @property
+    def is_met(self) -> bool | None:
+        """None without a target."""
+        if self.most is None and self.least is None:
+            return None
+        if self.ours is None:
+            return False
+        return (self.most is None or self.ours <= self.most) and (self.least is None or self.ours >= self.least)
+
+
+def print_figures(console: Console, figures: Sequence[Figure]) -> None:
+    table = figures_table("tracking, on synthetic frames", "", "OpenCV", "ours", "target", "")
+    for figure in figures:
+        target = "" if figure.most is None else f"≤ {_number(figure.most)}"
+        target = target if figure.least is None else f"≥ {_number(figure.least)}"
+        verdict = {None: "", True: "met", False: "MISSED"}[figure.is_met]
+        name = f"{figure.name} ({figure.unit})" if figure.unit else figure.name
+        table.add_row(name, _number(figure.reference), _number(figure.ours), target, verdict)
+    console.print(table)
+
+
+def print_clips(console: Console, clips: Sequence[ClipFigures]) -> None:
+    table = figures_table(
+        "real clips", "", "frames", "found", "bridged", "largest turn", "trembling, px", "unfiltered, px", "median ms"
+    )
+    for clip in clips:
+        table.add_row(
+            clip.name,
+            str(clip.frames),
+            f"{100 * clip.found_share:.1f} %",
+            str(clip.bridged),
+            f"{clip.largest_turn_deg:.1f}°",
+            f"{clip.trembling_px:.3f}",
+            f"{clip.unfiltered_trembling_px:.3f}",
+            f"{clip.median_ms:.1f}",
+        )
+    console.print(table)
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"

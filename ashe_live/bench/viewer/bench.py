@@ -1,0 +1,177 @@
+"""`ashe-live bench viewer`: frames a second, where the time goes, and what an estimate costs the picture."""
+
+import contextlib
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from ashe_live.bench.bench import Bench
+from ashe_live.bench.loops import PacedTimes, StageTimes, time_blit, time_paced, time_unpaced
+from ashe_live.bench.viewer.starts import time_start
+from ashe_live.bench.viewer.tables import print_viewer_figures
+from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.known_clip import KnownClip
+from ashe_live.core.camera import Size
+from ashe_live.core.contract import Json
+from ashe_live.core.quality import Quality
+from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.light.live.worker import LightWorker
+from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.renderer import Renderer
+from ashe_live.render.scene import Scene
+from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.tracking.tracker import Tracker
+from ashe_live.viewer.cores import leave_cores_to_renderer
+from ashe_live.viewer.display import Display
+from ashe_live.viewer.pipeline import Pipeline
+from ashe_live.viewer.report import frame_time_percentiles
+from ashe_live.viewer.session import EstimatePolicy, Session
+from ashe_live.viewer.shelf import Shelf
+
+DISPLAY_HZ = 60.0
+# Idle and estimating take turns, so that what else runs on the machine meets both.
+ROUNDS = 4
+MODEL = "cube"
+LONGEST_ESTIMATE_S = 300.0
+
+
+@dataclass(frozen=True, slots=True)
+class ViewerBench(Bench):
+    """What is measured."""
+
+    NEEDS_OPENGL: ClassVar[bool] = True
+
+    clip: KnownClip
+    quality: Quality
+    estimator: str | Callable[[str], Estimator]
+    frames: int  # in each run
+    size: Size | None = None  # of the framebuffer; None: the clip's
+    starts: int = 5  # runs from the command to the first picture, without a window and in one
+
+    def parts(self) -> Iterator[Json]:
+        figures = self._measured()
+        print_viewer_figures(self.console, figures)
+        yield figures
+
+    def _measured(self) -> Json:
+        clip, size = self.clip, self.size or self.clip.camera.size
+        leave_cores_to_renderer()
+        with contextlib.ExitStack() as stack:
+            renderer = Renderer(offscreen_context(), self.quality.render, size)
+            stack.callback(renderer.release)
+            source = stack.enter_context(ClipSource(clip.path))
+            tracker = Tracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, self.quality.tracking)
+            worker = stack.enter_context(LightWorker(self.estimator))
+            session = Session(Shelf(MODEL, clip.marker_side_m), worker, EstimatePolicy(), Steadiness())
+            scene = BenchScene(session, clip, size, self.quality.name)
+            scene.wait_for_first_estimate(source, tracker)
+            unpaced = self._unpaced(source, tracker, renderer, scene)
+            paced = self._paced(source, tracker, renderer, scene)
+        return {
+            "clip": clip.path.name,
+            "clip_size": list(clip.camera.size),
+            "size": list(size),
+            "quality": self.quality.name,
+            "frames": self.frames,
+            "first_picture": self._first_picture(),
+            "unpaced": unpaced,
+            "paced": paced,
+        }
+
+    def _first_picture(self) -> Json:
+        """Seconds of the command `play` until it has shown one frame; None in a window where there is no display."""
+        ways = {"headless": ("--headless",), "window": ()}
+        timed = {name: time_start(self.clip, self.quality.name, self.starts, *ways[name]) for name in ways}
+        return {name: None if start is None else asdict(start) for name, start in timed.items()}
+
+    def _unpaced(self, source: ClipSource, tracker: Tracker, renderer: Renderer, scene: "BenchScene") -> Json:
+        stages = time_unpaced(source, tracker, renderer, scene, self.frames)
+        blit = time_blit(source, tracker, renderer, self.clip.camera, self.frames)
+        return {
+            "fps": self.frames * 1e3 / sum(stages.wall_ms["whole"]),
+            "stages_ms": {**_stages_json(stages), **_stages_json(blit)},
+        }
+
+    def _paced(self, source: ClipSource, tracker: Tracker, renderer: Renderer, scene: "BenchScene") -> Json:
+        source.rewind()
+        tracker.reset()
+        pipeline = Pipeline(source, tracker, loop=True)
+        pipeline.start()
+        idle, estimating = PacedTimes(), PacedTimes()
+        frames = max(2, math.ceil(self.frames / ROUNDS))
+        try:
+            time_paced(pipeline, renderer, scene, int(DISPLAY_HZ), DISPLAY_HZ)
+            for _ in range(ROUNDS):
+                idle.add(time_paced(pipeline, renderer, scene, frames, DISPLAY_HZ))
+                scene.estimates_on = True
+                estimating.add(time_paced(pipeline, renderer, scene, frames, DISPLAY_HZ))
+                scene.end_estimates()
+        finally:
+            pipeline.close()
+        return {
+            "rate_hz": DISPLAY_HZ,
+            "idle": _paced_json(idle),
+            "estimating": {**_paced_json(estimating), "estimates_ms": scene.estimates_ms},
+            "p99_ratio": float(np.percentile(estimating.work_ms, 99) / np.percentile(idle.work_ms, 99)),
+        }
+
+
+class BenchScene:
+    """What the viewer shows of the clip, under the light that is known, so that every frame costs the same."""
+
+    def __init__(self, session: Session, clip: KnownClip, size: Size, quality: str) -> None:
+        self.estimates_on = False
+        self.estimates_ms: list[float] = []  # how long each of them took
+        self._session = session
+        self._known = LightEstimate("known", 0, (DirectionalLight(clip.to_light_marker),))
+        self._size = size
+        self._quality = quality
+        self._display = Display()
+
+    def __call__(self, tracked: TrackedFrame) -> Scene:
+        """As LiveViewer composes it; with `estimates_on`, the next estimate is asked for when one has ended."""
+        now_s = time.monotonic()
+        if tracked is not self._session.tracked:
+            self._session.take(tracked, now_s)
+        estimate = self._session.poll(now_s)
+        if estimate is not None:
+            self.estimates_ms.append(estimate.timing_ms["total"])
+        self._session.estimate = self._session.shown = self._known
+        if self.estimates_on and not self._session.is_estimating and tracked.marker is not None:
+            self._session.request_estimate(now_s)
+        return self._display.scene(self._session, self._size, self._quality, now_s, fps=DISPLAY_HZ)
+
+    def end_estimates(self) -> None:
+        """Waits for the one under way and asks for no more."""
+        self.estimates_on = False
+        estimate = self._session.wait_for_estimate(LONGEST_ESTIMATE_S, time.monotonic())
+        if estimate is not None:
+            self.estimates_ms.append(estimate.timing_ms["total"])
+
+    def wait_for_first_estimate(self, source: ClipSource, tracker: Tracker) -> None:
+        """So that the estimator's process has started, and sleeps until it is asked again."""
+        frame = source.read()
+        assert frame is not None
+        self._session.take(tracker.track(frame), 0.0)
+        if self._session.request_estimate(0.0):
+            self._session.wait_for_estimate(LONGEST_ESTIMATE_S, 0.0)
+
+
+def _stages_json(times: StageTimes) -> Json:
+    return {
+        name: {**(frame_time_percentiles(wall_ms) or {}), "mean_cpu": float(np.mean(times.cpu_ms[name]))}
+        for name, wall_ms in times.wall_ms.items()
+    }
+
+
+def _paced_json(times: PacedTimes) -> Json:
+    return {
+        "work_ms": frame_time_percentiles(times.work_ms),
+        "interval_ms": frame_time_percentiles(times.interval_ms),
+    }

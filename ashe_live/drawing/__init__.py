@@ -1,0 +1,4 @@
+"""Pictures of an estimate for a person: overlays, the light rose, its steps.
+
+May import `core` and `light`.
+"""

@@ -1,0 +1,58 @@
+"""What an estimate says of a picture, drawn onto it: masks, the fitted body's outline, its shadows'."""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import DirectionalLight, LightEstimate
+from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR
+from ashe_live.light.shape.predicted import outline, shadow_outline
+
+TINT = 0.6
+SUBPIXEL_BITS = 4
+
+
+def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
+    """The picture, the estimate's masks stretched over it."""
+    for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
+        if mask is not None:
+            picture_bgr = tinted(picture_bgr, enlarged(mask, picture_bgr.shape), colour)
+    return picture_bgr
+
+
+def with_body(
+    picture_bgr: Image, camera: Camera, T_cam_marker: Float, body: Proxy, lights: Sequence[DirectionalLight]
+) -> Image:
+    """The picture with the outlines of a body and of its shadows; `camera` is of its size, without distortion."""
+    picture, points = picture_bgr.copy(), body.points_marker()
+    for light in lights:
+        draw_outline(picture, shadow_outline(camera, T_cam_marker, points, light.to_light_marker), SHADOW_BGR)
+    draw_outline(picture, outline(camera, T_cam_marker, points), OBJECT_BGR)
+    return picture
+
+
+def draw_outline(picture_bgr: Image, points: Float | None, colour: tuple[int, int, int]) -> None:
+    """A closed line, dark at its rim so that it shows on any ground."""
+    if points is not None:
+        line = max(1, picture_bgr.shape[1] // 320)
+        for width, ink in ((line + 2, PAPER_BGR), (line, colour)):
+            cv2.polylines(picture_bgr, [_fixed_point(points)], True, ink, width, cv2.LINE_AA, SUBPIXEL_BITS)
+
+
+def _fixed_point(points: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.int32]]:
+    return np.asarray(np.round(points * 2**SUBPIXEL_BITS), dtype=np.int32)
+
+
+def tinted(picture_bgr: Image, inside: Mask, colour: tuple[int, int, int]) -> Image:
+    blended = cv2.addWeighted(picture_bgr, 1 - TINT, np.full_like(picture_bgr, colour), TINT, 0)
+    return np.where(inside[:, :, None], blended, picture_bgr).astype(np.uint8)
+
+
+def enlarged(mask: Mask, shape: tuple[int, ...]) -> Mask:
+    """`mask` of any size, stretched over a picture of `shape`."""
+    size = shape[1], shape[0]
+    return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST).astype(bool)

@@ -1,0 +1,115 @@
+"""An estimate step by step, as pictures for a person: what the estimator took for what, and how well it explains that.
+
+Nothing here is needed to estimate; what an estimate does not carry is computed once more by the estimator's stages.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR, UNSEEN_BGR
+from ashe_live.drawing.light_rose import light_rose
+from ashe_live.drawing.overlays import draw_outline, enlarged, tinted, with_body, with_masks
+from ashe_live.light.ground.lit_ground import GroundSteps, LitGround, fit_lit_ground
+from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.predicted import predicted
+
+COARSE_WIDTH_PX = 320
+SURPRISING = 12.0  # squared Mahalanobis distance from the lit ground's colours
+REACH_SHARE = 0.08  # of the picture's width: from how far around unlit areas are painted over
+
+
+@dataclass(frozen=True, slots=True)
+class DebugPicture:
+    """One step."""
+
+    title: str
+    image_bgr: Image  # (h, w, 3)
+
+
+def debug_pictures(tracked: TrackedFrame, estimate: LightEstimate, width_px: int = 640) -> list[DebugPicture]:
+    """The steps of `estimate`, made from `tracked`, in the order in which they are taken; what was not made is missing.
+
+    Raises ValueError when the frame has no marker.
+    """
+    if tracked.marker is None:
+        raise ValueError("a frame without a marker has no marker frame to answer in")
+    view = View.of(tracked, width_px)
+    photo, camera, T_cam_marker = view.image_bgr, view.camera, view.T_cam_marker
+    pictures = [DebugPicture("photo", photo), *_ground_pictures(tracked, estimate)]
+    if estimate.object_mask is not None or estimate.shadow_mask is not None:
+        pictures.append(DebugPicture("object and shadow", with_masks(photo, estimate)))
+        pictures.append(DebugPicture("their outlines and hulls", _with_hulls(photo, estimate)))
+    if estimate.caster is not None:
+        fitted = with_body(photo, camera, T_cam_marker, estimate.caster, estimate.lights)
+        pictures.append(DebugPicture(f"fitted {estimate.caster.family} and its shadow", fitted))
+        rest = _with_residual(photo, view, estimate, estimate.caster)
+        pictures.append(DebugPicture("red: not explained, green: not seen", rest))
+    camera_marker = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
+    rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_marker)
+    said = "; ".join(light.said() for light in estimate.lights) or f"none: {estimate.reason}"
+    pictures.append(DebugPicture(said, _centred(rose, photo.shape)))
+    return pictures
+
+
+def _ground_pictures(tracked: TrackedFrame, estimate: LightEstimate) -> list[DebugPicture]:
+    """The lit ground as the estimator modelled it, which is at the masks' size, and how the picture differs."""
+    masks = [mask for mask in (estimate.object_mask, estimate.shadow_mask) if mask is not None]
+    view = View.of(tracked, masks[0].shape[1] if masks else COARSE_WIDTH_PX)
+    ground = fit_lit_ground(view.image_bgr, view.is_ground, GroundSteps())
+    if ground is None:
+        return []
+    lit = lit_ground_rgb(view.image_bgr, ground, view.is_ground)
+    ratio = LINEAR_FROM_SRGB_8BIT[view.image_bgr[:, :, ::-1]] / lit
+    return [DebugPicture("lit ground", _encoded(lit)), DebugPicture("ratio to lit ground", _encoded(ratio))]
+
+
+def lit_ground_rgb(image_bgr: Image, ground: LitGround, is_ground: Mask) -> Float:
+    """(h, w, 3) linear RGB: the picture as if nothing stood or fell on the ground, painted over from what is lit."""
+    is_lit = (is_ground & (ground.surprise < SURPRISING)).astype(np.float32)[:, :, None]
+    reach = (0, 0), REACH_SHARE * image_bgr.shape[1]
+    near = cv2.GaussianBlur(np.concatenate([ground.colours * is_lit, is_lit], axis=2), *reach)
+    around = near[:, :, :3] / np.maximum(near[:, :, 3:], 1e-6)
+    field = log_opponent(image_bgr) - ground.colours
+    return np.maximum(linear_rgb(np.where(is_lit > 0, ground.colours, around) + field), 1e-4)
+
+
+def _centred(picture_bgr: Image, shape: tuple[int, ...]) -> Image:
+    """On a sheet of `shape`, so that all steps have one."""
+    sheet = np.full(shape, PAPER_BGR, np.uint8)
+    height, width = picture_bgr.shape[:2]
+    top, left = (shape[0] - height) // 2, (shape[1] - width) // 2
+    sheet[top : top + height, left : left + width] = picture_bgr
+    return sheet
+
+
+def _with_hulls(picture_bgr: Image, estimate: LightEstimate) -> Image:
+    picture = picture_bgr.copy()
+    for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
+        if mask is not None and mask.any():
+            inside = enlarged(mask, picture.shape).astype(np.uint8)
+            contours, _ = cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+            cv2.drawContours(picture, contours, -1, colour, 1)
+            draw_outline(picture, cv2.convexHull(np.concatenate(contours))[:, 0].astype(np.float64), colour)
+    return picture
+
+
+def _with_residual(photo: Image, view: View, estimate: LightEstimate, body: Proxy) -> Image:
+    """Where masks go beyond the body and its shadows, and where those should be seen and are not."""
+    known = predicted(body, [light.to_light_marker for light in estimate.lights], view).whole
+    masked = np.zeros(photo.shape[:2], np.bool_)
+    for mask in (estimate.object_mask, estimate.shadow_mask):
+        if mask is not None:
+            masked |= enlarged(mask, photo.shape)
+    return tinted(tinted(photo, masked & ~known, UNEXPLAINED_BGR), known & ~masked & view.is_ground, UNSEEN_BGR)
+
+
+def _encoded(linear: Float) -> Image:
+    """(h, w, 3) sRGB BGR of linear RGB."""
+    return np.ascontiguousarray((255 * srgb_from_linear(np.clip(linear, 0, 1)) + 0.5).astype(np.uint8)[:, :, ::-1])

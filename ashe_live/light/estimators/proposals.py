@@ -1,0 +1,45 @@
+"""Which splits of which regions are worth a fit."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.explanation.explain import Proposal
+from ashe_live.light.explanation.judge import promise
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.labels.associate import distinct, doubted, splits
+from ashe_live.light.labels.materials import materials_of
+from ashe_live.light.labels.two_lights import are_two, likeliest_pairs, materials_of_two, parted, savings
+
+
+def proposals_of(
+    region: Region, ground: LitGround, shifts: Sequence[Float], paired: Sequence[Float], steps: ProxySteps
+) -> Iterator[Proposal]:
+    """The region's splits, were its shadows of one of `shifts` (3,), or of two lights' that are among `paired`."""
+    alone = [materials_of(region, ground, shift) for shift in shifts]
+    pairs = likeliest_pairs(region, ground, paired, steps.pairs)
+    single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
+    both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
+    together = [materials for materials in both if materials is not None]
+    for materials in alone + together:
+        for whole in splits(region, ground, materials, steps.shadows_per_shift):
+            split = replace(whole, parts=parted(materials, whole.shadow_mask))
+            if materials.lights == 2:
+                if are_two(split.parts):
+                    yield Proposal(region, materials, split)
+                continue
+            yield Proposal(region, materials, split)
+            doubtful = doubted(split)
+            if doubtful is not None:
+                yield Proposal(region, materials, doubtful)
+
+
+def worth_a_fit(proposals: Sequence[Proposal], steps: ProxySteps) -> list[Proposal]:
+    """Those that look best and differ, of one light, and those of two."""
+    alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
+    together = [proposal for proposal in proposals if proposal.materials.lights == 2]
+    alone.sort(key=lambda one: promise(one.region, one.materials, one.split), reverse=True)
+    together.sort(key=lambda one: savings(one.region, one.materials, one.split), reverse=True)
+    return distinct(alone, Proposal.is_like, steps.tried) + together[: steps.pairs_tried]

@@ -1,0 +1,123 @@
+"""The estimator `proxy`: fits a simple body and a light to a real object and its shadow.
+
+segment -> associate -> fit -> judge, each of pure functions in files of their own: `ground` and `regions` find what the
+lit ground does not explain; `shift` and `associate` propose which of it is shadow of which object; `fit` finds bodies
+and lights that explain both outlines, `alignment` moves the likeliest to the picture's own borders, and `explain` goes
+round once more with the pixels labelled by it; `judge` says how far to believe the best explanation, or that there is
+nothing to believe.
+"""
+
+from dataclasses import replace
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.stages import StageClock
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.estimators.proposals import proposals_of, worth_a_fit
+from ashe_live.light.estimators.steps import BALANCED, ProxySteps
+from ashe_live.light.explanation.evidence import Explanation, shadow_core
+from ashe_live.light.explanation.explain import are_alike, explained, finer, sharpened
+from ashe_live.light.explanation.judge import LEAST_CONFIDENCE, best_of, lights_of, likeliest, log_odds
+from ashe_live.light.explanation.no_answer import (
+    NO_SHADOW,
+    NOTHING_THERE,
+    TOO_LITTLE_GROUND,
+    fault_of_exposure,
+    fault_of_scene,
+)
+from ashe_live.light.explanation.penumbra import angular_size
+from ashe_live.light.explanation.second_light import with_their_lights
+from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, lit_rgb, unlit_mask
+from ashe_live.light.ground.regions import unlit_regions
+from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
+from ashe_live.light.labels.associate import distinct
+from ashe_live.light.pixels.view import View
+
+# Of the coarse picture: smaller things are specks.
+LEAST_SHARE = 0.0005
+
+
+class ProxyEstimator:
+    """Answers with one light or two, their covariances and confidence, or with a reason."""
+
+    name = "proxy"
+
+    def __init__(self, steps: ProxySteps = BALANCED) -> None:
+        self._steps = steps
+
+    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
+        """As Estimator.estimate; the masks have the size at which the explained region was looked at."""
+        if tracked.marker is None:
+            raise ValueError("a frame without a marker has no marker frame to answer in")
+        clock = StageClock()
+        steps = self._steps
+        fine = View.of(tracked, steps.fine_width_px)
+        coarse = fine.scaled(steps.coarse_width_px)
+
+        def none(reason: str, body: Mask | None = None, shadow: Mask | None = None) -> LightEstimate:
+            reason = fault_of_exposure(coarse) or reason
+            return LightEstimate(self.name, tracked.frame.index, (), reason, body, shadow, clock.timing_ms())
+
+        ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
+        if ground is None:
+            clock.end("segment")
+            return none(TOO_LITTLE_GROUND)
+        unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
+        regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
+        clock.end("segment")
+        if not regions:
+            return none(NOTHING_THERE)
+
+        shifts = shadow_shifts(ground, unlit, steps.shifts)
+        paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
+        proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired, steps)]
+        clock.end("associate")
+        rough = [each for each in explained(worth_a_fit(proposals, steps), steps.first_fit) if each]
+        refined = distinct(sorted(rough, key=log_odds, reverse=True), are_alike, steps.refined)
+        for _ in range(steps.rounds):
+            refined = finer(refined, steps.fine_fit)
+        refined = with_their_lights(refined, rough, fine, coarse, ground, steps.region_px)
+        refined = [sharpened(explanation) for explanation in refined]
+        clock.end("fit")
+        if not refined:
+            return none(NO_SHADOW)
+        best, confidence = best_of(refined)
+        clock.end("judge")
+        if confidence < LEAST_CONFIDENCE:
+            told = likeliest(refined)
+            return none(fault_of_scene(told), *_masks_of(told))
+        ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
+        # Of two lights there is a third shift, where both are blocked.
+        answers = zip(lights_of(best, confidence, tracked), ratios, strict=False)
+        lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
+        if len(lights) == 1:
+            lights = [replace(lights[0], angular_size_rad=_angular_size(best))]
+        return LightEstimate(
+            self.name,
+            tracked.frame.index,
+            tuple(lights),
+            None,
+            *_masks_of(best),
+            clock.timing_ms(),
+            caster=best.proxy,
+            ambient_rgb_ratio=ratios[-1],
+            ground_rgb=lit_rgb(ground),
+        )
+
+
+def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:
+    """(h, w) of the whole frame at the region's scale: object, shadow."""
+    region, split = explanation.region, explanation.split
+    return region.in_frame(split.object_mask), region.in_frame(split.shadow_mask)
+
+
+def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
+    """The shifts that the shadows show now that they are known: voted for were also penumbrae and darkest parts."""
+    if best.materials.lights == 2:
+        return best.materials.shifts
+    seen = shift_within(best.region.colours[shadow_core(best.region, best.predicted)], ground)
+    return best.materials.shifts if seen is None else (seen,)
+
+
+def _angular_size(best: Explanation) -> float | None:
+    towards = best.lights[0].to_light_marker
+    return angular_size(best.proxy, towards, best.materials.share, best.predicted, best.region.view)

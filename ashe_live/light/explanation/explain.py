@@ -1,0 +1,187 @@
+"""Explanations: from what a split says of a region's pixels to a body and lights that suit the picture."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.light.explanation.alignment import Alignment, aligned, criterion
+from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.labels.associate import Split
+from ashe_live.light.labels.costs import Costs
+from ashe_live.light.labels.materials import Materials, object_cost
+from ashe_live.light.labels.relabel import relabelled
+from ashe_live.light.labels.two_lights import are_two
+from ashe_live.light.outline_fit.fit import FitFailure, FitPreset, Masks, fit_bodies
+from ashe_live.light.outline_fit.search import information_on_slants
+from ashe_live.light.outline_fit.tangents import sharpened_slants
+from ashe_live.light.shape.body import Body
+from ashe_live.light.shape.directions import (
+    FittedLight,
+    above_the_ground,
+    fitted_lights,
+    information_on_slant,
+    slant_of,
+    with_end_in_view,
+)
+from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.shape.silhouettes import observe_outlines
+
+EDGE_SIGMA_PX = 0.7
+DIRECTIONS = 16  # in which outlines are looked at for their tangents alone
+LOWEST_Z = 0.03  # of a direction whose displacement can be started from
+FEW_PX = 20
+# Errors of neighbouring borders go together: so many of them tell what one independent measurement would. A body that
+# misses them by this share of its size is so wrong that its errors are as large as theirs. Both measured, so that 68 %
+# of the errors lie within sigma (docs/accuracy.md).
+CORRELATED, WRONG_BODY_SHARE = 2.3, 0.007
+END_IN_VIEW = 0.5  # share of its far end that must be in the picture for a shadow's length to be known
+# Share of its pixels in which an explanation must differ from another to be worth more work.
+DIFFERING_SHARE = 0.04
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Proposal:
+    """A region taken for an object and its shadow."""
+
+    region: Region
+    materials: Materials
+    split: Split
+    near: Float | None = None  # (l, 2) displacements by which the shadows may fall
+    own: Float32 | None = None  # (h, w) cost of the object's colours, where more is known of them
+
+    def is_like(self, other: "Proposal") -> bool:
+        """Whether both split one region in nearly the same way."""
+        return self.region is other.region and self.split.is_like(other.split)
+
+
+def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanation | None]:
+    """What follows from each; None where no light does."""
+    masks = [
+        Masks(
+            proposal.split.object_mask,
+            proposal.split.shadows,
+            proposal.region.view.camera,
+            proposal.region.view.T_cam_marker,
+            proposal.region.unreliable,
+            EDGE_SIGMA_PX,
+            proposal.split.either,
+            proposal.near,
+        )
+        for proposal in proposals
+    ]
+    fits = fit_bodies(masks, preset)
+    pairs = zip(proposals, fits, strict=True)
+    found = iter(suited([(proposal, bodies) for proposal, bodies in pairs if not isinstance(bodies, FitFailure)]))
+    return [None if isinstance(bodies, FitFailure) else next(found) for bodies in fits]
+
+
+def suited(starts: Sequence[tuple[Proposal, Sequence[Body]]]) -> list[Explanation | None]:
+    """For each proposal what the picture makes of its bodies, the likeliest first; None if that is not in view."""
+    alignments = aligned([(bodies, _costs(proposal, bodies[0])) for proposal, bodies in starts])
+    return [_explanation(proposal, each) for (proposal, _), each in zip(starts, alignments, strict=True)]
+
+
+def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
+    """Each with its pixels labelled by what has been found, and fitted to the labels: whichever suits better.
+
+    What is right explains its own labels; an explanation of which nothing is left then is none.
+    """
+    pairs = [(rough, proposal) for rough in roughs if (proposal := _relabelled(rough)) is not None]
+    fines = explained([proposal for _, proposal in pairs], preset)
+    return [_better(rough, fine) for (rough, _), fine in zip(pairs, fines, strict=True) if fine is not None]
+
+
+def sharpened(explanation: Explanation) -> Explanation:
+    """With what its labels' common tangents say of the light, which needs no body: decisive where that is wrong.
+
+    Not of two lights: where their shadows overlap, labels do not tell how far each of them goes. Nor of a shadow whose
+    far end is not in the picture: a tangent would touch it where the picture ends.
+    """
+    split, alignment = explanation.split, explanation.alignment
+    if len(explanation.lights) > 1 or alignment.ends_in_view[0] < END_IN_VIEW:
+        return explanation
+    view, unreliable = explanation.region.view, explanation.region.unreliable
+    outlines = observe_outlines(split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.either)
+    if isinstance(outlines, str):
+        return explanation
+    body = alignment.placed.body
+    spheroids = body.spheroids if _wrongness(alignment) < 1 else None
+    # The labels may be later ones than those that the guess was made from.
+    P = body.guess.seen_by(view.camera, view.T_cam_marker, outlines.centre_px).P
+    (light,) = explanation.lights
+    slant = slant_of(light.to_light_marker)[None]
+    sharp = sharpened_slants(P, outlines, slant, information_on_slant(light), EDGE_SIGMA_PX, spheroids)
+    return replace(explanation, lights=fitted_lights(*sharp))
+
+
+def price(explanation: Explanation) -> float:
+    """What the region costs by the explanation's own account, and what the numbers of its body do."""
+    costs = Costs(explanation.region, explanation.materials, explanation.own)
+    return criterion(replace(explanation.alignment.placed, cost=costs.of(explanation.predicted)))
+
+
+def are_alike(one: Explanation, other: Explanation) -> bool:
+    """Whether two explanations of one region say nearly the same of its pixels."""
+    if one.region is not other.region:
+        return False
+    a, b = one.predicted, other.predicted
+    differing = np.count_nonzero((a.body != b.body) | (a.shadow != b.shadow))
+    return bool(differing < DIFFERING_SHARE * np.count_nonzero(a.whole | b.whole))
+
+
+def _better(rough: Explanation, fine: Explanation) -> Explanation:
+    """Whichever costs less, with what the rough one says of the object's colours; and with the later labels."""
+    return fine if criterion(fine.alignment.placed) < price(rough) else replace(rough, split=fine.split)
+
+
+def _relabelled(last: Explanation) -> Proposal | None:
+    """What a body makes of the labels that led to it; None where two lights' shadows have become one."""
+    split = relabelled(last.region, last.materials, last.own, last.predicted)
+    if last.materials.lights == 2 and not are_two(split.parts):
+        return None
+    body = last.alignment.placed.body
+    near = body.slants if min(towards[2] for towards in body.to_lights_marker) > LOWEST_Z else None
+    return Proposal(last.region, last.materials, split, near, last.own)
+
+
+def _costs(proposal: Proposal, likeliest: Body) -> Costs:
+    """What pixels cost before the alignment."""
+    region, own = proposal.region, proposal.own
+    if own is None:
+        seen = predicted(likeliest.proxy, likeliest.to_lights_marker, region.view)
+        own = _cost_of_object(region, seen.body & region.unlit, proposal.split)
+    return Costs(region, proposal.materials, own)
+
+
+def _explanation(proposal: Proposal, alignment: Alignment | None) -> Explanation | None:
+    """The aligned body, its lights, and what is then known of its colours."""
+    if alignment is None:
+        return None
+    region, split = proposal.region, proposal.split
+    own = _cost_of_object(region, alignment.placed.predicted.body & region.is_ground, split)
+    return Explanation(region, proposal.materials, split, alignment, _lights(alignment), own)
+
+
+def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
+    """By the colours of what is seen of the object; of the split's, where that is hardly anything."""
+    return object_cost(region, seen if np.count_nonzero(seen) > FEW_PX else split.object_mask)
+
+
+def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
+    covariance = np.asarray(np.linalg.inv(_information(alignment)))
+    lights = fitted_lights(alignment.placed.body.slants, covariance)
+    return tuple(with_end_in_view(light, share) for light, share in zip(lights, alignment.ends_in_view, strict=True))
+
+
+def _information(alignment: Alignment) -> Float:
+    """(2 l, 2 l) on slants: little where the body is a wrong one."""
+    slants = alignment.placed.body.slants
+    information = information_on_slants(alignment.normal, slants.size)
+    return above_the_ground(information / (CORRELATED * (1 + _wrongness(alignment) ** 2)), slants)
+
+
+def _wrongness(alignment: Alignment) -> float:
+    return alignment.missed_px / (WRONG_BODY_SHARE * alignment.placed.object_px)

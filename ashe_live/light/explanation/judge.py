@@ -1,0 +1,92 @@
+"""How far to believe an explanation: which one is best, how likely it is right, and when not to answer."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import radius_of_68_percent
+from ashe_live.core.types import DirectionalLight, TrackedFrame
+from ashe_live.light.explanation.evidence import Explanation, appearance, evidence
+from ashe_live.light.explanation.uncertainty import of_direction, of_doubt, of_outlines
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.labels.associate import Split
+from ashe_live.light.labels.materials import Materials
+from ashe_live.light.shape.predicted import Predicted
+
+# Below this, fewer than two in five would be right: as wrong ones count more in the fit, 0.4 are even chances.
+LEAST_CONFIDENCE = 0.3
+GOOD_RAD = math.radians(10)
+# A sample of a round normal distribution is beyond r times its 68 % radius with probability exp(RAYLEIGH_68 r^2).
+RAYLEIGH_68 = math.log(1 - 0.68)
+# That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
+# maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
+OFFSET = -8.75
+WEIGHTS = np.array([-0.79, 2.93, 2.7, -1.27, 2.29, 0.69, -3.38, -6.98, 0.19, 0.4, -0.74, -0.43, 1.19, -3.89, 0.3])
+# How much each of `appearance` promises before any fit; fitted to which splits the right light followed from.
+PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
+# That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
+CONTEST_OFFSET = -0.35
+CONTEST_WEIGHTS = np.array([1.02, 0.87, 0.58])
+
+
+def promise(region: Region, materials: Materials, split: Split) -> float:
+    """What the look of a split alone promises: the larger, the likelier it is that the right light follows from it."""
+    doubtful = split.shadow_mask if split.either is None else split.shadow_mask | split.either
+    return float(PROMISE @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
+
+
+def log_odds(explanation: Explanation) -> float:
+    """Log odds that the explanation is right, times that its direction is as good as an answer must be."""
+    is_right = 1 / (1 + math.exp(-_score(explanation)))
+    radius = max(radius_of_68_percent(of_outlines(light.covariance_rad2)) for light in explanation.lights)
+    is_good = -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2)
+    probability = min(max(is_right * is_good, 1e-6), 1 - 1e-6)
+    return math.log(probability / (1 - probability))
+
+
+def likeliest(explanations: Sequence[Explanation]) -> Explanation:
+    """The one that looks right, also where it hardly tells the light's direction."""
+    return max(explanations, key=_score)
+
+
+def best_of(explanations: Sequence[Explanation]) -> tuple[Explanation, float]:
+    """The likeliest explanation, and P(its angular error < 10 degrees), given the others' word."""
+    odds = np.array([log_odds(explanation) for explanation in explanations])
+    directions = np.array([explanation.lights[0].to_light_marker for explanation in explanations])
+    best = int(odds.argmax())
+    score = CONTEST_OFFSET + CONTEST_WEIGHTS @ contest(odds, directions)
+    return explanations[best], 1 / (1 + math.exp(-float(np.clip(score, -50, 50))))
+
+
+def contest(log_odds: Float, directions: Float) -> Float:
+    """(3,) the best of n explanations' log odds; logs of its direction's share of the odds of all directions, each
+    represented by its best explanation, and of the share of all explanations' odds that lies near it.
+
+    log_odds: (n,). directions: (n, 3) unit vectors.
+    """
+    odds = np.exp(np.clip(log_odds, -20, 20))
+    near = directions @ directions.T > math.cos(GOOD_RAD)
+    rivals, left = 0.0, np.ones(len(odds), np.bool_)
+    for index in np.argsort(-odds, kind="stable"):
+        if left[index]:
+            rivals += odds[index]
+            left &= ~near[index]
+    best = int(odds.argmax())
+    return np.array([log_odds[best], math.log(odds[best] / rivals), math.log(odds[near[best]].sum() / odds.sum())])
+
+
+def lights_of(explanation: Explanation, confidence: float, tracked: TrackedFrame) -> list[DirectionalLight]:
+    """The lights of an explanation with what is known about them, in the order of its shifts: strongest first."""
+    lights = []
+    for fitted in explanation.lights:
+        covariance = of_direction(fitted.covariance_rad2, fitted.to_light_marker, tracked) + of_doubt(confidence)
+        sigma_rad = radius_of_68_percent(covariance)
+        lights.append(DirectionalLight(fitted.to_light_marker, covariance, sigma_rad, confidence))
+    return lights
+
+
+def _score(explanation: Explanation) -> float:
+    """Log odds that it is right."""
+    return float(np.clip(OFFSET + WEIGHTS @ evidence(explanation), -50, 50))

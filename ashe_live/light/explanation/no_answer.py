@@ -1,0 +1,38 @@
+"""Why there is no answer, in words for a person: the likeliest cause that can be seen, and what to change."""
+
+import numpy as np
+
+from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.explain import END_IN_VIEW
+from ashe_live.light.pixels.view import View
+
+TOO_LITTLE_GROUND = "too little lit ground around the marker"
+NOTHING_THERE = "nothing stands on the ground: put something that casts a shadow beside the marker"
+NO_SHADOW = "no shadow found: the light may be diffuse, or the shadow out of view"
+DOES_NOT_FIT = "what stands out from the ground does not fit an object and its shadow in one directional light"
+CUT_OFF = "the shadow seems to leave the picture: show its far end"
+TOO_DARK = "the picture is too dark to tell shadow from light: more light, or a longer exposure"
+TOO_BRIGHT = "the picture is overexposed, the table is plain white in it: a shorter exposure"
+
+# Of the brightest channel, 0 to 255. Below the first, steps between its values are as large as a pale shadow; from the
+# second on, a camera's own curve tells nothing.
+DARK, CLIPPED = 28, 250
+MOST_CLIPPED = 0.5  # share of the ground
+
+
+def fault_of_exposure(view: View) -> str | None:
+    """What is wrong with the picture's brightness, as the ground shows it; None if nothing is."""
+    brightest = view.image_bgr[view.is_ground].max(axis=-1)
+    if not len(brightest):
+        return None
+    if np.median(brightest) < DARK:
+        return TOO_DARK
+    return TOO_BRIGHT if np.mean(brightest >= CLIPPED) > MOST_CLIPPED else None
+
+
+def fault_of_scene(explanation: Explanation) -> str:
+    """What is wrong with the likeliest explanation of a scene of which none is likely."""
+    out_of_view = min(explanation.alignment.ends_in_view) < END_IN_VIEW
+    shadow = explanation.region.in_frame(explanation.predicted.shadow)
+    leaves_the_picture = shadow[[0, -1]].any() or shadow[:, [0, -1]].any()
+    return CUT_OFF if out_of_view and leaves_the_picture else DOES_NOT_FIT

@@ -1,0 +1,108 @@
+"""How large the light looks: a shadow's edge is the wider, the farther it falls from what casts it."""
+
+import math
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import project
+from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.directions import direction_by_slant, slant_of
+from ashe_live.light.shape.predicted import Predicted
+
+REACH_PX = 11.0  # on either side of the edge
+STEP_PX = 0.5
+END_SAMPLES = 6  # that tell how deep it is inside and outside
+LEAST_DEPTH = 0.6  # shares of the shift between the two, in an edge worth measuring
+APART_M, MOST_PLACES = 0.004, 50  # between the places on a straight edge, and their number
+ACROSS_M = 1e-3
+BESIDE_OBJECT_PX = 2
+FEWEST_EDGES = 12
+# The penumbra's part of the widest edges' variance, over the blur's, below which it cannot be told from blur.
+VISIBLE = 0.5
+SURELY = 3.0  # its standard errors
+CORRELATED = 6.0  # neighbouring places on an edge: so many tell what one would
+LARGEST_RAD = math.radians(20)
+ROBUST_ROUNDS = 6
+
+
+def angular_size(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicted, view: View) -> float | None:
+    """The light's angular diameter (rad); None where its penumbra cannot be told from the picture's own blur.
+
+    share: (h, w) of the shadow's shift that each pixel of `view` shows. A disc of diameter d spreads the edge cast from
+    height z by z |J'n| d / 4 (standard deviation, across the edge n; J: the displacement s by the direction), beside
+    which the picture's blur is the same everywhere: a straight line in the squares (docs/maths.md, "Penumbra").
+    """
+    spreads, variances = _edges(proxy, to_light_marker, share, masks, view)
+    if len(spreads) < FEWEST_EDGES:
+        return None
+    design = np.column_stack([np.ones(len(spreads)), spreads**2])
+    weights = np.ones(len(spreads))
+    blur, squared, scale = 0.0, 0.0, 1.0
+    for _ in range(ROBUST_ROUNDS):
+        (blur, squared), *_ = np.linalg.lstsq(design * weights[:, None], variances * weights, rcond=None)
+        rest = variances - design @ np.array([blur, squared])
+        scale = 1.48 * float(np.median(np.abs(rest))) + 1e-3
+        weights = 1 / np.sqrt(1 + (rest / (2 * scale)) ** 2)
+    information = (design * weights[:, None]).T @ (design * weights[:, None])
+    error = scale * math.sqrt(CORRELATED * float(np.linalg.inv(information)[1, 1]))
+    if squared <= SURELY * error or squared * np.percentile(spreads, 90) ** 2 < VISIBLE * max(blur, 0.25):
+        return None
+    size = math.sqrt(squared)
+    return size if size < LARGEST_RAD else None
+
+
+def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
+    """(n,) pixels by which a light of 1 rad would spread each place of the shadow's edge, and its variance (px^2)."""
+    points = proxy.points_marker()
+    slant = slant_of(to_light_marker)
+    cast = points[:, :2] - points[:, 2:] * slant
+    rim = cv2.convexHull(cast.astype(np.float32), returnPoints=False)[:, 0]
+    corners, heights = cast[rim], points[rim, 2]
+    along, rise = np.roll(corners, -1, axis=0) - corners, np.roll(heights, -1) - heights
+    length = np.hypot(*along.T)
+    outward = np.column_stack([along[:, 1], -along[:, 0]]) / np.maximum(length, 1e-9)[:, None]
+    outward[((corners + 0.5 * along - corners.mean(axis=0)) * outward).sum(axis=1) < 0] *= -1
+
+    count = np.where(length < 1e-9, 0, np.clip(length / APART_M, 1, MOST_PLACES).astype(int))
+    edge = np.repeat(np.arange(len(count)), count)
+    part = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[edge]
+    ends = np.zeros((len(edge), 2, 3))
+    ends[:, :, :2] = (corners[edge] + part[:, None] * along[edge])[:, None]
+    ends[:, 1, :2] += ACROSS_M * outward[edge]
+    pixels = project(view.camera, view.T_cam_marker, ends.reshape(-1, 3)).reshape(-1, 2, 2)
+    across = pixels[:, 1] - pixels[:, 0]
+    scale = np.hypot(*across.T)
+    seen = scale > 1e-6  # nor is it NaN, as behind the camera
+
+    by_direction = np.linalg.inv(direction_by_slant(slant))
+    smeared = np.linalg.norm(outward @ by_direction, axis=1)[edge]
+    spreads = (heights[edge] + part * rise[edge]) * smeared / 4 * scale / ACROSS_M
+    clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)
+    kept, variances = _variances(share, clear, pixels[seen, 0], across[seen] / scale[seen, None])
+    return spreads[seen][kept], variances
+
+
+def _variances(share: Float32, clear: Mask, places: Float, across: Float) -> tuple[Mask, Float]:
+    """(n,) at which places (n, 2) there is a clear step from shadow to light along `across`; their variances (px^2)."""
+    height, width = share.shape
+    offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
+    lines = places[:, None] + offsets[:, None] * across[:, None]
+    column, row = np.moveaxis(np.rint(np.clip(lines, -1e6, 1e6)).astype(int), 2, 0)
+    inside = (column >= 1) & (row >= 1) & (column <= width - 2) & (row <= height - 2)
+    kept = (inside & clear[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)]).all(axis=1)
+    if not kept.any():
+        return kept, np.empty(0)
+    x, y = np.moveaxis(lines[kept].astype(np.float32), 2, 0)
+    profiles = cv2.remap(share, x, y, cv2.INTER_LINEAR)
+    dark, lit = (np.median(end, axis=1) for end in (profiles[:, :END_SAMPLES], profiles[:, -END_SAMPLES:]))
+    deep = dark - lit >= LEAST_DEPTH
+    kept[kept] = deep
+    falling = np.clip((profiles[deep] - lit[deep, None]) / (dark - lit)[deep, None], 0, 1)
+    lost = np.maximum(-np.diff(falling, axis=1), 0.0)
+    lost /= np.maximum(lost.sum(axis=1, keepdims=True), 1e-9)
+    middles = 0.5 * (offsets[1:] + offsets[:-1])
+    return kept, (lost * (middles - (lost @ middles)[:, None]) ** 2).sum(axis=1)

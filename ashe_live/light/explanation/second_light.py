@@ -1,0 +1,111 @@
+"""A second light, once a body and a first one are known: tried where else the body may throw a shadow.
+
+It is believed where the picture costs less with it, by more than its numbers are worth, and where its shadow has
+borders of its own that are seen (docs/maths.md).
+"""
+
+import math
+from collections.abc import Sequence
+from operator import itemgetter
+
+import numpy as np
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
+from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.explain import Proposal, price, suited
+from ashe_live.light.explanation.judge import log_odds
+from ashe_live.light.explanation.second_shadow import Glimpse, glimpses
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.regions import region_of
+from ashe_live.light.ground.shadow_shift import shift_near
+from ashe_live.light.labels.costs import Costs
+from ashe_live.light.labels.materials import materials_of, object_cost
+from ashe_live.light.labels.relabel import relabelled
+from ashe_live.light.labels.two_lights import are_two, materials_of_two
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.body import Body
+from ashe_live.light.shape.predicted import Predicted, predicted
+
+TRIED = 2
+PALEST = math.log(0.9)  # brightness of a shift: a light that gives less than a tenth of all does not matter
+# What a second light must save, and how clear the borders of its shadow must be.
+LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18
+NEAR_RAD = math.radians(10)
+
+
+def with_their_lights(
+    explanations: Sequence[Explanation],
+    rough: Sequence[Explanation],
+    fine: View,
+    coarse: View,
+    ground: LitGround,
+    region_px: int,
+) -> list[Explanation]:
+    """Without those by two lights of which the picture shows one only; the likeliest with a second, if it shows two.
+
+    rough: what they were worked out from, and others. coarse: the view that `ground` was learned from. fine: the view
+    at the largest scale to look at. region_px: size at which a region is looked at.
+    """
+    singles = [each for each in [*explanations, *rough] if len(each.lights) == 1]
+    kept = [each for each in explanations if len(each.lights) == 1 or _shows_both(each, singles)]
+    one = max(kept, key=log_odds, default=None)
+    if one is None or len(one.lights) > 1:
+        return kept
+    found = glimpses(one.proxy, one.alignment.placed.body.to_lights_marker[0], coarse, ground, TRIED)
+    tried = [_tried(one, glimpse, fine, coarse, ground, region_px) for glimpse in found]
+    gain, both = max((pair for pair in tried if pair is not None), key=itemgetter(0), default=(0.0, one))
+    if gain < LEAST_GAIN:
+        return kept
+    return [both, *(other for other in kept if not _is_part_of(both, other))]
+
+
+def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
+    """Whether either shadow has clear borders, and no single light explains the region at less cost."""
+    if min(both.alignment.clear_shadows) < LEAST_CLARITY:
+        return False
+    return all(price(both) <= price(single) for single in singles if single.region is both.region)
+
+
+def _is_part_of(both: Explanation, other: Explanation) -> bool:
+    """Whether the other explanation has one light only, and it is one of both."""
+    if len(other.lights) > 1:
+        return False
+    angles = (angle_between(other.lights[0].to_light_marker, light.to_light_marker) for light in both.lights)
+    return min(angles) < NEAR_RAD
+
+
+def _tried(
+    one: Explanation, glimpse: Glimpse, fine: View, coarse: View, ground: LitGround, region_px: int
+) -> tuple[float, Explanation] | None:
+    """What a second light saves, and the explanation with it."""
+    shift = shift_near(ground.colours[glimpse.area], ground, glimpse.darker)
+    if shift is None or shift[0] > PALEST:
+        return None
+    body = one.alignment.placed.body
+    seen = predicted(one.proxy, body.to_lights_marker, coarse).whole & coarse.is_ground
+    region = region_of(fine, seen | glimpse.area, ground, region_px)
+    known, new = (materials_of(region, ground, each) for each in (one.materials.shift, shift))
+    materials = materials_of_two(region, ground, known, new)
+    if materials is None:
+        return None
+    second = 1 if materials.shifts[1] is shift else 0
+    slants = np.insert(body.slants, second, glimpse.slant, axis=0)
+    start = Body(body.guess.seen_by(region.view.camera, region.view.T_cam_marker), body.family, slants, body.shape)
+    masks = predicted(start.proxy, start.to_lights_marker, region.view)
+    own = object_cost(region, masks.body & region.is_ground)
+    split = relabelled(region, materials, own, masks)
+    if not are_two(split.parts):
+        return None
+    (both,) = suited([(Proposal(region, materials, split, None, own), [start])])
+    if both is None or both.alignment.clear_shadows[second] < LEAST_CLARITY:
+        return None
+    costs = Costs(region, materials, own)
+    alone = min(costs.of(_without(second, each)) for each in (masks, both.predicted))
+    return alone - costs.of(both.predicted), both
+
+
+def _without(light: int, masks: Predicted) -> Predicted:
+    """The same without one light's shadow."""
+    parts = [part if i != light else np.zeros_like(part) for i, part in enumerate(masks.parts)]
+    return Predicted(masks.body, np.logical_or(*parts), tuple(parts))

@@ -1,0 +1,155 @@
+"""Where else a body may throw a shadow: on places of the ground that are darker than what is around them.
+
+The body is given, so that a further shadow has two unknown numbers only. One that is too pale to be voted for, or to
+stand out pixel by pixel, is found by the mean colour of all its pixels.
+"""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.predicted import predicted
+
+# Displacements that are looked at: first everywhere, then around what was seen.
+AZIMUTHS, LENGTHS = np.arange(0, 360, 10), (0.4, 0.6, 0.85, 1.2, 1.7, 2.4)
+TURNS, STRETCHES = (-5.0, 0.0, 5.0), (0.8, 0.9, 1.0, 1.12, 1.25)
+# Where a shadow is sampled: along each side of its outline, and from its centre to there, each for a share of the area.
+CORNERS, ALONG = 16, np.array([1 / 6, 1 / 2, 5 / 6])
+WITHIN, SHARES = np.array([0.4, 0.8]), np.array([0.4, 0.6])
+OUTSIDE_PX, BLUR_PX = 3.0, 1.2
+AROUND = 8  # points on a body's rings
+BESIDE_PX, LEAST_PX = 2, 25
+DARKEST, BRIGHTEST = -0.8, 0.5  # of a pixel against what is around it: beyond, it counts no more
+LIT = 6.0  # squared distance from the ground's palette
+SURROUNDINGS = 2.0  # of the body's size
+LEAST_DARKER, LEAST_CLEAR = 0.07, 20.0
+APART_RAD = math.radians(12)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Glimpse:
+    """What may be a further shadow."""
+
+    slant: Float  # (2,) its displacement s
+    area: Mask  # (h, w) where it is seen in the coarse picture, beside the body and the shadow that is known
+    darker: Float  # (3,) log-opponent colour of the area less that of the ground around it
+    clear: float  # how much that is, in units of the ground's own unevenness
+
+
+def glimpses(proxy: Proxy, to_light_marker: Float, coarse: View, ground: LitGround, count: int) -> list[Glimpse]:
+    """Up to `count` further shadows of a body whose shadow in one light is known, the clearest first."""
+    known = predicted(proxy, [to_light_marker], coarse)
+    free = coarse.is_ground & ~grown(known.whole, BESIDE_PX)
+    if np.count_nonzero(free) < LEAST_PX:
+        return []
+    uneven = _unevenness(ground, free, SURROUNDINGS * math.sqrt(known.body.sum()))
+    lookout = _Lookout.of(proxy, coarse, free, uneven)
+    azimuths, lengths = (each.ravel() for each in np.meshgrid(np.radians(AZIMUTHS), LENGTHS))
+    clear, _ = lookout.at(azimuths, lengths)
+    found: list[Glimpse] = []
+    others = [to_light_marker]
+    for place in np.argsort(-clear, kind="stable"):
+        if clear[place] < LEAST_CLEAR or len(found) == count:
+            break
+        towards = _towards(azimuths[place], lengths[place])
+        if all(angle_between(towards, other) > APART_RAD for other in others):
+            others.append(towards)
+            turns, stretches = (each.ravel() for each in np.meshgrid(np.radians(TURNS), STRETCHES))
+            nearby = azimuths[place] + turns, lengths[place] * stretches
+            clearer, darker = lookout.at(*nearby)
+            best = int(clearer.argmax())
+            towards = _towards(nearby[0][best], nearby[1][best])
+            area = predicted(proxy, [towards], coarse).shadow & free
+            found.append(Glimpse(towards[:2], area, darker[best], float(clearer[best])))
+    return found
+
+
+def _towards(azimuth: float, length: float) -> Float:
+    return np.array([length * math.cos(azimuth), length * math.sin(azimuth), 1.0])
+
+
+def _unevenness(ground: LitGround, free: Mask, reach_px: float) -> Float32:
+    """(h, w, 3) how much the colour of each pixel differs from the mean of the lit ground around it."""
+    lit = (free & (ground.surprise < LIT)).astype(np.float32)
+    size = (2 * int(reach_px) + 1,) * 2
+    count, total = (
+        cv2.boxFilter(values, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
+        for values in (lit, ground.colours * lit[..., None])
+    )
+    uneven = ground.colours - total / np.maximum(count, 1)[..., None]
+    return np.clip(uneven, DARKEST, BRIGHTEST)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Lookout:
+    """A body and the ground around it."""
+
+    points: Float  # (n, 3) of the body, marker frame
+    image_from_ground: Float  # (3, 3)
+    layers: Float32  # (h, w, 4) unevenness where ground is not yet explained, and 1 there
+    precision: Float  # (3, 3) of the unevenness
+
+    @staticmethod
+    def of(proxy: Proxy, view: View, free: Mask, uneven: Float32) -> "_Lookout":
+        image_from_ground = (view.camera.K @ view.T_cam_marker[:3])[:, [0, 1, 3]]
+        precision = np.asarray(np.linalg.inv(np.cov(uneven[free][::5].T) + 1e-4 * np.eye(3)), dtype=np.float64)
+        layers = np.dstack([uneven * free[..., None], free]).astype(np.float32)
+        layers = np.asarray(cv2.GaussianBlur(layers, (0, 0), BLUR_PX), dtype=np.float32)
+        return _Lookout(proxy.points_marker(AROUND), image_from_ground, layers, precision)
+
+    def at(self, azimuths: Float, lengths: Float) -> tuple[Float, Float]:
+        """(m,) how clear and (m, 3) how much darker the shadows by m displacements are; 0 of what is not seen."""
+        slants = lengths[:, None] * np.column_stack([np.cos(azimuths), np.sin(azimuths)])
+        outlines, is_seen = self._outlines(slants)
+        sides = np.roll(outlines, -1, axis=1) - outlines
+        places = (outlines[:, :, None] + ALONG[:, None] * sides[:, :, None]).reshape(len(slants), -1, 2)
+        centre = outlines.mean(axis=1, keepdims=True)
+        arms = outlines - centre
+        nearer = np.concatenate([centre + share * (places - centre) for share in WITHIN], axis=1)
+        areas = 0.5 * np.abs(arms[..., 0] * sides[..., 1] - arms[..., 1] * sides[..., 0])
+        areas = np.repeat(areas / len(ALONG), len(ALONG), axis=1)
+        within, inside_px = self._mean(nearer, np.concatenate([share * areas for share in SHARES], axis=1))
+        along = np.repeat(np.linalg.norm(sides, axis=2) / len(ALONG), len(ALONG), axis=1)
+        around, outside_px = self._mean(
+            places + OUTSIDE_PX * np.repeat(NORMALS, len(ALONG), axis=0), OUTSIDE_PX * along
+        )
+        darker = within - around
+        told = inside_px * outside_px / np.maximum(inside_px + outside_px, 1.0)
+        clear = np.sqrt(np.einsum("mi,ij,mj->m", darker, self.precision, darker) * told)
+        seen = is_seen & (np.minimum(inside_px, outside_px) > LEAST_PX) & (darker[:, 0] < -LEAST_DARKER)
+        return np.where(seen, clear, 0.0), darker
+
+    def _outlines(self, slants: Float) -> tuple[Float, Mask]:
+        """(m, CORNERS, 2) pixels where shadows reach farthest along DIRECTIONS; (m,) whether before the camera."""
+        cast = self.points[:, :2] - self.points[:, 2:] * slants[:, None]
+        image = cast @ self.image_from_ground[:, :2].T + self.image_from_ground[:, 2]
+        depth = image[..., 2:]
+        is_seen = np.asarray((depth > 0).all(axis=(1, 2)))
+        pixels = image[..., :2] / np.where(depth > 0, depth, 1.0)
+        farthest = (pixels @ DIRECTIONS.T).argmax(axis=1)
+        return np.take_along_axis(pixels, farthest[..., None], axis=1), is_seen
+
+    def _mean(self, places: Float, weights: Float) -> tuple[Float, Float]:
+        """(m, 3) weighted means of the unevenness at (m, k) places; (m,) the sum of weights where it is known."""
+        height, width = self.layers.shape[:2]
+        columns, rows = np.round(places).astype(np.intp).transpose(2, 0, 1)
+        inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
+        seen = self.layers[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+        total = np.einsum("mk,mkc->mc", weights * inside, seen)
+        return total[:, :3] / np.maximum(total[:, 3:], 1e-6), total[:, 3]
+
+
+def _around(count: int, start: float) -> Float:
+    angles = (np.arange(count) + start) * (2 * math.pi / count)
+    return np.column_stack([np.cos(angles), np.sin(angles)])
+
+
+DIRECTIONS, NORMALS = _around(CORNERS, 0.0), _around(CORNERS, 0.5)  # of corners, and of the sides that follow them

@@ -1,0 +1,104 @@
+"""Shading: whether the object is lit as the fitted body would be in the light that its shadow tells of."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import inverse_rigid, project
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.pixels.areas import shrunk
+from ashe_live.light.shape.predicted import SUBPIXEL_BITS
+
+AROUND, UPWARDS = 16, 9
+BOUNCE = 0.3  # of the ground's light that comes back from it
+DARKEST = 0.02
+LOWEST_Z = 0.1
+FARTHEST_PX = 1e5
+LEAST_PX = 30
+FINEST = 0.03  # added to both spreads: smaller differences in log brightness are noise
+# How much of the sky's shading and of the light's an object may show, before it is looked at: 1 were it matt and of one
+# colour, and its body the true one. Means and deviations.
+USUAL, DEVIATION = np.array([1.0, 0.5]), np.array([0.7, 0.5])
+LEAST_NOISE = 0.05
+TOGETHER_PX = 40  # as many neighbours differ from a body's brightness as one: an object's colours come in patches
+
+
+@dataclass(frozen=True, slots=True)
+class Shading:
+    """Whether an object is lit by a light, or by the sky alone; 0 where too little of it is seen."""
+
+    contrast: float  # log of how much more of its brightness the sky alone leaves unexplained than sky and light do
+    sunlit: float  # how surely the light's own part is seen in it, in sigmas; negative if it is lit from elsewhere
+
+
+UNKNOWN = Shading(0.0, 0.0)
+
+
+def shading_of(
+    region: Region, body: Mask, proxy: Proxy, to_lights_marker: Sequence[Float], left_over: Sequence[float]
+) -> Shading:
+    """Of the object `body` (h, w), compared with a Lambertian body in these lights and under the sky.
+
+    to_lights_marker: (3,) unit vectors. left_over: of the ground's light, in each light's shadow. It says how strong
+    the light is: one whose shadow halves the ground's brightness must shade the object as much; what lies flat and dark
+    beside it has no such light.
+    """
+    lit, under_sky = _irradiances(region, proxy, to_lights_marker, left_over)
+    core = shrunk(body, 1) & region.is_ground & (lit > 0)
+    if np.count_nonzero(core) <= LEAST_PX:
+        return UNKNOWN
+    brightness = region.colours[..., 0][core].astype(np.float64)
+    by_light, by_sky = (np.log(picture[core] + DARKEST, dtype=np.float64) for picture in (lit, under_sky))
+    contrast = math.log((_spread(brightness - by_sky) + FINEST) / (_spread(brightness - by_light) + FINEST))
+    return Shading(contrast, _sunlit(brightness, by_sky, by_light - by_sky))
+
+
+def _sunlit(brightness: Float, by_sky: Float, by_light: Float) -> float:
+    """The amplitude of `by_light` in `brightness` over its deviation, as far as the object tells it."""
+    parts = np.column_stack([values - values.mean() for values in (by_sky, by_light)])
+    shown = brightness - brightness.mean()
+    noise = max(float(np.std(shown - parts @ USUAL)), LEAST_NOISE)
+    weight = 1 / (TOGETHER_PX * noise**2)
+    information = weight * (parts.T @ parts) + np.diag(DEVIATION**-2.0)
+    amplitude = np.linalg.solve(information, weight * (parts.T @ shown) + USUAL / DEVIATION**2)[1]
+    variance = float(np.linalg.inv(information)[1, 1])
+    return float(amplitude / math.sqrt(variance) * (1 - variance / DEVIATION[1] ** 2))
+
+
+def _spread(values: Float) -> float:
+    """Mean of how far values are from their median: one that few outliers hardly change."""
+    return float(np.abs(values - np.median(values)).mean())
+
+
+def _irradiances(
+    region: Region, proxy: Proxy, to_lights_marker: Sequence[Float], left_over: Sequence[float]
+) -> tuple[Float32, Float32]:
+    """(h, w) of the body's surface in the lights and under the sky alone, in units of lit ground's; 0 beside it."""
+    view = region.view
+    points, triangles = proxy.surface(AROUND, UPWARDS)
+    first, second, third = points[triangles.T]
+    normals = np.cross(second - first, third - first)
+    lengths = np.linalg.norm(normals, axis=1)
+    eye = inverse_rigid(view.T_cam_marker)[:3, 3]
+    pixels = project(view.camera, view.T_cam_marker, points)[triangles]
+    in_view = np.isfinite(pixels).all(axis=(1, 2)) & (np.abs(np.nan_to_num(pixels)).max(axis=(1, 2)) < FARTHEST_PX)
+    front = (lengths > 1e-9 * lengths.max()) & (((eye - first) * normals).sum(axis=1) > 0) & in_view
+    normals = normals[front] / lengths[front, None]
+    up = normals[:, 2]
+    from_sky, bounced = (1 + up) / 2, BOUNCE * (1 - up) / 2
+    irradiance = max(1 - sum(1 - left for left in left_over), 0.0) * from_sky + bounced
+    for to_light, left in zip(to_lights_marker, left_over, strict=True):
+        irradiance += (1 - left) / max(to_light[2], LOWEST_Z) * np.maximum(normals @ to_light, 0)
+    corners = np.round(pixels[front] * 2**SUBPIXEL_BITS).astype(np.int32)
+    # Neighbours share the pixels of their edge: the brighter one gets them, whichever way the marker is turned.
+    order = np.argsort(irradiance)
+    facet = np.zeros(view.is_ground.shape, np.int32)
+    for number, index in enumerate(order, start=1):
+        cv2.fillConvexPoly(facet, corners[index], number, shift=SUBPIXEL_BITS)
+    lit, under_sky = (np.append(0.0, each[order]).astype(np.float32) for each in (irradiance, from_sky + bounced))
+    return lit[facet], under_sky[facet]

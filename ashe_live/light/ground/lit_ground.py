@@ -1,0 +1,192 @@
+"""The lit ground: the colours that are found all over the frame, and what of the frame they do not explain.
+
+A ground, plain or patterned, shows its few colours everywhere; an object and its shadow show theirs in one place. So
+colours are told apart by how widely they are spread, before anything is known of their brightness. Colours are logs of
+linear light, in which a shadow is a shift, the same for every colour of the ground.
+"""
+
+from dataclasses import dataclass
+from typing import TypeVar
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Float32, Image, Mask
+from ashe_live.light.ground.sheen import sheen_on, without_sheen
+from ashe_live.light.pixels.areas import cleaned, grown, large_areas, shrunk, smoothed
+from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
+from ashe_live.light.pixels.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
+from ashe_live.light.pixels.view import Window
+
+Floats = TypeVar("Floats", Float, Float32)
+
+CELLS = (8, 6)
+# Squared distance from the palette beyond which a colour is something else.
+SURPRISING, MOST_SURPRISING = 6.0, 60.0
+SAMPLES, LEAST_SAMPLES = 2000, 500
+# Spreads, at most and as a share of the usual one, above which a colour is the ground's, and below which it is rare.
+WIDE, WIDE_OF_USUAL = 0.3, 0.6
+RARE, RARE_OF_USUAL = 0.35, 0.75
+NEAR_PX = 3  # as far as surprise is smoothed
+SEEN_SHARE = 0.15  # of the fullest cell's ground that a cell must hold to count
+
+
+@dataclass(frozen=True, slots=True)
+class GroundSteps:
+    """How finely the ground is modelled."""
+
+    spread_colours: int = 20  # clusters whose spread over the frame is measured
+    palette_colours: int = 10  # clusters of the lit ground
+    field_rounds: int = 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LitGround:
+    """The ground's palette and how far each pixel is from it."""
+
+    colours: Float32  # (h, w, 3) log-opponent colours without the ground's own slow shading
+    field: Float32  # (5, 3) that shading, as coefficients of slow bases
+    palette: Mixture  # of the lit ground
+    rare: Mask  # (h, w) where the pixel's colour is found over little of the frame
+    surprise: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from what is rare
+    sheen: Mask  # (h, w) what differs from the palette by light alone
+
+
+def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> LitGround | None:
+    """The lit ground of `image_bgr` (h, w, 3), where `is_ground` (h, w) leaves out the marker and the sky.
+
+    None when too little of the frame is ground, or no colour of it is spread.
+    """
+    colours = log_opponent(image_bgr)
+    if np.count_nonzero(is_ground) < LEAST_SAMPLES:
+        return None
+    bases = _slow_bases((*is_ground.shape,))
+    field, spread = _wider_spread(colours, bases, is_ground, steps.spread_colours)
+    usual, spread = float(_median(spread[is_ground])), smoothed(spread)
+    lit = is_ground & (spread > min(WIDE, WIDE_OF_USUAL * usual))
+    chosen = _samples(shrunk(lit, 1))
+    if len(chosen) < LEAST_SAMPLES:
+        return None
+    values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
+    labels = None
+    for _ in range(steps.field_rounds):
+        labels, centres = clusters(values - slow @ field, steps.palette_colours, labels)
+        field = _field_beside(values - centres[labels], slow, field)
+    palette = mixture_of(values - slow @ field, steps.palette_colours, widening=1.3, start=labels)
+    if palette is None:
+        return None
+    flat = colours - (bases @ field).reshape(colours.shape)
+    rare = spread < min(RARE, RARE_OF_USUAL * usual)
+    near = grown(is_ground & rare, NEAR_PX)
+    squared = np.zeros(lit.shape, np.float32)
+    squared[near] = np.minimum(nearest_squared_distance(flat[near], palette), MOST_SURPRISING)
+    surprise = np.asarray(cv2.GaussianBlur(squared, (0, 0), 0.7), dtype=np.float32)
+    return LitGround(flat, field, palette, rare, surprise, sheen_on(flat, surprise, is_ground, palette))
+
+
+def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float32:
+    """(h, w, 3): the colours of a window (rows, columns) of the frame at another scale, on the same ground."""
+    colours = log_opponent(image_bgr[window])
+    flat = colours - (_slow_bases(image_bgr.shape[:2], window) @ ground.field).reshape(colours.shape)
+    size = image_bgr.shape[1::-1]
+    sheen = cv2.resize(ground.sheen.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)[window].astype(bool)
+    return without_sheen(flat, sheen, ground.palette)
+
+
+def lit_rgb(ground: LitGround) -> Float:
+    """(3,) mean linear RGB of the lit ground."""
+    return np.asarray(np.average(linear_rgb(ground.palette.centres), axis=0, weights=ground.palette.weights))
+
+
+def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
+    """(h, w): objects and shadows, as compact areas of at least `least_px` that the lit ground does not explain."""
+    surprising = (ground.surprise > SURPRISING) & ~ground.sheen
+    return large_areas(cleaned(is_ground & ground.rare & surprising), least_px)
+
+
+def _slow_bases(shape: tuple[int, ...], window: Window = (slice(None), slice(None))) -> Float32:
+    """(h * w, 5): the slow shading of a ground seen in perspective under one sky: a quadratic without a constant."""
+    rows, columns = (np.arange(size, dtype=np.float32)[part] + 0.5 for size, part in zip(shape, window, strict=True))
+    v, u = np.meshgrid(rows, columns, indexing="ij")
+    u, v = 2 * u / shape[1] - 1, 2 * v / shape[0] - 1
+    return np.stack([u, v, u * u, u * v, v * v], axis=2).reshape(-1, 5)
+
+
+def _samples(mask: Mask) -> NDArray[np.intp]:
+    """Up to SAMPLES flat indices of `mask`, chosen at random but always the same."""
+    inside = np.flatnonzero(mask)
+    if len(inside) <= SAMPLES:
+        return inside
+    return np.sort(np.random.default_rng(0).choice(inside, SAMPLES, replace=False))
+
+
+def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int) -> tuple[Float32, Float32]:
+    """The slow field, or none, whichever leaves the ground's colours more widely spread; and that spread (h, w)."""
+    chosen, cells = _samples(is_ground), _cells(is_ground.shape).ravel()
+    values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
+
+    def usual(labels: NDArray[np.intp]) -> float:
+        return float(_median(_spreads(labels, cells[chosen])[labels]))
+
+    trend = _robust_trend(values, slow)
+    labels, centres = clusters(values, count)
+    flat_labels, flat_centres = clusters(values - slow @ trend, count, labels)
+    field = np.zeros_like(trend)
+    if usual(flat_labels) > usual(labels):
+        field, centres = trend, flat_centres
+    labels = nearest_centres(colours.reshape(-1, 3) - bases @ field, centres)
+    inside = is_ground.ravel()
+    return field, _spreads(labels[inside], cells[inside], len(centres))[labels].reshape(is_ground.shape)
+
+
+def _cells(shape: tuple[int, ...]) -> NDArray[np.intp]:
+    """(h, w) which of the frame's cells a pixel lies in."""
+    (height, width), (columns, rows) = shape, CELLS
+    return (np.arange(height) * rows // height)[:, None] * columns + np.arange(width) * columns // width
+
+
+def _spreads(labels: NDArray[np.intp], cells: NDArray[np.intp], count: int = 0) -> Float32:
+    """(k,) the share of the frame's cells over which each cluster's pixels (n,) are distributed: its perplexity."""
+    count, places = max(count, int(labels.max()) + 1), CELLS[0] * CELLS[1]
+    counts = np.bincount(labels * places + cells, minlength=count * places).reshape(count, places)
+    total = counts.sum(axis=0)
+    seen = total > SEEN_SHARE * total.max()
+    density = counts[:, seen] / total[seen]
+    share = density / np.maximum(density.sum(axis=1, keepdims=True), 1e-9)
+    perplexity = np.exp(-(share * np.log(share + 1e-12)).sum(axis=1))
+    return np.asarray(perplexity / np.count_nonzero(seen), dtype=np.float32)
+
+
+def _median(values: Floats) -> Floats:
+    """Over the last axis; NumPy's own looks for NaN as well, and takes several times as long."""
+    middle = values.shape[-1] // 2
+    parted = np.partition(values, middle, axis=-1)
+    upper = parted[..., middle]
+    return upper if values.shape[-1] % 2 else 0.5 * (upper + parted[..., :middle].max(axis=-1))
+
+
+def _robust_trend(values: Float32, slow: Float32) -> Float32:
+    """(5, 3) slow field of colours (n, 3) where the bases are `slow` (n, 5), by reweighted least squares.
+
+    With a constant, which is left out; outliers: Cauchy weights.
+    """
+    design = np.column_stack([np.ones(len(slow), np.float32), slow]).astype(np.float64)
+    columns = values.T.astype(np.float64)
+    ridge = 2e-5 * len(slow) * np.diag([0.0, 1, 1, 3, 3, 3])
+    weights = np.ones(len(slow))
+    for _ in range(6):
+        weighted = design * weights[:, None]
+        coefficients = np.linalg.solve(weighted.T @ design + ridge, (columns @ weighted).T)
+        residuals = columns - coefficients.T @ design.T
+        scale = 1.48 * _median(np.abs(residuals))[:, None] + 0.01
+        weights = 1 / (1 + ((residuals / (2 * scale)) ** 2).sum(axis=0))
+    return np.asarray(coefficients[1:], dtype=np.float32)
+
+
+def _field_beside(rest: Float32, slow: Float32, before: Float32) -> Float32:
+    """(5, 3) the slow field once more, from what the palette's colours leave over (n, 3), nearly as `before`."""
+    weights = 1 / (1 + (((rest - slow @ before) / 0.15) ** 2).sum(axis=1))
+    weighted = slow * weights[:, None]
+    ridge = 5e-4 * len(slow) * np.eye(5, dtype=np.float32)
+    return np.asarray(np.linalg.solve(weighted.T @ slow + ridge, weighted.T @ rest), dtype=np.float32)

@@ -1,0 +1,82 @@
+"""Regions of the frame in which something stands, each looked at as finely as it needs."""
+
+import math
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float32, Mask, set_frozen
+from ashe_live.light.ground.lit_ground import LitGround, ground_colours
+from ashe_live.light.pixels.areas import grown, majority, shrunk
+from ashe_live.light.pixels.mixtures import nearest_squared_distance
+from ashe_live.light.pixels.quantised import Quantised
+from ashe_live.light.pixels.view import View, Window
+
+APART_PX = 3  # of the coarse picture: nearer areas belong together
+MARGIN_PX = 10
+UNRELIABLE_PX = 2
+# Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
+SURPRISING, MOST_SURPRISING = 7.0, 60.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Region:
+    """A window of the frame around an object and its shadow, at a scale at which they have a given size."""
+
+    view: View
+    colours: Float32  # (h, w, 3) log-opponent, without the ground's own slow shading
+    unlit: Mask  # (h, w) what the lit ground does not explain
+    window: Window  # where it lies in the whole frame
+    frame_shape: tuple[int, ...]  # (h, w) of the whole frame at this scale
+    quantised: Quantised = field(init=False)  # its colours, those that noise cannot tell apart taken for one
+    unreliable: Mask = field(init=False)  # (h, w) no ground, or so near to it that an edge may be its own
+
+    def __post_init__(self) -> None:
+        unreliable = grown(~self.view.is_ground, UNRELIABLE_PX)
+        set_frozen(self, quantised=Quantised.of(self.colours), unreliable=unreliable)
+
+    @property
+    def is_ground(self) -> Mask:
+        return self.view.is_ground
+
+    def in_frame(self, mask: Mask) -> Mask:
+        """A mask of the region as one of the whole frame."""
+        whole = np.zeros(self.frame_shape, np.bool_)
+        whole[self.window] = mask
+        return whole
+
+
+def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
+    """The `count` largest groups of unlit areas of a coarser picture, each about `size_px` large if `fine` is."""
+    _, labels = cv2.connectedComponents(grown(coarse_unlit, APART_PX).astype(np.uint8), connectivity=8)
+    labels[~coarse_unlit] = 0
+    sizes = np.bincount(labels.ravel())[1:]
+    largest = np.argsort(-sizes, kind="stable")[:count]
+    return [region_of(fine, labels == index + 1, ground, size_px) for index in largest if sizes[index] > 0]
+
+
+def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region:
+    height, width = area.shape
+    x, y, across, down = cv2.boundingRect(area.astype(np.uint8))
+    scale = min(fine.size[0] / width, max(1.0, size_px / math.sqrt(across * down)))
+    view = fine.scaled(round(width * scale))
+    window = _window((x, y, across, down), view.size[0] / width, view.size[1] / height, view.is_ground.shape)
+    colours = ground_colours(view.image_bgr, ground, window)
+    enlarged = cv2.resize(area.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST)[window].astype(bool)
+    cut = view.cut(window)
+    unlit = _unlit(colours, ground, enlarged, cut.is_ground)
+    return Region(cut, colours, unlit, window, view.is_ground.shape)
+
+
+def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shape: tuple[int, ...]) -> Window:
+    x, y, across, down = box
+    rows = slice(max(0, int(y * scale_y) - MARGIN_PX), min(shape[0], int((y + down) * scale_y) + MARGIN_PX))
+    columns = slice(max(0, int(x * scale_x) - MARGIN_PX), min(shape[1], int((x + across) * scale_x) + MARGIN_PX))
+    return rows, columns
+
+
+def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> Mask:
+    squared = nearest_squared_distance(colours.reshape(-1, 3), ground.palette).reshape(area.shape)
+    surprising = cv2.GaussianBlur(np.minimum(squared, MOST_SURPRISING), (0, 0), 0.8) > SURPRISING
+    return majority((surprising & grown(area, 2) & is_ground) | shrunk(area, 1))

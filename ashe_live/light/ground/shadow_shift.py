@@ -1,0 +1,140 @@
+"""The shift that a shadow gives to the ground's colours, found by vote.
+
+A shadow shifts every colour of the ground by one vector (in logs of linear light). Each unlit pixel votes for the
+shifts that would make it a shadow of each colour of the lit ground; where votes agree, a shadow may be. Several shifts
+are kept, as a plain object votes for one too: the geometry decides between them.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent_of_linear
+from ashe_live.light.pixels.mixtures import Mixture
+
+# The vote's bins: log brightness, chroma red to blue, chroma green.
+BIN = np.array([0.06, 0.06, 0.05])
+LOWEST = np.array([-4.5, -1.6, -0.3])
+BINS = np.array([72, 34, 18])
+# How far a shadow pixel may be from its ground's shifted colour.
+SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
+FINE = 0.6  # width of a mode, in units of that noise, where two lights' shifts must not become one
+MOST_VOTERS = 1500
+LEAST_VOTERS = 25
+
+
+def shadow_shifts(ground: LitGround, unlit: Mask, count: int, width: float = 1.0) -> list[Float]:
+    """Up to `count` shifts (3,) that many unlit pixels vote for, most votes first.
+
+    `width`: of a mode, in units of the noise; what lies nearer to each other than twice that becomes one mode.
+    """
+    return _voted_for(ground.colours[unlit], ground.palette, count, width)
+
+
+def shift_within(colours: Float32, ground: LitGround) -> Float | None:
+    """(3,) the shift that most of a shadow's own colours (n, 3) vote for; None of too few.
+
+    Of a patterned ground, a wrong shift may turn one of its colours into the shadow of another; all agree on the true
+    one.
+    """
+    shifts = _voted_for(colours, ground.palette, 1)
+    return shifts[0] if shifts else None
+
+
+def shift_near(colours: Float32, ground: LitGround, shift: Float) -> Float | None:
+    """(3,) the shift of colours (n, 3) that is nearest to one that is roughly known; None of too few."""
+    if len(colours) < LEAST_VOTERS:
+        return None
+    offsets, weights = _votes(colours, ground.palette)
+    return np.asarray(_modes(offsets, weights, shift[None], FINE)[0])
+
+
+def _votes(colours: Float32, palette: Mixture) -> tuple[Float32, Float32]:
+    """(n k, 3) shifts from each of the palette's k common colours, and (n k,) what they count."""
+    colours = colours[:: len(colours) // MOST_VOTERS + 1]
+    common = palette.weights > 0.02
+    centres, weights = palette.centres[common], palette.weights[common]
+    return (colours[:, None, :] - centres).reshape(-1, 3), np.tile(weights, len(colours))
+
+
+def _voted_for(colours: Float32, palette: Mixture, count: int, width: float = 1.0) -> list[Float]:
+    if len(colours) < LEAST_VOTERS:
+        return []
+    offsets, weights = _votes(colours, palette)
+    bins = np.floor((offsets - LOWEST.astype(np.float32)) / BIN.astype(np.float32)).astype(np.intp)
+    inside = ((bins >= 0) & (bins < BINS)).all(axis=1)
+    flat = np.ravel_multi_index(tuple(bins[inside].T), tuple(BINS))
+    votes = np.bincount(flat, weights[inside], int(np.prod(BINS))).reshape(tuple(BINS))
+    peaks = _peaks(_blurred(votes) * _plausibility(), count)
+    shifts: list[Float] = []
+    for shift in _modes(offsets, weights, LOWEST + (peaks + 0.5) * BIN, width):
+        if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts):
+            shifts.append(shift)
+    return shifts
+
+
+def shadow_ratio(ground: LitGround, shift: Float) -> Float:
+    """(3,) linear RGB, shadowed over lit ground, of the palette's colours, each counting as much as there is of it."""
+    lit = linear_rgb(ground.palette.centres)
+    shaded = linear_rgb(ground.palette.centres + shift)
+    weights = (ground.palette.weights / ground.palette.weights.sum())[:, None]
+    return np.asarray(
+        np.clip((weights * shaded).sum(axis=0) / np.maximum((weights * lit).sum(axis=0), 1e-6), 1e-3, 1.0)
+    )
+
+
+def shift_of_ratio(ground: LitGround, ratio_rgb: Float) -> Float:
+    """(3,) the shift of the palette's colours, each counting as much as there is of it, when light is so much less."""
+    lit = np.maximum(linear_rgb(ground.palette.centres), 0.0)
+    shifts = log_opponent_of_linear(lit * ratio_rgb) - log_opponent_of_linear(lit)
+    return np.asarray(np.average(shifts, axis=0, weights=ground.palette.weights))
+
+
+@cache
+def _plausibility() -> Float:
+    """Shadows are darker, and lit by the sky alone: as blue as the lit ground or bluer, and green in proportion."""
+    brightness, red_blue, green = (
+        low + (np.arange(n) + 0.5) * size for low, n, size in zip(LOWEST, BINS, BIN, strict=True)
+    )
+    darker = 1 / (1 + np.exp((brightness + 0.25) / 0.06))
+    bluer = np.exp(-0.5 * (np.maximum(red_blue, 0) / 0.2) ** 2)
+    daylight = np.exp(-0.5 * ((green[None] + 0.25 * red_blue[:, None]) / 0.18) ** 2)
+    return np.asarray(darker[:, None, None] * (bluer[:, None] * daylight)[None])
+
+
+def _blurred(votes: Float) -> Float:
+    for axis in range(3):
+        slices = np.moveaxis(votes, axis, 0)
+        blurred = 0.5 * slices
+        blurred[1:] += 0.25 * slices[:-1]
+        blurred[:-1] += 0.25 * slices[1:]
+        votes = np.moveaxis(blurred, 0, axis)
+    return votes
+
+
+def _peaks(votes: Float, count: int) -> Float:
+    """(p, 3) bins of local maxima with a fair share of the highest one's votes, highest first."""
+    rest = votes.copy()
+    peaks: list[tuple[np.intp, ...]] = []
+    while len(peaks) < count:
+        peak = i, j, k = np.unravel_index(rest.argmax(), rest.shape)
+        if rest[peak] <= 0.04 * votes.max():
+            break
+        peaks.append(peak)
+        rest[max(0, i - 2) : i + 3, max(0, j - 2) : j + 3, max(0, k - 2) : k + 3] = 0
+    return np.array(peaks, dtype=np.float64).reshape(-1, 3)
+
+
+def _modes(offsets: Float32, weights: Float32, shifts: Float, width: float = 1.0) -> Float:
+    """(p, 3) the modes of the vote near each of `shifts`: mean shift."""
+    noise = (width * SHIFT_NOISE).astype(np.float32)
+    votes, modes = offsets / noise, (shifts / noise).astype(np.float32)
+    squares = (votes**2).sum(axis=1)
+    for _ in range(3):
+        away = squares - 2 * (modes @ votes.T) + (modes**2).sum(axis=1)[:, None]
+        closeness = weights * np.exp(-0.5 * away)
+        total = closeness.sum(axis=1)[:, None]
+        modes += (closeness @ votes - total * modes) / np.maximum(total, 1e-9)
+    return np.asarray(modes * noise, dtype=np.float64)

@@ -1,0 +1,51 @@
+"""Sheen: light that a glossy ground mirrors, or that a sunlit object throws on it, and that makes it no object.
+
+Sheen comes and goes slowly, on ground that is else lit as everywhere; an object is brighter than the ground from one
+pixel to the next, all around.
+"""
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float32, Mask
+from ashe_live.light.pixels.areas import areas_by_size, cleaned, grown
+from ashe_live.light.pixels.mixtures import Mixture, nearest_centres
+
+STEEPEST = 0.05  # change of log brightness per pixel
+BRIGHTER = 0.03  # in log brightness, than the ground's nearest colour
+SURPRISING = 5.0  # squared distance to the ground's palette
+LEAST_PX = 30
+LEAST_SHARE = 0.02  # of the picture, of an even area of lit ground that a sheen begins in
+LIT_SHARE_AROUND = 0.45
+
+
+def sheen_on(colours: Float32, surprise: Float32, is_ground: Mask, palette: Mixture) -> Mask:
+    """(h, w) where the ground is only brighter than elsewhere.
+
+    colours: (h, w, 3) log-opponent. surprise: (h, w) squared distance to the palette's nearest colour, smoothed.
+    """
+    brightness = cv2.GaussianBlur(colours[..., 0], (0, 0), 1.0)
+    slopes = [cv2.Sobel(brightness, cv2.CV_32F, dx, 1 - dx, scale=1 / 8) for dx in (0, 1)]
+    even = is_ground & (cv2.magnitude(*slopes) < STEEPEST)
+    lit = is_ground & (surprise <= SURPRISING)
+    bright = even & (surprise > SURPRISING)
+    own = brightness[bright]
+    bright[bright] = own > palette.centres[nearest_centres(colours[bright], palette.centres), 0] + BRIGHTER
+    sheen = np.zeros_like(is_ground)
+    if np.count_nonzero(bright) < LEAST_PX:
+        return sheen
+    _, labels = cv2.connectedComponents((even & (lit | bright)).astype(np.uint8), connectivity=4)
+    begins = np.bincount(labels[even & lit], minlength=labels.max() + 1) > LEAST_SHARE * is_ground.size
+    begins[0] = False
+    for area in areas_by_size(cleaned(bright & begins[labels]) & is_ground, LEAST_PX):
+        beside = grown(area, 2) & ~grown(area, 1) & is_ground
+        if np.count_nonzero(beside & lit) > LIT_SHARE_AROUND * np.count_nonzero(beside):
+            sheen |= area
+    return sheen
+
+
+def without_sheen(colours: Float32, sheen: Mask, palette: Mixture) -> Float32:
+    """(h, w, 3): the colours, and in `sheen` those of the palette that they come from."""
+    dull = colours.copy()
+    dull[sheen] = palette.centres[nearest_centres(colours[sheen], palette.centres)]
+    return dull

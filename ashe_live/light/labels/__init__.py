@@ -1,0 +1,4 @@
+"""Labels pixels as lit ground, shadow or object by what each costs, before and after a fit.
+
+May import `core`, `pixels`, `ground` and `shape`.
+"""

@@ -1,0 +1,176 @@
+"""Which of a region's unlit areas may be shadow, and which object may belong to it."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.ground.shadow_shift import SHIFT_NOISE
+from ashe_live.light.labels.materials import Materials, object_cost
+from ashe_live.light.pixels.areas import (
+    areas_by_size,
+    distance_to,
+    filled,
+    grown,
+    large_areas,
+    majority,
+    overlapping,
+    shrunk,
+    smoothed,
+)
+from ashe_live.light.pixels.mixtures import Mixture, nearest_squared_distance
+
+T = TypeVar("T")
+
+LEAST_PX = 14
+LEAST_OBJECT_PX, LEAST_SHADOW_PX = 12, 8
+LEAST_AREA_PX = 30
+SMALL_PART = 0.05
+OBJECTS, LESSER_OBJECT = 3, 0.1  # that may stand beside each other, and their least share of the largest one
+SAME_SHARE = 0.12  # of its pixels, in less than which a split differs from one like it
+ROUNDS = 2  # of giving pixels to what they cost least as
+REACH_PX = 3
+# Shadows of the same light are more or less deep: in a penumbra, and where the object hides the sky as well.
+DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
+SHADOW_LIKE = 0.3
+# What looks like shadow may be the object's own dark side, but surely is not this far (as a share) from the object.
+SURELY_SHADOW = 0.6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Split:
+    """One explanation of an unlit area: an object, the shadow that touches it, and what may be part of either."""
+
+    object_mask: Mask  # (h, w)
+    shadow_mask: Mask  # (h, w)
+    either: Mask | None = None  # (h, w)
+    parts: tuple[Mask, ...] = ()  # (h, w) each light's shadow, where there are several
+
+    @property
+    def shadows(self) -> tuple[Mask, ...]:
+        return self.parts or (self.shadow_mask,)
+
+    @property
+    def whole(self) -> Mask:
+        taken = self.object_mask | self.shadow_mask
+        return taken if self.either is None else taken | self.either
+
+    @property
+    def is_large_enough(self) -> bool:
+        return bool(
+            np.count_nonzero(self.object_mask) >= LEAST_OBJECT_PX
+            and np.count_nonzero(self.shadow_mask) >= LEAST_SHADOW_PX
+        )
+
+    def is_like(self, other: "Split") -> bool:
+        """Whether few pixels are explained otherwise. Both are of one region."""
+        if (self.either is None) != (other.either is None):
+            return False
+        differing = (self.object_mask != other.object_mask) | (self.shadow_mask != other.shadow_mask)
+        return bool(np.count_nonzero(differing) < SAME_SHARE * np.count_nonzero(self.whole))
+
+
+def splits(region: Region, ground: LitGround, materials: Materials, shadows_tried: int) -> list[Split]:
+    """The ways to split the region's unlit areas in object and shadow, if its shadows are of this shift."""
+    shadow_like = _shadow_like(region, ground, materials.shifts)
+    shadows = areas_by_size(shadow_like, LEAST_PX)[:shadows_tried]
+    roughs = [rough for shadow in shadows for rough in _splits_with(shadow, shadow_like, region.unlit)]
+    refined = (_classified(region, materials, rough) for rough in distinct(roughs, Split.is_like))
+    return distinct((split for split in refined if split.is_large_enough), Split.is_like)
+
+
+def distinct(several: Iterable[T], are_alike: Callable[[T, T], bool], most: int | None = None) -> list[T]:
+    """The first of them, `most` at most, without those that are like an earlier one."""
+    kept: list[T] = []
+    for one in several:
+        if len(kept) == most:
+            break
+        if not any(are_alike(one, other) for other in kept):
+            kept.append(one)
+    return kept
+
+
+def doubted(split: Split) -> Split | None:
+    """The same split where only what is far from the object is surely shadow: the rest may be its own dark side."""
+    if not split.shadow_mask.any():
+        return None
+    away = distance_to(split.object_mask)
+    surely = split.shadow_mask & (away > SURELY_SHADOW * away[split.shadow_mask].max())
+    doubtful = Split(split.object_mask, surely, split.shadow_mask & ~surely)
+    return doubtful if doubtful.is_large_enough else None
+
+
+def _shadow_like(region: Region, ground: LitGround, shifts: tuple[Float, ...]) -> Mask:
+    """The unlit pixels that look like some colour of the ground in shadow."""
+    centres, weights = ground.palette.centres, ground.palette.weights
+    noise = np.diag((1.2 * SHIFT_NOISE) ** 2).astype(np.float32)
+    shadows = [centres + (depth * shift).astype(np.float32) for shift in shifts for depth in DEPTHS]
+    count = len(shadows)
+    shadowed = Mixture(
+        np.concatenate(shadows), np.broadcast_to(noise, (len(centres) * count, 3, 3)), np.tile(weights, count)
+    )
+    likeness = np.exp(-0.5 * np.minimum(nearest_squared_distance(region.quantised.colours, shadowed), 50))
+    return majority(region.unlit & (smoothed(region.quantised.pictured(likeness)) > SHADOW_LIKE))
+
+
+def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
+    """What may be the object if `shadow` is its shadow: all the rest of the unlit area, or one part that touches it.
+
+    Of several objects, each has the shadows that touch it.
+
+    Other places in the area that look like shadow may be more of it, as behind a handle, or the object's own dark side.
+    """
+    area = overlapping(large_areas(unlit, LEAST_AREA_PX), shadow, 0.0)
+    more = large_areas(area & shadow_like, LEAST_OBJECT_PX) | shadow
+    found = []
+    for whole_shadow in (more, shadow) if (more & ~shadow).any() else (shadow,):
+        parts = areas_by_size(majority(area & ~whole_shadow), LEAST_PX)
+        reach = grown(whole_shadow, 2)
+        touching = [part for part in parts if (part & reach).any()]
+        if touching:
+            rest = np.any(
+                [part for part in parts if np.count_nonzero(part) > SMALL_PART * np.count_nonzero(parts[0])], axis=0
+            )
+            found.append(Split(rest, whole_shadow))
+            if len(parts) > 1:
+                large = [part for part in touching[:OBJECTS] if part.sum() > LESSER_OBJECT * touching[0].sum()]
+                found += [Split(part, overlapping(whole_shadow, grown(part, 2), 0.0)) for part in large]
+    return found
+
+
+def _classified(region: Region, materials: Materials, rough: Split) -> Split:
+    """The split with its pixels given to what they cost least as, the object's colours being learned anew each time."""
+    split = rough
+    for _ in range(ROUNDS):
+        split = _reassigned(region, materials, split)
+        if not split.is_large_enough:
+            break
+    return split
+
+
+def _reassigned(region: Region, materials: Materials, rough: Split) -> Split:
+    """The split's pixels and those around them, each given to lit ground, shadow or object, whichever costs least.
+
+    Where two materials meet, the costs change places half-way between their colours, which is where the edge is.
+    """
+    core = _core(rough.object_mask)
+    own = object_cost(region, core)
+    near = grown(rough.object_mask | rough.shadow_mask, REACH_PX) & region.is_ground
+    object_like = majority((own < np.minimum(materials.lit, materials.shaded)) & near, 5)
+    body = filled(overlapping(object_like, core, 0.3) if (object_like & core).any() else core)
+    shadow_like = majority((materials.shaded < materials.lit) & (materials.shaded <= own) & near) & ~body
+    shadow = overlapping(shadow_like, rough.shadow_mask, 0.3)
+    return Split(body, shadow)
+
+
+def _core(mask: Mask) -> Mask:
+    """Without its rim, where colours mix; with as much of it as a small mask needs."""
+    for margin_px in (2, 1):
+        core = shrunk(mask, margin_px)
+        if np.count_nonzero(core) >= LEAST_PX:
+            return core
+    return mask

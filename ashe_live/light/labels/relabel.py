@@ -1,0 +1,44 @@
+"""Labels once more, now that a fit says where object and shadow are: colours decide near its outlines, it elsewhere."""
+
+import math
+
+import numpy as np
+
+from ashe_live.core.arrays import Float32, Mask
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.labels.associate import LEAST_SHADOW_PX, Split
+from ashe_live.light.labels.materials import Materials
+from ashe_live.light.labels.two_lights import parted
+from ashe_live.light.pixels.areas import cleaned, distance_to, filled, large_areas, majority, overlapping, thick
+from ashe_live.light.shape.predicted import Predicted
+
+# How far from a predicted outline colours alone decide; beyond, each pixel farther costs more, up to a most.
+FREE_PX, FREE_SHARE = 2.0, 0.06
+COST_PER_PX, COSTLY_PX = 4.0, 8.0
+# A difference in cost below which a pixel may belong to either, if such pixels are more than a seam between the two.
+UNDECIDED = 4.0
+SEAM_PX = 5
+LEAST_DOUBT = 0.02
+
+
+def relabelled(region: Region, materials: Materials, own: Float32, fitted: Predicted) -> Split:
+    """The region's pixels given to object, shadow, either or neither. `own`: (h, w) cost of the object."""
+    free_px = max(FREE_PX, FREE_SHARE * math.sqrt(max(int(np.count_nonzero(fitted.body)), 1)))
+    as_object = own + _penalty(fitted.body, free_px)
+    as_shadow = materials.contact + _penalty(fitted.shadow, free_px)
+    unlit = (np.minimum(as_object, as_shadow) < materials.lit) & region.is_ground
+    whole = overlapping(cleaned(unlit), fitted.whole, 0.3)
+    body = overlapping(majority(unlit & (as_object < as_shadow - UNDECIDED) & whole), fitted.body, 0.3)
+    shadow = overlapping(majority(unlit & (as_shadow < as_object - UNDECIDED) & whole), fitted.shadow, 0.3)
+    doubtful = whole & ~body & ~shadow
+    broad = thick(doubtful, SEAM_PX)
+    narrow = doubtful & ~broad
+    body = filled(overlapping(cleaned(body | (narrow & (as_object < as_shadow))), fitted.body, 0.3))
+    shadow = large_areas(cleaned((shadow | (narrow & (as_shadow <= as_object))) & ~body), LEAST_SHADOW_PX)
+    either = broad & ~body & ~shadow
+    doubt = either if np.count_nonzero(either) > LEAST_DOUBT * np.count_nonzero(whole) else None
+    return Split(body, shadow, doubt, parted(materials, shadow, fitted))
+
+
+def _penalty(mask: Mask, free_px: float) -> Float32:
+    return np.asarray(COST_PER_PX * np.clip(distance_to(mask) - free_px, 0, COSTLY_PX), dtype=np.float32)

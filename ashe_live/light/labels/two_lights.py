@@ -1,0 +1,115 @@
+"""Two lights: what their shadows cost alone and where they overlap, and which pixel lies in which."""
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shadow_ratio, shift_of_ratio
+from ashe_live.light.labels.associate import Split
+from ashe_live.light.labels.costs import Costs
+from ashe_live.light.labels.materials import SHADED_SHARES, Materials, cost_of_shift, object_cost, share_of_shift
+from ashe_live.light.pixels.areas import distance_to, large_areas, majority, smoothed
+from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture, nearest_squared_distance
+from ashe_live.light.shape.predicted import Predicted
+
+# What is left of the light where both are blocked, at least: less is no sky.
+LEAST_AMBIENT = 0.01
+# Of the region's unlit pixels, each light's shadow alone must be at least this share.
+LEAST_ALONE, LEAST_ALONE_PX = 0.04, 30
+COST_OF_DISTANCE, FARTHEST_PX = 1.0, 10.0
+CLEARLY, NOT_SHADED = 6.0, 12.0  # squared distances, in units of the shift's noise
+MOST_ASKED = 1000
+
+
+def shifts_of_both(ground: LitGround, first: Float, second: Float) -> Float | None:
+    """(3,) the shift where both lights are blocked: what each takes away is missing. None if that leaves no light."""
+    ratio = shadow_ratio(ground, first) + shadow_ratio(ground, second) - 1
+    return shift_of_ratio(ground, ratio) if ratio.min() > LEAST_AMBIENT else None
+
+
+def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], count: int) -> list[tuple[int, int]]:
+    """Which two of the shifts explain the region's unlit colours best together, each some that the other does not.
+
+    At most `count` pairs, the best first.
+    """
+    colours = region.colours[region.unlit]
+    colours = colours[:: len(colours) // MOST_ASKED + 1]
+    palette, noise = ground.palette, np.diag(SHIFT_NOISE**2).astype(np.float32)
+
+    def missed(shift: Float) -> Float32:
+        centres = palette.centres + shift.astype(np.float32)
+        shaded = Mixture(centres, np.broadcast_to(noise, (len(centres), 3, 3)), palette.weights)
+        return np.minimum(nearest_squared_distance(colours, shaded), NOT_SHADED)
+
+    alone = [missed(shift) for shift in shifts]
+    found = []
+    for i, j in combinations(range(len(shifts)), 2):
+        own = (np.count_nonzero((a < CLEARLY) & (a < b)) for a, b in ((alone[i], alone[j]), (alone[j], alone[i])))
+        both = shifts_of_both(ground, shifts[i], shifts[j])
+        if both is not None and min(own) >= LEAST_ALONE * len(colours):
+            found.append((float(np.minimum(np.minimum(alone[i], alone[j]), missed(both)).mean()), (i, j)))
+    return [pair for _, pair in sorted(found)[:count]]
+
+
+def materials_of_two(region: Region, ground: LitGround, first: Materials, second: Materials) -> Materials | None:
+    """The region as two lights' shadows, the deeper one first; None where both together would leave no light."""
+    if first.shift[0] > second.shift[0]:
+        first, second = second, first
+    both = shifts_of_both(ground, first.shift, second.shift)
+    if both is None:
+        return None
+    cost_of_both = cost_of_shift(region, ground, both, SHADED_SHARES)
+    layers = np.stack([first.shaded, second.shaded, cost_of_both])
+    shares = np.stack([first.share, second.share, share_of_shift(region, ground, both)])
+    share = np.take_along_axis(shares, layers.argmin(axis=0)[None], axis=0)[0]
+    return Materials(
+        (first.shift, second.shift, both),
+        np.minimum(first.lit, second.lit),
+        layers.min(axis=0),
+        np.minimum(np.minimum(first.contact, second.contact), cost_of_both),
+        share,
+        tuple(layers),
+    )
+
+
+def parted(materials: Materials, shadow: Mask, fitted: Predicted | None = None) -> tuple[Mask, ...]:
+    """The first and the second light's shadow, which share the pixels where both are blocked; none for one light.
+
+    Without a fit, colours alone decide; with one, they decide near its outlines.
+    """
+    if not materials.layers:
+        return ()
+    first, second, both = (smoothed(np.minimum(layer, UNEXPLAINED)) for layer in materials.layers)
+    if fitted is not None and len(fitted.parts) == 2:
+        one, other = fitted.parts
+        first = first + _penalty(one & ~other)
+        second = second + _penalty(other & ~one)
+        both = both + _penalty(one & other)
+    label = np.argmin([first, second, both], axis=0)
+    parts = tuple(majority(shadow & ((label == own) | (label == 2)), 5) for own in (0, 1))
+    return tuple(large_areas(part, LEAST_ALONE_PX) for part in parts)
+
+
+def are_two(parts: tuple[Mask, ...]) -> bool:
+    """Whether each of two shadows has a place of its own."""
+    if len(parts) != 2:
+        return False
+    one, other = parts
+    return bool(min(np.count_nonzero(one & ~other), np.count_nonzero(other & ~one)) >= LEAST_ALONE_PX)
+
+
+def savings(region: Region, materials: Materials, split: Split) -> float:
+    """How much less an unlit pixel costs, on average, if the split is right than if all were lit ground."""
+    masks = Predicted(split.object_mask, split.shadow_mask, split.parts)
+    costs = Costs(region, materials, object_cost(region, split.object_mask))
+    nothing = np.zeros_like(split.object_mask)
+    saved = costs.of(Predicted(nothing, nothing, (nothing, nothing))) - costs.of(masks)
+    return saved / max(int(region.unlit.sum()), 1)
+
+
+def _penalty(mask: Mask) -> Float32:
+    return np.asarray(COST_OF_DISTANCE * np.minimum(distance_to(mask), FARTHEST_PX), dtype=np.float32)

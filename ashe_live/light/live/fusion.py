@@ -1,0 +1,169 @@
+"""Makes one answer of consecutive estimates: outliers are left out, and a light that has changed is forgotten.
+
+Estimates of one view share their marker, their camera and most of their masks' errors, by how much is not known. They
+are therefore fused by covariance intersection (Julier and Uhlmann, A non-divergent estimation algorithm in the presence
+of unknown correlations, 1997), which stays honest whatever they share: it never claims to be surer than its members.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import permutations
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import normalised, radius_of_68_percent, tangent_basis
+from ashe_live.core.types import DirectionalLight, LightEstimate
+
+MEMBERS = 8  # the latest ones; the sun moves on
+CHANGED_AFTER = 3  # estimates in a row that contradict the answer and agree among themselves
+# 99 % of a chi-squared distribution of two degrees of freedom.
+GATE = 9.21
+# Errors of masks change in steps from frame to frame, also where each fit is sure of itself.
+TOLERANCE_RAD = math.radians(2.5)
+# A shadow whose ratio differs by such a factor is another light's, also from the same direction: the sun and a cloud.
+OTHER_DEPTH = 1.5
+UNKNOWN_SIGMA_RAD = math.radians(10)
+UNKNOWN_CONFIDENCE = 0.3
+NONE_CONFIDENCE = 0.2
+
+
+class LightFusion:
+    """Takes estimates of one scene in their order in time."""
+
+    def __init__(self) -> None:
+        self.answer: LightEstimate | None = None  # with masks, body and frame of the latest member
+        self._members: list[LightEstimate] = []
+        self._dissent: list[LightEstimate] = []
+        self._is_new = True
+
+    @property
+    def count(self) -> int:
+        """Of the estimates that `answer` is made of."""
+        return len(self._members)
+
+    @property
+    def is_new(self) -> bool:
+        """Whether the answer owes nothing to one before."""
+        return self._is_new
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether more of the same would hardly change the answer."""
+        return self.count == MEMBERS and not self._dissent
+
+    def add(self, estimate: LightEstimate) -> bool:
+        """False when `estimate` is taken for an outlier, and the answer stays."""
+        self._is_new = self.answer is None or not agree(self.answer, estimate)
+        if self.answer is None or not self._is_new:
+            self._members.append(estimate)
+            self._dissent.clear()
+        else:
+            self._dissent = [*(other for other in self._dissent if agree(other, estimate)), estimate]
+            if len(self._dissent) < CHANGED_AFTER and _weight(self._dissent) <= _weight(self._members):
+                return False
+            self._members, self._dissent = self._dissent, []
+        self._members = self._members[-MEMBERS:]
+        self.answer = fused(self._members)
+        return True
+
+
+def agree(a: LightEstimate, b: LightEstimate) -> bool:
+    """Whether both may tell of the same light or lights."""
+    return _matched(a.lights, b.lights) is not None
+
+
+def fused(estimates: Sequence[LightEstimate]) -> LightEstimate:
+    """One of several that agree, everything but its lights and colours from the last. Raises ValueError of none."""
+    if not estimates:
+        raise ValueError("there is nothing to fuse")
+    last = estimates[-1]
+    if len(estimates) == 1 or not last.lights:
+        return last
+    weights = np.array([_confidence(estimate) for estimate in estimates])
+    weights /= weights.sum()
+    rows = [_matched(last.lights, estimate.lights) or estimate.lights for estimate in estimates]
+    lights = tuple(_fused_light(column, weights) for column in zip(*rows, strict=True))
+    ambient = _mean([estimate.ambient_rgb_ratio for estimate in estimates], weights)
+    ground = _mean([estimate.ground_rgb for estimate in estimates], weights)
+    return replace(last, lights=lights, ambient_rgb_ratio=ambient, ground_rgb=ground)
+
+
+def _fused_light(lights: Sequence[DirectionalLight], weights: Float) -> DirectionalLight:
+    """Directions by covariance intersection in the tangent plane, the rest as weighted means. weights: (n,), sum 1."""
+    mean = normalised(weights @ np.array([light.to_light_marker for light in lights]))
+    information = np.array([_information(light) for light in lights])
+    for _ in range(2):  # the second time in the right tangent plane
+        basis = tangent_basis(mean)
+        on_plane = np.einsum("n,ai,nij->naj", weights, basis, information)
+        offsets = np.array([light.to_light_marker - mean for light in lights])
+        total = on_plane.sum(axis=0) @ basis.T
+        mean = normalised(mean + np.linalg.solve(total, np.einsum("naj,nj->a", on_plane, offsets)) @ basis)
+    basis = tangent_basis(mean)
+    covariance = np.linalg.inv(basis @ np.einsum("n,nij->ij", weights, information) @ basis.T)
+    is_known = all(light.covariance_rad2 is not None for light in lights)
+    sizes = _mean([light.angular_size_rad for light in lights], weights)
+    confidence = _mean([light.confidence for light in lights], weights)
+    return DirectionalLight(
+        mean,
+        covariance if is_known else None,
+        radius_of_68_percent(covariance) if is_known else None,
+        None if confidence is None else float(confidence),
+        None if sizes is None else float(sizes),
+        _mean([light.shadow_rgb_ratio for light in lights], weights),
+    )
+
+
+def _matched(a: Sequence[DirectionalLight], b: Sequence[DirectionalLight]) -> tuple[DirectionalLight, ...] | None:
+    """`b` in the order of `a`; None when they are not the same lights."""
+    if len(a) != len(b):
+        return None
+    for order in permutations(b):
+        if all(_same_light(one, other) for one, other in zip(a, order, strict=True)):
+            return order
+    return None
+
+
+def _same_light(a: DirectionalLight, b: DirectionalLight) -> bool:
+    if a.shadow_rgb_ratio is not None and b.shadow_rgb_ratio is not None:
+        factor = (float(a.shadow_rgb_ratio.mean()) + 1e-3) / (float(b.shadow_rgb_ratio.mean()) + 1e-3)
+        if not 1 / OTHER_DEPTH <= factor <= OTHER_DEPTH:
+            return False
+    if a.to_light_marker @ b.to_light_marker <= 0:
+        return False
+    basis = tangent_basis(a.to_light_marker + b.to_light_marker)
+    offset = basis @ (a.to_light_marker - b.to_light_marker)
+    spread = basis @ (_covariance(a) + _covariance(b)) @ basis.T + TOLERANCE_RAD**2 * np.eye(2)
+    return float(offset @ np.linalg.solve(spread, offset)) <= GATE
+
+
+def _covariance(light: DirectionalLight) -> Float:
+    """(3, 3) rad^2 in the marker frame, nothing along the direction: free of the azimuth's pole at the zenith."""
+    basis = tangent_basis(light.to_light_marker)
+    covariance = UNKNOWN_SIGMA_RAD**2 * np.eye(2) if light.covariance_rad2 is None else light.covariance_rad2
+    return np.asarray(basis.T @ covariance @ basis)
+
+
+def _information(light: DirectionalLight) -> Float:
+    """(3, 3) the inverse of `_covariance` within the tangent plane."""
+    return np.asarray(np.linalg.pinv(_covariance(light), hermitian=True))
+
+
+def _confidence(estimate: LightEstimate) -> float:
+    if estimate.light is None:
+        return NONE_CONFIDENCE
+    # Above 0, so that weights can be made to sum to 1.
+    return max(UNKNOWN_CONFIDENCE if estimate.light.confidence is None else estimate.light.confidence, 1e-3)
+
+
+def _weight(estimates: Sequence[LightEstimate]) -> float:
+    return sum(map(_confidence, estimates))
+
+
+def _mean(values: Sequence[Float | float | None], weights: Float) -> Float | None:
+    """The weighted mean of those that are known."""
+    known = [(np.asarray(value), weight) for value, weight in zip(values, weights, strict=True) if value is not None]
+    if not known:
+        return None
+    return np.asarray(sum(weight * value for value, weight in known) / sum(weight for _, weight in known))

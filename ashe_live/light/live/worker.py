@@ -1,0 +1,178 @@
+"""The light worker: estimates away from the viewer's loop, in a process of its own at the lowest priority.
+
+A thread would share the interpreter's lock and its full priority with the loop; docs/accuracy.md has the figures.
+"""
+
+import multiprocessing
+import os
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from functools import partial
+from multiprocessing.connection import Connection
+from multiprocessing.context import SpawnProcess
+from types import TracebackType
+from typing import Self
+
+from ashe_live.core.mailbox import LatestMailbox
+from ashe_live.core.pipes import send_value
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_estimator
+from ashe_live.light.live import worker_process
+from ashe_live.light.live.worker_process import WorkerFailure
+
+PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
+THREAD_TIMEOUT_S = 0.05
+# The paper's estimator takes ten seconds, on a crowded machine several times that.
+LONGEST_ESTIMATE_S = 120.0
+
+Outcome = LightEstimate | WorkerFailure
+
+
+class LightWorker:
+    """One process that answers one request at a time; for use from one thread, which it never blocks.
+
+    `estimator` is a name in ESTIMATORS (UserError for another one), or what makes an estimator of a preset's name and
+    can be pickled. The process starts here, so that its imports are done when the first request comes.
+    """
+
+    def __init__(self, estimator: str | Callable[[str], Estimator]) -> None:
+        if isinstance(estimator, str) and estimator not in ESTIMATORS:
+            make_estimator(estimator)  # raises here, not later in the process
+        self._make = partial(make_estimator, estimator) if isinstance(estimator, str) else estimator
+        self._asked_index: int | None = None
+        self._asked_s = 0.0
+        self._closed = False
+        self._process: _Process | None = _Process(self._make)
+
+    @property
+    def busy(self) -> bool:
+        """Whether a request has been made whose outcome has not been collected yet."""
+        return self._asked_index is not None
+
+    def request(self, tracked: TrackedFrame, preset: str = "balanced") -> bool:
+        """Asks for the light in `tracked`, at the named quality; False, and nothing asked, while busy.
+
+        Raises ValueError when closed.
+        """
+        if self._closed:
+            raise ValueError("the light worker is closed")
+        if self.busy:
+            return False
+        if self._process is None or self._process.has_ended:
+            self._discard()
+            self._process = _Process(self._make)
+        self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
+        self._process.send(tracked, preset)
+        return True
+
+    def poll(self) -> Outcome | None:
+        """What has come of the request, once; None while there is nothing."""
+        return self.wait(0.0)
+
+    def wait(self, timeout_s: float) -> Outcome | None:
+        """As `poll`, after waiting for it for up to `timeout_s`."""
+        if self._process is None or self._asked_index is None:
+            return None
+        try:
+            outcome = self._process.outcomes.take(timeout_s)
+        except EOFError:
+            outcome = WorkerFailure(self._asked_index, "the light estimator's process has died")
+            self._discard()
+        if outcome is None and time.monotonic() - self._asked_s > LONGEST_ESTIMATE_S:
+            outcome = WorkerFailure(self._asked_index, f"no answer in {LONGEST_ESTIMATE_S:.0f} s")
+            self._discard()
+        if outcome is not None:
+            self._asked_index = None
+        return outcome
+
+    def give_up(self) -> None:
+        """Nothing comes of the request, if there is one; the next one may be made at once."""
+        if self.busy:
+            self._asked_index = None
+            self._discard()
+            self._process = _Process(self._make)
+
+    def close(self) -> None:
+        """Ends the process, also in the middle of an estimate; closing twice is allowed."""
+        self._closed = True
+        self._asked_index = None
+        self._discard()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _discard(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process = None
+
+
+class _Process:
+    """One life of the process: the mailbox of its answers is closed with EOFError when it ends."""
+
+    def __init__(self, make: Callable[[str], Estimator]) -> None:
+        # Spawned, as a forked child would inherit the window, its GL context and half-held locks.
+        context = multiprocessing.get_context("spawn")
+        self.outcomes: LatestMailbox[Outcome] = LatestMailbox()
+        self._connection, far_end = context.Pipe()
+        self._process: SpawnProcess = context.Process(
+            target=worker_process.run, args=(far_end, make), name="ashe-live light worker", daemon=True
+        )
+        # Read by the child's NumPy as it loads: its threads would take the cores that the viewer's loop needs.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+        self._process.start()
+        # Else our own copy would keep the pipe open after the process has died.
+        far_end.close()
+        self._threads = [self._thread(_receive, self._connection, self.outcomes)]
+
+    @property
+    def has_ended(self) -> bool:
+        return self.outcomes.is_closed or not self._process.is_alive()
+
+    def send(self, tracked: TrackedFrame, preset: str) -> None:
+        """Hands the frame over in a thread, as the pipe takes it only as fast as the process reads."""
+        self._threads[1:] = [self._thread(_send, self._connection, (tracked, preset))]
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.join(PROCESS_TIMEOUT_S)
+        # With the process gone both threads meet the pipe's end at once; a pipe still in use must not be closed.
+        for thread in self._threads:
+            thread.join(THREAD_TIMEOUT_S)
+        if not any(thread.is_alive() for thread in self._threads):
+            self._connection.close()
+
+    @staticmethod
+    def _thread(target: Callable[..., None], *arguments: object) -> threading.Thread:
+        thread = threading.Thread(target=target, args=arguments, daemon=True, name="ashe-live light pipe")
+        thread.start()
+        return thread
+
+
+def _send(connection: Connection, request: tuple[TrackedFrame, str]) -> None:
+    # A broken pipe is met by the receiving thread as well, which tells.
+    with suppress(OSError):
+        send_value(connection, request)
+
+
+def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
+    try:
+        while True:
+            outcome: Outcome = connection.recv()
+            outcomes.put(_refrozen(outcome) if isinstance(outcome, LightEstimate) else outcome)
+    except (EOFError, OSError):
+        outcomes.close(EOFError())
+
+
+def _refrozen(estimate: LightEstimate) -> LightEstimate:
+    """Arrays come out of a pickle writable: made again, they are checked and read-only as before."""
+    caster = estimate.caster and replace(estimate.caster)
+    return replace(estimate, lights=tuple(replace(light) for light in estimate.lights), caster=caster)

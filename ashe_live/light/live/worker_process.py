@@ -1,0 +1,54 @@
+"""The far side of the light worker: one process that estimates, one request after the other."""
+
+import os
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING
+
+from ashe_live.core.pipes import receive_value
+
+if TYPE_CHECKING:
+    from ashe_live.core.types import LightEstimate, TrackedFrame
+    from ashe_live.light.estimators.estimator import Estimator
+
+NICENESS = 19
+
+
+@dataclass(frozen=True, slots=True)
+class WorkerFailure:
+    """Why a request got no estimate."""
+
+    frame_index: int
+    message: str  # one line, for a person
+
+
+def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
+    """Answers every tracked frame and preset with a LightEstimate or a WorkerFailure, until the other side has gone."""
+    # Ctrl-C in the terminal reaches every process; the viewer's main one decides what comes of it.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
+    import cv2
+
+    # The other cores belong to the viewer's loop.
+    cv2.setNumThreads(1)
+    estimators: dict[str, Estimator] = {}
+    # EOFError and BrokenPipeError: the viewer is gone, and nobody wants the answer.
+    with suppress(EOFError, OSError):
+        while True:
+            tracked, preset = receive_value(connection)
+            if preset not in estimators:
+                estimators[preset] = make(preset)
+            connection.send(_answer(estimators[preset], tracked))
+
+
+def _answer(estimator: "Estimator", tracked: "TrackedFrame") -> "LightEstimate | WorkerFailure":
+    """An exception is the request's failure, not the process's end."""
+    try:
+        return estimator.estimate(tracked)
+    except Exception as error:
+        first_line = (str(error).strip() or "no message").splitlines()[0]
+        return WorkerFailure(tracked.frame.index, f"{type(error).__name__}: {first_line}")

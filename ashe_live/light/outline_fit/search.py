@@ -1,0 +1,206 @@
+"""Levenberg and Marquardt's method for families of bodies, many starts at once, with a loss that forgives outliers.
+
+The starts of several families in several scenes are worked on in step: NumPy's calls cost more than their numbers,
+which are few.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.outline_fit.residuals import Indices, Sights, Stacked, residuals
+from ashe_live.light.shape.family import Family, padded
+
+SOLID_PRIOR = 0.25  # px^2 that one `spread` of a parameter costs: enough to keep what nothing else holds
+LARGEST_STEP = 1.5
+THINNING, TRIAL = 2, 4  # iterations before a third of the starts, and only the best ones, go on
+CONVERGED = 1e-2  # relative gain of the cost
+FIRST_DAMPING, HIGHEST_DAMPING = 1e-2, 1e5
+HOPELESS = 3.0  # a search whose cost remains above this multiple of its scene's best is given up
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """A family in which to look for the body that explains a scene."""
+
+    scene: int  # which one of the sights
+    family: Family
+    slants: Float  # (m, l, 2) to start from
+    shapes: Float  # (m, q)
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """The best member of a family."""
+
+    family: Family
+    slants: Float  # (l, 2)
+    shape: Float  # (q,)
+    cost: float  # px^2
+    mean_square: float  # px^2, of the forgiving loss, over the outlines' directions
+    count: int  # of directions in which an outline was measured
+    normal: Float  # (2 l + q, 2 l + q) information on slants and shape, were errors independent and 1 px large
+
+
+def search(
+    sights: Sights, problems: Sequence[Problem], least_cost: Float, iterations: int, kept: int
+) -> list[Solution]:
+    """For each of m problems the member of its family and the slants that explain its scene's outlines best.
+
+    After a few iterations only the `kept` best starts go on, and none of them when their cost is far above the least
+    that is known for the scene by then; at first that is `least_cost`, one for each of the sights.
+    """
+    stack = _Stack.of(sights, problems)
+    now = stack.started(problems)
+    solved: dict[int, Solution] = {}
+    for iteration in range(iterations):
+        if iteration in (THINNING, TRIAL):
+            now = now.of(now.best(kept, 1 / 3 if iteration == THINNING else 0.0))
+        candidate = now.theta + stack.step(now)
+        gain = now.improved(candidate, *stack.evaluated(now.problem, now.start, candidate))
+        if iteration >= TRIAL:
+            over = now.over(gain, stack.hopeless(now, least_cost), iteration > TRIAL)
+            solved |= stack.solutions(now.of(over))
+            now = now.of(~over)
+            if not len(now.problem):
+                break
+    solved |= stack.solutions(now)
+    return [solved[i] for i in range(len(problems))]
+
+
+def stiffness_of(family: Family, split: int) -> Float:
+    """(split + q,) px^2 that parameters cost as they leave their start; slants, the first `split`, may go anywhere."""
+    return np.asarray(SOLID_PRIOR / np.array([np.inf] * split + list(family.spread)) ** 2)
+
+
+def information_on_slants(normal: Float, count: int) -> Float:
+    """(count, count) of (count + q, count + q): what is known of slants when the shape is not; the Schur complement."""
+    own, mixed, others = normal[:count, :count], normal[:count, count:], normal[count:, count:]
+    scale = np.sqrt(np.maximum(np.diag(others), 1e-9))
+    balanced = others / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    mixed = mixed / scale
+    return np.asarray(own - mixed @ np.linalg.solve(balanced, mixed.T))
+
+
+@dataclass(frozen=True, slots=True)
+class _Candidates(Stacked):
+    """Where n searches are."""
+
+    problem: Indices  # (n,) which one is to be solved, ascending
+    start: Float  # (n, 2 l + q)
+    theta: Float  # (n, 2 l + q)
+    damping: Float  # (n,)
+    missed: Float  # (n, r)
+    by_theta: Float  # (n, 2 l + q, r)
+    cost: Float  # (n,)
+
+    def best(self, kept: int, share: float) -> Indices:
+        """Indices of each problem's `kept` best ones, or of this share of them if that is more."""
+        order = np.lexsort((self.cost, self.problem))
+        rank = np.arange(len(order)) - np.searchsorted(self.problem, self.problem)
+        count = np.bincount(self.problem)[self.problem]
+        return np.asarray(order[rank < np.maximum(kept, (share * count).astype(int))])
+
+    def improved(self, theta: Float, missed: Float, by_theta: Float, cost: Float) -> Float:
+        """Takes the places that cost less; (n,) how much less."""
+        better = cost < self.cost
+        gain = np.where(better, self.cost - cost, 0.0)
+        self.theta[better], self.missed[better] = theta[better], missed[better]
+        self.by_theta[better], self.cost[better] = by_theta[better], cost[better]
+        self.damping[:] = np.clip(self.damping * np.where(better, 0.2, 6.0), 1e-7, 1e7)
+        return gain
+
+    def over(self, gain: Float, hopeless: Float, settles: bool) -> Mask:
+        """(n,) whether their problem is solved, as far as can be, or given up as it costs more than `hopeless` (m,)."""
+        first = np.flatnonzero(np.diff(self.problem, prepend=-1))
+        over = np.minimum.reduceat(self.cost, first) > hopeless[self.problem[first]]
+        over |= np.minimum.reduceat(self.damping, first) > HIGHEST_DAMPING
+        if settles:
+            much = gain - CONVERGED * (self.cost + gain)
+            over |= (np.maximum.reduceat(gain, first) > 0) & (np.maximum.reduceat(much, first) <= 0)
+        return np.repeat(over, np.diff(first, append=len(self.problem)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Stack:
+    """m problems in step. What a family has fewer parameters than another stands after its own and moves nothing."""
+
+    families: Sequence[Family]
+    scene: Indices  # (m,)
+    sights: Sights  # of each problem
+    stiffness: Float  # (m, 2 l + q)
+    lights: int
+
+    @classmethod
+    def of(cls, sights: Sights, problems: Sequence[Problem]) -> Self:
+        families = [problem.family for problem in problems]
+        scene = np.array([problem.scene for problem in problems])
+        split = problems[0].slants[0].size
+        stiffness = padded([stiffness_of(family, split) for family in families])
+        return cls(families, scene, sights.of(scene), stiffness, split // 2)
+
+    def started(self, problems: Sequence[Problem]) -> _Candidates:
+        start = padded(
+            [
+                np.append(slants, shape)
+                for each in problems
+                for slants, shape in zip(each.slants, each.shapes, strict=True)
+            ]
+        )
+        problem = np.repeat(np.arange(len(problems)), [len(each.shapes) for each in problems])
+        evaluated = self.evaluated(problem, start, start)
+        return _Candidates(problem, start, start.copy(), np.full(len(start), FIRST_DAMPING), *evaluated)
+
+    def evaluated(self, problem: Indices, start: Float, theta: Float) -> tuple[Float, Float, Float]:
+        """What n candidates miss (n, r), its derivatives, and their costs (n,), which include leaving their start."""
+        own, split = self.sights.of(problem), 2 * self.lights
+        slants = theta[:, :split].reshape(-1, self.lights, 2)
+        missed, by_theta = residuals(own, [self.families[i] for i in problem], slants, theta[:, split:])
+        loss = (own.scale_px**2 * np.log1p((missed / own.scale_px) ** 2)).sum(axis=1)
+        return missed, by_theta, loss + ((theta - start) ** 2 * self.stiffness[problem]).sum(axis=1)
+
+    def step(self, now: _Candidates) -> Float:
+        """(n, 2 l + q) Levenberg and Marquardt's."""
+        stiffness = self.stiffness[now.problem]
+        weight = (now.missed != 0) / (1 + (now.missed / self.sights.scale_px[now.problem]) ** 2)
+        normal, gradient = _normal_equations(now, weight)
+        gradient += (now.theta - now.start) * stiffness
+        diagonal = np.arange(stiffness.shape[1])
+        curvature = normal[:, diagonal, diagonal]
+        floor = 1e-6 * curvature.max(axis=1, keepdims=True) + 1e-12
+        normal[:, diagonal, diagonal] += now.damping[:, None] * (curvature + floor) + floor + stiffness
+        step = np.linalg.solve(normal, -gradient[..., None])[..., 0]
+        return np.asarray(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
+
+    def hopeless(self, now: _Candidates, least_cost: Float) -> Float:
+        """(m,) a cost far above the least that explains their scene; `least_cost` is brought up to date."""
+        np.minimum.at(least_cost, self.scene[now.problem], now.cost)
+        return HOPELESS * least_cost[self.scene]
+
+    def solutions(self, now: _Candidates) -> dict[int, Solution]:
+        """Of every problem that has candidates."""
+        best = now.of(now.best(1, 0.0))
+        own = self.sights.of(best.problem)
+        squares = (best.missed / own.scale_px) ** 2
+        loss = (own.scale_px**2 * np.log1p(squares)).sum(axis=1)
+        # Bounds are no measurements: what lies between them, or at one of them, could lie elsewhere.
+        seen = (own.least_px == own.most_px).reshape(best.missed.shape)
+        known = seen.sum(axis=1)
+        normal, _ = _normal_equations(best, seen / (1 + squares))
+        found = {}
+        for i, problem in enumerate(best.problem.tolist()):
+            family, split = self.families[problem], 2 * self.lights
+            slants, shape = best.theta[i, :split].reshape(-1, 2), best.theta[i, split : split + family.size]
+            told = normal[i, : split + family.size, : split + family.size] + np.diag(stiffness_of(family, split))
+            square = float(loss[i]) / max(int(known[i]), 1)
+            found[problem] = Solution(family, slants, shape, float(best.cost[i]), square, int(known[i]), told)
+        return found
+
+
+def _normal_equations(now: _Candidates, weight: Float) -> tuple[Float, Float]:
+    """(n, 2 l + q, 2 l + q) and (n, 2 l + q) of the weighted squares."""
+    weighted = now.by_theta * weight[:, None]
+    return weighted @ now.by_theta.swapaxes(1, 2), (weighted @ now.missed[..., None])[..., 0]

@@ -1,0 +1,113 @@
+"""Estimator `paper`: the method of the AShE paper as published, kept as what everything else is compared with.
+
+Source: "A Shadow Estimator for Augmented Reality Systems on Mobile Platforms" (AShE). Its steps are the functions of
+`paper_masks` and `paper_geometry`; here they stand in the paper's order. It has no measure of its own certainty.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.camera import Size
+from ashe_live.core.stages import StageClock
+from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.light.paper import geometry, masks
+from ashe_live.light.paper.shadow_colour import shadow_rgb_ratio
+
+
+@dataclass(frozen=True, slots=True)
+class PaperSteps:
+    """The method's numbers: as published where they are, else the sensible decision."""
+
+    size: Size = (640, 480)  # published
+    grabcut_iterations: int = 25  # published
+    grabcut_margin_px: int = 2  # "almost full"
+    clusters: int = 8
+    kmeans_attempts: int = 3
+    kmeans_iterations: int = 20
+    dark_share: float = 0.5  # of the median luminance: a shadow has lost most of the light
+    sheet_over_marker: float = 1.4  # the printed sheet with its white margin, over the black square's side
+    score_c_share: float = 0.15  # c over the working width: about the size of an object
+    score_k: float = 1.0
+    smallest_share: float = 0.001  # of the picture: smaller regions are specks
+    least_side_px: int = 16  # at the working size: a narrower picture holds no object beside its shadow
+
+
+@dataclass(frozen=True, slots=True)
+class PaperEstimator:
+    """AShE from one frame; see Estimator."""
+
+    steps: PaperSteps = PaperSteps()
+
+    @property
+    def name(self) -> str:
+        return "paper"
+
+    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
+        """The paper's answer; a step that finds nothing, or a light that is not above the ground, gives a reason."""
+        if tracked.marker is None:
+            raise ValueError("an estimate needs a frame with a marker")
+        clock = StageClock()
+        steps, marker = self.steps, tracked.marker
+        object_mask: Mask | None = None
+        shadow_mask: Mask | None = None
+
+        def answer(light: DirectionalLight | None, reason: str | None) -> LightEstimate:
+            lights = () if light is None else (light,)
+            return LightEstimate(
+                self.name, tracked.frame.index, lights, reason, object_mask, shadow_mask, clock.timing_ms()
+            )
+
+        size = masks.working_size(tracked.frame.size, steps.size)
+        if min(size) < steps.least_side_px:
+            return answer(None, "the picture is too narrow")
+        camera = tracked.camera.resized(size)
+        smallest_px = steps.smallest_share * size[0] * size[1]
+
+        cube_hull = masks.hull_of_points(camera, marker.T_cam_marker, geometry.cube_corners(marker.side_m))
+        sheet_side_m = steps.sheet_over_marker * marker.side_m
+        sheet_hull = masks.hull_of_points(camera, marker.T_cam_marker, geometry.square_corners(sheet_side_m))
+        if cube_hull is None or sheet_hull is None:
+            return answer(None, "the virtual object reaches behind the camera")
+        # The marker lies inside the cube's mask, its white margin beside it: neither object nor shadow.
+        cube, sheet = masks.filled(cube_hull, size), masks.filled(sheet_hull, size)
+
+        image = masks.resized(tracked.frame.image_bgr, size)
+        labels = masks.lab_clusters(image, steps.clusters, steps.kmeans_attempts, steps.kmeans_iterations)
+        dark = masks.darkest_clusters(image, labels, ~sheet, steps.dark_share)
+        if not dark.any():
+            clock.end("segment")
+            return answer(None, "nothing in the picture is dark enough for a shadow")
+        foreground = masks.grabcut_foreground(image, steps.grabcut_margin_px, steps.grabcut_iterations)
+        clock.end("segment")
+
+        object_mask = masks.largest_object(foreground, dark, cube | sheet, smallest_px)
+        if object_mask is None:
+            clock.end("associate")
+            return answer(None, "no object found beside the marker")
+        c_px = steps.score_c_share * size[0]
+        shadow_mask = masks.shadow_of(object_mask, dark & ~cube, c_px, steps.score_k, smallest_px)
+        clock.end("associate")
+        if shadow_mask is None:
+            return answer(None, "no shadow found beside the object")
+
+        centres_px = np.array([masks.centre_of_mass(object_mask), masks.centre_of_mass(shadow_mask)])
+        object_px, shadow_px = geometry.undistorted(camera, centres_px)
+        scale = geometry.real_to_virtual_scale(_polygon_area(cube_hull), float(object_mask.sum()))
+        to_light = geometry.to_light_from_centres(
+            camera, marker.T_cam_marker, marker.side_m, object_px, shadow_px, scale
+        )
+        clock.end("fit")
+
+        if to_light is None or to_light[2] <= 0:
+            clock.end("judge")
+            return answer(None, "the shadow does not fit a light above the ground")
+        ratio = shadow_rgb_ratio(image, shadow_mask, object_mask | sheet)
+        clock.end("judge")
+        return answer(DirectionalLight(to_light, shadow_rgb_ratio=ratio), None)
+
+
+def _polygon_area(hull_px: Float) -> float:
+    return float(cv2.contourArea(hull_px.astype(np.float32)))

@@ -1,0 +1,129 @@
+"""Mixtures of colours: what a material looks like, and what it costs to take a pixel for it."""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Float32
+
+# Standard deviations below which colours of one material are not told apart: noise, JPEG, relief.
+COLOUR_NOISE = np.array([0.05, 0.045, 0.045])
+LEAST_MEMBERS = 5
+# So many colours at a time, that what is computed of them stays near the processor.
+BLOCK = 4096
+# Twice the negative log of the density of a colour that no material explains: a few in a hundred are of any colour.
+UNEXPLAINED = 13.0
+ROWS, COLUMNS = np.triu_indices(3)  # of a quadratic form's six numbers
+NORMAL = 3 * math.log(2 * math.pi)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mixture:
+    """The colours of a material, log-opponent, as normal distributions."""
+
+    centres: Float32  # (k, 3)
+    covariances: Float32  # (k, 3, 3)
+    weights: Float32  # (k,) shares of the material
+
+    def shifted(self, shift: Float, shares: Float, widenings: Float) -> "Mixture":
+        """The material when some shares (s,) of a shift (3,) are seen, all of them together, each with its widening."""
+        centres = self.centres + (shares[:, None, None] * shift).astype(np.float32)
+        covariances = self.covariances * widenings[:, None, None, None].astype(np.float32)
+        return Mixture(centres.reshape(-1, 3), covariances.reshape(-1, 3, 3), np.tile(self.weights, len(shares)))
+
+
+def clusters(colours: Float32, count: int, start: NDArray[np.intp] | None = None) -> tuple[NDArray[np.intp], Float32]:
+    """Labels (n,) and centres (k, 3) of colours (n, 3), k at most `count`; the same input gives the same bits.
+
+    `start`: (n,) labels to begin with, where there are some already.
+    """
+    # OpenCV's generator is global: seeded here, so that nothing that ran before matters.
+    cv2.setRNGSeed(1)
+    criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 12, 0.01)
+    how = cv2.KMEANS_PP_CENTERS if start is None else cv2.KMEANS_USE_INITIAL_LABELS
+    given = np.empty(0, np.int32) if start is None else start.astype(np.int32)[:, None]
+    _, labels, centres = cv2.kmeans(colours, min(count, len(colours)), given, criteria, 1, how)
+    return labels[:, 0].astype(np.intp), np.asarray(centres, dtype=np.float32)
+
+
+def nearest_centres(colours: Float32, centres: Float32) -> NDArray[np.intp]:
+    """(n,) which of at most 255 centres (k, 3) is nearest to each of the colours (n, 3); the first one of two."""
+    labels = np.empty(len(colours), np.intp)
+    # Maxima over rows of bytes take a fifth of the time of `argmin`.
+    first = np.arange(len(centres), 0, -1, dtype=np.uint8)[:, None]
+    squares = (centres**2).sum(axis=1)[:, None]
+    for begin in range(0, len(colours), BLOCK):
+        block = slice(begin, begin + BLOCK)
+        distances = squares - 2 * centres @ colours[block].T
+        labels[block] = (first * (distances == distances.min(axis=0))).max(axis=0)
+    return len(centres) - labels
+
+
+def mixture_of(
+    colours: Float32, count: int, widening: float = 1.0, start: NDArray[np.intp] | None = None
+) -> Mixture | None:
+    """The mixture of at most `count` components that describes colours (n, 3); None of fewer than a few colours.
+
+    `start`: as in `clusters`.
+    """
+    if len(colours) < LEAST_MEMBERS:
+        return None
+    labels, centres = clusters(colours, count, start)
+    own = (labels == np.arange(len(centres))[:, None]).astype(np.float64)
+    members = own.sum(axis=1)
+    kept = members >= LEAST_MEMBERS
+    if not kept.any():
+        return None
+    own, members = own[kept], members[kept][:, None]
+    middle = colours.mean(axis=0, dtype=np.float64)
+    away = colours - middle
+    means = own @ away / members
+    squares = own @ (away[:, :, None] * away[:, None, :]).reshape(-1, 9) / members
+    covariances = (squares - (means[:, :, None] * means[:, None, :]).reshape(-1, 9)) * members / (members - 1)
+    return Mixture(
+        (middle + means).astype(np.float32),
+        (widening * covariances.reshape(-1, 3, 3) + np.diag(COLOUR_NOISE**2)).astype(np.float32),
+        (members[:, 0] / len(labels)).astype(np.float32),
+    )
+
+
+def nearest_squared_distance(colours: Float32, mixture: Mixture, costs: Float | Float32 | None = None) -> Float32:
+    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a component, plus that component's cost (k,).
+
+    The distances are quadratics in the colour, so that all of them are one product of (k, 10) and (10, n).
+    """
+    centres = mixture.centres
+    precisions = np.linalg.inv(mixture.covariances.astype(np.float64))
+    offsets = np.einsum("ki,kij,kj->k", centres, precisions, centres) + (0.0 if costs is None else costs)
+    coefficients = np.column_stack(
+        [
+            precisions[:, ROWS, COLUMNS] * np.where(ROWS == COLUMNS, 1, 2),
+            -2 * np.einsum("kij,kj->ki", precisions, centres),
+            offsets,
+        ]
+    )
+    # Colours run along the rows, as minima over rows are several times faster than minima along them.
+    monomials = np.empty((10, len(colours)), np.float32)
+    monomials[6:9], monomials[9] = colours.T, 1
+    for row, one, other in zip(monomials, ROWS, COLUMNS, strict=False):
+        np.multiply(monomials[6 + one], monomials[6 + other], out=row)
+    coefficients = coefficients.astype(np.float32)
+    nearest = np.empty(len(colours), np.float32)
+    for begin in range(0, len(colours), BLOCK):
+        block = slice(begin, begin + BLOCK)
+        (coefficients @ monomials[:, block]).min(axis=0, out=nearest[block])
+    return nearest
+
+
+def cost(colours: Float32, mixture: Mixture, more: Float | float = 0.0) -> Float32:
+    """(n,) twice the negative log of the density of colours (n, 3), by the likeliest component; at most UNEXPLAINED.
+
+    `more`: (k,) that components cost in addition; the cheapest one's is added to the most, too.
+    """
+    spread = np.linalg.slogdet(mixture.covariances.astype(np.float64))[1]
+    rarity = -2 * np.log(np.maximum(mixture.weights, 1e-3))
+    costs = nearest_squared_distance(colours, mixture, spread + rarity + NORMAL + more)
+    return np.minimum(costs, np.float32(UNEXPLAINED + np.min(more)))

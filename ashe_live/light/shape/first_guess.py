@@ -1,0 +1,114 @@
+"""From outlines to a rough upright body and rough lights, where the search begins."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import inverse_rigid
+from ashe_live.light.shape.silhouettes import Outlines
+
+SLENDEREST, FLATTEST = 8.0, 0.3  # height over radius
+HIGHEST = 0.85  # of the height at which a slab's far edge would be seen where the outline ends
+
+CORNER_PX = np.zeros(2)
+
+
+@dataclass(frozen=True, slots=True)
+class FirstGuess:
+    """A cylinder, in a frame of its own: upright on the ground under it, in units of its larger size."""
+
+    P: Float  # (3, 4) pixels about the outlines' centre, from the guess's frame
+    origin_marker: Float  # (2,) metres: the guess's foot
+    unit_m: float
+    radius: float
+    height: float
+    slants: Float  # (l, 2) displacement s for each light
+
+    def seen_by(self, camera: Camera, T_cam_marker: Float, centre_px: Float = CORNER_PX) -> "FirstGuess":
+        """The same cylinder in another picture, pixels about another centre (2,)."""
+        return replace(
+            self,
+            P=_about(centre_px) @ camera.K @ T_cam_marker[:3] @ _marker_from_guess(self.origin_marker, self.unit_m),
+        )
+
+
+def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> FirstGuess | str:
+    """A cylinder that covers the object's outline, and the lights that throw its shadows' tips; or why not."""
+    P = _about(outlines.centre_px) @ camera.K @ T_cam_marker[:3]
+    eye = inverse_rigid(T_cam_marker)[:3, 3]
+    ground_from_image = _ground_from_image(P)
+    if eye[2] <= 0 or ground_from_image is None:
+        return "the camera looks along the ground or from below it"
+
+    # Upright in the image, at the outlines' centre. Straight down, any direction will do.
+    length = float(np.linalg.norm(P[:2, 2]))
+    up = P[:2, 2] / length if length > 0 else np.array([0.0, -1.0])
+    side = np.array([-up[1], up[0]])
+    across, along = outlines.body.hull_px @ side, outlines.body.hull_px @ up
+    breadth = max(float(np.ptp(across)), 1.0)
+    foot_px = side * (across.max() - breadth / 2) + up * along.min()
+    step = 0.02 * breadth * up
+    foot = _on_ground(ground_from_image, np.array([foot_px, foot_px + step]))
+    if len(foot) < 2:
+        return "the object lies above the horizon"
+    away = (foot[1] - foot[0]) / max(float(np.linalg.norm(foot[1] - foot[0])), 1e-300)
+    depth = float(P[2] @ (*foot[0], 0.0, 1.0))
+    radius = 0.5 * breadth * depth / math.sqrt(camera.K[0, 0] * camera.K[1, 1])
+    centre = foot[0] + radius * away
+
+    image = P @ (*centre, 0.0, 1.0)
+    top = float(along.max())
+    gain = float(P[:2, 2] @ up - top * P[2, 2])
+    missing = float(top * image[2] - image[:2] @ up)
+    height = HIGHEST * missing / gain if gain > 0 else math.inf
+    height = min(max(height, FLATTEST * radius), SLENDEREST * radius)
+    unit = max(radius, height)
+    M = _marker_from_guess(centre, unit)
+    if not (math.isfinite(unit) and unit > 0 and P[2] @ M[:, 3] > 0):
+        return "the object lies above the horizon"
+
+    slants = []
+    for shadow in outlines.shadows:
+        points = _on_ground(ground_from_image, shadow.hull_px)
+        if not len(points):
+            return "the shadow lies above the horizon"
+        offsets = (points - centre) / unit
+        mean = offsets.mean(axis=0)
+        towards = mean / max(float(np.linalg.norm(mean)), 1e-12)
+        reach = float((offsets @ towards).max()) - 0.7 * radius / unit
+        slants.append(-towards * max(reach, 0.1 * radius / unit) * unit / height)
+    return FirstGuess(P @ M, centre, unit, radius / unit, height / unit, np.array(slants))
+
+
+def _marker_from_guess(origin_marker: Float, unit_m: float) -> Float:
+    """(4, 4)"""
+    M = np.diag([unit_m, unit_m, unit_m, 1.0])
+    M[:2, 3] = origin_marker
+    return M
+
+
+def _about(centre_px: Float) -> Float:
+    """(3, 3) pixels about a centre, from those about the picture's corner."""
+    x, y = centre_px
+    return np.array([[1.0, 0.0, -x], [0.0, 1.0, -y], [0.0, 0.0, 1.0]])
+
+
+def _ground_from_image(P: Float) -> Float | None:
+    """(3, 3) homography from pixels to ground points, its last row positive where the ground is before the camera."""
+    image_from_ground = P[:, [0, 1, 3]]
+    scale = float(np.abs(image_from_ground).max())
+    determinant = float(np.linalg.det(image_from_ground / scale)) if scale > 0 else 0.0
+    if not math.isfinite(determinant) or abs(determinant) < 1e-12:
+        return None
+    return np.asarray(np.linalg.inv(image_from_ground))
+
+
+def _on_ground(ground_from_image: Float, pixels: Float) -> Float:
+    """(m, 2) ground points of those pixels (n, 2) that show the ground before the camera."""
+    points = np.column_stack([pixels, np.ones(len(pixels))]) @ ground_from_image.T
+    # The horizon is where the last coordinate passes 0; what is nearly there is of no use either.
+    seen = points[points[:, 2] > 1e-4 * np.abs(ground_from_image[2, 2])]
+    return np.asarray(seen[:, :2] / seen[:, 2:])

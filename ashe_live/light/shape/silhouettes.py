@@ -1,0 +1,172 @@
+"""What masks say about outlines: bounds on how far the object and its whole shadows reach in each direction."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.shape.contours import AnyMask, Contour, at, beside, contour_of, cutting
+
+# The outline of a shadow this near to the object may go on behind it.
+CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0
+# An edge may end anywhere along its length: what reaches this nearly as far may be where the outline ends.
+TIE_PX = 0.5
+LEAST_SEEN_OF_BODY, LEAST_SEEN_OF_SHADOW = 6, 1  # directions
+# A straight edge this long, in sizes of the object, is measured although its ends are cut or hidden.
+LONG_EDGE, EDGES, STRAIGHT_PX = 0.3, 2, 0.75
+
+
+@dataclass(frozen=True, slots=True)
+class Silhouette:
+    """A convex hull, and where it may not be that of the whole."""
+
+    hull_px: Float  # (m, 2) corners about the common centre
+    certain: Mask  # (m,) whether the outline truly ends at this corner
+
+
+@dataclass(frozen=True, slots=True)
+class Outlines:
+    """The silhouettes of an object and of its l shadows, and what they bound.
+
+    Rows of the bounds: the object, its shadows, and all of them together. They are equal where an outline was measured,
+    and apart where it is hidden (it may reach further) or cut (infinitely far, for all that is known). Together they
+    are measured where it cannot be told which of them reaches so far.
+    """
+
+    directions: Float  # (d, 2) unit vectors in the image
+    centre_px: Float  # (2,) of the object, where silhouettes are measured from
+    size_px: float  # square root of the object's area
+    body: Silhouette
+    shadows: tuple[Silhouette, ...]
+    least_px: Float  # (2 + l, d) the whole reaches at least as far
+    most_px: Float  # (2 + l, d) and at most as far
+
+    @property
+    def seen(self) -> Mask:
+        """(2 + l, d) where an outline was measured, not only bounded."""
+        return np.asarray(self.least_px == self.most_px)
+
+
+def observe_outlines(
+    body: AnyMask,
+    shadows: Sequence[AnyMask],
+    unreliable: Mask | None,
+    direction_count: int,
+    edge_sigma_px: float = 0.0,
+    either: Mask | None = None,
+) -> Outlines | str:
+    """Silhouettes from masks (h, w): bool, or the probability 0..1, then drawn at 0.5; or the reason why not.
+
+    `unreliable`: pixels of which nothing is known, such as the marker's or other objects'. `edge_sigma_px`: how far
+    edges typically are from the truth, which may leave a gap between the object and its shadow. `either`: pixels that
+    belong to the object or to a shadow, no matter to which.
+    """
+    body_contour = contour_of(body)
+    if body_contour is None:
+        return "no object"
+    shadow_contours = [contour for contour in map(contour_of, shadows) if contour is not None]
+    if len(shadow_contours) < len(shadows):
+        return "no shadow"
+    whole_contour, really_unreliable = None, unreliable
+    if either is not None and either.any():
+        whole_contour = contour_of(np.logical_or.reduce([body > 0.5, either, *(shadow > 0.5 for shadow in shadows)]))
+        unreliable = either if unreliable is None else unreliable | either
+    size = math.sqrt(max(cv2.contourArea(body_contour.hull_px.astype(np.float32)), 1.0))
+    centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
+    margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * edge_sigma_px
+
+    cut_off = cutting(body.shape, unreliable)
+
+    def is_cut(points: Float) -> Mask:
+        return at(points, cut_off)
+
+    def is_hidden(points: Float) -> Mask:
+        return beside(points, body_contour, margin)
+
+    angles = np.arange(direction_count) * (2 * math.pi / direction_count)
+    blocks = [np.column_stack([np.cos(angles), np.sin(angles)])]
+    blocks.append(_edge_normals(body_contour, is_cut(body_contour.hull_px), is_cut, size))
+    for contour in shadow_contours:
+        doubtful = is_cut(contour.hull_px) | is_hidden(contour.hull_px)
+        blocks.append(_edge_normals(contour, doubtful, lambda points: is_cut(points) | is_hidden(points), size))
+    directions = np.concatenate(blocks)
+    owner = np.repeat(np.arange(len(blocks)), [len(block) for block in blocks])
+
+    points = body_contour.hull_px - centre
+    body_cut = is_cut(body_contour.hull_px)
+    body_reach = _reach(points, directions)
+    body_most = np.where(_ends_at(body_cut, points, directions, TIE_PX) & (owner != 1), np.inf, body_reach)
+    silhouettes, least_px, most_px = [Silhouette(points, ~body_cut)], [body_reach], [body_most]
+    for number, contour in enumerate(shadow_contours, start=2):
+        points = contour.hull_px - centre
+        cut, hidden = is_cut(contour.hull_px), is_hidden(contour.hull_px)
+        reach = _reach(points, directions)
+        # What goes on behind the object cannot pass the object's own outline.
+        most = np.where(_ends_at(hidden, points, directions, 0.0), np.maximum(reach, body_most), reach)
+        most = np.where(_ends_at(cut, points, directions, TIE_PX), np.inf, most)
+        silhouettes.append(Silhouette(points, ~(cut | hidden)))
+        least_px.append(reach)
+        most_px.append(np.where(owner == number, reach, most))
+    least, most = np.stack(least_px), np.stack(most_px)
+    whole = np.full(len(directions), -np.inf), np.full(len(directions), np.inf)
+    if whole_contour is not None:
+        cut = at(whole_contour.hull_px, cutting(body.shape, really_unreliable))
+        whole = _bounds_of_whole(whole_contour.hull_px - centre, cut, directions, least, most)
+    least, most = np.vstack([least, whole[0]]), np.vstack([most, whole[1]])
+    outlines = Outlines(directions, centre, size, silhouettes[0], tuple(silhouettes[1:]), least, most)
+    seen = outlines.seen.sum(axis=1)
+    if seen[0] + seen[-1] < LEAST_SEEN_OF_BODY:
+        return "too little of the object's outline can be seen"
+    if (seen[1:-1] + seen[-1]).min() < LEAST_SEEN_OF_SHADOW:
+        return "too little of the shadow's outline can be seen"
+    return outlines
+
+
+def _bounds_of_whole(points: Float, cut: Mask, directions: Float, least: Float, most: Float) -> tuple[Float, Float]:
+    """(d,) least and most that object and shadows (rows of bounds) reach together, by their common hull's points.
+
+    Measured where neither of them was; elsewhere without bounds, so that no outline counts twice.
+    """
+    reach = _reach(points, directions)
+    unknown = (most.max(axis=0) > least.max(axis=0) + TIE_PX) & ~_ends_at(cut, points, directions, TIE_PX)
+    return np.where(unknown, reach, -np.inf), np.where(unknown, reach, np.inf)
+
+
+def _edge_normals(contour: Contour, doubtful: Mask, is_doubtful: Callable[[Float], Mask], size_px: float) -> Float:
+    """(e, 2) outward normals of the longest straight edges whose ends are doubtful but whose course is not.
+
+    However far such an edge goes on, it goes on along its line, and so the outline's reach across it is known.
+    """
+    empty = np.empty((0, 2))
+    if not doubtful.any():
+        return empty
+    corners = cv2.approxPolyDP(contour.hull_px.astype(np.float32), STRAIGHT_PX, True).reshape(-1, 2).astype(np.float64)
+    along = np.roll(corners, -1, axis=0) - corners
+    length = np.hypot(along[:, 0], along[:, 1])
+    longest = np.argsort(-length, kind="stable")[:4]
+    longest = longest[length[longest] > LONG_EDGE * size_px]
+    between = corners[longest, None] + along[longest, None] * np.array([0.25, 0.5, 0.75])[:, None]
+    inner = between.reshape(-1, 2)
+    if not len(inner):
+        return empty
+    off = np.hypot(*(inner[:, None] - contour.points_px).transpose(2, 0, 1)).min(axis=1)
+    good = ((off < STRAIGHT_PX + 0.5) & ~is_doubtful(inner)).reshape(-1, 3).all(axis=1)
+    chosen = longest[good][:EDGES]
+    normals = np.column_stack([along[chosen, 1], -along[chosen, 0]]) / length[chosen, None]
+    outward = np.sign(((corners[chosen] - contour.hull_px.mean(axis=0)) * normals).sum(axis=1))
+    return np.asarray(normals * outward[:, None])
+
+
+def _reach(points: Float, directions: Float) -> Float:
+    """(d,) how far points reach along directions."""
+    return np.asarray((points @ directions.T).max(axis=0))
+
+
+def _ends_at(flagged: Mask, points: Float, directions: Float, tie_px: float) -> Mask:
+    """(d,) whether the outline's end along each direction may be one of the flagged points."""
+    reaches = points @ directions.T
+    flagged_reach = np.where(flagged[:, None], reaches, -np.inf).max(axis=0)
+    return np.asarray(flagged_reach >= reaches.max(axis=0) - tie_px)

@@ -1,0 +1,155 @@
+"""What many answers come to, and how they stand beside their targets."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ashe_live.bench.cases import Case
+from ashe_live.bench.light.clips import ClipResult
+from ashe_live.bench.light.results import ALL, ALL_LIT, UPRIGHT, case_result, grouped, stage_times, summarise
+from ashe_live.bench.light.targets import verdicts
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import direction_from_angles, rigid
+from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
+
+SUN = direction_from_angles(0.5, 0.7)
+LAMP = direction_from_angles(2.5, 0.9)
+POSE = MarkerPose(rigid(np.diag((1.0, -1.0, -1.0)), (0, 0, 1)), np.zeros((4, 2)), 0.1, 0.0, None)
+
+
+def case(category="clean", lights=(SUN,), caster="box"):
+    truths = np.array(lights, dtype=float).reshape(-1, 3)
+    return Case("a", "set", category, caster, Path("a.png"), Camera.from_hfov((64, 48), 60), POSE, truths, {})
+
+
+def off_by(degrees, from_=SUN, sigma_deg=3.0, confidence=0.9):
+    """An answer that many degrees above the truth, as sure as stated, equally in both ways."""
+    azimuth, elevation = math.atan2(from_[1], from_[0]), math.asin(from_[2])
+    sigma = math.radians(sigma_deg)
+    return DirectionalLight(
+        direction_from_angles(azimuth, elevation + math.radians(degrees)),
+        np.eye(2) * (sigma / 1.51) ** 2,
+        sigma,
+        confidence,
+    )
+
+
+def answered(of, *lights, ms=10.0, true_masks_deg=None):
+    reason = None if lights else "no shadow"
+    estimate = LightEstimate("e", 0, lights, reason, timing_ms={"fit": ms / 2, "total": ms})
+    return case_result("balanced", of, estimate, 2 * ms, (0.5, 0.25), true_masks_deg)
+
+
+def test_errors_are_those_of_the_answers_and_shares_are_of_all():
+    summary = summarise([answered(case(), off_by(error)) for error in (1, 3, 20)] + [answered(case())])
+    assert (summary.attempted, summary.abstained) == (4, 1)
+    assert summary.mean_deg == pytest.approx(8)
+    assert summary.median_deg == pytest.approx(3)
+    assert summary.max_deg == pytest.approx(20)
+    assert summary.good_share == 0.5
+    assert summary.right_count_share == 0.75
+    assert summary.within_1_sigma == pytest.approx(2 / 3)
+    assert summary.within_2_sigma == pytest.approx(2 / 3)
+    assert summary.within_ellipse_95 == pytest.approx(2 / 3)
+    assert summary.bad_share == 0.25
+    assert summary.brier == pytest.approx((0.01 + 0.01 + 0.81) / 3)
+    assert (summary.object_iou, summary.shadow_iou) == (0.5, 0.25)
+    assert (summary.median_ms, summary.median_cpu_ms) == (10, 20)
+
+
+def test_of_nothing_there_is_nothing():
+    summary = summarise([])
+    assert summary.mean_deg is summary.good_share is summary.brier is summary.median_ms is None
+
+
+def test_an_answer_where_there_is_no_light_is_no_small_error():
+    right, wrong = answered(case("diffuse", ())), answered(case("diffuse", ()), off_by(0))
+    summary = summarise([right, wrong])
+    assert (summary.abstained, summary.mean_deg, summary.good_share) == (1, None, None)
+    assert summary.right_count_share == 0.5
+    assert summary.bad_share == 0.5
+    assert summary.brier == pytest.approx(0.81)
+
+
+def test_of_two_lights_both_must_be_right_in_any_order():
+    two = case("two", (SUN, LAMP))
+    both = answered(two, off_by(2, LAMP), off_by(4, SUN))
+    assert both.error_deg == pytest.approx(2)
+    assert both.worst_deg == pytest.approx(4)
+    one = answered(two, off_by(1, LAMP))
+    assert one.error_deg == pytest.approx(1)
+    assert one.worst_deg is None
+    summary = summarise([both, one])
+    assert summary.right_count_share == 0.5
+    assert summary.worst_median_deg == pytest.approx(4)
+
+
+def test_a_light_too_many_is_a_wrong_count():
+    result = answered(case(), off_by(1), off_by(0, LAMP))
+    assert result.error_deg == pytest.approx(1)
+    assert summarise([result]).right_count_share == 0
+
+
+def test_what_nobody_knows_cannot_be_compared():
+    with pytest.raises(ValueError, match="knows"):
+        answered(replace(case(), to_lights_marker=None), off_by(1))
+
+
+def test_the_groups_are_the_categories_and_the_pools():
+    results = [
+        answered(case("soft")),
+        answered(case("clean", caster="mug")),
+        answered(case("clean", caster="cup")),
+        answered(case("diffuse", ())),
+    ]
+    groups = grouped(results)
+    assert list(groups) == ["soft", "clean", "diffuse", UPRIGHT, ALL_LIT, ALL]
+    assert groups[UPRIGHT] == [results[2]]
+    assert len(groups[ALL_LIT]) == 3
+    assert len(groups[ALL]) == 4
+
+
+def test_stages_are_timed_over_the_cases_that_reach_them():
+    early = answered(case(), ms=100.0)
+    early = replace(early, wall_ms={"total": 100.0})
+    times = stage_times([early, answered(case(), ms=10.0)])
+    assert times["fit"]["p50"] == 5
+    assert times["total"]["p50"] == 55
+    assert times["total"]["p50"] <= times["total"]["p95"] <= 100
+
+
+def verdict_of(group, results, figure="median", preset="balanced"):
+    summaries = {name: summarise(members) for name, members in grouped(results).items()}
+    return next(v for v in verdicts(preset, summaries, []) if (v.group, v.figure) == (group, figure))
+
+
+def test_a_miss_is_laid_at_the_door_of_the_stage_that_misses_alone():
+    near, far = off_by(1), off_by(6)
+    assert verdict_of("clean", [answered(case(), near, true_masks_deg=0.1)]).is_met
+    blamed = [verdict_of("clean", [answered(case(), far, true_masks_deg=alone)]).missed_by for alone in (0.5, 5.0)]
+    assert blamed == ["segmentation", "geometry"]
+    assert verdict_of("clean", [answered(case(), near, true_masks_deg=5.0)]).missed_by is None
+
+
+def test_nothing_answered_meets_no_target_of_errors():
+    verdict = verdict_of("clean", [answered(case(), true_masks_deg=0.1)])
+    assert verdict.value is None
+    assert not verdict.is_met
+
+
+def test_sure_of_everything_is_as_wrong_as_sure_of_nothing():
+    for sigma_deg, is_met in ((3.0, True), (0.1, False), (60.0, False)):
+        results = [answered(case(), off_by(error, sigma_deg=sigma_deg)) for error in (1, 2, 5)]
+        assert verdict_of(ALL, results, "within 1 σ").is_met == is_met
+
+
+def test_only_balanced_and_accurate_promise_errors_and_clips_agree_by_preset():
+    results = [answered(case(), off_by(2.5))]
+    summaries = {name: summarise(members) for name, members in grouped(results).items()}
+    assert [v.figure for v in verdicts("fast", summaries, [])] == ["time, median"]
+    clip = ClipResult("", "c.mp4", "mean", 5, 0, 0, 2.5, 4.0)
+    met = [verdicts(preset, summaries, [clip])[-1].is_met for preset in ("balanced", "accurate")]
+    assert met == [True, False]

@@ -1,0 +1,63 @@
+"""Whose an error is: masks beside the true ones, and the fit on those."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.bench.cases import Case
+from ashe_live.bench.light.truth import error_on_true_masks_deg, mask_overlaps
+from ashe_live.core.types import LightEstimate, MarkerPose
+from ashe_live.light.outline_fit.fit import BALANCED
+from tests.light.synthetic_masks import box, camera_towards, direction, render
+
+LIGHT = direction(200.0, 40.0)
+VIEW = camera_towards((0.08, 0.0), 0.5, 35.0)
+
+
+@pytest.fixture
+def scene():
+    return render(box(0.1, 0.02, (0.06, 0.04, 0.08), 25.0), [LIGHT], VIEW)
+
+
+@pytest.fixture
+def case(scene, tmp_path):
+    masks = {"object": scene.body, "shadow": scene.shadows[0]}
+    paths = {name: tmp_path / f"{name}.png" for name in masks}
+    for name, mask in masks.items():
+        cv2.imwrite(str(paths[name]), (np.asarray(mask) > 0.5).astype(np.uint8) * 255)
+    pose = MarkerPose(scene.T_cam_marker, np.zeros((4, 2)), 0.08, 0.0, None)
+    return Case("a", "set", "clean", "box", Path("a.png"), scene.camera, pose, LIGHT[None], paths)
+
+
+def halved(mask):
+    height, width = mask.shape
+    return cv2.resize((np.asarray(mask) > 0.5).astype(np.uint8), (width // 2, height // 2)).astype(bool)
+
+
+def test_masks_of_another_size_are_compared_all_the_same(scene, case):
+    body, shadow = halved(scene.body), halved(scene.shadows[0])
+    right = mask_overlaps(LightEstimate("e", 0, (), "-", body, shadow), case)
+    exchanged = mask_overlaps(LightEstimate("e", 0, (), "-", shadow, body), case)
+    assert min(right) > 0.9
+    assert max(exchanged) < 0.1
+    assert mask_overlaps(LightEstimate("e", 0, (), "-"), case) == (None, None)
+
+
+def test_true_masks_leave_only_the_geometrys_error(case):
+    assert error_on_true_masks_deg(case, BALANCED) < 1.0
+
+
+def test_a_light_elsewhere_is_as_wrong_as_it_is_far(case):
+    other = direction(200.0, 60.0)
+    moved = Case("a", "set", "clean", "box", Path("a.png"), case.camera, case.marker, other[None], case.mask_paths)
+    assert error_on_true_masks_deg(moved, BALANCED) == pytest.approx(20, abs=1)
+
+
+def test_without_masks_or_light_there_is_no_such_error(case):
+    blind = Case("a", "set", "clean", "box", Path("a.png"), case.camera, case.marker, LIGHT[None], {})
+    dark = Case(
+        "a", "set", "diffuse", "box", Path("a.png"), case.camera, case.marker, np.empty((0, 3)), case.mask_paths
+    )
+    assert error_on_true_masks_deg(blind, BALANCED) is error_on_true_masks_deg(dark, BALANCED) is None

@@ -1,0 +1,147 @@
+"""The soak: that it runs to its end and tells a leak or a drift from noise; never how fast it was."""
+
+import itertools
+import json
+import threading
+
+import numpy as np
+import pytest
+
+from ashe_live.bench import resources_held
+from ashe_live.bench.resources_held import growth, left_running
+from ashe_live.bench.soak import bench as soak
+from ashe_live.bench.soak import run as soak_run
+from ashe_live.bench.soak.bench import SoakBench
+from ashe_live.bench.soak.run import drift_json
+from ashe_live.bench.soak.time_code import BITS, TimeCodeCamera, paint_number, read_number
+from ashe_live.capture.known_clip import KnownClip
+from ashe_live.core.camera import Camera
+from ashe_live.core.quality import FAST
+from ashe_live.core.types import LightEstimate
+from ashe_live.errors import UserError
+
+FRAMES = 24
+SAMPLED_AT = list(range(500, 100_001, 500))
+
+
+class BlindEstimator:
+    """Answers at once that it sees no light."""
+
+    def __init__(self, _preset: str) -> None: ...
+
+    def estimate(self, tracked):
+        return LightEstimate("blind", tracked.frame.index, (), "blind", timing_ms={"total": 1.0})
+
+
+@pytest.fixture(scope="module")
+def clip(film) -> KnownClip:
+    return KnownClip(film.path, Camera.from_hfov(film.size, 55), "aruco:4x4_50:0", 0.08, film.to_light_marker)
+
+
+def test_it_runs_to_its_end_and_leaves_nothing_running(clip, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(soak, "CAMERA_HZ", (100.0,))
+    monkeypatch.setattr(soak_run, "SWITCH_EVERY", 6)
+    monkeypatch.setattr(soak_run, "ESTIMATE_EVERY", 8)
+    out = tmp_path / "results.json"
+    record = SoakBench(clip, FAST, BlindEstimator, FRAMES).run(tmp_path)
+    assert json.loads(out.read_text()) == record
+    assert (record["soak"]["frames"], record["soak"]["model_switches"]) == (FRAMES, FRAMES // 6)
+    assert record["soak"]["left_running"] == []
+    assert len(record["soak"]["held"]["frames"]) == FRAMES
+    (age,) = record["age"]
+    assert 0 < age["pictures"] <= FRAMES
+    assert (age["unread"], age["backwards"]) == (0, 0), "what is on the screen is what the camera saw, in its order"
+    assert "left running at the end: nothing" in capsys.readouterr().out
+
+
+def test_interrupted_it_tells_of_the_frames_so_far(clip, monkeypatch):
+    monkeypatch.setattr(soak, "CAMERA_HZ", ())
+    whole = soak_run.SoakRun.add
+
+    def add_ten(run, picture) -> None:
+        whole(run, picture)
+        if run._count == 10:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(soak_run.SoakRun, "add", add_ten)
+    record = SoakBench(clip, FAST, BlindEstimator, FRAMES).run()
+    assert (record["frames"], record["soak"]["frames"]) == (FRAMES, 10)
+    assert record["soak"]["left_running"] == []
+
+
+def test_an_existing_file_is_refused_before_anything_is_measured(clip, tmp_path):
+    out = tmp_path / "results.json"
+    out.write_text("precious")
+    with pytest.raises(UserError, match="--overwrite"):
+        SoakBench(clip, FAST, BlindEstimator, FRAMES).run(tmp_path)
+    assert out.read_text() == "precious"
+
+
+@pytest.mark.parametrize("number", [0, 1, 0b1010101010101010, 2**BITS - 1, 2**BITS + 5])
+def test_a_number_is_read_as_it_was_painted(number):
+    image = np.random.default_rng(number).integers(0, 256, (240, 320, 3), np.uint8)
+    paint_number(image, number)
+    assert read_number(image) == number % 2**BITS
+
+
+def test_where_no_number_is_none_is_read():
+    assert read_number(np.zeros((240, 320, 3), np.uint8)) is None
+    assert read_number(np.full((240, 320, 3), 255, np.uint8)) is None
+    assert read_number(np.zeros((48, 64, 3), np.uint8)) is None
+
+
+def test_the_camera_counts_on_when_the_clip_begins_again(clip):
+    camera = TimeCodeCamera(clip, 1e6)
+    numbers = []
+    for _ in range(30):
+        assert camera.grab()
+        numbers.append(read_number(camera.retrieve()[1]))
+    assert numbers == list(range(30))
+    assert all(a <= b for a, b in itertools.pairwise(camera.taken_s(number) for number in numbers))
+    camera.release()
+    assert not camera.grab()
+
+
+def test_noise_and_a_single_jump_are_no_leak_but_a_few_hundred_bytes_a_frame_are():
+    noise = np.random.default_rng(3).normal(0, 2, len(SAMPLED_AT))
+    level = 350 + noise
+    level[:19] -= 200  # warming up
+    level[150:] += 3
+    assert growth(SAMPLED_AT, level.tolist(), 10_000)["is_flat"]
+    leak = level + np.array(SAMPLED_AT) * 300 / 2**20
+    found = growth(SAMPLED_AT, leak.tolist(), 10_000)
+    assert not found["is_flat"]
+    assert found["per_1000_frames"] == pytest.approx(1000 * 300 / 2**20, rel=0.2)
+
+
+def test_too_few_samples_tell_nothing():
+    assert growth([1, 2], [5.0, 5.0], 10)["is_flat"] is None
+    assert growth([1, 2, 3, 4], [float("nan")] * 4, 0)["is_flat"] is None
+
+
+@pytest.mark.parametrize(
+    ("last", "is_steady"),
+    [
+        ((1, 1, 1, 1), True),
+        ((3, 1, 2, 1), True),
+        ((1, 1.5, 1, 1), True),
+        ((1.5, 1.3, 1, 1), False),
+        ((1, 1, 2, 2), False),
+    ],
+)
+def test_slow_by_its_own_doing_is_slow_by_the_clock_and_on_the_processor(last, is_steady):
+    times_ms = np.full((1000, 4), 5.0) * np.linspace(np.ones(4), last, 1000)
+    found = drift_json(times_ms, round_frames=100)
+    assert found["is_steady"] is is_steady
+    assert drift_json(times_ms, round_frames=101) is None
+
+
+def test_a_thread_that_is_left_is_named(monkeypatch):
+    monkeypatch.setattr(resources_held, "TIME_TO_END_S", 0.0)
+    before, end = set(threading.enumerate()), threading.Event()
+    thread = threading.Thread(target=end.wait, name="forgotten")
+    thread.start()
+    assert left_running(before) == ["forgotten"]
+    end.set()
+    thread.join()
+    assert left_running(before) == []

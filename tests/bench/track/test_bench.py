@@ -1,0 +1,131 @@
+"""The tracking bench: its pictures show what they claim, and its measures find what was put in."""
+
+import dataclasses
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.bench.track.clips import follow_clips, trembling_px
+from ashe_live.bench.track.contenders import Answer, OpencvReference, Ours, answers, found_share
+from ashe_live.bench.track.frames import Flaws, painted
+from ashe_live.bench.track.measures import corner_jitter_px, flipped_share, lag_ms, lasting_flips, rotation_errors_deg
+from ashe_live.bench.track.tables import Figure
+from ashe_live.bench.track.takes import FPS, SIDE_M, SMALL, pose_at, scattered, sliding
+from ashe_live.core.arrays import Float
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.quality import BALANCED
+from ashe_live.core.transforms import project, rigid
+from ashe_live.errors import UserError
+from ashe_live.tracking.pose import square_corners
+
+BLACK = np.zeros((1, 1), np.uint8)
+PLAIN = Flaws(blur_px=0, noise=0, vignetting=0)
+
+
+def square_of_light(flaws: Flaws, poses: list[Float]) -> Float:
+    """(h, w) linear light of an all black square on white paper."""
+    image = painted(BLACK, SIDE_M, SMALL, poses, flaws, np.random.default_rng(0), np.ones((480, 640)))
+    return LINEAR_FROM_SRGB_8BIT[image[:, :, 0]]
+
+
+@pytest.mark.parametrize("flaws", [PLAIN, dataclasses.replace(PLAIN, blur_px=2.0)])
+def test_the_light_that_ink_takes_away_is_the_squares_area_at_its_place(flaws: Flaws) -> None:
+    """Seen straight on, area and centre of gravity of a square are known; neither pixels nor blur may change them."""
+    side_px = 77.3
+    T = pose_at(SMALL.K[0, 0] * SIDE_M / side_px, 0, 27, (0.013, -0.021))
+    light = square_of_light(flaws, [T])
+    taken = np.where(light < 0.99, 0.72 - light, 0).clip(0)[40:440, 40:600]
+    paper = light[100, 320]
+    assert taken.sum() / (0.72 - 0.03) == pytest.approx(side_px**2, rel=0.01)
+    y, x = np.mgrid[40:440, 40:600]
+    centre = project(SMALL, T, np.zeros((1, 3)))[0]
+    assert ((x * taken).sum() / taken.sum(), (y * taken).sum() / taken.sum()) == pytest.approx(tuple(centre), abs=0.05)
+    assert paper > 0.5
+
+
+def test_motion_blur_is_as_long_as_the_way() -> None:
+    moving = scattered("m", 80, 1, blur_px=10).poses(0)
+    ends = np.array([project(SMALL, T, np.zeros((1, 3)))[0] for T in (moving[0], moving[-1])])
+    assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(10, rel=1e-6)
+
+
+def test_the_sliding_marker_keeps_its_speed() -> None:
+    take = sliding("s", 0.3, 60)
+    places = np.array([take.poses(index)[0][0, 3] for index in range(60)])
+    assert np.median(np.abs(np.diff(places)) * FPS) == pytest.approx(0.3, rel=0.02)
+
+
+def answer(truth: Float, said: Float | None) -> Answer:
+    return Answer(truth, said, 1.0, 1.0)
+
+
+def test_a_delay_is_measured_as_one() -> None:
+    take = sliding("s", 0.3, 90)
+    truths = [take.poses(index)[0] for index in range(90)]
+    late = [answer(truths[index], truths[index - 2]) for index in range(2, 90)]
+    assert lag_ms(late) == pytest.approx(2000 / FPS, rel=0.1)
+    assert lag_ms([answer(T, T) for T in truths]) == pytest.approx(0, abs=1e-9)
+
+
+def test_jitter_is_the_distance_from_the_mean() -> None:
+    truth = pose_at(0.5, 0, 0)
+    moved = [truth.copy() for _ in range(2)]
+    moved[0][0, 3] += 0.5 / SMALL.K[0, 0] * 0.5
+    moved[1][0, 3] -= 0.5 / SMALL.K[0, 0] * 0.5
+    assert corner_jitter_px([answer(truth, T) for T in moved], SMALL) == pytest.approx(0.5, rel=1e-3)
+
+
+def test_flips_last_or_do_not() -> None:
+    truth, flipped = pose_at(0.5, 20, 0), pose_at(0.5, -20, 0)
+    said = [*[truth] * 5, *[flipped] * 3, truth, *[flipped] * 4, truth]
+    given = [answer(truth, T) for T in said]
+    assert lasting_flips(given) == 1
+    assert flipped_share(given) == pytest.approx(7 / 14)
+    assert np.max(rotation_errors_deg(given)) == pytest.approx(40)
+
+
+def test_trembling_sees_noise_and_no_motion() -> None:
+    rng = np.random.default_rng(0)
+    smooth = [pose_at(0.5, 30, 0.5 * index, (0.002 * index, 0.0)) for index in range(60)]
+    shaken = [rigid(T[:3, :3], T[:3, 3] + 1e-4 * np.append(rng.normal(size=2), 0)) for T in smooth]
+    assert trembling_px(smooth, SMALL, SIDE_M) < 0.02
+    assert 0.1 < trembling_px(shaken, SMALL, SIDE_M) < 0.4
+
+
+def test_both_contenders_see_the_same_frames() -> None:
+    take = scattered("s", 90, 3)
+    given = answers(take, {"OpenCV": OpencvReference(SMALL), "ours": Ours(SMALL, BALANCED.tracking, cold=True)})
+    assert found_share(given["OpenCV"]) == found_share(given["ours"]) == 1
+    assert [one.truth.tolist() for one in given["OpenCV"]] == [one.truth.tolist() for one in given["ours"]]
+    assert max(rotation_errors_deg(given["ours"])) < 0.2
+
+
+def test_a_figure_is_met_within_its_bounds() -> None:
+    assert Figure("a", "", None, 1.0, None).is_met is None
+    assert Figure("a", "", None, 1.0, 1.0).is_met
+    assert not Figure("a", "", None, 1.1, 1.0).is_met
+    assert Figure("a", "", 95.0, 95.0, None, least=95.0).is_met
+    assert not Figure("a", "", None, None, 1.0).is_met
+
+
+def test_a_folder_without_clips_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="cannot read"):
+        follow_clips(tmp_path, BALANCED.tracking)
+    (tmp_path / "ground_truth.json").write_text(json.dumps({"photos": {}}))
+    with pytest.raises(UserError, match="no list of clips"):
+        follow_clips(tmp_path, BALANCED.tracking)
+
+
+def test_corners_of_the_painted_square_lie_where_they_are_projected() -> None:
+    T = pose_at(0.6, 35, 20)
+    light = square_of_light(PLAIN, [T])
+    corners = project(SMALL, T, square_corners(SIDE_M))
+    mask = np.zeros(light.shape, np.uint8)
+    cv2.fillConvexPoly(mask, np.round(corners).astype(np.int32), 1)
+    inside = cv2.erode(mask, np.ones((5, 5))) > 0
+    around = (cv2.dilate(mask, np.ones((11, 11))) > 0) & ~(cv2.dilate(mask, np.ones((5, 5))) > 0)
+    assert light[inside].max() < 0.05
+    assert light[around].min() > 0.6

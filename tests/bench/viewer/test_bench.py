@@ -1,0 +1,115 @@
+"""The bench of the viewer's loop: that it runs and what it writes, never how fast it was."""
+
+import json
+import math
+from itertools import pairwise
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.bench.loops import StageTimes
+from ashe_live.bench.viewer.bench import ViewerBench
+from ashe_live.capture.known_clip import KnownClip, read_known_clip
+from ashe_live.capture.recorder import Recorder
+from ashe_live.core.camera import Camera
+from ashe_live.core.quality import FAST
+from ashe_live.core.transforms import project, rigid
+from ashe_live.core.types import LightEstimate
+from ashe_live.errors import UserError
+from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.pose import square_corners
+
+SIZE = (320, 240)
+SPEC, SIDE_M = "aruco:4x4_50:0", 0.08
+FRAMES = 8
+
+
+class BlindEstimator:
+    """Answers at once that it sees no light."""
+
+    name = "blind"
+    takes_ms = 1.0
+
+    def __init__(self, _preset: str) -> None: ...
+
+    def estimate(self, tracked):
+        return LightEstimate(self.name, tracked.frame.index, (), "blind", timing_ms={"total": self.takes_ms})
+
+
+@pytest.fixture(scope="module")
+def clip(tmp_path_factory):
+    """The marker on white, seen from above, for half a second."""
+    path = tmp_path_factory.mktemp("clip") / "flat.mp4"
+    camera = Camera.from_hfov(SIZE, 60)
+    T_cam_marker = rigid(np.diag([1.0, -1.0, -1.0]), (0, 0, 0.3))
+    side_px = 200
+    print_corners = np.array([(0, 0), (side_px, 0), (side_px, side_px), (0, side_px)]) - 0.5
+    corners = project(camera, T_cam_marker, square_corners(SIDE_M))
+    H = cv2.getPerspectiveTransform(print_corners.astype(np.float32), corners.astype(np.float32))
+    print_bgr = cv2.cvtColor(parse_marker(SPEC).bitmap(side_px), cv2.COLOR_GRAY2BGR)
+    picture = cv2.warpPerspective(print_bgr, H, SIZE, flags=cv2.INTER_AREA, borderValue=(255, 255, 255))
+    with Recorder(path, SIZE, 24) as recorder:
+        for _ in range(12):
+            recorder.write(picture)
+    return KnownClip(path, camera, SPEC, SIDE_M, np.array([0.6, 0.0, 0.8]))
+
+
+def test_the_record_is_whole_and_adds_up(clip, tmp_path, capsys):
+    out = tmp_path / "results.json"
+    record = ViewerBench(clip, FAST, BlindEstimator, FRAMES, starts=1).run(tmp_path)
+    assert json.loads(out.read_text()) == record
+    assert record["schema"] == 1
+    assert (record["quality"], record["size"], record["frames"]) == ("fast", list(SIZE), FRAMES)
+    assert record["machine"]["cpus"] >= 1
+    assert record["machine"]["gl_renderer"]
+
+    start = record["first_picture"]["headless"]
+    assert start["wall_s"] > 0
+    assert start["cpu_s"] > 0
+
+    stages = record["unpaced"]["stages_ms"]
+    assert stages.keys() == {"decode", "track", "render", "whole", "blit"}
+    assert all(stages["whole"]["p99"] >= stages[name]["p50"] > 0 for name in ("decode", "track", "render"))
+    paced = record["paced"]
+    assert paced["estimating"]["estimates_ms"]
+    assert set(paced["estimating"]["estimates_ms"]) == {BlindEstimator.takes_ms}
+    for times in (
+        *stages.values(),
+        *(paced[state][kind] for state in ("idle", "estimating") for kind in ("work_ms", "interval_ms")),
+    ):
+        assert all(low <= high for low, high in pairwise((times["p50"], times["p95"], times["p99"])))
+    assert math.isclose(paced["p99_ratio"], paced["estimating"]["work_ms"]["p99"] / paced["idle"]["work_ms"]["p99"])
+    assert f"{record['unpaced']['fps']:.0f} fps" in capsys.readouterr().out
+
+
+def test_an_existing_file_is_refused_before_anything_is_measured(clip, tmp_path):
+    out = tmp_path / "results.json"
+    out.write_text("precious")
+    with pytest.raises(UserError, match="--overwrite"):
+        ViewerBench(clip, FAST, BlindEstimator, FRAMES).run(tmp_path)
+    assert out.read_text() == "precious"
+
+
+def test_a_whole_is_the_sum_of_its_stages_frame_by_frame():
+    times = StageTimes()
+    times.wall_ms.update(a=[1.0, 10.0], b=[2.0, 20.0], apart=[5.0, 5.0])
+    times.cpu_ms.update(a=[1.0, 1.0], b=[1.0, 1.0], apart=[1.0, 1.0])
+    times.sum_up("whole", ("a", "b"))
+    assert times.wall_ms["whole"] == [3.0, 30.0]
+
+
+def test_the_truth_beside_a_clip_is_read_in_the_programs_terms(tmp_path):
+    truth = {
+        "size": [640, 480],
+        "K": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]],
+        "dist": [0, 0, 0, 0, 0],
+        "marker": {"dictionary": "DICT_APRILTAG_36h11", "id": 16, "side_m": 0.05},
+        "lights": [{"dir_to_light": [0.0, 0.6, 0.8]}],
+    }
+    (tmp_path / "orbit.json").write_text(json.dumps(truth))
+    clip = read_known_clip(tmp_path / "orbit.json")
+    assert clip.path == tmp_path / "orbit.mp4"
+    assert parse_marker(clip.marker_spec).marker_id == 16
+    assert (clip.camera.size, clip.marker_side_m) == ((640, 480), 0.05)
+    assert clip.to_light_marker.tolist() == [0.0, 0.6, 0.8]

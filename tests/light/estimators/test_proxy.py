@@ -1,0 +1,444 @@
+"""The estimator `proxy` on painted photos with a known light: its errors, its laws, and the extremes."""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ashe_live.bench.cases import read_cases
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angle_between, rigid
+from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from tests.light import painted_scenes
+from tests.light.painted_scenes import (
+    BOX,
+    CYLINDER,
+    HFOV_DEG,
+    SHADOW_RATIO,
+    SIDE_M,
+    VIEW,
+    Caster,
+    Painted,
+    overlap,
+    paint,
+    tracked_frame,
+)
+from tests.light.synthetic_masks import camera_towards
+from tests.shared_data import shared_folder
+
+CASTERS = {"box": BOX, "cylinder": CYLINDER}
+SMALL = (320, 240)
+# Degrees by which the answer misses the painted light, by caster, ground, azimuth and elevation in degrees.
+EXPECTED_DEG = {
+    ("box", "plain", 110, 35): 0.33,
+    ("box", "plain", 200, 40): 0.22,
+    ("box", "plain", 290, 25): 0.10,
+    ("box", "plain", 330, 65): 0.50,
+    ("box", "checkered", 80, 50): 0.50,
+    ("box", "checkered", 200, 40): 0.34,
+    ("box", "checkered", 290, 25): 0.12,
+    ("box", "checkered", 330, 65): 0.84,
+    ("box", "striped", 110, 35): 0.85,
+    ("box", "striped", 200, 40): 0.40,
+    ("box", "striped", 330, 65): 1.32,
+    ("box", "bricks", 200, 40): 0.31,
+    ("cylinder", "plain", 80, 50): 0.22,
+    ("cylinder", "plain", 200, 40): 0.08,
+    ("cylinder", "plain", 290, 25): 0.06,
+    ("cylinder", "plain", 330, 65): 0.23,
+    ("cylinder", "checkered", 110, 35): 0.22,
+    ("cylinder", "checkered", 200, 40): 0.08,
+    ("cylinder", "checkered", 290, 25): 0.10,
+    ("cylinder", "striped", 200, 40): 0.19,
+    ("cylinder", "striped", 290, 25): 0.14,
+    ("cylinder", "striped", 330, 65): 0.35,
+    ("cylinder", "bricks", 200, 40): 0.13,
+    ("cylinder", "bricks", 330, 65): 0.30,
+}
+
+
+def estimated(tracked: TrackedFrame) -> LightEstimate:
+    return ProxyEstimator().estimate(tracked)
+
+
+def answered(tracked: TrackedFrame) -> DirectionalLight:
+    estimate = estimated(tracked)
+    assert estimate.light is not None, estimate.reason
+    return estimate.light
+
+
+def towards(tracked: TrackedFrame) -> Float:
+    return answered(tracked).to_light_marker
+
+
+def apart_deg(a: Float, b: Float) -> float:
+    return math.degrees(angle_between(a, b))
+
+
+def check_answer_or_reason(estimate: LightEstimate) -> None:
+    """Finite numbers in their ranges, or words."""
+    if estimate.light is None:
+        assert estimate.reason
+        return
+    light = estimate.light
+    assert light.to_light_marker[2] > 0
+    assert light.covariance_rad2 is not None
+    assert light.sigma_rad is not None
+    assert light.confidence is not None
+    assert light.shadow_rgb_ratio is not None
+    assert (np.linalg.eigvalsh(light.covariance_rad2) >= 0).all()
+    assert 0 <= light.sigma_rad < math.inf
+    assert 0 <= light.confidence <= 1
+    assert ((light.shadow_rgb_ratio > 0) & (light.shadow_rgb_ratio <= 1)).all()
+
+
+# Truth
+
+
+@pytest.mark.parametrize(("name", "ground", "azimuth_deg", "elevation_deg"), EXPECTED_DEG)
+def test_errors_stay_as_small_as_they_are(name: str, ground: str, azimuth_deg: float, elevation_deg: float) -> None:
+    scene = paint(CASTERS[name], ground=ground, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)
+    expected = EXPECTED_DEG[name, ground, azimuth_deg, elevation_deg]
+    estimate = estimated(scene.tracked)
+    check_answer_or_reason(estimate)
+    assert estimate.light is not None, estimate.reason
+    assert apart_deg(estimate.light.to_light_marker, scene.to_light) < max(1.1 * expected, expected + 0.2)
+    np.testing.assert_allclose(estimate.light.shadow_rgb_ratio, SHADOW_RATIO, rtol=0.2)
+
+
+def test_what_it_shows_is_what_was_painted() -> None:
+    scene = paint(CYLINDER, ground="checkered")
+    estimate = estimated(scene.tracked)
+    assert estimate.estimator == "proxy"
+    assert estimate.frame_index == scene.tracked.frame.index
+    assert estimate.object_mask is not None
+    assert estimate.shadow_mask is not None
+    size = estimate.object_mask.shape[::-1]
+    body, shadow = (
+        cv2.resize(mask.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.5
+        for mask in (scene.body, scene.shadow)
+    )
+    assert overlap(estimate.object_mask, body) > 0.8
+    assert overlap(estimate.shadow_mask, shadow) > 0.7
+    stages = dict(estimate.timing_ms)
+    total = stages.pop("total")
+    assert set(stages) == {"segment", "associate", "fit", "judge"}
+    assert sum(stages.values()) <= total + 1e-6
+
+
+def test_soft_edges_cost_little() -> None:
+    scene = paint(CYLINDER, penumbra_px=2)
+    assert apart_deg(towards(scene.tracked), scene.to_light) < 3
+
+
+def test_a_second_object_does_not_mislead() -> None:
+    scene = paint(CYLINDER, Caster(at=(-0.1, 0.1)))
+    assert apart_deg(towards(scene.tracked), scene.to_light) < 2
+
+
+def grey(scene: Painted) -> TrackedFrame:
+    levels = cv2.cvtColor(np.asarray(scene.tracked.frame.image_bgr), cv2.COLOR_BGR2GRAY)
+    return tracked_frame(np.repeat(levels[..., None], 3, axis=2), scene.tracked.camera)
+
+
+def test_an_object_may_touch_the_sheet() -> None:
+    scene = paint(Caster(at=(0.08, 0.0)))
+    assert apart_deg(towards(scene.tracked), scene.to_light) < 3
+
+
+def test_a_grey_picture_can_tell_enough() -> None:
+    scene = paint(CYLINDER)
+    assert apart_deg(towards(grey(scene)), scene.to_light) < 4
+
+
+def test_the_lens_is_taken_into_account() -> None:
+    """A wider picture of the same scene, bent as a lens with k1 = -0.3 does."""
+    focal_px = 620.0
+    scene = paint(CYLINDER, ground="checkered", size=(960, 720), focal_px=focal_px)
+    camera = Camera((640, 480), Camera.from_focal((640, 480), focal_px).K, np.array([-0.3, 0, 0, 0, 0]), "file")
+    pixels = np.stack(np.meshgrid(np.arange(640.0), np.arange(480.0)), axis=2).reshape(-1, 1, 2)
+    straight = cv2.undistortPoints(pixels, camera.K, camera.dist, P=scene.tracked.camera.K)
+    bent = cv2.remap(
+        np.asarray(scene.tracked.frame.image_bgr),
+        straight.reshape(480, 640, 2).astype(np.float32),
+        None,
+        cv2.INTER_AREA,
+    )
+    assert apart_deg(towards(tracked_frame(bent, camera)), scene.to_light) < 3
+
+
+def test_a_picture_of_33_megapixels_is_one_of_its_working_size() -> None:
+    scene = paint(CYLINDER, size=(640, 360))
+    large = np.asarray(cv2.resize(np.asarray(scene.tracked.frame.image_bgr), (7680, 4320)), np.uint8)
+    assert apart_deg(towards(tracked_frame(large, scene.tracked.camera.resized((7680, 4320)))), scene.to_light) < 1.5
+
+
+# Laws
+
+
+def turned(tracked: TrackedFrame, angle_rad: float) -> tuple[TrackedFrame, Float]:
+    """The same frame, were the marker turned about its normal; and the rotation into the frame before."""
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    R = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    pose = tracked.marker
+    assert pose is not None
+    T_cam_marker = pose.T_cam_marker @ rigid(R, np.zeros(3))
+    again = MarkerPose(T_cam_marker, pose.corners_px, pose.side_m, 0.1, None)
+    return TrackedFrame(tracked.frame, tracked.camera, again), R
+
+
+@pytest.fixture(scope="module")
+def plain() -> tuple[TrackedFrame, DirectionalLight]:
+    """A frame, and its answer."""
+    tracked = paint(CYLINDER, size=SMALL, azimuth_deg=110.0, elevation_deg=35.0).tracked
+    return tracked, answered(tracked)
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_turning_the_marker_by_quarters_turns_the_light(
+    plain: tuple[TrackedFrame, DirectionalLight], quarters: int
+) -> None:
+    tracked, before = plain
+    again, R = turned(tracked, quarters * math.pi / 2)
+    after = answered(again)
+    np.testing.assert_allclose(R @ after.to_light_marker, before.to_light_marker, atol=1e-6)
+    # The covariance stands on the direction's own tangents, which turn along.
+    np.testing.assert_allclose(after.covariance_rad2, before.covariance_rad2, rtol=1e-4, atol=1e-12)
+    assert after.confidence == pytest.approx(before.confidence, abs=1e-6)
+
+
+@settings(max_examples=6, deadline=None, derandomize=True)
+@given(st.floats(0, 2 * math.pi))
+def test_turning_the_marker_turns_the_light(plain: tuple[TrackedFrame, DirectionalLight], angle_rad: float) -> None:
+    """By any angle; only the sheet's corners hide other ground."""
+    tracked, before = plain
+    again, R = turned(tracked, angle_rad)
+    assert apart_deg(R @ towards(again), before.to_light_marker) < 0.3
+
+
+@pytest.mark.parametrize("scale", [1e-3, 12.5, 1e3])
+def test_the_markers_size_does_not_matter(plain: tuple[TrackedFrame, DirectionalLight], scale: float) -> None:
+    tracked, before = plain
+    T_cam_marker = np.array(VIEW)
+    T_cam_marker[:3, 3] *= scale
+    scaled = tracked_frame(np.asarray(tracked.frame.image_bgr), tracked.camera, T_cam_marker, scale * SIDE_M)
+    np.testing.assert_allclose(towards(scaled), before.to_light_marker, atol=1e-6)
+
+
+@pytest.mark.parametrize("ground", ["plain", "checkered"])
+def test_exposure_does_not_matter(ground: str) -> None:
+    lights = [
+        towards(paint(CYLINDER, ground=ground, size=SMALL, exposure=exposure, noise_levels=1.0).tracked)
+        for exposure in (0.5, 0.25, 1.0)
+    ]
+    assert apart_deg(lights[0], lights[1]) < 1
+    assert apart_deg(lights[0], lights[2]) < 1
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+def test_a_mirrored_world_has_a_mirrored_light(caster: Caster) -> None:
+    tracked = paint(caster, azimuth_deg=110.0, elevation_deg=35.0).tracked
+    mirror = np.diag([-1.0, 1, 1, 1])
+    image = np.ascontiguousarray(np.asarray(tracked.frame.image_bgr)[:, ::-1])
+    mirrored = tracked_frame(image, tracked.camera, mirror @ VIEW @ mirror)
+    assert apart_deg(towards(mirrored) * [-1, 1, 1], towards(tracked)) < 1
+
+
+@pytest.fixture
+def any_thread_count() -> Iterator[Callable[[int], None]]:
+    before = cv2.getNumThreads()
+    yield cv2.setNumThreads
+    cv2.setNumThreads(before)
+
+
+def test_the_same_frame_gives_the_same_bits(any_thread_count: Callable[[int], None]) -> None:
+    tracked = paint(BOX, ground="striped", size=SMALL).tracked
+    first = estimated(tracked)
+    assert first.light is not None
+    for threads in (1, 2):
+        any_thread_count(threads)
+        cv2.setRNGSeed(threads)
+        again = estimated(tracked)
+        assert again.light is not None
+        np.testing.assert_array_equal(again.light.to_light_marker, first.light.to_light_marker)
+        np.testing.assert_array_equal(again.light.covariance_rad2, first.light.covariance_rad2)
+        np.testing.assert_array_equal(again.shadow_mask, first.shadow_mask)
+        np.testing.assert_array_equal(again.object_mask, first.object_mask)
+
+
+def test_the_frame_is_left_as_it_was() -> None:
+    tracked = paint(BOX, size=SMALL).tracked
+    before = np.array(tracked.frame.image_bgr)
+    estimated(tracked)
+    np.testing.assert_array_equal(tracked.frame.image_bgr, before)
+
+
+# Extremes
+
+
+def noise(*shape: int) -> Image:
+    return np.random.default_rng(4).integers(0, 256, (*shape, 3), dtype=np.uint8)
+
+
+def level(value: int, *shape: int) -> Image:
+    return np.full((*shape, 3), value, np.uint8)
+
+
+NOTHING_TO_SEE = {
+    **{f"level {value}": level(value, 480, 640) for value in (0, 1, 128, 254, 255)},
+    **{f"level {h}x{w}": level(90, h, w) for h, w in ((1, 1), (2, 2), (1, 640), (640, 1), (64, 64))},
+    **{f"noise {h}x{w}": noise(h, w) for h, w in ((1, 1), (2, 2), (3, 500), (64, 64), (480, 640))},
+}
+
+
+@pytest.mark.parametrize("left_over", [0.015, 0.03, 0.6])
+def test_shadows_may_be_nearly_black_or_pale(left_over: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(painted_scenes, "SHADOW_RATIO", left_over * np.array([0.9, 1.0, 1.1]))
+    scene = paint(BOX)
+    assert apart_deg(towards(scene.tracked), scene.to_light) < 1.0
+
+
+@pytest.mark.parametrize("elevation_deg", [4.0, 8.0, 12.0, 16.0])
+@pytest.mark.parametrize("azimuth_deg", [60, 120, 200, 290])
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+def test_a_shadow_that_leaves_the_picture_is_told_or_its_height_is_unsure(
+    caster: Caster, azimuth_deg: float, elevation_deg: float
+) -> None:
+    scene = paint(caster, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)
+    estimate = estimated(scene.tracked)
+    check_answer_or_reason(estimate)
+    leaves = scene.shadow[[0, -1]].any() or scene.shadow[:, [0, -1]].any()
+    if estimate.light is not None:
+        assert estimate.light.sigma_rad is not None
+        assert apart_deg(estimate.light.to_light_marker, scene.to_light) < 2.5 * math.degrees(estimate.light.sigma_rad)
+        assert not leaves or estimate.light.sigma_rad > math.radians(5)
+    else:
+        assert leaves
+        assert estimate.reason is not None
+        assert "leave the picture" in estimate.reason
+        assert estimate.shadow_mask is not None
+        assert estimate.shadow_mask[[0, -1]].any() or estimate.shadow_mask[:, [0, -1]].any()
+
+
+@pytest.mark.parametrize("image", NOTHING_TO_SEE.values(), ids=NOTHING_TO_SEE)
+def test_pictures_of_nothing_give_a_reason(image: Image) -> None:
+    camera = Camera.from_hfov((image.shape[1], image.shape[0]), HFOV_DEG)
+    estimate = estimated(tracked_frame(image, camera))
+    assert estimate.light is None
+    assert estimate.reason
+
+
+@pytest.mark.parametrize("ground", ["plain", "checkered", "striped", "bricks"])
+def test_empty_ground_gives_a_reason(ground: str) -> None:
+    estimate = estimated(paint(ground=ground, size=SMALL).tracked)
+    assert estimate.light is None
+    assert estimate.reason
+
+
+@pytest.mark.parametrize("elevation_deg", [80.0, 89.0, 89.9, 90.0])
+def test_a_light_overhead_is_found_overhead_or_not_at_all(elevation_deg: float) -> None:
+    scene = paint(CYLINDER, size=SMALL, elevation_deg=elevation_deg)
+    estimate = estimated(scene.tracked)
+    check_answer_or_reason(estimate)
+    assert estimate.light is None or apart_deg(estimate.light.to_light_marker, scene.to_light) < 15
+
+
+@pytest.mark.parametrize("elevation_deg", [5.0, 10.0])
+@pytest.mark.parametrize("caster", CASTERS.values(), ids=CASTERS)
+def test_a_shadow_that_leaves_the_frame_is_not_taken_for_a_short_one(caster: Caster, elevation_deg: float) -> None:
+    scene = paint(caster, azimuth_deg=110, elevation_deg=elevation_deg)
+    light = estimated(scene.tracked).light
+    assert light is None or angle_between(light.to_light_marker, scene.to_light) < 3 * (light.sigma_rad or 0)
+
+
+def seen_from(pitch_deg: float, distance_m: float = 0.6) -> dict[str, Any]:
+    return {"T_cam_marker": camera_towards((0.08, 0.0), distance_m, pitch_deg)}
+
+
+EXTREMES: dict[str, tuple[Caster, dict[str, Any]]] = {
+    **{
+        f"light at 5 degrees from {azimuth}": (BOX, {"elevation_deg": 5, "azimuth_deg": azimuth})
+        for azimuth in (20, 110, 200, 290)
+    },
+    "light at 0.5 degrees": (BOX, {"elevation_deg": 0.5}),
+    **{f"camera {pitch} degrees above the ground": (BOX, seen_from(pitch)) for pitch in (0.5, 1, 3, 5, 85, 90)},
+    "marker of 12 px": (BOX, {**seen_from(45, 4.0), "size": (640, 480)}),
+    "object on the marker": (Caster(at=(0.0, 0.0)), {}),
+    "shadow on the marker": (BOX, {"azimuth_deg": 0, "elevation_deg": 35}),
+    "object cut by the frame": (Caster(at=(0.33, 0.0)), {}),
+    "object in front of the camera": (Caster(at=(0.08, -0.3), height_m=0.25), {}),
+    "overexposed": (BOX, {"exposure": 8}),
+    "underexposed": (BOX, {"exposure": 0.01}),
+    "noise": (BOX, {"noise_levels": 60}),
+    "small": (BOX, {"size": (64, 48)}),
+    "narrow": (BOX, {"size": (40, 480), "focal_px": 500}),
+}
+
+
+@pytest.mark.parametrize(("caster", "how"), EXTREMES.values(), ids=EXTREMES)
+def test_extremes_end_in_an_answer_or_a_reason(caster: Caster, how: dict[str, Any]) -> None:
+    check_answer_or_reason(estimated(paint(caster, **{"size": SMALL, **how}).tracked))
+
+
+@pytest.mark.parametrize("caster", [*CASTERS.values(), Caster(rgb=(0.7, 0.7, 0.7))], ids=lambda caster: str(caster.rgb))
+def test_grey_pictures_end_in_an_answer_or_a_reason(caster: Caster) -> None:
+    check_answer_or_reason(estimated(grey(paint(caster, size=SMALL))))
+
+
+@pytest.mark.parametrize("hfov_deg", [0.01, 1.0, 179.0, 179.99])
+def test_any_field_of_view_ends_in_an_answer_or_a_reason(hfov_deg: float) -> None:
+    image = np.asarray(paint(BOX, size=SMALL).tracked.frame.image_bgr)
+    check_answer_or_reason(estimated(tracked_frame(image, Camera.from_hfov(SMALL, hfov_deg))))
+
+
+POSES = {
+    "below the ground": camera_towards((0.0, 0.0), 0.5, -20.0),
+    "in the ground": camera_towards((0.0, 0.0), 0.5, 0.0),
+    "looking away": camera_towards((0.0, 0.0), -0.5, 40.0),
+    "in the marker": camera_towards((0.0, 0.0), 1e-6, 40.0),
+    "a mile away": camera_towards((0.0, 0.0), 1600.0, 40.0),
+}
+
+
+@pytest.mark.parametrize("T_cam_marker", POSES.values(), ids=POSES)
+def test_poses_that_cannot_be_end_in_an_answer_or_a_reason(T_cam_marker: Float) -> None:
+    tracked = paint(BOX, size=SMALL).tracked
+    check_answer_or_reason(estimated(tracked_frame(np.asarray(tracked.frame.image_bgr), tracked.camera, T_cam_marker)))
+
+
+def test_without_a_marker_it_is_not_asked() -> None:
+    tracked = paint(BOX, size=SMALL).tracked
+    with pytest.raises(ValueError, match="marker"):
+        estimated(TrackedFrame(tracked.frame, tracked.camera, None))
+
+
+# Pictures that are not ours
+
+
+def known_errors_deg(folder: str) -> dict[str, float | None]:
+    """By picture with a known light: the error, or None without an answer."""
+    errors: dict[str, float | None] = {}
+    for case in read_cases(shared_folder(folder)):
+        if case.to_lights_marker is not None and len(case.to_lights_marker):
+            light = estimated(case.tracked()).light
+            errors[case.id] = None if light is None else apart_deg(light.to_light_marker, case.to_lights_marker[0])
+    return errors
+
+
+def test_photos_in_sunlight() -> None:
+    errors = known_errors_deg("real")
+    assert errors
+    assert all(error is None or error < 8 for error in errors.values()), errors
+
+
+def test_the_papers_scenes() -> None:
+    errors = [error for error in known_errors_deg("paper_scenes").values() if error is not None]
+    assert len(errors) >= 7
+    assert np.mean(errors) < 3

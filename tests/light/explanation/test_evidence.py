@@ -1,0 +1,176 @@
+"""The evidence for and against an explanation: what the painted truth shows, and what other masks do not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Mask
+from ashe_live.core.transforms import normalised
+from ashe_live.light.explanation.alignment import Alignment
+from ashe_live.light.explanation.evidence import EVIDENCE, LEAST_CONTRAST, Explanation, appearance, evidence
+from ashe_live.light.explanation.shading import shading_of
+from ashe_live.light.labels.materials import Materials, materials_of
+from ashe_live.light.pixels.areas import grown, shrunk
+from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.shape.predicted import Predicted
+from tests.light.painted_bodies import alignment_of, body_of, explanation_of
+from tests.light.painted_regions import PaintedRegion, painted_region, shift_of
+from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
+
+APPEARANCE = EVIDENCE[EVIDENCE.index("hue") :]  # what needs no fit
+
+
+def seen(
+    here: PaintedRegion, body: Mask | None = None, shadow: Mask | None = None, materials: Materials | None = None
+) -> dict[str, float]:
+    """By name, the evidence of the picture where these masks, or the true ones, say object and shadow are."""
+    body = here.body if body is None else body
+    shadow = (here.shadow if shadow is None else shadow) & ~body
+    values = appearance(here.region, materials or here.materials, Predicted(body, shadow))
+    return dict(zip(APPEARANCE, values, strict=True))
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_the_truth_looks_like_a_shadow(ground: str, caster: Caster) -> None:
+    truth = seen(painted_region(caster, ground=ground))
+    assert truth["edge"] > 0.8
+    assert truth["hue"] < 0.2
+    assert truth["border"] < 0.5
+    assert truth["missed"] < np.log(0.15)
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_a_shadow_on_lit_ground_has_no_edge(ground: str) -> None:
+    here = painted_region(CYLINDER, ground=ground)
+    truth, aside = seen(here), seen(here, shadow=here.region.is_ground & ~grown(here.body | here.shadow, 6))
+    assert aside["edge"] < 0.5 * truth["edge"]
+    assert aside["missed"] > truth["missed"] + 1
+
+
+def test_what_is_left_out_is_missed() -> None:
+    here = painted_region(BOX, ground="checkered")
+    truth = seen(here)
+    less = seen(here, shrunk(here.body, 4), shrunk(here.shadow, 4))
+    more = seen(here, grown(here.body, 4), grown(here.shadow, 4))
+    assert less["missed"] > truth["missed"]
+    assert more["missed"] <= truth["missed"]
+
+
+def test_the_side_away_from_the_shadow_is_lit() -> None:
+    """Seen from the side of a light from the left, the box's left face is the brighter one."""
+    here = painted_region(BOX, azimuth_deg=200.0)
+    assert seen(here)["lit side"] > 0.2
+    left = np.zeros_like(here.body)
+    left[:, :5] = True
+    assert not (left & here.body).any()
+    assert seen(here, shadow=left)["lit side"] < -0.2
+
+
+def test_a_shift_of_another_hue_or_hardly_darker_tells() -> None:
+    here = painted_region(BOX)
+    green = materials_of(here.region, here.ground, here.true_shift + np.array([0, 0, 0.6]))
+    assert seen(here, materials=green)["hue"] > seen(here)["hue"] + 0.3
+    pale = materials_of(here.region, here.ground, shift_of(np.array([0.8, 0.8, 0.8])))
+    assert seen(here, materials=pale)["brightness"] > seen(here)["brightness"] == 0
+
+
+def test_a_shadow_much_smaller_or_larger_than_the_object_is_short_or_long() -> None:
+    here = painted_region(BOX)
+    tiny, huge = here.shadow & False, grown(here.shadow, 60)
+    tiny[20, 20:23] = True
+    assert seen(here, shadow=tiny)["short"] > 0 == seen(here, shadow=tiny)["long"]
+    assert seen(here, shadow=huge)["long"] > 0 == seen(here, shadow=huge)["short"]
+
+
+def test_a_hole_in_the_object_is_no_shadow_beside_it() -> None:
+    """A shadow that is surrounded by the object borders on nothing else."""
+    here = painted_region(BOX)
+    inner = shrunk(here.body, 8)
+    assert inner.any()
+    assert seen(here, here.body & ~inner, inner)["border"] == 1
+
+
+def weighed(explanation: Explanation) -> dict[str, float]:
+    return dict(zip(EVIDENCE, evidence(explanation), strict=True))
+
+
+def alignment_of_slab(here: PaintedRegion, height_m: float) -> Alignment:
+    """The painted body, but of this height."""
+    truth = alignment_of(here)
+    flatter = body_of(here, replace(BOX, height_m=height_m))
+    return replace(truth, placed=replace(truth.placed, body=flatter))
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_the_truth_has_clear_borders_and_is_shaded_by_its_light(ground: str, caster: Caster) -> None:
+    truth = weighed(explanation_of(painted_region(caster, ground=ground), caster))
+    assert min(truth["clear body"], truth["clear shadow"]) > 0.9
+    assert min(truth["contrast"], truth["sunlit"]) > 0
+    assert truth["flat"] == 0
+    assert truth["misfit"] < np.log(0.01)
+
+
+def test_a_picture_without_shading_speaks_only_so_much_against_its_light() -> None:
+    here = painted_region(BOX)
+    colours = here.region.colours.copy()
+    colours[..., 0][here.body] = -0.7
+    truth = explanation_of(here)
+    plain = replace(truth, region=replace(here.region, colours=colours))
+    shown = shading_of(plain.region, here.body, truth.proxy, [here.scene.to_light], [0.1])
+    assert shown.contrast < LEAST_CONTRAST
+    assert weighed(plain)["contrast"] == LEAST_CONTRAST < weighed(truth)["contrast"]
+
+
+def test_the_object_is_shaded_otherwise_in_another_light() -> None:
+    here = painted_region(BOX)
+    x, y, z = here.scene.to_light
+    opposite = explanation_of(here, lights=(FittedLight(normalised(np.array([-x, -y, z])), np.eye(2) * 1e-4),))
+    for name in ("contrast", "sunlit"):
+        assert weighed(opposite)[name] < weighed(explanation_of(here))[name] - 0.5
+
+
+@pytest.mark.parametrize("height_m", [0.01, 0.003])
+def test_a_slab_is_flat_by_how_much_wider_than_high_it_is(height_m: float) -> None:
+    here = painted_region(BOX)
+    upright, thick, thin = (
+        weighed(explanation_of(here, alignment=alignment_of_slab(here, height)))["flat"]
+        for height in (BOX.height_m, height_m, height_m / 3)
+    )
+    assert upright == 0 < thick
+    assert thin - thick == pytest.approx(np.log(3))
+
+
+def test_all_evidence_has_a_name_and_the_misfit_comes_first() -> None:
+    here = painted_region(BOX)
+    good, bad = (
+        evidence(explanation_of(here, alignment=alignment_of(here, missed_px=missed_px))) for missed_px in (0.3, 3.0)
+    )
+    assert good.shape == (len(EVIDENCE),)
+    assert EVIDENCE[0] == "misfit"
+    assert bad[0] - good[0] == pytest.approx(np.log(10))
+    np.testing.assert_array_equal(bad[1:], good[1:])
+
+
+@pytest.mark.parametrize("missed_px", [0.0, 1e9])
+def test_no_misfit_is_without_bounds(missed_px: float) -> None:
+    here = painted_region(BOX)
+    assert np.isfinite(evidence(explanation_of(here, alignment=alignment_of(here, missed_px=missed_px)))).all()
+
+
+@pytest.mark.parametrize("body", ["nothing", "all", "one pixel", "specks"])
+@pytest.mark.parametrize("shadow", ["nothing", "all", "one pixel", "specks"])
+def test_masks_without_sense_have_finite_evidence(body: str, shadow: str) -> None:
+    here = painted_region(BOX)
+    nothing = np.zeros_like(here.body)
+    one = nothing.copy()
+    one[5, 5] = True
+    masks = {
+        "nothing": nothing,
+        "all": ~nothing,
+        "one pixel": one,
+        "specks": np.random.default_rng(1).random(nothing.shape) < 0.1,
+    }
+    assert np.isfinite(list(seen(here, masks[body], masks[shadow]).values())).all()

@@ -1,0 +1,118 @@
+"""From splits to explanations: true ones find the light, finer ones cost no more, and what has nothing left is none."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.explain import Proposal, are_alike, explained, finer, sharpened
+from ashe_live.light.labels.associate import Split
+from ashe_live.light.labels.costs import Costs
+from ashe_live.light.outline_fit import fit
+from ashe_live.light.pixels.areas import grown
+from ashe_live.light.shape.predicted import Predicted
+from tests.light.painted_bodies import explanation_of
+from tests.light.painted_regions import PaintedRegion, painted_region
+from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
+
+
+def true_proposal(here: PaintedRegion) -> Proposal:
+    return Proposal(here.region, here.materials, Split(here.body, here.shadow))
+
+
+def error_deg(explanation: Explanation, here: PaintedRegion) -> float:
+    return math.degrees(angle_between(explanation.lights[0].to_light_marker, here.scene.to_light))
+
+
+def seen_as(here: PaintedRegion, masks: Predicted) -> Explanation:
+    truth = explanation_of(here)
+    placed = replace(truth.alignment.placed, predicted=masks)
+    return replace(truth, alignment=replace(truth.alignment, placed=placed))
+
+
+def cost(explanation: Explanation, rough: Explanation) -> float:
+    """By what the rough one says of the object's colours."""
+    return Costs(rough.region, rough.materials, rough.own).of(explanation.predicted)
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_the_true_split_is_explained_by_the_true_light(ground: str, caster: Caster) -> None:
+    here = painted_region(caster, ground=ground)
+    (found,) = explained([true_proposal(here)], fit.FAST)
+    assert found is not None
+    assert error_deg(found, here) < 1.5
+    (better,) = finer([found], fit.BALANCED)
+    assert error_deg(better, here) < 1.5
+    assert cost(better, found) <= cost(found, found)
+
+
+def test_each_proposal_is_explained_as_if_it_were_alone() -> None:
+    here, there = painted_region(BOX), painted_region(CYLINDER)
+    nothing = Proposal(here.region, here.materials, Split(here.body & False, here.shadow & False))
+    proposals = [true_proposal(there), nothing, true_proposal(here)]
+    together = explained(proposals, fit.FAST)
+    assert together[1] is None
+    for one, proposal in zip(together, proposals, strict=True):
+        (alone,) = explained([proposal], fit.FAST)
+        if one is None or alone is None:
+            assert one is alone
+            continue
+        np.testing.assert_allclose(one.lights[0].to_light_marker, alone.lights[0].to_light_marker, atol=1e-6)
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER])
+def test_tangents_keep_a_true_light_and_do_not_ask_from_where_its_body_was_drawn(caster: Caster) -> None:
+    here = painted_region(caster)
+    (one,) = explained([true_proposal(here)], fit.BALANCED)
+    assert one is not None
+    sharp = sharpened(one)
+    assert error_deg(sharp, here) < 1
+    view, body = here.region.view, one.alignment.placed.body
+    elsewhere = replace(body, guess=body.guess.seen_by(view.camera, view.T_cam_marker, np.array([70.0, -20.0])))
+    other = replace(one, alignment=replace(one.alignment, placed=replace(one.alignment.placed, body=elsewhere)))
+    assert angle_between(sharp.lights[0].to_light_marker, sharpened(other).lights[0].to_light_marker) < 1e-9
+
+
+def test_an_explanation_of_which_nothing_is_left_is_dropped() -> None:
+    """What its own materials say is lit ground can be neither object nor shadow."""
+    here = painted_region(BOX)
+    lit = replace(here.materials, lit=np.full_like(here.materials.lit, -100))
+    truth = explanation_of(here)
+    assert len(finer([truth], fit.FAST)) == 1
+    assert finer([replace(truth, materials=lit)], fit.FAST) == []
+    assert len(finer([replace(truth, materials=lit), truth], fit.FAST)) == 1
+    assert finer([], fit.FAST) == []
+
+
+def test_explanations_of_nearly_the_same_pixels_are_alike_either_way_round() -> None:
+    here = painted_region(BOX)
+    edge = grown(here.body, 1) & ~here.body
+    little = here.body | (edge & (np.indices(edge.shape)[1] % 4 == 0))
+    truth = seen_as(here, Predicted(here.body, here.shadow))
+    alike = [truth, seen_as(here, Predicted(little, here.shadow & ~little))]
+    different = [
+        seen_as(here, Predicted(here.shadow, here.body)),
+        seen_as(here, Predicted(here.body, here.shadow & False)),
+        explanation_of(painted_region(CYLINDER), CYLINDER),
+    ]
+    for other in alike:
+        assert are_alike(truth, other)
+        assert are_alike(other, truth)
+    for other in different:
+        assert not are_alike(truth, other)
+        assert not are_alike(other, truth)
+
+
+def test_lights_are_less_certain_in_a_soft_shadow() -> None:
+    here = painted_region(BOX)
+    (good,) = explained([true_proposal(here)], fit.FAST)
+    blurred = painted_region(BOX, penumbra_px=4.0)
+    (worse,) = explained([true_proposal(blurred)], fit.FAST)
+    assert good is not None
+    assert worse is not None
+    sigmas = [math.sqrt(np.linalg.eigvalsh(each.lights[0].covariance_rad2).max()) for each in (good, worse)]
+    assert sigmas[0] < sigmas[1]

@@ -1,0 +1,77 @@
+"""Why there is no answer: what is said must be what is wrong."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Camera
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.explanation.no_answer import (
+    CUT_OFF,
+    DARK,
+    DOES_NOT_FIT,
+    NOTHING_THERE,
+    TOO_BRIGHT,
+    TOO_DARK,
+    fault_of_exposure,
+    fault_of_scene,
+)
+from ashe_live.light.pixels.view import View
+from tests.light.painted_bodies import alignment_of, explanation_of
+from tests.light.painted_regions import painted_region
+from tests.light.painted_scenes import BOX, HFOV_DEG, Painted, paint, tracked_frame
+
+SMALL = (320, 240)
+
+
+def reason(scene: Painted) -> str | None:
+    return ProxyEstimator().estimate(scene.tracked).reason
+
+
+def fault(image_bgr: Image) -> str | None:
+    camera = Camera.from_hfov(SMALL, HFOV_DEG)
+    return fault_of_exposure(View.of(tracked_frame(image_bgr, camera), SMALL[0]))
+
+
+@pytest.mark.parametrize(("exposure", "expected"), [(0.002, TOO_DARK), (30.0, TOO_BRIGHT)])
+@pytest.mark.parametrize("ground", ["plain", "checkered"])
+def test_a_picture_that_shows_nothing_for_its_exposure_says_so(ground: str, exposure: float, expected: str) -> None:
+    assert reason(paint(BOX, ground=ground, size=SMALL, exposure=exposure)) == expected
+
+
+@pytest.mark.parametrize("exposure", [0.25, 1.0])
+def test_exposure_is_not_blamed_for_an_empty_table(exposure: float) -> None:
+    assert reason(paint(size=SMALL, exposure=exposure)) == NOTHING_THERE
+
+
+def test_only_the_ground_and_its_brightest_channel_tell_the_exposure() -> None:
+    blue = np.zeros((SMALL[1], SMALL[0], 3), np.uint8)
+    blue[..., 0] = 200
+    assert fault(blue) is None
+    assert fault(np.full_like(blue, DARK - 1)) == TOO_DARK
+    assert fault(np.full_like(blue, 255)) == TOO_BRIGHT
+    blue[: SMALL[1] // 4] = 255  # a bright window is not the table
+    assert fault(blue) is None
+
+
+def test_a_picture_without_ground_is_not_blamed_for_its_exposure() -> None:
+    scene = paint(BOX, size=SMALL)
+    view = View.of(scene.tracked, SMALL[0])
+    empty = View(view.image_bgr, view.camera, view.T_cam_marker, view.side_m, np.zeros_like(view.is_ground))
+    assert fault_of_exposure(empty) is None
+
+
+@pytest.mark.parametrize(
+    ("elevation_deg", "in_view", "expected"),
+    [
+        (8.0, 0.0, CUT_OFF),
+        (8.0, 0.9, DOES_NOT_FIT),  # most of its end is in the picture
+        (50.0, 0.0, DOES_NOT_FIT),  # hidden, not cut off: none of it lies at the picture's edge
+    ],
+)
+def test_a_shadow_is_said_to_leave_the_picture_where_it_does(
+    elevation_deg: float, in_view: float, expected: str
+) -> None:
+    here = painted_region(BOX, elevation_deg=elevation_deg)
+    told = explanation_of(here, alignment=alignment_of(here, ends_in_view=(in_view,)))
+    assert fault_of_scene(told) == expected

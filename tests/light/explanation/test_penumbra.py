@@ -1,0 +1,64 @@
+"""The light's angular size, from penumbrae made by averaging the shadows of a disc of lights."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import direction_from_angles, tangent_basis
+from ashe_live.light.explanation.penumbra import angular_size
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.predicted import predicted
+from tests.light.synthetic_masks import camera_towards
+
+SIZE = (320, 240)
+PROXY = Proxy("frustum", np.array([[0.05, 0.0, 0.0, 0.03, 0.0], [0.05, 0.0, 0.12, 0.025, 0.0]]))
+TO_LIGHT = direction_from_angles(math.radians(150), math.radians(40))
+
+
+def view() -> View:
+    camera = Camera.from_hfov(SIZE, 50)
+    everywhere = np.ones(SIZE[::-1], np.bool_)
+    picture = np.zeros((*SIZE[::-1], 3), np.uint8)
+    return View(picture, camera, camera_towards((0.1, 0.0), 0.5, 50.0), 0.08, everywhere)
+
+
+def share_of(diameter_rad: float, blur_px: float, lights: int = 250) -> Float:
+    """(h, w): how much of the disc of lights the body hides from the ground, evenly spread by Vogel's spiral."""
+    here = view()
+    turn = np.arange(lights) * math.pi * (3 - math.sqrt(5))
+    radius = 0.5 * diameter_rad * np.sqrt((np.arange(lights) + 0.5) / lights)
+    east, up = tangent_basis(TO_LIGHT)
+    total = np.zeros(SIZE[::-1])
+    for angle, away in zip(turn, radius, strict=True):
+        towards = TO_LIGHT + away * (math.cos(angle) * east + math.sin(angle) * up)
+        total += predicted(PROXY, [towards / np.linalg.norm(towards)], here).shadow
+    return cv2.GaussianBlur((total / lights).astype(np.float32), (0, 0), blur_px)
+
+
+def size_of(share: Float) -> float | None:
+    here = view()
+    return angular_size(PROXY, TO_LIGHT, share, predicted(PROXY, [TO_LIGHT], here), here)
+
+
+@pytest.mark.parametrize("blur_px", [0.7, 1.2])
+@pytest.mark.parametrize("diameter_deg", [3.0, 5.0, 6.5])
+def test_a_large_light_is_as_large_as_it_is(diameter_deg: float, blur_px: float) -> None:
+    found = size_of(share_of(math.radians(diameter_deg), blur_px))
+    assert found is not None
+    assert math.degrees(found) == pytest.approx(diameter_deg, rel=0.2)
+
+
+@pytest.mark.parametrize("blur_px", [0.7, 1.2, 2.0])
+def test_a_small_one_is_not_told_from_blur(blur_px: float) -> None:
+    found = size_of(share_of(math.radians(0.5), blur_px))
+    assert found is None or math.degrees(found) < 1.5
+
+
+@pytest.mark.parametrize("share", [np.zeros, np.ones])
+def test_without_an_edge_there_is_no_size(share) -> None:
+    assert size_of(share(SIZE[::-1], np.float32)) is None

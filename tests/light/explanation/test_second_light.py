@@ -1,0 +1,115 @@
+"""The second light on painted scenes: found where there is one, however pale its shadow, and nowhere else."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import LightEstimate
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.explanation.second_shadow import glimpses
+from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
+from ashe_live.light.ground.shadow_shift import shift_of_ratio
+from ashe_live.light.labels.two_lights import likeliest_pairs, shifts_of_both
+from ashe_live.light.pixels.view import View
+from tests.light.painted_regions import painted_region
+from tests.light.painted_scenes import BOX, CYLINDER, SHADOW_RATIO, Caster, OtherLight, Painted, paint
+
+PALE = OtherLight(300.0, 50.0, (0.18, 0.18, 0.17))
+STRONG = OtherLight(80.0, 45.0, (0.12, 0.2, 0.3))
+BODY = Proxy(
+    "frustum", [(*CYLINDER.at, 0, CYLINDER.width_m / 2, 0), (*CYLINDER.at, CYLINDER.height_m, CYLINDER.width_m / 2, 0)]
+)
+
+
+def seen(painted: Painted) -> tuple[View, LitGround]:
+    coarse = View.of(painted.tracked, BALANCED.coarse_width_px)
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, BALANCED.ground)
+    assert ground is not None
+    return coarse, ground
+
+
+def estimated(painted: Painted) -> LightEstimate:
+    return ProxyEstimator().estimate(painted.tracked)
+
+
+def errors_deg(estimate: LightEstimate, *truths: Float) -> list[float]:
+    """Of each answer, from the true light that it is nearest to."""
+    answers = [light.to_light_marker for light in estimate.lights]
+    return [min(math.degrees(angle_between(answer, truth)) for truth in truths) for answer in answers]
+
+
+@pytest.mark.parametrize(
+    ("ground", "other"),
+    [("plain", PALE), ("plain", STRONG), ("checkered", STRONG), ("bricks", STRONG)],
+    ids=["pale", "strong", "strong on checks", "strong on bricks"],
+)
+def test_a_glimpse_shows_where_the_second_light_is_and_how_much_of_the_light_is_its(
+    ground: str, other: OtherLight
+) -> None:
+    painted = paint(CYLINDER, ground=ground, other=other)
+    found = glimpses(BODY, painted.to_light, *seen(painted), 1)
+    assert len(found) == 1
+    assert math.degrees(angle_between(np.array([*found[0].slant, 1.0]), other.to_light)) < 8
+    darker = math.log(1 - np.mean(other.blocked_rgb))
+    assert found[0].darker[0] == pytest.approx(darker, rel=0.35)
+
+
+def test_one_light_leaves_nothing_to_glimpse_on_an_even_ground() -> None:
+    painted = paint(CYLINDER)
+    assert glimpses(BODY, painted.to_light, *seen(painted), 2) == []
+
+
+def test_what_lies_out_of_view_is_no_glimpse() -> None:
+    coarse, ground = seen(paint(CYLINDER, other=PALE))
+    far = Proxy("frustum", BODY.spheroids_marker + np.array([50.0, 0, 0, 0, 0]))
+    assert glimpses(far, np.array([0.0, 0, 1]), coarse, ground, 2) == []
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=["box", "cylinder"])
+@pytest.mark.parametrize("other", [PALE, STRONG], ids=["pale", "strong"])
+def test_both_lights_are_answered(caster: Caster, other: OtherLight) -> None:
+    painted = paint(caster, other=other)
+    estimate = estimated(painted)
+    assert len(estimate.lights) == 2
+    assert max(errors_deg(estimate, painted.to_light, other.to_light)) < 3
+    apart = angle_between(estimate.lights[0].to_light_marker, estimate.lights[1].to_light_marker)
+    assert apart == pytest.approx(angle_between(painted.to_light, other.to_light), abs=math.radians(4))
+
+
+def test_each_light_leaves_its_own_shadow_colour() -> None:
+    painted = paint(CYLINDER, other=STRONG)
+    first, second = estimated(painted).lights
+    np.testing.assert_allclose(np.array(first.shadow_rgb_ratio), SHADOW_RATIO, atol=0.1)
+    np.testing.assert_allclose(np.array(second.shadow_rgb_ratio), 1 - np.array(STRONG.blocked_rgb), atol=0.1)
+
+
+@pytest.mark.parametrize("ground", ["plain", "checkered", "striped", "bricks"])
+def test_one_light_stays_one(ground: str) -> None:
+    assert len(estimated(paint(CYLINDER, ground=ground)).lights) == 1
+
+
+def test_a_stain_beside_the_shadow_is_no_second_light() -> None:
+    flat = Caster("cylinder", at=(0.12, -0.09), width_m=0.05, height_m=0.0005, rgb=(0.3, 0.27, 0.24))
+    painted = paint(CYLINDER, flat)
+    assert len(estimated(painted).lights) <= 1
+
+
+@pytest.mark.parametrize("ground", ["plain", "checkered"])
+def test_two_true_shifts_explain_a_region_better_than_any_wrong_one_with_them(ground: str) -> None:
+    painted = painted_region(CYLINDER, ground=ground, other=STRONG)
+    true = [shift_of_ratio(painted.ground, ratio) for ratio in (SHADOW_RATIO, 1 - np.array(STRONG.blocked_rgb))]
+    wrong = [true[0] + (0, 0.5, 0.2), true[1] + (-0.4, -0.4, 0.2)]
+    best, *_ = likeliest_pairs(painted.region, painted.ground, [wrong[0], true[0], wrong[1], true[1]], 3)
+    assert best == (1, 3)
+
+
+def test_shifts_that_leave_no_light_are_no_pair() -> None:
+    painted = painted_region(CYLINDER)
+    dark, darker = (shift_of_ratio(painted.ground, np.full(3, left)) for left in (0.45, 0.5))
+    assert shifts_of_both(painted.ground, dark, darker) is None
+    assert likeliest_pairs(painted.region, painted.ground, [dark, darker], 3) == []

@@ -1,0 +1,107 @@
+"""Regions of painted scenes: they hold what was painted, at the scale that was asked for, where it was."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.ground.lit_ground import ground_colours
+from ashe_live.light.ground.regions import unlit_regions
+from ashe_live.light.pixels.view import View
+from tests.light.painted_regions import in_region, painted_region
+from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster, overlap
+
+FAR_APART = Caster(at=(0.13, 0.06)), Caster("cylinder", at=(-0.1, -0.02), rgb=(0.1, 0.25, 0.5))
+LIGHT_BETWEEN = {"azimuth_deg": 270.0, "elevation_deg": 60.0}
+
+
+def fine_of(width_px: int = 640) -> View:
+    return View.of(painted_region(BOX).scene.tracked, width_px)
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_a_region_holds_the_object_and_its_shadow(ground: str, caster: Caster) -> None:
+    here = painted_region(caster, ground=ground)
+    painted = here.body | here.shadow
+    assert len(here.regions) == 1
+    assert overlap(here.region.unlit, painted) > 0.85
+    # Nothing of it is beyond the window's border.
+    border = np.ones_like(painted)
+    border[1:-1, 1:-1] = False
+    assert not (painted & border).any()
+
+
+@pytest.mark.parametrize("size_px", [100, 130, 160])
+def test_what_stands_out_has_the_size_that_was_asked_for(size_px: int) -> None:
+    here = painted_region(BOX)
+    (region,) = unlit_regions(fine_of(), here.unlit, here.ground, size_px, 3)
+    painted = in_region(region, here.scene.body | here.scene.shadow)
+    down, across = (np.ptp(axis) + 1 for axis in np.nonzero(painted))
+    assert math.sqrt(down * across) == pytest.approx(size_px, rel=0.15)
+
+
+def test_no_region_is_finer_than_the_finest_view_nor_coarser_than_the_coarse_one() -> None:
+    here = painted_region(BOX)
+    for fine, size_px, width_px in ((fine_of(), 10_000, 640), (fine_of(400), 10_000, 400), (fine_of(), 1, 320)):
+        (region,) = unlit_regions(fine, here.unlit, here.ground, size_px, 3)
+        assert region.frame_shape[1] == width_px
+
+
+def test_a_region_is_a_window_of_the_frame() -> None:
+    here = painted_region(BOX, ground="striped")
+    region = here.region
+    whole = View.of(here.scene.tracked, region.frame_shape[1])
+    np.testing.assert_array_equal(region.view.image_bgr, whole.image_bgr[region.window])
+    np.testing.assert_array_equal(region.colours, ground_colours(whole.image_bgr, here.ground, region.window))
+    assert region.view.size == region.unlit.shape[::-1] == region.colours.shape[1::-1]
+    again = region.in_frame(region.unlit)
+    assert again.shape == region.frame_shape
+    np.testing.assert_array_equal(again[region.window], region.unlit)
+    assert np.count_nonzero(again) == np.count_nonzero(region.unlit)
+
+
+def test_the_sheet_is_not_unlit() -> None:
+    here = painted_region(Caster(at=(0.08, 0.0)))
+    assert not (here.region.unlit & in_region(here.region, here.scene.sheet) & ~here.body & ~here.shadow).any()
+
+
+def test_objects_apart_are_regions_of_their_own_the_largest_first() -> None:
+    here = painted_region(*FAR_APART, **LIGHT_BETWEEN)
+    assert len(here.regions) == 2
+    first, second = (np.count_nonzero(region.unlit) for region in here.regions)
+    scales = [region.frame_shape[1] for region in here.regions]
+    assert first / scales[0] ** 2 > second / scales[1] ** 2
+    fine = View.of(here.scene.tracked, BALANCED.fine_width_px)
+    (only,) = unlit_regions(fine, here.unlit, here.ground, BALANCED.region_px, 1)
+    np.testing.assert_array_equal(only.unlit, here.regions[0].unlit)
+
+
+def test_an_object_and_a_shadow_that_hardly_part_are_one_region() -> None:
+    here = painted_region(BOX)
+    unlit = here.unlit.copy()
+    columns = np.flatnonzero(unlit.any(axis=0))
+    middle = int(columns.mean())
+    unlit[:, middle : middle + 4] = False
+    assert len(unlit_regions(fine_of(), unlit, here.ground, 130, 5)) == 1
+    unlit[:, middle - 4 : middle + 6] = False
+    assert len(unlit_regions(fine_of(), unlit, here.ground, 130, 5)) > 1
+
+
+def test_where_nothing_is_unlit_there_is_no_region() -> None:
+    here = painted_region(BOX)
+    assert unlit_regions(fine_of(), np.zeros_like(here.unlit), here.ground, 130, 3) == []
+
+
+def test_any_unlit_mask_has_regions_within_the_frame() -> None:
+    here = painted_region(BOX)
+    specks = np.random.default_rng(2).random(here.unlit.shape)
+    corner = np.zeros_like(here.unlit)
+    corner[-1, -1] = True
+    for unlit in (np.ones_like(here.unlit), specks < 0.5, specks < 0.01, corner):
+        regions = unlit_regions(fine_of(), unlit, here.ground, 130, 3)
+        assert 1 <= len(regions) <= 3
+        for region in regions:
+            assert region.in_frame(region.unlit).shape == region.frame_shape
+            assert region.unlit.size > 0

@@ -1,0 +1,94 @@
+"""The shift from lit to shadowed ground, on painted scenes whose ratio of shadow to light is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shadow_ratio, shadow_shifts
+from ashe_live.light.pixels.log_colour import CHROMA_WEIGHT, DARKEST
+from ashe_live.light.pixels.mixtures import Mixture
+from tests.light.painted_regions import painted_region
+from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, SHADOW_RATIO, Caster
+
+
+def log_opponent_of(rgb: Float) -> Float:
+    """(3,) of a linear RGB colour."""
+    red, green, blue = np.log(rgb + DARKEST)
+    return np.array([(red + green + blue) / 3, CHROMA_WEIGHT * (red - blue), CHROMA_WEIGHT * (red + blue - 2 * green)])
+
+
+def ground_of(colour: Float) -> LitGround:
+    """A ground of this one log-opponent colour (3,)."""
+    one = np.ones(1, np.float32)
+    palette = Mixture(colour[None].astype(np.float32), np.eye(3, dtype=np.float32)[None], one)
+    nothing = np.zeros((1, 1), bool)
+    return LitGround(
+        np.zeros((1, 1, 3), np.float32), np.zeros((5, 3), np.float32), palette, nothing, one[None], nothing
+    )
+
+
+@pytest.mark.parametrize("ratio", [(1.0, 1.0, 1.0), (0.2, 0.3, 0.45), (0.05, 0.05, 0.05), (0.9, 0.8, 0.7)])
+@pytest.mark.parametrize("level", [255, 128, 64])
+def test_a_shift_is_a_ratio_on_grounds_light_and_dark(ratio: tuple[float, ...], level: int) -> None:
+    lit_rgb = np.array([0.9, 1.0, 0.7]) * LINEAR_FROM_SRGB_8BIT[level]
+    lit, shaded = (log_opponent_of(rgb) for rgb in (lit_rgb, lit_rgb * ratio))
+    np.testing.assert_allclose(shadow_ratio(ground_of(lit), shaded - lit), ratio, rtol=1e-5)
+
+
+def test_a_shadow_is_never_brighter_than_its_ground() -> None:
+    lit, brighter = (log_opponent_of(np.array(rgb)) for rgb in ((0.4, 0.4, 0.4), (0.6, 0.5, 0.3)))
+    assert (shadow_ratio(ground_of(lit), brighter - lit) <= 1).all()
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_the_shift_of_a_picture_is_the_ratio_it_was_shaded_by(ground: str) -> None:
+    here = painted_region(BOX, ground=ground, noise_levels=0.3)
+    np.testing.assert_allclose(shadow_ratio(here.ground, here.true_shift), SHADOW_RATIO, rtol=0.05)
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_the_true_shift_is_among_those_voted_for(ground: str, caster: Caster) -> None:
+    here = painted_region(caster, ground=ground)
+    shifts = here.shifts
+    assert 1 <= len(shifts) <= BALANCED.shifts
+    off = min(np.abs(shadow_ratio(here.ground, shift) / SHADOW_RATIO - 1).max() for shift in shifts)
+    # Each brick has its own brightness, so that its shadow has one as well.
+    assert off < (0.2 if ground == "bricks" else 0.1)
+
+
+@pytest.mark.parametrize("ratio", [0.6, 0.2, 0.05, 0.015])
+def test_pale_and_nearly_black_shadows_are_voted_for(ratio: float) -> None:
+    """Phones make strong shadows black."""
+    lit, shaded = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, ratio))
+    colours = shaded + np.random.default_rng(0).normal(0, 0.05, (20, 20, 3))
+    ground = replace(ground_of(lit), colours=colours.astype(np.float32))
+    shifts = shadow_shifts(ground, np.ones((20, 20), bool), 3)
+    assert min(np.abs(shift - (shaded - lit)).max() for shift in shifts) < 0.05
+
+
+def test_shifts_are_different_ones_and_make_darker() -> None:
+    shifts = painted_region(BOX, ground="striped").shifts
+    assert len(shifts) > 1
+    for i, shift in enumerate(shifts):
+        assert shift[0] < 0
+        assert all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts[:i])
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_no_more_are_told_than_asked_for(count: int) -> None:
+    here = painted_region(BOX, ground="striped")
+    assert len(shadow_shifts(here.ground, here.unlit, count)) == count
+
+
+def test_a_few_pixels_vote_for_nothing() -> None:
+    here = painted_region(BOX)
+    few = np.zeros_like(here.unlit)
+    assert shadow_shifts(here.ground, few, 5) == []
+    few[100, 100:110] = True
+    assert shadow_shifts(here.ground, few, 5) == []

@@ -1,0 +1,173 @@
+"""The light worker's process: answers, failures, its death and its end."""
+
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.light.live import worker as worker_module
+from ashe_live.light.live.worker import LightWorker, WorkerFailure
+from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
+
+PATIENCE_S = 60.0
+
+
+def quick(preset: str = "balanced") -> PaperEstimator:  # noqa: ARG001
+    return PaperEstimator(PaperSteps(size=(160, 120), grabcut_iterations=2))
+
+
+def endless(preset: str) -> PaperEstimator:  # noqa: ARG001
+    return PaperEstimator(PaperSteps(grabcut_iterations=10**6))
+
+
+def children() -> set[int]:
+    return {child.pid for child in multiprocessing.active_children() if child.name == "ashe-live light worker"}
+
+
+@pytest.fixture
+def worker() -> Iterator[LightWorker]:
+    with LightWorker(quick) as worker:
+        yield worker
+
+
+@pytest.fixture
+def without_marker(scene) -> TrackedFrame:
+    return TrackedFrame(Frame(scene.tracked.frame.image_bgr, 3, 0.0), scene.tracked.camera, None)
+
+
+def test_it_answers_as_a_direct_call_does(worker, scene):
+    assert worker.poll() is None
+    assert worker.request(scene.tracked)
+    assert worker.busy
+    assert not worker.request(scene.tracked)
+    answer, direct = worker.wait(PATIENCE_S), quick().estimate(scene.tracked)
+    assert isinstance(answer, LightEstimate)
+    np.testing.assert_array_equal(answer.light.to_light_marker, direct.light.to_light_marker)
+    np.testing.assert_array_equal(answer.object_mask, direct.object_mask)
+    assert answer.frame_index == scene.tracked.frame.index
+    assert not answer.light.to_light_marker.flags.writeable
+    assert not worker.busy
+    assert worker.poll() is None
+
+
+def test_a_picture_that_is_a_cut_out_of_another_arrives_whole(worker, scene):
+    image = np.zeros((480, 1280, 3), np.uint8)[:, ::2]
+    image[:] = scene.tracked.frame.image_bgr
+    worker.request(TrackedFrame(Frame(image, 7, 0.0), scene.tracked.camera, scene.tracked.marker))
+    direct = quick().estimate(scene.tracked)
+    np.testing.assert_array_equal(worker.wait(PATIENCE_S).light.to_light_marker, direct.light.to_light_marker)
+
+
+def test_an_exception_comes_back_as_a_value_and_the_worker_goes_on(worker, scene, without_marker):
+    worker.request(without_marker)
+    failure = worker.wait(PATIENCE_S)
+    assert isinstance(failure, WorkerFailure)
+    assert failure.frame_index == 3
+    assert "marker" in failure.message
+    assert "\n" not in failure.message
+    worker.request(scene.tracked)
+    assert isinstance(worker.wait(PATIENCE_S), LightEstimate)
+
+
+def test_a_killed_process_is_told_once_and_replaced(scene, without_marker):
+    with LightWorker(endless) as worker:
+        worker.request(without_marker)
+        worker.wait(PATIENCE_S)
+        (first,) = children()
+        worker.request(scene.tracked)
+        os.kill(first, signal.SIGKILL)
+        failure = worker.wait(PATIENCE_S)
+        assert isinstance(failure, WorkerFailure)
+        assert failure.frame_index == scene.tracked.frame.index
+        assert worker.poll() is None
+        assert not worker.busy
+        assert worker.request(without_marker)
+        assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
+        assert children() != {first}
+
+
+def test_a_process_killed_between_requests_is_replaced(worker, scene):
+    (first,) = children()
+    os.kill(first, signal.SIGKILL)
+    deadline = time.monotonic() + PATIENCE_S
+    while first in children() and time.monotonic() < deadline:
+        os.sched_yield()
+    worker.request(scene.tracked)
+    assert isinstance(worker.wait(PATIENCE_S), LightEstimate)
+
+
+def test_one_that_hangs_is_given_up_told_once_and_replaced(scene, without_marker, monkeypatch):
+    with LightWorker(endless) as worker:
+        worker.request(without_marker)
+        worker.wait(PATIENCE_S)
+        (first,) = children()
+        worker.request(scene.tracked)
+        assert worker.poll() is None
+        monkeypatch.setattr(worker_module, "LONGEST_ESTIMATE_S", 0.0)
+        failure = worker.poll()
+        monkeypatch.undo()
+        assert isinstance(failure, WorkerFailure)
+        assert failure.frame_index == scene.tracked.frame.index
+        assert "no answer" in failure.message
+        assert first not in children()
+        assert worker.poll() is None
+        assert worker.request(without_marker)
+        assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
+
+
+def test_what_is_given_up_has_no_outcome_and_the_next_request_may_come_at_once(worker, scene, without_marker):
+    worker.give_up()  # nothing was asked for
+    assert worker.request(scene.tracked)
+    worker.give_up()
+    assert not worker.busy
+    assert worker.poll() is None
+    assert worker.request(without_marker)
+    outcome = worker.wait(PATIENCE_S)
+    assert isinstance(outcome, WorkerFailure)
+    assert outcome.frame_index == without_marker.frame.index
+    assert len(children()) == 1
+
+
+def test_closing_ends_an_estimate_in_its_middle(scene, without_marker):
+    worker = LightWorker(endless)
+    worker.request(without_marker)
+    assert isinstance(worker.wait(PATIENCE_S), WorkerFailure)
+    worker.request(scene.tracked)
+    assert worker.wait(0.2) is None
+    begin = time.monotonic()
+    worker.close()
+    # The estimate would take hours; the allowance is for a crowded machine.
+    assert time.monotonic() - begin < 2.0
+    assert not children()
+    worker.close()
+    with pytest.raises(ValueError, match="closed"):
+        worker.request(scene.tracked)
+
+
+def test_closing_before_it_has_started_is_quiet(capfd):
+    LightWorker("paper").close()
+    assert not children()
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_ctrl_c_does_not_reach_it(worker, scene, without_marker, capfd):
+    worker.request(without_marker)
+    worker.wait(PATIENCE_S)
+    (pid,) = children()
+    os.kill(pid, signal.SIGINT)
+    worker.request(scene.tracked)
+    assert isinstance(worker.wait(PATIENCE_S), LightEstimate)
+    assert children() == {pid}
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_an_unknown_estimator_is_refused_before_a_process_starts():
+    with pytest.raises(UserError, match="paper"):
+        LightWorker("no such")
+    assert not children()

@@ -1,0 +1,344 @@
+"""The fit on masks made by plain geometry: true directions, laws of symmetry, honest errors, and the extremes."""
+
+import math
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.bench.cases import read_cases
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angle_between, rigid, tangent_basis
+from ashe_live.light.outline_fit.fit import ACCURATE, BALANCED, FAST, Fit, FitFailure, FitPreset, Masks, fit_light
+from tests.light.synthetic_masks import (
+    MaskedScene,
+    Parts,
+    ball,
+    box,
+    camera_towards,
+    direction,
+    ell,
+    render,
+    turned,
+)
+from tests.shared_data import shared_folder
+
+BODIES: dict[str, Callable[[], Parts]] = {
+    "box": lambda: box(0.1, 0.02, (0.06, 0.04, 0.08), 25.0),
+    "cylinder": lambda: turned(0.1, 0.02, [(0.03, 0.0), (0.03, 0.1)]),
+    "cone": lambda: turned(0.1, 0.02, [(0.04, 0.0), (0.0, 0.09)]),
+    "cup": lambda: turned(0.1, 0.02, [(0.025, 0.0), (0.04, 0.09)]),
+    "bottle": lambda: turned(0.1, 0.02, [(0.03, 0.0), (0.03, 0.08), (0.012, 0.12)]),
+    "ball": lambda: ball(0.1, 0.02, 0.035),
+    "ell": lambda: ell(0.1, 0.02, 160.0),
+}
+VIEW = camera_towards((0.08, 0.0), 0.5, 35.0)
+LIGHT = direction(200.0, 40.0)
+
+
+def fitted(scene: MaskedScene, preset: FitPreset = BALANCED) -> Fit:
+    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, scene.T_cam_marker, None, 0.2), preset)
+    assert isinstance(fit, Fit), fit
+    return fit
+
+
+def error_deg(fit: Fit, truth: Float, index: int = 0) -> float:
+    return math.degrees(angle_between(fit.lights[index].to_light_marker, truth))
+
+
+def sigmas_off(fit: Fit, truth: Float) -> float:
+    light = fit.lights[0]
+    off = tangent_basis(light.to_light_marker) @ truth
+    return math.sqrt(off @ np.linalg.solve(light.covariance_rad2, off))
+
+
+@pytest.mark.parametrize("azimuth_deg", [20.0, 110.0, 200.0, 290.0])
+@pytest.mark.parametrize("name", BODIES)
+def test_every_family_finds_its_light(name: str, azimuth_deg: float) -> None:
+    light = direction(azimuth_deg, 45.0)
+    assert error_deg(fitted(render(BODIES[name](), [light], VIEW)), light) < 1.5
+
+
+@pytest.mark.parametrize("name", ["box", "cylinder", "ball"])
+def test_small_pictures_suffice(name: str) -> None:
+    scene = render(BODIES[name](), [LIGHT], VIEW, (320, 240))
+    assert error_deg(fitted(scene), LIGHT) < 2.0
+
+
+@pytest.mark.parametrize("name", ["box", "cylinder", "ball"])
+def test_the_fast_preset_knows_the_plain_families(name: str) -> None:
+    assert error_deg(fitted(render(BODIES[name](), [LIGHT], VIEW), FAST), LIGHT) < 1.5
+
+
+def test_a_family_is_not_tried_without_the_one_that_it_grows_from() -> None:
+    orphaned = FitPreset(32, ("frustum", "ell"), (1.0,), 8, 1, 0.0)
+    with pytest.raises(ValueError, match="ell grows from box"):
+        fitted(render(BODIES["box"](), [LIGHT], VIEW), orphaned)
+
+
+def test_the_accurate_preset_tries_every_family() -> None:
+    fit = fitted(render(BODIES["bottle"](), [LIGHT], VIEW), ACCURATE)
+    assert error_deg(fit, LIGHT) < 1.0
+    assert len(fit.residual_px_by_family) == len(ACCURATE.families)
+
+
+def test_soft_masks_are_measured_below_a_pixel() -> None:
+    scene = render(BODIES["box"](), [LIGHT], VIEW, (320, 240))
+    fine = render(BODIES["box"](), [LIGHT], VIEW, (1280, 960))
+    soft = [cv2.resize(mask.astype(np.float64), (320, 240), interpolation=cv2.INTER_AREA) for mask in
+            (fine.body, *fine.shadows)]  # fmt: skip
+    fit = fit_light(Masks(soft[0], soft[1:], scene.camera, VIEW, None, 0.2))
+    assert isinstance(fit, Fit)
+    assert error_deg(fit, LIGHT) < 1.5
+
+
+def test_two_shadows_share_one_body() -> None:
+    lights = [direction(200.0, 45.0), direction(330.0, 35.0)]
+    fit = fitted(render(BODIES["cup"](), lights, VIEW))
+    assert [error_deg(fit, light, i) < 1.0 for i, light in enumerate(lights)] == [True, True]
+
+
+def test_the_proxy_is_the_body() -> None:
+    fit = fitted(render(BODIES["cylinder"](), [LIGHT], VIEW))
+    points = fit.proxy.points_marker()
+    assert np.allclose(points.min(axis=0), (0.07, -0.01, 0.0), atol=0.003)
+    assert np.allclose(points.max(axis=0), (0.13, 0.05, 0.1), atol=0.003)
+    assert fit.residual_px < 0.3
+
+
+# Laws
+
+
+def test_turning_the_marker_turns_the_answer() -> None:
+    scene = render(BODIES["box"](), [LIGHT], VIEW)
+    quarter = rigid([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], np.zeros(3))
+    first = fitted(scene).lights[0]
+    turned_pose = MaskedScene(scene.camera, VIEW @ quarter, scene.body, scene.shadows)
+    second = fitted(turned_pose).lights[0]
+    assert np.allclose(quarter[:3, :3] @ second.to_light_marker, first.to_light_marker, atol=1e-3)
+    assert np.allclose(second.covariance_rad2, first.covariance_rad2, rtol=0.2, atol=1e-6)
+
+
+def test_a_larger_marker_leaves_the_direction() -> None:
+    scene = render(BODIES["cup"](), [LIGHT], VIEW)
+    far = VIEW.copy()
+    far[:3, 3] *= 40.0
+    first, second = fitted(scene), fitted(MaskedScene(scene.camera, far, scene.body, scene.shadows))
+    assert np.allclose(second.lights[0].to_light_marker, first.lights[0].to_light_marker, atol=1e-6)
+    assert np.allclose(second.proxy.spheroids_marker, 40 * first.proxy.spheroids_marker, atol=1e-4)
+
+
+def test_a_mirrored_scene_has_the_mirrored_light() -> None:
+    mirror = np.array([-1.0, 1.0, 1.0])
+    view = camera_towards((0.0, 0.0), 0.5, 35.0)
+    parts = [part - (0.1, 0.0, 0.0) for part in BODIES["box"]()]
+    straight = fitted(render(parts, [LIGHT], view)).lights[0].to_light_marker
+    mirrored = fitted(render([part * mirror for part in parts], [LIGHT * mirror], view)).lights[0].to_light_marker
+    assert math.degrees(angle_between(straight * mirror, mirrored)) < 0.5
+
+
+def test_the_same_masks_give_the_same_bits() -> None:
+    scene = render(BODIES["ell"](), [LIGHT], VIEW)
+    first, second = fitted(scene), fitted(scene)
+    assert first.lights[0].to_light_marker.tobytes() == second.lights[0].to_light_marker.tobytes()
+    assert first.lights[0].covariance_rad2.tobytes() == second.lights[0].covariance_rad2.tobytes()
+
+
+def test_doubtful_edges_widen_the_covariance() -> None:
+    scene = render(BODIES["box"](), [LIGHT], VIEW)
+    areas = []
+    for edge_sigma_px in (0.2, 0.5, 1.0, 2.0):
+        fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, edge_sigma_px))
+        assert isinstance(fit, Fit)
+        areas.append(float(np.linalg.det(fit.lights[0].covariance_rad2)))
+    assert areas == sorted(areas)
+
+
+def test_what_is_unreliable_is_not_measured() -> None:
+    scene = render(BODIES["cylinder"](), [LIGHT], VIEW)
+    _, xs = np.nonzero(scene.shadows[0])
+    hidden = np.zeros(scene.body.shape, dtype=np.bool_)
+    hidden[:, int(np.quantile(xs, 0.8)) :] = True
+    shadow = scene.shadows[0] & ~hidden
+    body = scene.body & ~hidden
+    known = fit_light(Masks(body, [shadow], scene.camera, VIEW, hidden, 0.2))
+    unknown = fit_light(Masks(body, [shadow], scene.camera, VIEW, None, 0.2))
+    assert isinstance(known, Fit)
+    assert isinstance(unknown, Fit)
+    assert error_deg(known, LIGHT) < error_deg(unknown, LIGHT)
+    assert sigmas_off(known, LIGHT) < 3.0
+
+
+def nearest_part(mask: Mask, other: Mask, share: float) -> Mask:
+    """The share of `mask` that is nearest to `other`."""
+    away = cv2.distanceTransform((~other).astype(np.uint8), cv2.DIST_L2, 5)
+    return np.asarray(mask & (away <= np.quantile(away[mask], share)))
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5])
+@pytest.mark.parametrize("whose", ["the object's", "the shadow's"])
+@pytest.mark.parametrize("name", ["box", "cylinder", "cup"])
+def test_what_may_be_either_is_known_by_the_outline_of_the_whole(name: str, whose: str, share: float) -> None:
+    """Nobody knows whose these pixels are; only that they are of one of the two."""
+    scene = render(BODIES[name](), [LIGHT], VIEW)
+    body, shadow = scene.body, scene.shadows[0]
+    either = nearest_part(body, shadow, share) if whose == "the object's" else nearest_part(shadow, body, share)
+    sure = body & ~either, shadow & ~either
+    fit = fit_light(Masks(sure[0], [sure[1]], scene.camera, VIEW, None, 0.2, either=either))
+    assert isinstance(fit, Fit)
+    assert error_deg(fit, LIGHT) < 2.0
+    # Given to the wrong one, they mislead.
+    wrong = (sure[0], shadow | either) if whose == "the object's" else (body | either, sure[1])
+    misled = fit_light(Masks(wrong[0], [wrong[1]], scene.camera, VIEW, None, 0.2))
+    assert isinstance(misled, FitFailure) or error_deg(misled, LIGHT) > error_deg(fit, LIGHT)
+
+
+def test_nothing_that_may_be_either_changes_nothing() -> None:
+    scene = render(BODIES["box"](), [LIGHT], VIEW)
+    nothing = np.zeros_like(scene.body)
+    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, either=nothing))
+    assert isinstance(fit, Fit)
+    assert fit.lights[0].to_light_marker.tobytes() == fitted(scene).lights[0].to_light_marker.tobytes()
+
+
+@pytest.mark.parametrize("near", [(0.0, 0.0), (3.0, -3.0), (-40.0, 40.0)])
+def test_a_wrong_start_beside_the_guess_does_no_harm(near: tuple[float, float]) -> None:
+    scene = render(BODIES["cylinder"](), [LIGHT], VIEW)
+    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, near=np.array([near])))
+    assert isinstance(fit, Fit)
+    assert error_deg(fit, LIGHT) < 1.5
+
+
+# Extremes
+
+
+@pytest.mark.parametrize("elevation_deg", [2.0, 4.0, 8.0, 80.0, 88.0, 89.9])
+@pytest.mark.parametrize("name", ["box", "cylinder", "ball", "ell"])
+def test_high_and_low_lights_are_within_their_covariance(name: str, elevation_deg: float) -> None:
+    light = direction(160.0, elevation_deg)
+    scene = render(BODIES[name](), [light], VIEW)
+    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2))
+    if scene.shadows[0].sum() < 10:
+        assert isinstance(fit, FitFailure)
+        return
+    assert isinstance(fit, Fit)
+    assert error_deg(fit, light) < 1.0 or sigmas_off(fit, light) < 3.5
+
+
+@pytest.mark.parametrize("pitch_deg", [3.0, 8.0, 75.0, 90.0])
+def test_from_the_ground_and_from_above(pitch_deg: float) -> None:
+    view = camera_towards((0.08, 0.0), 0.6, pitch_deg)
+    fit = fitted(render(BODIES["box"](), [direction(40.0, 35.0)], view))
+    assert error_deg(fit, direction(40.0, 35.0)) < 6.0
+
+
+@pytest.mark.parametrize("target", [(0.27, 0.0), (-0.12, 0.0), (0.08, 0.2), (0.08, -0.2)])
+def test_what_the_frame_cuts_does_not_mislead(target: tuple[float, float]) -> None:
+    scene = render(BODIES["cylinder"](), [LIGHT], camera_towards(target, 0.5, 35.0))
+    fit = fitted(scene)
+    assert error_deg(fit, LIGHT) < 1.5 or sigmas_off(fit, LIGHT) < 3.0
+
+
+def test_twenty_pixels_are_enough_for_a_rough_answer() -> None:
+    scene = render(BODIES["cylinder"](), [LIGHT], camera_towards((0.08, 0.0), 3.5, 35.0))
+    assert scene.body.sum() < 600
+    assert error_deg(fitted(scene), LIGHT) < 10.0
+
+
+def random_mask(rng: np.random.Generator, shape: tuple[int, int]) -> Float:
+    kind = rng.integers(6)
+    mask = np.zeros(shape)
+    if kind == 0:
+        return mask
+    if kind == 1:
+        return mask + 1
+    if kind == 2:
+        return rng.random(shape)
+    for _ in range(int(rng.integers(1, 4))):
+        centre = tuple(int(v) for v in rng.integers(-5, 60, 2))
+        cv2.circle(mask, centre, int(rng.integers(0, 25)), 1.0, -1)
+    if kind == 3:
+        mask[int(rng.integers(shape[0]))] = np.nan
+    return mask
+
+
+def test_no_masks_and_no_pose_break_it() -> None:
+    """Whatever comes in, a finite direction above the ground with a covariance comes out, or a reason."""
+    rng = np.random.default_rng(5)
+    camera = Camera.from_hfov((60, 45), 60.0)
+    answered = 0
+    for _ in range(300):
+        view = camera_towards((0.0, 0.0), float(rng.uniform(0.05, 2)), float(rng.uniform(-5, 90)), rng.uniform(0, 360))
+        masks = [random_mask(rng, (45, 60)) for _ in range(3)]
+        if rng.integers(2):
+            masks = [mask > 0.5 for mask in masks]
+        sigma_px, either = float(rng.choice([0.0, 0.2, 2.0])), random_mask(rng, (45, 60)) > 0.5
+        either = either if rng.integers(2) else None
+        fit = fit_light(Masks(masks[0], masks[1:2], camera, view, masks[2] > 0.9, sigma_px, either=either), FAST)
+        if isinstance(fit, FitFailure):
+            assert fit.reason
+            continue
+        answered += 1
+        light = fit.lights[0]
+        assert np.isfinite(light.to_light_marker).all()
+        assert light.to_light_marker[2] >= 0
+        assert (np.linalg.eigvalsh(light.covariance_rad2) >= 0).all()
+        assert np.isfinite(fit.proxy.points_marker()).all()
+    assert answered > 10
+
+
+def test_reasons_say_what_is_missing() -> None:
+    scene = render(BODIES["box"](), [LIGHT], VIEW)
+    nothing = np.zeros_like(scene.body)
+    below = camera_towards((0.0, 0.0), 0.5, -20.0)
+    cases = [
+        (nothing, scene.shadows[0], VIEW, "no object"),
+        (scene.body, nothing, VIEW, "no shadow"),
+        (scene.body, scene.shadows[0], below, "the camera looks along the ground or from below it"),
+    ]
+    for body, shadow, view, reason in cases:
+        assert fit_light(Masks(body, [shadow], scene.camera, view)) == FitFailure(reason)
+
+
+def test_wrong_use_is_a_value_error() -> None:
+    scene = render(BODIES["box"](), [LIGHT], VIEW)
+    with pytest.raises(ValueError, match="shape"):
+        fit_light(Masks(scene.body[1:], scene.shadows, scene.camera, VIEW))
+    with pytest.raises(ValueError, match="shape"):
+        fit_light(Masks(scene.body, [], scene.camera, VIEW))
+
+
+# Rendered scenes, with their true masks
+
+
+def test_the_papers_scenes_are_solved() -> None:
+    errors = []
+    for case in read_cases(shared_folder("paper_scenes")):
+        masks = [cv2.imread(str(case.mask_paths[name]), cv2.IMREAD_GRAYSCALE) > 127 for name in ("object", "shadow")]
+        fit = fit_light(Masks(masks[0], masks[1:], case.camera, case.marker.T_cam_marker, None, 0.2))
+        assert isinstance(fit, Fit)
+        assert case.to_lights_marker is not None
+        errors.append(error_deg(fit, case.to_lights_marker[0]))
+    assert np.mean(errors) < 0.5
+    assert max(errors) < 1.0
+
+
+def test_rendered_scenes_are_solved_and_their_errors_foretold() -> None:
+    """All casters, odd ones too, in all kinds of light; perfect masks."""
+    errors, sigmas = [], []
+    for case in read_cases(shared_folder("scenes")):
+        if case.to_lights_marker is None or not len(case.to_lights_marker):
+            continue
+        masks = {name: cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) > 127 for name, path in case.mask_paths.items()}
+        shadow = masks.get("shadow_caster", masks["shadow"])
+        pose, clutter = case.marker.T_cam_marker, masks.get("clutter")
+        fit = fit_light(Masks(masks["object"], [shadow], case.camera, pose, clutter, 0.2))
+        assert isinstance(fit, Fit), case.id
+        errors.append(error_deg(fit, case.to_lights_marker[0]))
+        sigmas.append(sigmas_off(fit, case.to_lights_marker[0]))
+    assert np.mean(errors) < 1.5
+    assert np.median(errors) < 0.6
+    assert np.mean(np.array(sigmas) < 1.51) > 0.6
+    assert np.mean(np.array(sigmas) < 2.45) > 0.85

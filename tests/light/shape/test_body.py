@@ -1,0 +1,72 @@
+"""A body in the frame of a guess, and what it is in the marker's."""
+
+import numpy as np
+import pytest
+
+from ashe_live.light.shape.body import Body, outlines_of
+from ashe_live.light.shape.families import FAMILIES
+from ashe_live.light.shape.predicted import outlines
+from tests.light.painted_bodies import body_of
+from tests.light.painted_regions import painted_region
+from tests.light.painted_scenes import BOX, CYLINDER, Caster
+from tests.light.synthetic_masks import direction
+
+
+def painted(caster: Caster) -> Body:
+    return body_of(painted_region(caster), caster)
+
+
+def test_a_boxs_corners_are_in_metres_where_it_stands() -> None:
+    points = painted(BOX).proxy.spheroids_marker
+    expected = np.concatenate([np.roll(corners, 2, axis=0) for corners in (BOX.base(), BOX.top())])
+    np.testing.assert_allclose(points[:, :3], expected, atol=1e-12)
+    np.testing.assert_array_equal(points[:, 3:], 0)
+
+
+def test_a_cylinders_rings_are_in_metres_where_it_stands() -> None:
+    (x, y), radius = CYLINDER.at, CYLINDER.width_m / 2
+    expected = [(x, y, 0, radius, 0), (x, y, CYLINDER.height_m, radius, 0)]
+    np.testing.assert_allclose(painted(CYLINDER).proxy.spheroids_marker, expected, atol=1e-12)
+
+
+def test_a_radius_has_no_sign() -> None:
+    body = painted(CYLINDER)
+    turned = body.moved(np.array([0, 0, 0, 0, 0, -2 * body.shape[3], -2 * body.shape[4]]))
+    np.testing.assert_allclose(turned.proxy.spheroids_marker, body.proxy.spheroids_marker)
+
+
+def test_lights_are_unit_vectors_from_which_the_shadow_falls() -> None:
+    here = painted_region(BOX)
+    lights = [here.scene.to_light, direction(30.0, 5.0), direction(0.0, 90.0)]
+    for towards, light in zip(body_of(here, BOX, *lights).to_lights_marker, lights, strict=True):
+        np.testing.assert_allclose(towards, light, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_steps_go_to_slants_first_and_back_again(name: str) -> None:
+    start = body_of(painted_region(BOX), BOX, direction(30.0, 40.0), direction(110.0, 70.0))
+    count = len(FAMILIES[name].spread)
+    body = Body(start.guess, FAMILIES[name], start.slants, np.linspace(-1, 1, count))
+    step = np.arange(4.0 + count)
+    there = body.moved(step)
+    np.testing.assert_array_equal(there.slants, body.slants + step[:4].reshape(2, 2))
+    np.testing.assert_array_equal(there.shape, body.shape + step[4:])
+    np.testing.assert_allclose(there.moved(-step).proxy.spheroids_marker, body.proxy.spheroids_marker, atol=1e-12)
+    assert (body.proxy.spheroids_marker[:, 3:] >= 0).all()
+
+
+def test_outlines_of_several_bodies_are_those_of_each() -> None:
+    """Of different families in different views."""
+    several = [
+        (painted_region(caster, azimuth_deg=azimuth), caster) for caster in (BOX, CYLINDER) for azimuth in (80.0, 200.0)
+    ]
+    bodies = [body_of(here, caster) for here, caster in several]
+    views = [here.region.view for here, _ in several]
+    for body, view, found in zip(bodies, views, outlines_of(bodies, views), strict=True):
+        for hull, expected in zip(found, outlines(body.proxy, body.to_lights_marker, view), strict=True):
+            assert hull is not None
+            assert expected is not None
+            angles = np.linspace(0, 2 * np.pi, 60)
+            directions = np.array([np.cos(angles), np.sin(angles)])
+            # Circles are drawn with corners, which need not be the same.
+            np.testing.assert_allclose((hull @ directions).max(axis=0), (expected @ directions).max(axis=0), atol=0.2)

@@ -1,0 +1,135 @@
+"""Outlines of spheroids against brute force, and every derivative against finite differences."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.shape.families import FAMILIES
+from ashe_live.light.shape.family import Family, padded, parts_of
+from ashe_live.light.shape.supports import outline_points, outline_supports
+from tests.light.synthetic_masks import camera_towards
+
+ANGLES = np.arange(16) * (2 * math.pi / 16) + 0.1
+DIRECTIONS = np.column_stack([np.cos(ANGLES), np.sin(ANGLES)])
+# About the principal point, where the body stands: as the fit has it.
+P = np.diag([500.0, 500.0, 1.0]) @ camera_towards((0.0, 0.0), 6.0, 30.0)[:3]
+SLANTS = np.array([[[-0.8, 0.5], [0.3, 1.1]]])
+CYLINDER = np.array([0.1, -0.1, math.log(1.2), 0.5, 0.4])
+
+
+def member(name: str) -> Float:
+    """(1, q) parameters of some member, away from its starts' symmetry."""
+    family = FAMILIES[name]
+    seed = CYLINDER if family.grows_from is None else member(family.grows_from)[0]
+    theta = family.starts(seed)[:1]
+    return theta + 0.05 * np.sin(1.0 + np.arange(theta.shape[1]))
+
+
+def numerical(function: Callable[[Float], Float], at: Float, step: float = 1e-6) -> Float:
+    """Derivatives by the last axis of `at` (1, q), stacked last."""
+    columns = []
+    for i in range(at.shape[1]):
+        offset = np.zeros_like(at)
+        offset[0, i] = step
+        columns.append((function(at + offset) - function(at - offset)) / (2 * step))
+    return np.stack(columns, axis=-1)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_parts_have_exact_derivatives(name: str) -> None:
+    family, theta = FAMILIES[name], member(name)
+    assert theta.shape[1] == len(family.spread)
+    expected = numerical(lambda t: family.parts(t)[0], theta)
+    assert np.allclose(family.parts(theta)[1], expected, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_reaches_are_those_of_the_bodys_points(name: str) -> None:
+    family: Family = FAMILIES[name]
+    parts = family.parts(member(name))[0]
+    supports = outline_supports(P[None], parts, SLANTS, DIRECTIONS.T[None])
+    points = Proxy(name, np.abs(parts[0]) * np.sign(np.where(parts[0] < 0, [1, 1, 1, -1, -1], 1)) * np.where(
+        parts[0] < 0, [-1, -1, -1, -1, -1], 1)).points_marker(400)  # fmt: skip
+    outlines = [points]
+    for slant in SLANTS[0]:
+        flat = points.copy()
+        flat[:, :2] -= points[:, 2:] * slant
+        flat[:, 2] = 0.0
+        outlines.append(flat)
+    for outline, reach_px in zip(outlines, supports.reach_px[0], strict=True):
+        images = outline @ P[:, :3].T + P[:, 3]
+        expected = (images[:, :2] / images[:, 2:] @ DIRECTIONS.T).max(axis=0)
+        # The points lie on the body, so that they never reach further, and sampled spheroids a little less far.
+        assert (reach_px > expected - 1e-6).all()
+        assert np.allclose(reach_px, expected, atol=1.0 if name in ("sphere", "egg", "mug", "lump") else 0.05)
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_reaches_have_exact_derivatives(name: str) -> None:
+    family, shape = FAMILIES[name], member(name)
+    supports = outline_supports(P[None], family.parts(shape)[0], SLANTS, DIRECTIONS.T[None])
+    by_theta = supports.by_theta(family.parts(shape)[1])
+    expected = numerical(
+        lambda t: outline_supports(P[None], family.parts(t)[0], SLANTS, DIRECTIONS.T[None]).reach_px, shape
+    )
+    assert np.allclose(by_theta[:, 4:], np.moveaxis(expected, 3, 1), atol=2e-2, rtol=1e-4)
+
+    parts = family.parts(shape)[0]
+    for light in range(2):
+
+        def reach(slant: Float, light: int = light) -> Float:
+            slants = SLANTS.copy()
+            slants[:, light] = slant
+            return outline_supports(P[None], parts, slants, DIRECTIONS.T[None]).reach_px
+
+        expected = numerical(reach, SLANTS[:, light])
+        by_slant = by_theta[:, 2 * light : 2 * light + 2]
+        assert np.allclose(by_slant, np.moveaxis(expected, 3, 1), atol=2e-2, rtol=1e-4)
+        assert (np.delete(by_slant, 1 + light, axis=2) == 0).all()
+
+
+def test_a_spheres_outline_is_exact() -> None:
+    """Seen centrally, a ball of radius r at distance d has the radius f tan(asin(r / d))."""
+    camera = Camera.from_focal((640, 480), 500.0)
+    K = camera.K.copy()
+    K[:2, 2] = 0.0
+    pose = np.hstack([np.diag([1.0, -1.0, -1.0]), np.array([[0.0], [0.0], [4.0]])])
+    ball = np.array([[[0.0, 0.0, 1.0, 0.6, 0.6]]])
+    reach_px = outline_supports((K @ pose)[None], ball, np.zeros((1, 0, 2)), DIRECTIONS.T[None]).reach_px
+    assert np.allclose(reach_px, 500 * math.tan(math.asin(0.6 / 3.0)))
+
+
+def test_what_lies_behind_the_camera_stays_finite() -> None:
+    parts = FAMILIES["box"].parts(member("box"))[0]
+    for size in (1e2, 1e4):
+        slants = size * np.array([[[0.0, 1.0]], [[0.0, -1.0]], [[1.0, 0.0]]])
+        cameras, bodies, directions = (np.repeat(one[None], 3, axis=0) for one in (P, parts[0], DIRECTIONS.T))
+        supports = outline_supports(cameras, bodies, slants, directions)
+        for values in (supports.reach_px, supports.by_part, supports.by_slant):
+            assert np.isfinite(values).all()
+
+
+@pytest.mark.parametrize("name", FAMILIES)
+def test_outline_points_lie_on_the_outline_and_reach_as_far_as_it(name: str) -> None:
+    parts = FAMILIES[name].parts(member(name))[0]
+    reach_px = outline_supports(P[None], parts, SLANTS, DIRECTIONS.T[None]).reach_px
+    points = outline_points(P[None], parts, SLANTS, 720).reshape(1, 3, -1, 2)
+    assert np.allclose((points @ DIRECTIONS.T).max(axis=2), reach_px, atol=1e-2)
+
+
+def test_parts_of_several_families_are_those_of_each() -> None:
+    names = ["frustum", "box", "mug", "box"]
+    shapes = [member(name)[0] for name in names]
+    parts, slopes = parts_of([FAMILIES[name] for name in names], padded(shapes))
+    for i, (name, shape) in enumerate(zip(names, shapes, strict=True)):
+        (own,), (own_slopes,) = FAMILIES[name].parts(shape[None])
+        assert np.array_equal(parts[i, : len(own)], own)
+        assert (parts[i, len(own) :] == own[0]).all()
+        assert np.array_equal(slopes[i, : len(own), :, : len(shape)], own_slopes)
+        assert not slopes[i, len(own) :].any()
+        assert not slopes[i, :, :, len(shape) :].any()
