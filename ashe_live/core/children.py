@@ -115,13 +115,16 @@ def _is_current_folder(entry: str) -> bool:
 @contextmanager
 def _environment() -> Iterator[None]:
     """Only while a child is started: what else an embedding program starts is its own affair."""
-    added = {name: value for name, value in ENVIRONMENT.items() if name not in os.environ}
-    os.environ.update(added)
+    before = {name: os.environ.get(name) for name in ENVIRONMENT}
+    os.environ.update({name: value for name, value in ENVIRONMENT.items() if not before[name]})
     try:
         yield
     finally:
-        for name in added:
-            os.environ.pop(name, None)
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
 
 
 @contextmanager
