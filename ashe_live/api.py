@@ -10,8 +10,8 @@ from ashe_live.core.camera import Camera, Size
 from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
-from ashe_live.models.catalogue import load_model
-from ashe_live.models.placement import PlacedModel, placed_on_marker
+from ashe_live.models.placement import PlacedModel
+from ashe_live.models.reading import read_model
 from ashe_live.tracking import tracker
 from ashe_live.tracking.layout import parse_target
 
@@ -140,7 +140,7 @@ class Renderer:
     def _model(self, name: str, side_m: float) -> PlacedModel:
         """The same object again for the same name: it is uploaded once."""
         if (name, side_m) not in self._placed:
-            self._placed[name, side_m] = placed_on_marker(load_model(name), side_m)
+            self._placed[name, side_m] = read_model(name, side_m)
         return self._placed[name, side_m]
 
 

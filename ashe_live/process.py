@@ -18,6 +18,8 @@ ENVIRONMENT = {
     # What goes wrong is said by UserError, once, and not by libraries as well.
     "OPENCV_LOG_LEVEL": "SILENT",
     "PYTHONWARNINGS": "ignore",
+    # Also what libraries start must not run what lies in the current folder: glfw does at its import.
+    "PYTHONSAFEPATH": "1",
 }
 INTERRUPTED = 130
 

@@ -1,6 +1,7 @@
 """The trade of error against time as a picture, with its Pareto front."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import chdir
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -37,9 +38,11 @@ def points_of(recorded: Sequence[Json]) -> list[TradePoint]:
 
 
 def check_can_draw() -> None:
-    """Raises UserError without Matplotlib, which only the benches' plots need."""
+    """Loads Matplotlib, which only the benches' plots need. Raises UserError without it."""
     try:
-        import matplotlib.figure  # noqa: F401
+        # As it loads it takes a matplotlibrc from the current folder, whoever left it there.
+        with chdir(Path(__file__).parent):
+            import matplotlib.figure  # noqa: F401
     except ImportError:
         raise UserError("the plots need Matplotlib", "pip install 'ashe-live[bench]', or use --quick") from None
 

@@ -5,7 +5,6 @@ Every check is a try of the thing itself. Nothing heavy is imported before its o
 
 import argparse
 import platform
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
@@ -15,6 +14,8 @@ from pathlib import Path
 
 from ashe_live import __version__
 from ashe_live.cli import parsed
+from ashe_live.core.apart import NoAnswerError, called_apart
+from ashe_live.core.children import Limits
 from ashe_live.core.messages import printable, say
 from ashe_live.core.settings import settings_path
 from ashe_live.errors import ExitStatus, UserError
@@ -116,31 +117,16 @@ def _described(info: dict[str, str]) -> str:
     return f"OpenGL {info['GL_VERSION']}, {renderer}{slow}"
 
 
-def apart(probe: str) -> str:
+def apart(probe: Callable[[], str]) -> str:
     """What a function of this module returns, called in a process of its own: a broken driver may take that with it.
 
     Raises the UserError that it raised, or one about its end.
     """
-    code = f"""
-import sys
-from ashe_live.commands import doctor
-from ashe_live.errors import UserError
-try:
-    print(doctor.{probe}())
-except UserError as error:
-    sys.exit("\\n".join((error.message, error.remedy)))
-"""
     remedy = "install or update the graphics driver (Debian, Ubuntu: apt-get install libgl1 libegl1 libgl1-mesa-dri)"
     try:
-        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PROBE_S)
-    except subprocess.TimeoutExpired:
-        raise UserError(f"OpenGL does not answer within {PROBE_S:g} s", remedy) from None
-    if done.returncode == 0:
-        return done.stdout.strip()
-    lines = done.stderr.strip().splitlines() or ["no reason given"]
-    if done.returncode == 1 and len(lines) >= 2 and not done.stderr.startswith("Traceback"):
-        raise UserError(lines[-2], lines[-1])
-    raise UserError(f"it ends with status {done.returncode} ({lines[-1]})", remedy)
+        return called_apart(probe, (), "ashe-live doctor", Limits(niceness=0, silent=True), PROBE_S)
+    except NoAnswerError as failure:
+        raise UserError(f"trying OpenGL failed ({failure})", remedy) from None
 
 
 def _video() -> str:
@@ -179,8 +165,8 @@ CHECKS: dict[str, Callable[[], str]] = {
     "packages": _packages,
     "files": _files,
     "display": _display,
-    "window": lambda: _display() and apart("window_probe"),
-    "offscreen pictures": lambda: apart("offscreen_probe"),
+    "window": lambda: _display() and apart(window_probe),
+    "offscreen pictures": lambda: apart(offscreen_probe),
     "H.264 video": _video,
     "camera": _cameras,
     "settings": _settings,

@@ -29,7 +29,8 @@ Z_UP_FROM_Y_UP: Float = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [
 def load_model_file(path: Path) -> Model:
     """The model in `path`, its scene graph flattened, z up, in the file's unit.
 
-    Raises UserError when the file is missing, too large, malformed or empty, or names a file outside its folder.
+    Raises UserError when the file is missing, too large, malformed or empty, or names a file outside its folder;
+    MemoryError where that is limited.
     """
     resolver = _FolderResolver(path)
     problem: Exception | None = None
@@ -38,7 +39,7 @@ def load_model_file(path: Path) -> Model:
             # Pillow warns of large pictures at a limit of its own; ours are in limits.py.
             warnings.simplefilter("ignore", DecompressionBombWarning)
             return _read(path, resolver)
-    except UserError:
+    except (UserError, MemoryError):  # memory is limited by who calls this
         raise
     except Exception as error:  # a third-party parser of untrusted files raises whatever it stumbles over
         problem = error

@@ -7,8 +7,8 @@ from pathlib import Path
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import model_names
 from ashe_live.models.placement import PlacedModel
+from ashe_live.models.reading import read_model
 from ashe_live.viewer.background import begun
-from ashe_live.viewer.model_reader import read_model
 
 # A line that comes and goes faster than it can be read only flickers.
 SILENT_S = 0.3

@@ -1,5 +1,6 @@
 """The trade of error against time: its front, and its picture."""
 
+import subprocess
 import sys
 import xml.etree.ElementTree as ET
 
@@ -54,3 +55,16 @@ def test_without_matplotlib_it_is_said_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(UserError, match="bench"):
         check_can_draw()
+
+
+def test_what_lies_in_the_current_folder_has_no_say_in_how_plots_look(tmp_path):
+    pytest.importorskip("matplotlib", reason="only needed for plots")
+    (tmp_path / "matplotlibrc").write_text("font.size: 99\n")
+    code = (
+        "from ashe_live.bench.plots import check_can_draw\n"
+        "check_can_draw()\n"
+        "import matplotlib\n"
+        "print(matplotlib.rcParams['font.size'])"
+    )
+    done = subprocess.run([sys.executable, "-P", "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert float(done.stdout) != 99

@@ -7,8 +7,8 @@ import pytest
 
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import model_names
+from ashe_live.models.reading import read_model
 from ashe_live.viewer import shelf as shelf_module
-from ashe_live.viewer.model_reader import read_model
 from ashe_live.viewer.shelf import Shelf
 
 PATIENCE_S = 20.0

@@ -4,7 +4,6 @@ A thread would share the interpreter's lock and its full priority with the loop;
 """
 
 import multiprocessing
-import os
 import threading
 import time
 from collections.abc import Callable
@@ -12,10 +11,10 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from multiprocessing.connection import Connection
-from multiprocessing.context import SpawnProcess
 from types import TracebackType
 from typing import Self
 
+from ashe_live.core import children
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.pipes import send_value
 from ashe_live.core.types import LightEstimate, TrackedFrame
@@ -23,6 +22,7 @@ from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_est
 from ashe_live.light.live import worker_process
 from ashe_live.light.live.worker_process import WorkerFailure
 
+LIMITS = children.Limits(niceness=19)
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
 THREAD_TIMEOUT_S = 0.05
 # The paper's estimator takes ten seconds, on a crowded machine several times that.
@@ -119,18 +119,9 @@ class _Process:
     """One life of the process: the mailbox of its answers is closed with EOFError when it ends."""
 
     def __init__(self, make: Callable[[str], Estimator]) -> None:
-        # Spawned, as a forked child would inherit the window, its GL context and half-held locks.
-        context = multiprocessing.get_context("spawn")
         self.outcomes: LatestMailbox[Outcome] = LatestMailbox()
-        self._connection, far_end = context.Pipe()
-        self._process: SpawnProcess = context.Process(
-            target=worker_process.run, args=(far_end, make), name="ashe-live light worker", daemon=True
-        )
-        # Read by the child's NumPy as it loads: its threads would take the cores that the viewer's loop needs.
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-        self._process.start()
-        # Else our own copy would keep the pipe open after the process has died.
-        far_end.close()
+        self._connection, far_end = multiprocessing.Pipe()
+        self._process = children.started(worker_process.run, (make,), "ashe-live light worker", LIMITS, far_end)
         self._threads = [self._thread(_receive, self._connection, self.outcomes)]
 
     @property

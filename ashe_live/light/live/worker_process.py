@@ -1,7 +1,5 @@
 """The far side of the light worker: one process that estimates, one request after the other."""
 
-import os
-import signal
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -14,8 +12,6 @@ if TYPE_CHECKING:
     from ashe_live.core.types import LightEstimate, TrackedFrame
     from ashe_live.light.estimators.estimator import Estimator
 
-NICENESS = 19
-
 
 @dataclass(frozen=True, slots=True)
 class WorkerFailure:
@@ -27,10 +23,6 @@ class WorkerFailure:
 
 def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
     """Answers every tracked frame and preset with a LightEstimate or a WorkerFailure, until the other side has gone."""
-    # Ctrl-C in the terminal reaches every process; the viewer's main one decides what comes of it.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(os, "nice"):
-        os.nice(NICENESS)
     import cv2
 
     # The other cores belong to the viewer's loop.

@@ -1,0 +1,66 @@
+"""One call of a function in a process of its own: whatever it does there, the caller gets an answer in time."""
+
+import multiprocessing
+import signal
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import TypeVar
+
+from ashe_live.core.children import Limits, started
+from ashe_live.core.pipes import receive_value, send_value
+from ashe_live.errors import UserError
+
+Result = TypeVar("Result")
+
+
+class NoAnswerError(Exception):
+    """The process ended without an answer, or was ended; the message says how, e.g. "ended with status -6"."""
+
+
+def called_apart(
+    function: Callable[..., Result], arguments: tuple[object, ...], name: str, limits: Limits, longest_s: float
+) -> Result:
+    """What `function(*arguments)` returns, called in a process of that name; arrays in it are read-only.
+
+    The function must be importable, its arguments and result picklable. Raises the UserError that it raised, and
+    NoAnswerError for any other exception, for its end, and when it takes longer than `longest_s` or more than `limits`.
+    """
+    receiver, sender = multiprocessing.Pipe(duplex=False)
+    process = started(_answer, (function, *arguments), name, limits, sender)
+    try:
+        if not receiver.poll(longest_s):
+            raise NoAnswerError(f"no answer within {longest_s:g} s")
+        outcome = receive_value(receiver)
+    except EOFError:
+        process.join()
+        raise NoAnswerError(_how_it_ended(process.exitcode, limits)) from None
+    finally:
+        receiver.close()
+        process.kill()
+        process.join()
+    if isinstance(outcome, UserError | NoAnswerError):
+        raise outcome
+    result: Result = outcome
+    return result
+
+
+def _answer(connection: Connection, function: Callable[..., object], *arguments: object) -> None:
+    outcome: object
+    try:
+        outcome = function(*arguments)
+    except UserError as error:
+        outcome = error
+    except MemoryError:
+        outcome = NoAnswerError("out of memory")
+    except Exception as error:
+        outcome = NoAnswerError(f"{type(error).__name__}: {error}")
+    # The parent may be gone, and nobody wants the answer.
+    with suppress(OSError):
+        send_value(connection, outcome)
+
+
+def _how_it_ended(status: int | None, limits: Limits) -> str:
+    if status is not None and -status == getattr(signal, "SIGXCPU", None):
+        return f"more than {limits.processor_s} s of processor time"
+    return f"ended with status {status}"

@@ -1,0 +1,31 @@
+"""Reads a person's model file in a process of its own, within limits.
+
+Whatever a file does to its parser, the viewer goes on; and parsing text would hold the interpreter's lock for longer
+than a picture lasts.
+"""
+
+from ashe_live.core.apart import NoAnswerError, called_apart
+from ashe_live.core.children import Limits
+from ashe_live.errors import UserError
+from ashe_live.models.catalogue import load_model, model_names
+from ashe_live.models.placement import PlacedModel, placed_on_marker
+
+# The largest models that the limits of limits.py let pass take three quarters of each.
+LIMITS = Limits(niceness=10, memory_bytes=2_000_000_000, processor_s=20, silent=True)
+LONGEST_S = 40.0  # by the clock, where others use the processor or the disk is slow
+
+
+def read_model(name: str, marker_side_m: float) -> PlacedModel:
+    """A shipped model by its name, or any model file by its path. Raises UserError when it cannot be shown."""
+    if name in model_names():
+        return _read(name, marker_side_m)
+    try:
+        return called_apart(_read, (name, marker_side_m), "ashe-live model", LIMITS, LONGEST_S)
+    except NoAnswerError as failure:
+        raise UserError(
+            f"the model file {name} is too much for its reader ({failure})", "reduce it, or export it again"
+        ) from None
+
+
+def _read(name: str, marker_side_m: float) -> PlacedModel:
+    return placed_on_marker(load_model(name), marker_side_m)

@@ -1,0 +1,193 @@
+"""Child processes: nothing of the current folder runs in them, they end with their parent, and they have limits."""
+
+import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import sysconfig
+import time
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+
+import pytest
+
+from ashe_live.core.apart import NoAnswerError, called_apart
+from ashe_live.core.children import Limits, safe_module_path, started
+from ashe_live.errors import UserError
+from ashe_live.files.resources import resource
+
+PATIENCE_S = 60.0
+FREE = Limits(niceness=0)
+POSIX_ONLY = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such limits")
+# As it is installed: with `-m`, or `-c`, Python itself looks into the current folder first.
+COMMAND = Path(sysconfig.get_path("scripts")) / "ashe-live"
+# Modules that a child needs early or late, and this package itself.
+NAMES = (
+    "pickle",
+    "signal",
+    "selectors",
+    "struct",
+    "socket",
+    "numpy",
+    "trimesh",
+    "cv2",
+    "moderngl",
+    "ctypes",
+    "ashe_live",
+)
+TILE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+
+
+@pytest.fixture
+def trapped(tmp_path: Path) -> Path:
+    """A folder with modules that leave a file behind when they are run."""
+    for name in NAMES:
+        (tmp_path / f"{name}.py").write_text(f"open(__file__ + '.ran', 'w').close()\nraise SystemExit('{name} ran')\n")
+    (tmp_path / "a.obj").write_text(TILE)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("arguments", "status"),
+    [
+        (("play", str(resource("assets", "clips", "table.mp4")), "--headless", "--frames", "2", "--model", "a.obj"), 0),
+        # Loads glfw, which looks for its library in a process of its own.
+        (("doctor",), 2),
+        (("marker", "--show"), 2),
+    ],
+)
+def test_no_code_of_the_current_folder_runs(trapped: Path, arguments: tuple[str, ...], status: int) -> None:
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    environment["DISPLAY"] = ":there-is-none"
+    done = subprocess.run([COMMAND, *arguments], cwd=trapped, env=environment, capture_output=True, text=True)
+    assert not list(trapped.glob("*.ran"))
+    assert done.returncode == status, done
+
+
+def test_the_module_path_is_without_the_current_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    before = list(sys.path)
+    for entry in ("", ".", str(tmp_path), "not there"):
+        monkeypatch.syspath_prepend(entry)
+    assert safe_module_path() == ["not there", *(entry for entry in before if entry)]
+
+
+def test_the_current_folder_stays_where_the_package_lies(monkeypatch):
+    home = next(entry for entry in sys.path if (Path(entry) / "ashe_live").is_dir())
+    monkeypatch.chdir(home)
+    assert home in safe_module_path()
+
+
+def test_it_starts_where_the_current_folder_was_deleted(tmp_path, monkeypatch):
+    (tmp_path / "gone").mkdir()
+    monkeypatch.chdir(tmp_path / "gone")
+    (tmp_path / "gone").rmdir()
+    assert called_apart(os.getpid, (), "test", FREE, PATIENCE_S) != os.getpid()
+
+
+def test_a_program_that_does_not_guard_its_main_script_can_start_one(tmp_path):
+    script = tmp_path / "unguarded.py"
+    script.write_text(
+        "import os\nfrom ashe_live.core.apart import called_apart\nfrom ashe_live.core.children import Limits\n"
+        f"print(called_apart(os.getpid, (), 'test', Limits(niceness=0), {PATIENCE_S}) != os.getpid())\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("True\n", "")
+
+
+def test_nothing_is_left_behind_in_the_parents_environment():
+    before, path = dict(os.environ), list(sys.path)
+    called_apart(os.getpid, (), "test", FREE, PATIENCE_S)
+    assert dict(os.environ) == before
+    assert sys.path == path
+    assert not [child for child in multiprocessing.active_children() if child.name == "test"]
+
+
+def test_what_is_wrong_is_said_from_there():
+    with pytest.raises(UserError, match="it is broken: mend it"):
+        called_apart(_broken, (), "test", FREE, PATIENCE_S)
+    with pytest.raises(NoAnswerError, match=r"^ZeroDivisionError: "):
+        called_apart(divmod, (1, 0), "test", FREE, PATIENCE_S)
+    with pytest.raises(NoAnswerError, match="ended with status 9"):
+        called_apart(os._exit, (9,), "test", FREE, PATIENCE_S)
+
+
+def _broken() -> None:
+    raise UserError("it is broken", "mend it")
+
+
+def test_one_that_does_not_answer_is_killed():
+    with pytest.raises(NoAnswerError, match=r"within 0\.5 s"):
+        called_apart(time.sleep, (PATIENCE_S,), "test", FREE, 0.5)
+    assert not [child for child in multiprocessing.active_children() if child.name == "test"]
+
+
+@POSIX_ONLY
+def test_it_takes_so_much_processor_time_and_no_more():
+    with pytest.raises(NoAnswerError, match="more than 1 s of processor time"):
+        called_apart(sum, (range(10**12),), "test", Limits(niceness=0, processor_s=1), PATIENCE_S)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not hold a process to it")
+def test_it_takes_so_much_memory_and_no_more():
+    limits = Limits(niceness=0, memory_bytes=500_000_000)
+    assert len(called_apart(bytes, (100_000_000,), "test", limits, PATIENCE_S)) == 100_000_000
+    with pytest.raises(NoAnswerError, match="out of memory"):
+        called_apart(bytes, (500_000_000,), "test", limits, PATIENCE_S)
+
+
+def test_what_it_prints_can_be_silenced(capfd):
+    called_apart(os.write, (2, b"seen"), "test", FREE, PATIENCE_S)
+    called_apart(os.write, (2, b"unseen"), "test", Limits(niceness=0, silent=True), PATIENCE_S)
+    assert capfd.readouterr().err == "seen"
+
+
+def test_ctrl_c_does_not_reach_it_from_its_first_moment():
+    near, far = multiprocessing.Pipe()
+    process = started(_tell_and_wait, (), "test", FREE, far)
+    assert process.pid is not None
+    while not near.poll(0.001):
+        os.kill(process.pid, signal.SIGINT)
+    os.kill(process.pid, signal.SIGINT)
+    near.recv()
+    near.send("end")
+    process.join(PATIENCE_S)
+    assert process.exitcode == 0
+
+
+def _tell_and_wait(far_end: Connection) -> None:
+    far_end.send(os.getpid())
+    far_end.recv()
+
+
+PARENT = """
+import multiprocessing, os, signal, sys
+from multiprocessing.connection import Connection
+from ashe_live.core.children import Limits, started
+import tests.core.test_children as here
+near, far = multiprocessing.Pipe()
+started(here._hold_the_lock, (Connection(int(sys.argv[1])),), "test", Limits(niceness=0), far)
+near.recv()
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def _hold_the_lock(far_end: Connection, _alive: Connection) -> None:
+    """In C, where no other thread of Python's can run."""
+    far_end.send("ready")
+    10 ** (10**9)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere such a child ends as soon as it lets go of the lock")
+def test_it_ends_with_a_parent_that_is_killed_even_while_it_computes():
+    """The pipe that the child inherits, and nobody else keeps open, ends when the child does."""
+    reader, writer = os.pipe()
+    os.set_inheritable(writer, True)
+    checkout = Path(__file__).parents[2]
+    parent = subprocess.Popen([sys.executable, "-c", PARENT, str(writer)], pass_fds=[writer], cwd=checkout)
+    os.close(writer)
+    assert parent.wait(PATIENCE_S) == -signal.SIGKILL
+    assert wait([reader], PATIENCE_S)
+    assert os.read(reader, 1) == b""
+    os.close(reader)
