@@ -19,7 +19,7 @@ from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
 from ashe_live.core.quality import BALANCED, FAST, QUALITIES, RenderPreset
-from ashe_live.core.types import DirectionalLight, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.files.resources import resource
 from ashe_live.files.writing import check_folder, write_json, written_whole
 from ashe_live.models.catalogue import load_model, model_names
@@ -82,7 +82,7 @@ class RenderBench:
         tracker = Tracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, FAST.tracking)
 
         def scene(tracked: TrackedFrame) -> Scene:
-            return Scene(tracked, model, (light,))
+            return Scene(tracked, model, Illumination((light,)))
 
         with ClipSource(clip.path) as source:
             times = time_unpaced(source, tracker, renderer, scene, self.frames)

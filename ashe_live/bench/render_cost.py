@@ -11,7 +11,7 @@ from ashe_live.bench.resources_held import resident_mib
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.offscreen import Context, live_gl_objects
@@ -62,7 +62,8 @@ def orbit(size: Size, model: PlacedModel | None, lights: tuple[DirectionalLight,
         right = np.cross(-outwards, (0, 0, 1)) / math.cos(math.radians(40))
         R = np.array([right, np.cross(-outwards, right), -outwards])
         pose = MarkerPose(rigid(R, -R @ (np.array((0, 0, 0.03)) + 0.4 * outwards)), corners, SIDE_M, 0.0, None)
-        scenes.append(Scene(TrackedFrame(Frame(picture.copy(), number, 0.0), camera, pose), model, lights))
+        tracked = TrackedFrame(Frame(picture.copy(), number, 0.0), camera, pose)
+        scenes.append(Scene(tracked, model, Illumination(lights, seen_in=tracked)))
     return scenes
 
 

@@ -18,7 +18,7 @@ from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
 from ashe_live.core.quality import Quality
-from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.files.new_file import check_output
 from ashe_live.files.writing import write_json
 from ashe_live.light.estimator import Estimator
@@ -142,7 +142,7 @@ class BenchScene:
         self.estimates_on = False
         self.estimates_ms: list[float] = []  # how long each of them took
         self._session = session
-        self._known = LightEstimate("known", 0, (DirectionalLight(clip.to_light_marker),))
+        self._known = Illumination((DirectionalLight(clip.to_light_marker),))
         self._size = size
         self._quality = quality
         self._display = Display()
@@ -155,7 +155,7 @@ class BenchScene:
         estimate = self._session.poll(now_s)
         if estimate is not None:
             self.estimates_ms.append(estimate.timing_ms["total"])
-        self._session.estimate = self._session.shown = self._known
+        self._session.hand.light = self._session.shown = self._known
         if self.estimates_on and not self._session.is_estimating and tracked.marker is not None:
             self._session.request_estimate(now_s)
         return self._display.scene(self._session, self._size, self._quality, now_s, fps=DISPLAY_HZ)

@@ -118,7 +118,7 @@ class Renderer:
     def render(self, scene: Scene) -> None:
         """Draws the scene into the renderer's own framebuffer."""
         self._follow_model(scene.model)
-        self._follow_real_object(scene.caster)
+        self._follow_real_object(scene.illumination.real_object)
         if scene.tracked is None:
             self._surface.colour.clear()
         else:
@@ -177,13 +177,13 @@ class Renderer:
         """As a pinhole camera sees it; returns the part of the picture that it may have changed."""
         assert scene.tracked is not None
         assert scene.tracked.marker is not None
-        lighting = self._photometry.lighting(scene)
+        lighting = self._photometry.lighting(scene.illumination)
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting.suns)
         self._ground_shadows.render(self._shadows, lighting.suns)
         self._catcher.fit(model, lighting, self._shadows)
         arrows = []
         if scene.shows_light:
-            arrows = [arrow_placement(model.corners, light.to_light_marker) for light in scene.lights]
+            arrows = [arrow_placement(model.corners, light.to_light_marker) for light in scene.illumination.lights]
         viewport = letterbox(scene.tracked.frame.size, self.size)
         points = self._drawn_points(model, arrows)
         frame = framing(camera, scene.tracked.marker.T_cam_marker, points, viewport)
@@ -191,7 +191,7 @@ class Renderer:
             return NOWHERE
         look = self._photometry.look(scene.tracked)
         if model.model.mirrors:
-            self._environment.show(scene.surroundings or scene.tracked, scene.ground_rgb)
+            self._environment.show(scene.illumination, look.white_rgb)
         self._draw_framed(model, frame, lighting, look.white_rgb, arrows, scene)
         part = frame.part(model.corners)
         self._camera_match.draw(self._surface.colour, part, viewport, scene.tracked.frame, look)
@@ -212,7 +212,8 @@ class Renderer:
             for arrow in arrows:
                 self._arrow.draw(frame, arrow)
             casters = 2 if self._shadows.shadows_meet else 1
-            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model, scene.ground_rgb)
+            ground_rgb = scene.illumination.ground_rgb
+            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model, ground_rgb)
             self._model_pass.draw_blended(model, view)
 
     def _drawn_points(self, model: StandingModel, arrows: list[Float]) -> Float:

@@ -48,6 +48,11 @@ def surroundings_of(tracked: TrackedFrame, size: int, ground_rgb: Float | None =
     )
 
 
+def even_surroundings(size: int, ground_rgb: Float) -> Surroundings:
+    """Ground of one colour (3,), linear, under an overcast sky: where no picture is known."""
+    return Surroundings(np.full((size, size, 3), ground_rgb, np.float32), 1.0, _sky_map(np.ones((size, size, 3))))
+
+
 def _reduced_linear(tracked: TrackedFrame) -> Picture:
     image = tracked.frame.image_bgr
     factor = max(1, round(image.shape[1] / READ_WIDTH_PX))
@@ -77,21 +82,30 @@ def _ground(
 
 def _sky(tracked: TrackedFrame, linear: Picture, size: int) -> Picture:
     assert tracked.marker is not None
-    at = _square(size)
-    square = (at**2).sum(axis=2, keepdims=True)
-    directions = np.dstack([2 * at, np.abs(1 - square)]) / (1 + square)
+    directions, _ = _hemisphere(size)
     seen_from_camera = directions @ tracked.marker.T_cam_marker[:3, :3].T
     # What lies behind the camera is taken to look like what lies before it.
     x, y, z = np.moveaxis(seen_from_camera, 2, 0)
     wrapped = 0.5 + 0.5 * np.dstack([x, y]) / (1 + np.abs(z))[..., None]
     pattern = np.asarray(cv2.resize(linear, PATTERN_SIZE, interpolation=cv2.INTER_AREA), dtype=np.float32)
-    sky = _read(pattern, wrapped) + 1e-3
-    height = directions[..., 2:]
-    # The map's areas in solid angle, times the cosine to level ground.
-    weight = np.where(square < 1, height * (2 / (1 + square)) ** 2, 0.0)
-    sky = 1 + PATTERN_STRENGTH * (sky / _mean(sky, weight) - 1)
-    sky *= 1 + 2 * height
+    return _sky_map(_read(pattern, wrapped) + 1e-3)
+
+
+def _sky_map(pattern: NDArray[np.floating]) -> Picture:
+    """(s, s, 3) a pattern's colours relative to their mean, under the CIE's overcast gradient."""
+    directions, weight = _hemisphere(pattern.shape[0])
+    sky = 1 + PATTERN_STRENGTH * (pattern / _mean(pattern, weight) - 1)
+    sky *= 1 + 2 * directions[..., 2:]
     return np.asarray(sky / _mean(sky, weight), dtype=np.float32)
+
+
+def _hemisphere(size: int) -> tuple[Float, Float]:
+    """(size, size, 3) unit directions of the sky map's texels, and (size, size, 1) their weights on level ground."""
+    at = _square(size)
+    square = (at**2).sum(axis=2, keepdims=True)
+    directions = np.dstack([2 * at, np.abs(1 - square)]) / (1 + square)
+    # The map's areas in solid angle, times the cosine to level ground.
+    return directions, np.where(square < 1, directions[..., 2:] * (2 / (1 + square)) ** 2, 0.0)
 
 
 def _mean(values: NDArray[np.floating], weight: Float) -> Float:

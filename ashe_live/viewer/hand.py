@@ -7,12 +7,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles
-from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel
 from ashe_live.viewer.controls import Command, Drag, Request
 from ashe_live.viewer.pointing import Pixel, ground_at, picture_axes, pixel_of
 
-BY_HAND = "by hand"  # the estimator's name of such a light
 # What a key's press or a notch of the wheel does.
 LIGHT_STEP_RAD = math.radians(2)
 TURN_STEP_RAD = math.radians(5)
@@ -34,7 +33,7 @@ class Sight:
     """What a person sees, and by what it is lit and stood on."""
 
     tracked: TrackedFrame | None
-    estimate: LightEstimate | None
+    illumination: Illumination  # as estimated
     model: PlacedModel | None
 
 
@@ -42,7 +41,8 @@ class Hand:
     """`light` is None while the estimate holds."""
 
     def __init__(self) -> None:
-        self.light: LightEstimate | None = None
+        self.light: Illumination | None = None
+        self.frame_index = 0  # of the frame in which `light` was set last
         self.placement = UNMOVED
         self._shadow_end_px: Pixel = (0.0, 0.0)  # when the drag of the light began; of the video
         self._held: tuple[Float, Float] | None = None  # the plane's point that a drag took hold of, and the shift then
@@ -122,30 +122,23 @@ class Hand:
         slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
         self._set_light(tracked, base, np.array((*slope, 1.0)))
 
-    def _light_to_move(self, tracked: TrackedFrame, sight: Sight) -> LightEstimate:
+    def _light_to_move(self, tracked: TrackedFrame, sight: Sight) -> Illumination:
         """As it was set last, else as estimated, else a first one."""
         if self.light is not None:
             return self.light
-        if sight.estimate is not None and sight.estimate.lights:
-            return sight.estimate
+        if sight.illumination.lights:
+            return sight.illumination
         right, _ = picture_axes(tracked)
         first = direction_from_angles(math.atan2(-right[1], -right[0]), FIRST_ELEVATION_RAD)
-        return LightEstimate(BY_HAND, tracked.frame.index, (DirectionalLight(first),))
+        return Illumination((DirectionalLight(first),), seen_in=sight.illumination.seen_in)
 
-    def _set_light(self, tracked: TrackedFrame, base: LightEstimate, to_light: Float) -> None:
+    def _set_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
         """Of several lights the strongest; measured colours stay, what was known of the direction does not."""
         moved, *others = base.lights
         light = DirectionalLight(
             to_light, angular_size_rad=moved.angular_size_rad, shadow_rgb_ratio=moved.shadow_rgb_ratio
         )
-        self.light = LightEstimate(
-            BY_HAND,
-            tracked.frame.index,
-            (light, *others),
-            caster=base.caster,
-            ambient_rgb_ratio=base.ambient_rgb_ratio,
-            ground_rgb=base.ground_rgb,
-        )
+        self.light, self.frame_index = replace(base, lights=(light, *others)), tracked.frame.index
 
 
 def _brought(drag: Drag, pixel: Pixel) -> Pixel:

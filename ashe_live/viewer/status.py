@@ -18,19 +18,19 @@ NO_MARKER = (
 
 def light_line(session: Session) -> str:
     """The light's state; an estimate under way does not hide the last answer."""
-    estimate = session.lit_by
-    if estimate is None and session.is_estimating:
-        return "light: estimating…"
-    if estimate is None:
+    light, estimate = session.lit_by.light, session.estimate
+    if light is None and estimate is None:
+        if session.is_estimating:
+            return "light: estimating…"
         return f"light: {AWAITED if session.awaits_steady or session.fusion is not None else FIRST_STEP}"
-    if estimate.light is None:
+    if light is None:
+        assert estimate is not None
         text = f"no clear light: {estimate.reason}"
     else:
-        light = estimate.light
         text = f"{'light' if session.hand.light is None else 'light by hand'}: {light.said()}"
         if session.fusion is not None and session.fusion.count > 1:
             text += f", of {session.fusion.count} estimates"
-        if (count := len(estimate.lights)) > 1:
+        if (count := len(session.lit_by.lights)) > 1:
             text += f", first of {count}"
         if session.true_to_light_marker is not None:
             error = angle_between(light.to_light_marker, session.true_to_light_marker)
@@ -79,8 +79,8 @@ def source_lines(session: Session, source_status: str | None, now_s: float) -> l
 
 def guidance(session: Session) -> tuple[str, ...]:
     """How to get on from where nothing is known yet."""
-    if session.tracked is not None and session.surroundings is None:  # no marker in any frame so far
+    if session.tracked is not None and session.lit_by.seen_in is None:  # no marker in any frame so far
         return NO_MARKER
-    if session.lit_by is not None and session.lit_by.light is None and not session.is_estimating:
+    if session.estimate is not None and session.lit_by.light is None and not session.is_estimating:
         return f"what helps: {AFTER_NONE}", BY_HAND
     return ()

@@ -18,7 +18,7 @@ from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import offscreen_context
@@ -76,7 +76,7 @@ def main():
         for name, model in models.items():
             cells = []
             for label, lights in LIGHTS.items():
-                renderer.render(Scene(tracked, model, lights, caster=cup))
+                renderer.render(Scene(tracked, model, Illumination(lights, real_object=cup, seen_in=tracked)))
                 part = renderer.read_bgr()[TOP : TOP + HEIGHT, LEFT : LEFT + WIDTH]
                 cell = cv2.resize(part, CELL, interpolation=cv2.INTER_AREA)
                 text = f"{quality.name}: {name}, {label}"

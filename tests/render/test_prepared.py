@@ -3,6 +3,7 @@
 import numpy as np
 
 from ashe_live.core.quality import FAST
+from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.render import prepared
 from ashe_live.render.renderer import Renderer
@@ -17,7 +18,7 @@ def test_the_model_before_is_shown_until_the_next_is_ready(ctx, stage, monkeypat
     at_once = Renderer(ctx, FAST.render, (480, 360))
 
     def picture(of: Renderer, model) -> np.ndarray:
-        of.render(Scene(tracked, model, (stage.light(10, 40),)))
+        of.render(Scene(tracked, model, Illumination((stage.light(10, 40),))))
         return of.read_bgr()
 
     small_alone, large_alone = picture(at_once, small), picture(at_once, large)

@@ -47,7 +47,7 @@ def test_every_frame_is_shown_once(fakes):
 
 def test_the_estimate_lights_the_frame_it_was_asked_for(fakes):
     play = Play(fakes, fakes.Source(6), fakes.estimate(2))
-    assert [bool(scene.lights) for scene in play.renderer.scenes] == [False, False, True, True, True, True]
+    assert [bool(scene.illumination.lights) for scene in play.renderer.scenes] == [False, False, True, True, True, True]
     assert [estimate["frame"] for estimate in play.report.estimates] == [2]
 
 
