@@ -121,7 +121,7 @@ class SoakBench:
             stack.callback(stage.window.release)
             pipeline.start()
             window = cast(Window, stage.window)
-            stage.viewer = LiveViewer(window, renderer, pipeline, tracker, session, self.quality.name)
+            stage.viewer = LiveViewer(window, renderer, pipeline, session, self.quality.name)
             yield stage
 
 

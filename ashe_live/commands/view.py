@@ -112,17 +112,13 @@ def show_in_window(view: View) -> int:
         if options.out is not None:
             recording = Recording(options.out, view.source.size, pipeline.fps, options.overwrite)
 
-        def opener(path: Path) -> tuple[Pipeline, Tracker]:
+        def opener(path: Path) -> Pipeline:
             """A file has a camera of its own: as the flags say, else one that nobody knows."""
-            source = open_source(path)
-            tracker = make_tracker(options)
-            pipeline = Pipeline(source, tracker, options.loop)
+            pipeline = Pipeline(open_source(path), make_tracker(options), options.loop)
             pipeline.start()
-            return pipeline, tracker
+            return pipeline
 
-        viewer = LiveViewer(
-            window, renderer, pipeline, view.tracker, session, options.quality, recording, options.loop, opener
-        )
+        viewer = LiveViewer(window, renderer, pipeline, session, options.quality, recording, options.loop, opener)
         viewer.run(options.frames, end_if_asked)
     return ExitStatus.ANSWERED
 
