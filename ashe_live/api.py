@@ -87,15 +87,15 @@ class Renderer:
         Raises UserError when there is no OpenGL 3.3.
         """
         # Only here, so that estimating and tracking do without OpenGL.
-        from ashe_live.render import renderer
         from ashe_live.render.offscreen import offscreen_context
+        from ashe_live.render.renderer import SceneRenderer
 
         if min(size) < 1:
             raise ValueError(f"a picture of {size} pixels is empty")
         preset = _quality(quality).render
         self._context = offscreen_context()
         with self._context:
-            self._renderer = renderer.Renderer(self._context, preset, size)
+            self._renderer = SceneRenderer(self._context, preset, size)
         self._placed: dict[tuple[str, float], PlacedModel] = {}
 
     def render(

@@ -25,7 +25,7 @@ from ashe_live.files.writing import check_folder, write_json, written_whole
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import Context, offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.tracker import Tracker
@@ -78,7 +78,7 @@ class RenderBench:
         clip = self.clip
         light = DirectionalLight(clip.to_light_marker)
         model = placed_on_marker(load_model("cube"), clip.marker_side_m)
-        renderer = Renderer(ctx, FAST.render, size)
+        renderer = SceneRenderer(ctx, FAST.render, size)
         tracker = Tracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, FAST.tracking)
 
         def scene(tracked: TrackedFrame) -> Scene:
@@ -89,7 +89,7 @@ class RenderBench:
             copied = time_blit(source, tracker, renderer, clip.camera, self.frames)
             renderer.release()
             # One row more than the picture: it is drawn and not copied.
-            renderer = Renderer(ctx, FAST.render, (size[0], size[1] + 1))
+            renderer = SceneRenderer(ctx, FAST.render, (size[0], size[1] + 1))
             drawn = time_blit(source, tracker, renderer, clip.camera, self.frames)
         renderer.release()
         medians = {stage: float(np.median(ms)) for stage, ms in times.wall_ms.items()}

@@ -15,7 +15,7 @@ from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPo
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.offscreen import Context, live_gl_objects
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 WARM_UP_FRAMES = 3
@@ -34,7 +34,7 @@ class Cost:
 
 def cost_of(ctx: Context, preset: RenderPreset, size: Size, scenes: Sequence[Scene], frames: int) -> Cost:
     """Of `frames` pictures of `size`, the scenes in turns."""
-    renderer = Renderer(ctx, preset, size)
+    renderer = SceneRenderer(ctx, preset, size)
     query = ctx.query(time=True)
     wall_ms, gpu_ms = [], []
     for number in range(WARM_UP_FRAMES + frames):
@@ -116,7 +116,7 @@ def memory_growth(
     assert frames >= 10
     first = scene(0)
     assert first.tracked is not None
-    renderer = Renderer(ctx, preset, first.tracked.frame.size)
+    renderer = SceneRenderer(ctx, preset, first.tracked.frame.size)
     found: dict[str, float] = {}
     for number in range(frames):
         renderer.render(replace(scene(number), model=models[number // 10 % len(models)]))

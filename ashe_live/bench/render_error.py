@@ -20,7 +20,7 @@ from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPo
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import Context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.pose import square_corners
 
@@ -53,7 +53,7 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
     """Of the renderer's picture of the same scene."""
     assert reference.scene.tracked is not None
     bare = reference.scene.tracked.frame.image_bgr
-    renderer = Renderer(ctx, preset, reference.scene.tracked.frame.size)
+    renderer = SceneRenderer(ctx, preset, reference.scene.tracked.frame.size)
     renderer.render(reference.scene)
     picture = renderer.read_bgr()
     renderer.release()

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import cast
 
 from ashe_live.bench.machine import machine_json, versions_json
-from ashe_live.bench.offscreen_window import OffscreenWindow, Picture
+from ashe_live.bench.offscreen_window import OffscreenWindow, ShownPicture
 from ashe_live.bench.picture_age import PictureAges
 from ashe_live.bench.resources_held import left_running
 from ashe_live.bench.soak_run import SoakRun, SoakTracker
@@ -24,7 +24,7 @@ from ashe_live.files.writing import write_json
 from ashe_live.light.estimator import Estimator
 from ashe_live.light.worker import LightWorker
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.cores import leave_cores_to_renderer
@@ -108,7 +108,7 @@ class SoakBench:
             worker = stack.enter_context(LightWorker(self.estimator))
             session = Session(Shelf(MODEL, clip.marker_side_m), worker, EstimatePolicy(), Steadiness())
             session.light_preset = self.quality.name
-            renderer = Renderer(ctx, self.quality.render, camera.size, switches_at_once=False)
+            renderer = SceneRenderer(ctx, self.quality.render, camera.size, switches_at_once=False)
             stack.callback(renderer.release)
             tracker = SoakTracker(
                 parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, self.quality.tracking
@@ -134,4 +134,4 @@ class Stage:
     def __init__(self, session: Session, tracker: SoakTracker) -> None:
         self.session = session
         self.tracker = tracker
-        self.on_picture: Callable[[Picture], None] = lambda _picture: None
+        self.on_picture: Callable[[ShownPicture], None] = lambda _picture: None

@@ -24,13 +24,14 @@ from ashe_live.files.writing import write_json
 from ashe_live.light.estimator import Estimator
 from ashe_live.light.worker import LightWorker
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import Display
+from ashe_live.viewer.headless import LONGEST_ESTIMATE_S
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.report import frame_time_percentiles
 from ashe_live.viewer.session import EstimatePolicy, Session
@@ -41,7 +42,6 @@ DISPLAY_HZ = 60.0
 # Idle and estimating take turns, so that what else runs on the machine meets both.
 ROUNDS = 4
 MODEL = "cube"
-LONGEST_ESTIMATE_S = 300.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +72,7 @@ class ViewerBench:
         clip, size = self.clip, self.size or self.clip.camera.size
         leave_cores_to_renderer()
         with contextlib.ExitStack() as stack:
-            renderer = Renderer(offscreen_context(), self.quality.render, size)
+            renderer = SceneRenderer(offscreen_context(), self.quality.render, size)
             stack.callback(renderer.release)
             source = stack.enter_context(ClipSource(clip.path))
             tracker = Tracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, self.quality.tracking)
@@ -103,7 +103,7 @@ class ViewerBench:
         timed = {name: time_start(self.clip, self.quality.name, self.starts, *ways[name]) for name in ways}
         return {name: None if start is None else asdict(start) for name, start in timed.items()}
 
-    def _unpaced(self, source: ClipSource, tracker: Tracker, renderer: Renderer, scene: "BenchScene") -> Json:
+    def _unpaced(self, source: ClipSource, tracker: Tracker, renderer: SceneRenderer, scene: "BenchScene") -> Json:
         stages = time_unpaced(source, tracker, renderer, scene, self.frames)
         blit = time_blit(source, tracker, renderer, self.clip.camera, self.frames)
         return {
@@ -111,7 +111,7 @@ class ViewerBench:
             "stages_ms": {**_stages_json(stages), **_stages_json(blit)},
         }
 
-    def _paced(self, source: ClipSource, tracker: Tracker, renderer: Renderer, scene: "BenchScene") -> Json:
+    def _paced(self, source: ClipSource, tracker: Tracker, renderer: SceneRenderer, scene: "BenchScene") -> Json:
         source.rewind()
         tracker.reset()
         pipeline = Pipeline(source, tracker, loop=True)

@@ -8,7 +8,7 @@ from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.lighting import GROUND_ALBEDO, RGB
 from ashe_live.render.programs import set_uniforms
 from ashe_live.render.shadow_maps import same_objects
-from ashe_live.render.surroundings import Picture, blurred_levels, even_surroundings, level_count, surroundings_of
+from ashe_live.render.surroundings import LinearPicture, blurred_levels, even_surroundings, level_count, surroundings_of
 
 # Texture units that no other pass binds.
 GROUND_UNIT, SKY_UNIT = 10, 11
@@ -68,7 +68,7 @@ def _blank(ctx: moderngl.Context, size: int) -> moderngl.Texture:
     return texture
 
 
-def _fill(texture: moderngl.Texture, picture: Picture) -> None:
+def _fill(texture: moderngl.Texture, picture: LinearPicture) -> None:
     for level, blurred in enumerate(blurred_levels(picture)):
         opaque = np.ones((*blurred.shape[:2], 1), np.float32)
         texture.write(np.dstack([blurred, opaque]).astype(np.float16), level=level)

@@ -17,7 +17,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.transforms import project, transform_points
 from ashe_live.core.types import TrackedFrame
 
-Picture = NDArray[np.float32]
+LinearPicture = NDArray[np.float32]
 
 # The ground's map reaches to the horizon: half of its radius is this many sides of the marker.
 HALF_RADIUS_SIDES = 2.0
@@ -32,9 +32,9 @@ PATTERN_STRENGTH = 0.6  # 0: an even sky
 class Surroundings:
     """Two square maps, first row at -y."""
 
-    ground: Picture  # (s, s, 3) the picture's linear RGB; a point g of the plane is at g / (|g| + half_radius_m)
+    ground: LinearPicture  # (s, s, 3) the picture's linear RGB; a point g of the plane is at g / (|g| + half_radius_m)
     half_radius_m: float
-    sky: Picture  # (s, s, 3) a factor of the mean sky; a direction d is at (d.x, d.y) / (1 + d.z)
+    sky: LinearPicture  # (s, s, 3) a factor of the mean sky; a direction d is at (d.x, d.y) / (1 + d.z)
 
 
 def surroundings_of(tracked: TrackedFrame, size: int, ground_rgb: Float | None = None) -> Surroundings:
@@ -53,7 +53,7 @@ def even_surroundings(size: int, ground_rgb: Float) -> Surroundings:
     return Surroundings(np.full((size, size, 3), ground_rgb, np.float32), 1.0, _sky_map(np.ones((size, size, 3))))
 
 
-def _reduced_linear(tracked: TrackedFrame) -> Picture:
+def _reduced_linear(tracked: TrackedFrame) -> LinearPicture:
     image = tracked.frame.image_bgr
     factor = max(1, round(image.shape[1] / READ_WIDTH_PX))
     reduced = cv2.resize(image, None, fx=1 / factor, fy=1 / factor, interpolation=cv2.INTER_AREA)
@@ -61,8 +61,8 @@ def _reduced_linear(tracked: TrackedFrame) -> Picture:
 
 
 def _ground(
-    tracked: TrackedFrame, linear: Picture, size: int, half_radius_m: float, ground_rgb: Float | None
-) -> Picture:
+    tracked: TrackedFrame, linear: LinearPicture, size: int, half_radius_m: float, ground_rgb: Float | None
+) -> LinearPicture:
     assert tracked.marker is not None
     at = _square(size)
     radius = np.linalg.norm(at, axis=2, keepdims=True)
@@ -80,7 +80,7 @@ def _ground(
     return np.asarray(seen * inside + mean * (1 - inside), dtype=np.float32)
 
 
-def _sky(tracked: TrackedFrame, linear: Picture, size: int) -> Picture:
+def _sky(tracked: TrackedFrame, linear: LinearPicture, size: int) -> LinearPicture:
     assert tracked.marker is not None
     directions, _ = _hemisphere(size)
     seen_from_camera = directions @ tracked.marker.T_cam_marker[:3, :3].T
@@ -91,7 +91,7 @@ def _sky(tracked: TrackedFrame, linear: Picture, size: int) -> Picture:
     return _sky_map(_read(pattern, wrapped) + 1e-3)
 
 
-def _sky_map(pattern: NDArray[np.floating]) -> Picture:
+def _sky_map(pattern: NDArray[np.floating]) -> LinearPicture:
     """(s, s, 3) a pattern's colours relative to their mean, under the CIE's overcast gradient."""
     directions, weight = _hemisphere(pattern.shape[0])
     sky = 1 + PATTERN_STRENGTH * (pattern / _mean(pattern, weight) - 1)
@@ -118,7 +118,7 @@ def _square(size: int) -> Float:
     return np.dstack(np.meshgrid(steps, steps))
 
 
-def _read(picture: Picture, share: Float) -> Picture:
+def _read(picture: LinearPicture, share: Float) -> LinearPicture:
     """(h, w, 3) at places (h, w, 2) in shares of width and height, (0, 0) the top left corner; beyond it its border."""
     height, width = picture.shape[:2]
     places = (np.clip(share, -1, 2) * (width, height) - 0.5).astype(np.float32)
@@ -126,7 +126,7 @@ def _read(picture: Picture, share: Float) -> Picture:
     return np.asarray(read, dtype=np.float32)
 
 
-def blurred_levels(picture: Picture) -> list[Picture]:
+def blurred_levels(picture: LinearPicture) -> list[LinearPicture]:
     """The map and its halves down to four texels a side, each blurred as Gauss's pyramid does (Burt, Adelson 1983)."""
     levels = [picture]
     for _ in range(level_count(picture.shape[0]) - 1):

@@ -30,7 +30,7 @@ class Place:
     index: int | None = None  # None: what is shown at `time_s`
 
 
-START = Place(0.0, 0)
+FIRST_FRAME = Place(0.0, 0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,8 +56,8 @@ class Wish:
 class State:
     """Where the capture thread is. It alone replaces it."""
 
-    shown: Place = START  # handed over last
-    at: Place = START  # the same, or what is on its way
+    shown: Place = FIRST_FRAME  # handed over last
+    at: Place = FIRST_FRAME  # the same, or what is on its way
     obeyed: Jump | None = None  # the latest jump that has begun
     has_ended: bool = False  # stands at a clip's end
     status: str | None = None  # what a person should know of the source

@@ -25,11 +25,11 @@ FARTHEST_SIDES = 50.0
 # Where nothing was estimated, the light comes from the left in the picture.
 FIRST_ELEVATION_RAD = math.radians(45)
 LEAST_HEIGHT_SIDES = 0.25  # a flat model's shadow is dragged as if it were so high
-NO_MARKER = "no marker in view: without it nobody knows where the table is"
+NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class HandContext:
     """What a person sees, and by what it is lit and stood on."""
 
     tracked: TrackedFrame | None
@@ -50,7 +50,7 @@ class Hand:
     def reset(self) -> None:
         self.light, self.placement, self._held = None, UNMOVED, None
 
-    def obey(self, request: Request, sight: Sight) -> str | None:
+    def obey(self, request: Request, context: HandContext) -> str | None:
         """Does what the request asks of light or model; what stands against it is said."""
         match request:
             case Request(Command.SCALE_MODEL, int() | float() as notches):
@@ -59,14 +59,14 @@ class Hand:
                 turned = (self.placement.turn_rad + notches * TURN_STEP_RAD) % math.tau
                 self.placement = replace(self.placement, turn_rad=turned)
                 return None
-        tracked = sight.tracked
+        tracked = context.tracked
         if tracked is None or tracked.marker is None:
-            return NO_MARKER
+            return NEEDS_MARKER
         match request:
             case Request(Command.MOVE_LIGHT, (right, up)):
-                self._step_light(tracked, sight, right, up)
+                self._step_light(tracked, context, right, up)
             case Request(Command.MOVE_LIGHT, Drag() as drag):
-                self._drag_light(tracked, sight, drag)
+                self._drag_light(tracked, context, drag)
             case Request(Command.MOVE_MODEL, (right, up)):
                 to_right, away = picture_axes(tracked)
                 step = MOVE_STEP_SIDES * tracked.marker.side_m
@@ -96,20 +96,20 @@ class Hand:
             point, shift_m = self._held
             self._move(tracked, shift_m + now - point)
 
-    def _step_light(self, tracked: TrackedFrame, sight: Sight, right: float, up: float) -> None:
-        base = self._light_to_move(tracked, sight)
+    def _step_light(self, tracked: TrackedFrame, context: HandContext, right: float, up: float) -> None:
+        base = self._light_to_move(tracked, context)
         azimuth, elevation = angles_from_direction(base.lights[0].to_light_marker)
         elevation = min(max(elevation + up * LIGHT_STEP_RAD, LOWEST_RAD), HIGHEST_RAD)
         self._set_light(tracked, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
 
-    def _drag_light(self, tracked: TrackedFrame, sight: Sight, drag: Drag) -> None:
+    def _drag_light(self, tracked: TrackedFrame, context: HandContext, drag: Drag) -> None:
         """The end of the model's shadow goes with the mouse; one that the picture does not show comes to it first."""
         assert tracked.marker is not None
-        base = self._light_to_move(tracked, sight)
+        base = self._light_to_move(tracked, context)
         foot = np.array(self.placement.shift_m)
         height = LEAST_HEIGHT_SIDES * tracked.marker.side_m
-        if sight.model is not None:
-            height = max(height, float(sight.model.bounds[1, 2])) * self.placement.scale
+        if context.model is not None:
+            height = max(height, float(context.model.bounds[1, 2])) * self.placement.scale
         if drag.is_first:
             x, y, z = base.lights[0].to_light_marker
             end = pixel_of(tracked, foot - height / z * np.array((x, y))) if z > 0 else None
@@ -122,15 +122,15 @@ class Hand:
         slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
         self._set_light(tracked, base, np.array((*slope, 1.0)))
 
-    def _light_to_move(self, tracked: TrackedFrame, sight: Sight) -> Illumination:
+    def _light_to_move(self, tracked: TrackedFrame, context: HandContext) -> Illumination:
         """As it was set last, else as estimated, else a first one."""
         if self.light is not None:
             return self.light
-        if sight.illumination.lights:
-            return sight.illumination
+        if context.illumination.lights:
+            return context.illumination
         right, _ = picture_axes(tracked)
         first = direction_from_angles(math.atan2(-right[1], -right[0]), FIRST_ELEVATION_RAD)
-        return Illumination((DirectionalLight(first),), seen_in=sight.illumination.seen_in)
+        return Illumination((DirectionalLight(first),), seen_in=context.illumination.seen_in)
 
     def _set_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
         """Of several lights the strongest; measured colours stay, what was known of the direction does not."""

@@ -12,7 +12,7 @@ from ashe_live.core.quality import RenderPreset
 from ashe_live.errors import UserError
 from ashe_live.files.writing import unused_name
 from ashe_live.render.offscreen import Context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.recording import Recording
 from ashe_live.viewer.session import Session
@@ -29,7 +29,7 @@ class Keeper:
         self._session = session
         self._tell = tell
         self._recording = recording
-        self._renderer: Renderer | None = None
+        self._renderer: SceneRenderer | None = None
 
     @property
     def is_recording(self) -> bool:
@@ -88,7 +88,7 @@ class Keeper:
         assert self._session.tracked is not None
         size = self._session.tracked.frame.size
         if self._renderer is None:
-            self._renderer = Renderer(self._context, preset, size)
+            self._renderer = SceneRenderer(self._context, preset, size)
         if self._renderer.size != size:
             self._renderer.resize(size)
         self._renderer.preset = preset

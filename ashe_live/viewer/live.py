@@ -9,7 +9,7 @@ from ashe_live.core.mailbox import Closed
 from ashe_live.core.messages import say, tell
 from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.errors import UserError
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.auto_quality import AutoQuality
 from ashe_live.viewer.controls import Command, Files, Request
@@ -36,7 +36,7 @@ class LiveViewer:
     def __init__(
         self,
         window: Window,
-        renderer: Renderer,
+        renderer: SceneRenderer,
         pipeline: Pipeline,
         session: Session,
         quality_name: str,

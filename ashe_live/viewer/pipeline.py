@@ -10,7 +10,7 @@ from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.quality import TrackingPreset
 from ashe_live.core.types import TrackedFrame
 from ashe_live.tracking.tracker import Tracker
-from ashe_live.viewer.capture_loop import START, CaptureLoop, Jump, Place, Wish
+from ashe_live.viewer.capture_loop import FIRST_FRAME, CaptureLoop, Jump, Place, Wish
 
 # A disk that must wake up or a camera that adjusts itself takes less.
 STALLED_AFTER_S = 2.0
@@ -77,7 +77,7 @@ class Pipeline:
 
     def restart(self) -> None:
         """From the first frame; also at the end of the clip, and while paused (which it stays)."""
-        self._ask(jump=Jump(START, rewinds=True))
+        self._ask(jump=Jump(FIRST_FRAME, rewinds=True))
 
     def play(self, speed: float, loop: bool) -> None:
         """From now on at `speed` times a clip's own pace, and again and again or once."""

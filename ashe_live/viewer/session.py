@@ -13,7 +13,7 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
-from ashe_live.viewer.hand import Hand, Sight
+from ashe_live.viewer.hand import Hand, HandContext
 from ashe_live.viewer.shelf import Shelf
 
 NOTICE_S = 4.0
@@ -228,7 +228,7 @@ class Session:
 
     def _obey_hand(self, request: Request, now_s: float) -> None:
         before = self.hand.light
-        if (said := self.hand.obey(request, Sight(self.tracked, self._estimated, self.model))) is not None:
+        if (said := self.hand.obey(request, HandContext(self.tracked, self._estimated, self.model))) is not None:
             self.say(said, now_s)
         if self.hand.light is before:
             return

@@ -9,7 +9,7 @@ from ashe_live.viewer.session import Session
 FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
 AWAITED = "estimated as soon as the marker is steady"
 AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain surface, clear of the marker; then Space"
-BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
+SET_BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
@@ -82,5 +82,5 @@ def guidance(session: Session) -> tuple[str, ...]:
     if session.tracked is not None and session.lit_by.seen_in is None:  # no marker in any frame so far
         return NO_MARKER
     if session.estimate is not None and session.lit_by.light is None and not session.is_estimating:
-        return f"what helps: {AFTER_NONE}", BY_HAND
+        return f"what helps: {AFTER_NONE}", SET_BY_HAND
     return ()

@@ -19,7 +19,7 @@ from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.viewer.easing import LightEasing
 
@@ -45,7 +45,7 @@ def pictures():
     clip = shipped_clip()
     tracker = al.Tracker(clip.camera, clip.marker_spec, clip.marker_side_m)
     estimator, easing, hud = al.make_estimator("proxy"), LightEasing(), Hud()
-    renderer = Renderer(offscreen_context(), QUALITIES["accurate"].render, SIZE)
+    renderer = SceneRenderer(offscreen_context(), QUALITIES["accurate"].render, SIZE)
     placed = {name: placed_on_marker(load_model(name), clip.marker_side_m) for _, name in MODELS}
     illumination, is_estimated = al.Illumination(), False
     with ClipSource(clip.path) as source:

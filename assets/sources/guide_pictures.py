@@ -25,7 +25,7 @@ from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker
 
@@ -146,7 +146,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path(__file__).parents[2] / "docs" / "guide.jpg")
     options = parser.parse_args()
-    renderer = Renderer(offscreen_context(), QUALITIES["accurate"].render, SIZE)
+    renderer = SceneRenderer(offscreen_context(), QUALITIES["accurate"].render, SIZE)
     rows = (len(TABLES) + 1) // 2
     sheet = Image.new("RGB", (2 * CELL[0], rows * (CELL[1] + CAPTION_PX)), (22, 24, 28))
     draw = ImageDraw.Draw(sheet)

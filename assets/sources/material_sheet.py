@@ -23,7 +23,7 @@ from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 FRAME, ENLARGED = 60, 3
@@ -121,7 +121,7 @@ def main():
     options = ask.parse_args()
     tracked, light = enlarged_frame()
     placed = balls(tracked.marker.side_m)
-    renderer = Renderer(offscreen_context(), QUALITIES[options.quality].render, tracked.frame.size)
+    renderer = SceneRenderer(offscreen_context(), QUALITIES[options.quality].render, tracked.frame.size)
     renderer.render(Scene(tracked, placed, Illumination((light,), seen_in=tracked)))
     (x0, y0), (x1, y1) = 1.35 * placed.bounds[:, :2]
     corners = project(tracked.camera, tracked.marker.T_cam_marker, [(x, y, 0) for x in (x0, x1) for y in (y0, y1)])

@@ -22,7 +22,7 @@ from ashe_live.core.types import DirectionalLight, Illumination, MarkerPose, Tra
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 FRAME = 84
@@ -72,7 +72,7 @@ def main():
     models = {name: placed_on_marker(load_model(name), clip.marker_side_m) for name in model_names()}
     rows = []
     for quality in QUALITIES.values():
-        renderer = Renderer(ctx, quality.render, tracked.frame.size)
+        renderer = SceneRenderer(ctx, quality.render, tracked.frame.size)
         for name, model in models.items():
             cells = []
             for label, lights in LIGHTS.items():

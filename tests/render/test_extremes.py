@@ -118,11 +118,11 @@ import numpy as np
 from ashe_live.core.quality import QUALITIES
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.bench.render_cost import lights_around, orbit, round_model
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 ctx = offscreen_context()
 scene = orbit((160, 120), round_model(200), lights_around(2))[1]
 for quality in QUALITIES.values():
-    renderer = Renderer(ctx, quality.render, (160, 120))
+    renderer = SceneRenderer(ctx, quality.render, (160, 120))
     renderer.render(scene)
     print(ctx.version_code, int(renderer.read_bgr().astype(int).sum()), ctx.error)
 """

@@ -26,7 +26,7 @@ from ashe_live.viewer.hand import (
     SMALLEST,
     TURN_STEP_RAD,
     Hand,
-    Sight,
+    HandContext,
 )
 from ashe_live.viewer.pointing import ground_at, picture_axes, pixel_of
 
@@ -67,11 +67,11 @@ def seen_from(eye: tuple[float, float, float], camera: Camera = PINHOLE, aim=(0.
 EYES = ((0.1, -0.5, 0.35), (0.4, 0.3, 0.5), (0.0, 0.1, 0.6))
 
 
-def sight(tracked: TrackedFrame | None, illumination: Illumination = ESTIMATED) -> Sight:
-    return Sight(tracked, illumination, MODEL)
+def sight(tracked: TrackedFrame | None, illumination: Illumination = ESTIMATED) -> HandContext:
+    return HandContext(tracked, illumination, MODEL)
 
 
-def drag(hand: Hand, command: Command, seen: Sight, begin, *ends) -> None:
+def drag(hand: Hand, command: Command, seen: HandContext, begin, *ends) -> None:
     for place, end in enumerate(ends):
         hand.obey(Request(command, Drag(begin, end, place == 0)), seen)
 

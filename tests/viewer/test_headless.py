@@ -5,7 +5,7 @@ import pytest
 from ashe_live.errors import UserError
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
-from ashe_live.viewer.headless import Playback, play_headless
+from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.report import Report
 from ashe_live.viewer.session import EstimatePolicy, Session
 
@@ -30,7 +30,7 @@ class Play:
             self.tracker,
             self.session,
             self.renderer,
-            Playback(bare_scene, takers=takers, **playback),
+            HeadlessRun(bare_scene, takers=takers, **playback),
             self.report,
         )
 

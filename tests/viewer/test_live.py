@@ -119,7 +119,7 @@ class Stage:
 @pytest.fixture
 def stage(fakes, monkeypatch, tmp_path) -> Stage:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(keeping, "Renderer", fakes.Renderer)
+    monkeypatch.setattr(keeping, "SceneRenderer", fakes.Renderer)
     return Stage(fakes)
 
 
