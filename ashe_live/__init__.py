@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ashe_live.capture.snapshot import write_png
     from ashe_live.capture.sources import open_source
     from ashe_live.core.camera import Camera, read_camera_file
-    from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose, TrackedFrame
+    from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose, TrackedFrame
     from ashe_live.errors import UserError
     from ashe_live.light.estimators.estimator import make_estimator
     from ashe_live.models.catalogue import model_names
@@ -22,6 +22,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Camera",
     "DirectionalLight",
+    "Illumination",
     "LightEstimate",
     "MarkerPose",
     "Renderer",
@@ -40,6 +41,7 @@ __all__ = [
 _HOMES = {
     "Camera": "core.camera",
     "DirectionalLight": "core.types",
+    "Illumination": "core.types",
     "LightEstimate": "core.types",
     "MarkerPose": "core.types",
     "Renderer": "api",

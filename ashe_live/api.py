@@ -8,7 +8,7 @@ from ashe_live.capture.photo import PhotoSource
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.quality import QUALITIES, Quality
-from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
@@ -87,40 +87,31 @@ class Renderer:
         Raises UserError when there is no OpenGL 3.3.
         """
         # Only here, so that estimating and tracking do without OpenGL.
-        from ashe_live.render import renderer
         from ashe_live.render.offscreen import offscreen_context
+        from ashe_live.render.renderer import SceneRenderer
 
         if min(size) < 1:
             raise ValueError(f"a picture of {size} pixels is empty")
         preset = _quality(quality).render
         self._context = offscreen_context()
         with self._context:
-            self._renderer = renderer.Renderer(self._context, preset, size)
+            self._renderer = SceneRenderer(self._context, preset, size)
         self._placed: dict[tuple[str, float], PlacedModel] = {}
 
     def render(
-        self, tracked: TrackedFrame, model: str, estimate: LightEstimate | None = None, shows_light: bool = False
+        self, tracked: TrackedFrame, model: str, illumination: Illumination | None = None, shows_light: bool = False
     ) -> Image:
-        """(h, w, 3) uint8 BGR: the picture with a model on its marker, lit as the estimate says, and its shadow.
+        """(h, w, 3) uint8 BGR: the picture with a lit model on its marker, and the shadow that the model casts.
 
-        `model` is a shipped model's name (`model_names()`) or the path of a glTF, GLB, OBJ, PLY or STL file. Without an
-        estimate, or without a light in it, the sky alone lights it; without a marker there is no model. Raises
-        UserError for a model that is not there or cannot be read.
+        `model` is a shipped model's name (`model_names()`) or the path of a glTF, GLB, OBJ, PLY or STL file.
+        `illumination` is an estimate's (`LightEstimate.illumination`) or one of your own; without it, or without a
+        light in it, the sky alone gives light. Polished surfaces mirror the frame that it was seen in, whichever is
+        drawn. Without a marker there is no model. Raises UserError for a model that is not there or cannot be read.
         """
         from ashe_live.render.scene import Scene
 
         placed = None if tracked.marker is None else self._model(model, tracked.marker.side_m)
-        scene = Scene(tracked, placed)
-        if estimate is not None:
-            scene = Scene(
-                tracked,
-                placed,
-                estimate.lights,
-                shows_light,
-                caster=estimate.caster,
-                ambient_rgb_ratio=estimate.ambient_rgb_ratio,
-                ground_rgb=estimate.ground_rgb,
-            )
+        scene = Scene(tracked, placed, illumination or Illumination(), shows_light)
         with self._context:
             self._renderer.render(scene)
             return self._renderer.read_bgr()

@@ -67,7 +67,9 @@ def test_a_picture_without_a_marker_is_answered_with_a_reason_and_drawn_as_it_is
     assert estimate.light is None
     assert estimate.reason == "no marker found"
     with al.Renderer((128, 96)) as renderer:
-        np.testing.assert_array_equal(renderer.render(al.Tracker(camera).track(grey), "cube", estimate), grey)
+        np.testing.assert_array_equal(
+            renderer.render(al.Tracker(camera).track(grey), "cube", estimate.illumination()), grey
+        )
 
 
 def test_two_renderers_do_not_disturb_each_other():

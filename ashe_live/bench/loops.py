@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from ashe_live.capture.sources import Source
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import Frame, TrackedFrame
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.pipeline import Pipeline
@@ -43,7 +43,7 @@ class StageTimes:
 
 
 def time_unpaced(
-    source: Source, tracker: Tracker, renderer: Renderer, scene: Callable[[TrackedFrame], Scene], frames: int
+    source: Source, tracker: Tracker, renderer: SceneRenderer, scene: Callable[[TrackedFrame], Scene], frames: int
 ) -> StageTimes:
     """Stages `decode`, `track` and `render`, one after another, and their sum `whole`."""
     times = StageTimes()
@@ -61,7 +61,7 @@ def time_unpaced(
     return times
 
 
-def time_blit(source: Source, tracker: Tracker, renderer: Renderer, camera: Camera, frames: int) -> StageTimes:
+def time_blit(source: Source, tracker: Tracker, renderer: SceneRenderer, camera: Camera, frames: int) -> StageTimes:
     """Stage `blit`: the bare video, by which the rest can be compared between machines."""
     times = StageTimes()
     for _ in range(frames):
@@ -99,7 +99,7 @@ class PacedTimes:
 
 
 def time_paced(
-    pipeline: Pipeline, renderer: Renderer, scene: Callable[[TrackedFrame], Scene], frames: int, rate_hz: float
+    pipeline: Pipeline, renderer: SceneRenderer, scene: Callable[[TrackedFrame], Scene], frames: int, rate_hz: float
 ) -> PacedTimes:
     """`frames` at `rate_hz` beside the capture thread of a started `pipeline`: the viewer's loop without its window."""
     times = PacedTimes()

@@ -9,7 +9,7 @@ from ashe_live.capture.contact_sheet import contact_sheet
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.capture.snapshot import write_png
 from ashe_live.commands.setup import make_tracker
-from ashe_live.commands.view import View, check_outputs, has_display, show_in_window, show_without_window
+from ashe_live.commands.view import ViewerSetup, check_outputs, has_display, show_in_window, show_without_window
 from ashe_live.core.arrays import Image
 from ashe_live.core.messages import say
 from ashe_live.files.writing import unused_name
@@ -17,7 +17,7 @@ from ashe_live.render.scene import Scene
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.session import Session
 
-THUMBNAILS = 12
+THUMBNAIL_COUNT = 12
 
 
 def run(options: argparse.Namespace) -> int:
@@ -26,34 +26,34 @@ def run(options: argparse.Namespace) -> int:
     clip = shipped_clip()
     options.marker, options.marker_size = clip.marker_spec, clip.marker_side_m
     tracker = make_tracker(options, clip.camera.resized)
-    view = View(ClipSource(clip.path), tracker, options, clip.to_light_marker, shows_light=True)
+    setup = ViewerSetup(ClipSource(clip.path), tracker, options, clip.to_light_marker, shows_light=True)
     if options.headless:
-        return _into_files(view)
+        return _into_files(setup)
     options.loop = True
-    return show_in_window(view)
+    return show_in_window(setup)
 
 
-def _into_files(view: View) -> int:
+def _into_files(setup: ViewerSetup) -> int:
     """A video, in the current folder if no other is named, and a contact sheet beside it."""
     now = datetime.now()
-    options = view.options
+    options = setup.options
     if options.out is None:
         options.out = unused_name(Path.cwd(), "ashe-live-demo", ".mp4", now)
     sheet = unused_name(options.out.parent, "ashe-live-demo", ".png", now)
     display = Display()
-    moments = Moments(THUMBNAILS)
+    thumbnails = Thumbnails(THUMBNAIL_COUNT)
 
     def scene(session: Session) -> Scene:
         now_s = session.tracked.frame.time_s if session.tracked is not None else 0.0
-        return display.scene(session, view.size, options.quality, now_s)
+        return display.scene(session, setup.size, options.quality, now_s)
 
-    status = show_without_window(view, scene, moments.add)
-    write_png(sheet, contact_sheet(*moments.spread()))
+    status = show_without_window(setup, scene, thumbnails.add)
+    write_png(sheet, contact_sheet(*thumbnails.spread()))
     say(f"see {options.out} and {sheet}")
     return status
 
 
-class Moments:
+class Thumbnails:
     """Pictures spread evenly over a clip of unknown length, of which it never holds more than twice as many."""
 
     def __init__(self, count: int) -> None:

@@ -21,13 +21,13 @@ from ashe_live.files import writing as files
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.models.catalogue import model_names
 from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import bare_scene
-from ashe_live.viewer.headless import Playback, play_headless
+from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.report import Report
 from ashe_live.viewer.session import EstimatePolicy, Session
 from ashe_live.viewer.shelf import Shelf
@@ -35,7 +35,7 @@ from ashe_live.viewer.status import camera_line, light_line
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class ViewerSetup:
     """A source, and how it is to be looked at."""
 
     source: Source
@@ -67,26 +67,26 @@ def has_display() -> bool:
 
 
 @contextlib.contextmanager
-def opened_session(view: View) -> Iterator[Session]:
-    """The session of `view` with its light process, which ends with it."""
-    options = view.options
+def opened_session(setup: ViewerSetup) -> Iterator[Session]:
+    """The session of `setup` with its light process, which ends with it."""
+    options = setup.options
     leave_cores_to_renderer()
-    policy = EstimatePolicy(not view.source.is_live, options.estimate_at, options.auto)
-    steadiness = Steadiness(1) if view.source.is_photo else Steadiness()
-    shelf = Shelf(options.model, view.tracker.side_m)
+    policy = EstimatePolicy(not setup.source.is_live, options.estimate_at, options.auto)
+    steadiness = Steadiness(1) if setup.source.is_photo else Steadiness()
+    shelf = Shelf(options.model, setup.tracker.side_m)
     with LightWorker(options.estimator) as worker:
-        session = Session(shelf, worker, policy, steadiness, view.true_to_light_marker)
-        session.show_light = view.shows_light
+        session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker)
+        session.show_light = setup.shows_light
         session.light_preset = quality_of(options).name
         yield session
 
 
-def show(view: View) -> int:
+def show(setup: ViewerSetup) -> int:
     """Runs the viewer as the options want it; returns the exit status."""
-    return show_without_window(view, bare_scene) if view.options.headless else show_in_window(view)
+    return show_without_window(setup, bare_scene) if setup.options.headless else show_in_window(setup)
 
 
-def show_in_window(view: View) -> int:
+def show_in_window(setup: ViewerSetup) -> int:
     """Until it is closed."""
     # Only here, so that playing without a display does without GLFW.
     from ashe_live.viewer.live import LiveViewer
@@ -94,7 +94,7 @@ def show_in_window(view: View) -> int:
     from ashe_live.viewer.recording import Recording
     from ashe_live.viewer.window import Window
 
-    options = view.options
+    options = setup.options
     if not has_display():
         raise UserError("there is no display for a window", "give --headless --out VIDEO.mp4")
     _tell_of_recordings_cut_short(options.out)
@@ -102,46 +102,44 @@ def show_in_window(view: View) -> int:
         end_if_asked = stack.enter_context(ended_by_signals())
         stack.enter_context(graphics_failures_told())
         # First, as its process starts while the window opens, and a model that cannot be read opens none.
-        session = stack.enter_context(opened_session(view))
-        window = stack.enter_context(Window(f"ashe-live: {view.source.name}", view.size))
-        pipeline = Pipeline(view.source, view.tracker, options.loop)
+        session = stack.enter_context(opened_session(setup))
+        window = stack.enter_context(Window(f"ashe-live: {setup.source.name}", setup.size))
+        pipeline = Pipeline(setup.source, setup.tracker, options.loop)
         stack.callback(pipeline.close)
         pipeline.start()
         preset = quality_of(options).render
-        renderer = Renderer(window.context, preset, window.framebuffer_size, switches_at_once=False)
+        renderer = SceneRenderer(window.context, preset, window.framebuffer_size, switches_at_once=False)
         recording = None
         if options.out is not None:
-            recording = Recording(options.out, view.source.size, pipeline.fps, options.overwrite)
+            recording = Recording(options.out, setup.source.size, pipeline.fps, options.overwrite)
 
-        def opener(path: Path) -> tuple[Pipeline, Tracker]:
+        def opener(path: Path) -> Pipeline:
             """A file has a camera of its own: as the flags say, else one that nobody knows."""
-            source = open_source(path)
-            tracker = make_tracker(options)
-            pipeline = Pipeline(source, tracker, options.loop)
+            pipeline = Pipeline(open_source(path), make_tracker(options), options.loop)
             pipeline.start()
-            return pipeline, tracker
+            return pipeline
 
-        viewer = LiveViewer(
-            window, renderer, pipeline, view.tracker, session, options.quality, recording, options.loop, opener
-        )
+        viewer = LiveViewer(window, renderer, pipeline, session, options.quality, recording, options.loop, opener)
         viewer.run(options.frames, end_if_asked)
     return ExitStatus.ANSWERED
 
 
-def show_without_window(view: View, scene: Callable[[Session], Scene], *takers: Callable[[Image, float], None]) -> int:
+def show_without_window(
+    setup: ViewerSetup, scene: Callable[[Session], Scene], *takers: Callable[[Image, float], None]
+) -> int:
     """Every frame; `takers` get each picture (h, w, 3) uint8 BGR and its time in seconds."""
-    options = view.options
+    options = setup.options
     _tell_of_recordings_cut_short(options.out)
     with contextlib.ExitStack() as stack:
         end_if_asked = stack.enter_context(ended_by_signals())
         stack.enter_context(graphics_failures_told())
-        stack.enter_context(view.source)
-        renderer = Renderer(offscreen_context(), quality_of(options).render, view.size)
+        stack.enter_context(setup.source)
+        renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
         stack.callback(renderer.release)
-        session = stack.enter_context(opened_session(view))
+        session = stack.enter_context(opened_session(setup))
         recorder = None
         if options.out is not None:
-            recorder = Recorder(options.out, view.size, view.source.fps or 1.0, options.overwrite)
+            recorder = Recorder(options.out, setup.size, setup.source.fps or 1.0, options.overwrite)
             takers = (*takers, stack.enter_context(recorder).write)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
 
@@ -149,15 +147,15 @@ def show_without_window(view: View, scene: Callable[[Session], Scene], *takers: 
             end_if_asked()
             return scene(session)
 
-        playback = Playback(next_scene, options.frames, options.loop, takers)
-        play_headless(view.source, view.tracker, session, renderer, playback, report)
+        run = HeadlessRun(next_scene, options.frames, options.loop, takers)
+        play_headless(setup.source, setup.tracker, session, renderer, run, report)
         if options.report is not None:
             _tell_where(options.report, report.write(options.report, options.overwrite))
     # Only now it is known what has become of the recording.
     if recorder is not None:
         _tell_where(options.out, recorder.path)
         options.out = recorder.path
-    return _summed_up(view, session, report)
+    return _summed_up(setup, session, report)
 
 
 def _tell_where(wanted: Path, path: Path) -> None:
@@ -165,20 +163,20 @@ def _tell_where(wanted: Path, path: Path) -> None:
         tell(f"{wanted} has appeared meanwhile and stays as it is: see {path}")
 
 
-def _summed_up(view: View, session: Session, report: Report) -> int:
+def _summed_up(setup: ViewerSetup, session: Session, report: Report) -> int:
     found = sum(frame["found"] for frame in report.frames)
     light = "light: not estimated" if session.estimate is None else light_line(session)
-    say(f"{view.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
-    for notice in _notices(view, session, {frame["index"] for frame in report.frames if frame["found"]}):
+    say(f"{setup.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
+    for notice in _notices(setup, session, {frame["index"] for frame in report.frames if frame["found"]}):
         tell(notice)
     return ExitStatus.ANSWERED if found else ExitStatus.NO_MARKER
 
 
-def _notices(view: View, session: Session, found: set[int]) -> Iterator[str]:
+def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[str]:
     """What went otherwise than asked for; `found`: the indices of the frames with a marker."""
-    name, options = view.source.name, view.options
-    if view.source.note is not None:
-        yield view.source.note
+    name, options = setup.source.name, setup.options
+    if setup.source.note is not None:
+        yield setup.source.note
     if not found:
         yield f"no marker {options.marker} in {name}: if another one is, name it with --marker"
     elif options.estimate_at not in (None, *found):

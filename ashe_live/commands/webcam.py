@@ -5,7 +5,7 @@ import argparse
 from ashe_live.capture.cameras import connected, name_of
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.commands.setup import make_tracker
-from ashe_live.commands.view import View, check_outputs, show
+from ashe_live.commands.view import ViewerSetup, check_outputs, show
 from ashe_live.core.messages import tell
 from ashe_live.tracking.focal_memory import FocalMemory
 
@@ -17,4 +17,4 @@ def run(options: argparse.Namespace) -> int:
     source = WebcamSource(camera, options.size)
     if source.note is not None:
         tell(source.note)
-    return show(View(source, tracker, options))
+    return show(ViewerSetup(source, tracker, options))

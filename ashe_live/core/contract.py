@@ -12,10 +12,11 @@ from typing import Any
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose, TrackedFrame
 
 SCHEMA = 1
 SNAPSHOT_KEYWORD = "ashe-live"
+BY_HAND = "by hand"  # in the place of the estimator's name, for a light that a person has set
 STAGES = ("detect", "segment", "associate", "fit", "judge", "total")
 
 Json = dict[str, Any]
@@ -67,22 +68,37 @@ def caster_json(caster: Proxy | None) -> Json | None:
     return {"family": caster.family, "spheroids_marker": caster.spheroids_marker.tolist()}
 
 
-def estimate_json(estimate: LightEstimate) -> Json:
-    """The fields of a record that the estimator measured: its lights, and what they fall on."""
+def illumination_json(illumination: Illumination, reason: str | None = None) -> Json:
+    """The fields of a record about the lights and what they fall on; without a light, `reason` says why."""
     return {
-        "light": light_json(estimate.light, estimate.reason),
-        "lights": [light_json(light) for light in estimate.lights],
-        "ambient_rgb_ratio": _listed(estimate.ambient_rgb_ratio),
-        "ground_rgb": _listed(estimate.ground_rgb),
-        "caster": caster_json(estimate.caster),
+        "light": light_json(illumination.light, reason),
+        "lights": [light_json(light) for light in illumination.lights],
+        "ambient_rgb_ratio": _listed(illumination.ambient_rgb_ratio),
+        "ground_rgb": _listed(illumination.ground_rgb),
+        "caster": caster_json(illumination.real_object),
     }
 
 
-def snapshot_json(tracked: TrackedFrame, model: str, estimate: LightEstimate | None, marker_from_placed: Float) -> Json:
-    """What is known of a snapshot: written into it under the keyword SNAPSHOT_KEYWORD."""
-    light = None
-    if estimate is not None:
-        light = {"frame": estimate.frame_index, "estimator": estimate.estimator, **estimate_json(estimate)}
+def estimate_json(estimate: LightEstimate) -> Json:
+    """The fields of a record that the estimator measured."""
+    return illumination_json(estimate.illumination(), estimate.reason)
+
+
+def estimated_light_json(estimate: LightEstimate) -> Json:
+    """A snapshot's light that was estimated."""
+    return {"frame": estimate.frame_index, "estimator": estimate.estimator, **estimate_json(estimate)}
+
+
+def light_by_hand_json(illumination: Illumination, frame_index: int) -> Json:
+    """A snapshot's light that a person has set, in the frame of that index."""
+    return {"frame": frame_index, "estimator": BY_HAND, **illumination_json(illumination)}
+
+
+def snapshot_json(tracked: TrackedFrame, model: str, light: Json | None, marker_from_placed: Float) -> Json:
+    """What is known of a snapshot: written into it under the keyword SNAPSHOT_KEYWORD.
+
+    `light`: of `estimated_light_json` or `light_by_hand_json`; None before there is any.
+    """
     return {
         "schema": SCHEMA,
         "frame": tracked.frame.index,

@@ -111,6 +111,32 @@ class DirectionalLight:
 
 
 @dataclass(frozen=True, slots=True)
+class Illumination:
+    """What lights a scene, whether it was estimated, set by hand or made up by a program."""
+
+    lights: tuple[DirectionalLight, ...] = ()  # strongest first; none: the sky alone, and no shadow is cast
+    ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that no light of `lights` reaches over lit ground
+    ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the video
+    real_object: Proxy | None = None  # casts shadows beside the virtual model, and hides what is behind it
+    # With a marker: the frame that polished surfaces mirror, and by whose white `ground_rgb` is an albedo.
+    # None: they mirror even ground under an overcast sky.
+    seen_in: TrackedFrame | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("ambient_rgb_ratio", "ground_rgb"):
+            colour = getattr(self, name)
+            if colour is not None:
+                set_frozen(self, **{name: frozen_floats(colour, (3,), name)})
+        if self.seen_in is not None and self.seen_in.marker is None:
+            raise ValueError("without a marker in it, a frame does not show where the ground is")
+
+    @property
+    def light(self) -> DirectionalLight | None:
+        """The strongest light, or None where the sky alone gives light."""
+        return self.lights[0] if self.lights else None
+
+
+@dataclass(frozen=True, slots=True)
 class LightEstimate:
     """What one frozen frame tells about the light; without lights, `reason` says why there is no answer."""
 
@@ -137,3 +163,13 @@ class LightEstimate:
     def light(self) -> DirectionalLight | None:
         """The strongest light, or None for "no directional light"."""
         return self.lights[0] if self.lights else None
+
+    def illumination(self, seen_in: TrackedFrame | None = None) -> Illumination:
+        """What a renderer needs of it. `seen_in`: the frame that it was estimated from, for what mirrors show."""
+        return Illumination(
+            self.lights,
+            self.ambient_rgb_ratio,
+            self.ground_rgb,
+            self.caster,
+            seen_in if seen_in is not None and seen_in.marker is not None else None,
+        )

@@ -4,9 +4,11 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.render.lighting import GROUND_ALBEDO, RGB
 from ashe_live.render.programs import set_uniforms
-from ashe_live.render.surroundings import Picture, blurred_levels, level_count, surroundings_of
+from ashe_live.render.shadow_maps import same_objects
+from ashe_live.render.surroundings import LinearPicture, blurred_levels, even_surroundings, level_count, surroundings_of
 
 # Texture units that no other pass binds.
 GROUND_UNIT, SKY_UNIT = 10, 11
@@ -19,17 +21,26 @@ class Environment:
         self._size = size
         self._ground, self._sky = (_blank(ctx, size) for _ in range(2))
         self._half_radius_m = 1.0
-        self._shown: tuple[TrackedFrame, Float | None] | None = None
+        self._shown: tuple[TrackedFrame | None, Float | None, RGB | None] | None = None
 
-    def show(self, tracked: TrackedFrame, ground_rgb: Float | None) -> None:
-        """The surroundings that `tracked`, which has a marker, was taken in."""
-        if self._shown is not None and self._shown[0] is tracked and self._shown[1] is ground_rgb:
+    def show(self, illumination: Illumination, white_rgb: RGB) -> None:
+        """What the illumination was seen in; even ground where that is not known.
+
+        `white_rgb`: of a fully lit white surface in the video, linear.
+        """
+        seen_in, ground_rgb = illumination.seen_in, illumination.ground_rgb
+        wanted = seen_in, ground_rgb, white_rgb if seen_in is None else None
+        if self._shown is not None and same_objects(self._shown[:2], wanted[:2]) and self._shown[2] == wanted[2]:
             return
-        surroundings = surroundings_of(tracked, self._size, ground_rgb)
+        if seen_in is not None:
+            surroundings = surroundings_of(seen_in, self._size, ground_rgb)
+        else:
+            assumed = GROUND_ALBEDO * np.array(white_rgb)
+            surroundings = even_surroundings(self._size, assumed if ground_rgb is None else ground_rgb)
         _fill(self._ground, surroundings.ground)
         _fill(self._sky, surroundings.sky)
         self._half_radius_m = surroundings.half_radius_m
-        self._shown = tracked, ground_rgb
+        self._shown = wanted
 
     def bind(self, program: moderngl.Program) -> None:
         """Gives `program` what environment.glsl reads."""
@@ -57,7 +68,7 @@ def _blank(ctx: moderngl.Context, size: int) -> moderngl.Texture:
     return texture
 
 
-def _fill(texture: moderngl.Texture, picture: Picture) -> None:
+def _fill(texture: moderngl.Texture, picture: LinearPicture) -> None:
     for level, blurred in enumerate(blurred_levels(picture)):
         opaque = np.ones((*blurred.shape[:2], 1), np.float32)
         texture.write(np.dstack([blurred, opaque]).astype(np.float16), level=level)

@@ -33,7 +33,7 @@ class LookedUp:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class View:
+class ShadingInputs:
     """What every part of the model is seen with."""
 
     framing: Framing
@@ -55,43 +55,43 @@ class ModelPass:
         for part in model.parts:
             program = self._bound_program(part, looked_up)
             set_uniforms(program, clip_from_marker=NOWHERE)
-            self._ctx.enable_only(flags_of(part.material))
+            self._ctx.enable_only(gl_flags(part.material))
             part.draw(program)
             yield
 
-    def draw_opaque(self, standing: StandingModel, view: View) -> None:
+    def draw_opaque(self, standing: StandingModel, inputs: ShadingInputs) -> None:
         """Whatever hides what is behind it."""
         for part in standing.model.parts:
             if part.material.alpha is not Alpha.BLEND:
-                self._ctx.enable_only(flags_of(part.material))
-                self._draw(part, standing, view)
+                self._ctx.enable_only(gl_flags(part.material))
+                self._draw(part, standing, inputs)
 
-    def draw_blended(self, standing: StandingModel, view: View) -> None:
+    def draw_blended(self, standing: StandingModel, inputs: ShadingInputs) -> None:
         """What lets through what is behind it, after all of that is drawn: far before near, backs before fronts."""
         blended = [part for part in standing.model.parts if part.material.alpha is Alpha.BLEND]
         if not blended:
             return
-        (eye_placed,) = transform_points(standing.placed_from_marker, view.framing.eye_marker[None])
+        (eye_placed,) = transform_points(standing.placed_from_marker, inputs.framing.eye_marker[None])
         blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - eye_placed)))
         # Alpha is the share of the video in the picture.
         blend = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE_MINUS_SRC_ALPHA
         self._ctx.blend_func = blend  # type: ignore[assignment]  # moderngl's stub knows two of the four
         for part in blended:
-            self._ctx.enable_only(flags_of(part.material))
+            self._ctx.enable_only(gl_flags(part.material))
             for culled in ("front", "back") if part.material.double_sided else ("back",):
                 self._ctx.cull_face = culled
-                self._draw(part, standing, view)
+                self._draw(part, standing, inputs)
         self._ctx.cull_face = "back"
 
-    def _draw(self, part: GpuPart, standing: StandingModel, view: View) -> None:
+    def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs) -> None:
         material = part.material
-        program = self._bound_program(part, view.looked_up)
+        program = self._bound_program(part, inputs.looked_up)
         set_uniforms(
             program,
-            clip_from_marker=view.framing.clip_from_marker,
+            clip_from_marker=inputs.framing.clip_from_marker,
             marker_from_placed=standing.marker_from_placed,
-            eye=tuple(view.framing.eye_marker),
-            exposure=view.exposure,
+            eye=tuple(inputs.framing.eye_marker),
+            exposure=inputs.exposure,
             base_colour=material.base_colour,
             metallic=material.metallic,
             roughness=material.roughness,
@@ -99,7 +99,7 @@ class ModelPass:
             occlusion_strength=material.occlusion_strength,
             emissive=material.emissive,
             alpha_cutoff=material.alpha_cutoff,
-            **view.lighting.uniforms(),
+            **inputs.lighting.uniforms(),
         )
         part.draw(program)
 
@@ -118,7 +118,7 @@ class ModelPass:
         return program
 
 
-def flags_of(material: Material) -> int:
+def gl_flags(material: Material) -> int:
     """Of OpenGL, to draw such a surface. A blended one is drawn by the side."""
     if material.alpha is Alpha.BLEND:
         return moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND

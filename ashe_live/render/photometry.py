@@ -4,9 +4,8 @@ import math
 from dataclasses import replace
 
 from ashe_live.core.quality import RenderPreset
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.lighting import Lighting, lighting_of
-from ashe_live.render.scene import Scene
 from ashe_live.render.shadow_maps import same_objects
 from ashe_live.render.video_look import INTERPOLATION_VARIANCE_PX2, VideoLook, look_of, white_of
 
@@ -21,14 +20,14 @@ class Photometry:
         self._look: tuple[TrackedFrame, VideoLook] | None = None
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
 
-    def lighting(self, scene: Scene) -> Lighting:
+    def lighting(self, of: Illumination) -> Lighting:
         """The same object for the same light."""
-        known = (*scene.lights, scene.ambient_rgb_ratio, scene.ground_rgb)
+        known = (*of.lights, of.ambient_rgb_ratio, of.ground_rgb, of.seen_in)
         if self._lighting is None or not same_objects(self._lighting[0], known):
             albedo = None
-            if scene.ground_rgb is not None and (measured_in := scene.surroundings or scene.tracked) is not None:
-                albedo = scene.ground_rgb / white_of(measured_in)
-            self._lighting = known, lighting_of(scene.lights, scene.ambient_rgb_ratio, albedo)
+            if of.ground_rgb is not None and of.seen_in is not None:
+                albedo = of.ground_rgb / white_of(of.seen_in)
+            self._lighting = known, lighting_of(of.lights, of.ambient_rgb_ratio, albedo)
         return self._lighting[1]
 
     def look(self, tracked: TrackedFrame) -> VideoLook:

@@ -12,7 +12,6 @@ from ashe_live.core.quality import RenderPreset
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.camera_match import CameraMatch
-from ashe_live.render.caster import RealObject
 from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing, Rectangle, framing, letterbox
 from ashe_live.render.geometry import GpuModel
@@ -20,12 +19,13 @@ from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lens import Lens
 from ashe_live.render.lighting import RGB, Lighting
-from ashe_live.render.model_pass import LookedUp, ModelPass, View
+from ashe_live.render.model_pass import LookedUp, ModelPass, ShadingInputs
 from ashe_live.render.offscreen import check_graphics
 from ashe_live.render.overlays import OverlayPass
 from ashe_live.render.photometry import Photometry
 from ashe_live.render.prepared import ModelSwitch
 from ashe_live.render.programs import Programs
+from ashe_live.render.real_object import RealObject
 from ashe_live.render.scene import Scene
 from ashe_live.render.shadow_maps import ShadowMaps
 from ashe_live.render.standing import StandingModel
@@ -35,7 +35,7 @@ from ashe_live.render.video import Video
 NOWHERE: Rectangle = (0, 0, 0, 0)
 
 
-class Renderer:
+class SceneRenderer:
     """Renders scenes of `size` pixels into its own framebuffer; from there to a window, or to an array.
 
     Every call belongs to the thread that made `ctx`, with `ctx` current.
@@ -118,7 +118,7 @@ class Renderer:
     def render(self, scene: Scene) -> None:
         """Draws the scene into the renderer's own framebuffer."""
         self._follow_model(scene.model)
-        self._follow_real_object(scene.caster)
+        self._follow_real_object(scene.illumination.real_object)
         if scene.tracked is None:
             self._surface.colour.clear()
         else:
@@ -177,13 +177,13 @@ class Renderer:
         """As a pinhole camera sees it; returns the part of the picture that it may have changed."""
         assert scene.tracked is not None
         assert scene.tracked.marker is not None
-        lighting = self._photometry.lighting(scene)
+        lighting = self._photometry.lighting(scene.illumination)
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting.suns)
         self._ground_shadows.render(self._shadows, lighting.suns)
         self._catcher.fit(model, lighting, self._shadows)
         arrows = []
         if scene.shows_light:
-            arrows = [arrow_placement(model.corners, light.to_light_marker) for light in scene.lights]
+            arrows = [arrow_placement(model.corners, light.to_light_marker) for light in scene.illumination.lights]
         viewport = letterbox(scene.tracked.frame.size, self.size)
         points = self._drawn_points(model, arrows)
         frame = framing(camera, scene.tracked.marker.T_cam_marker, points, viewport)
@@ -191,7 +191,7 @@ class Renderer:
             return NOWHERE
         look = self._photometry.look(scene.tracked)
         if model.model.mirrors:
-            self._environment.show(scene.surroundings or scene.tracked, scene.ground_rgb)
+            self._environment.show(scene.illumination, look.white_rgb)
         self._draw_framed(model, frame, lighting, look.white_rgb, arrows, scene)
         part = frame.part(model.corners)
         self._camera_match.draw(self._surface.colour, part, viewport, scene.tracked.frame, look)
@@ -201,19 +201,20 @@ class Renderer:
         self, model: StandingModel, frame: Framing, lighting: Lighting, white: RGB, arrows: list[Float], scene: Scene
     ) -> None:
         """Works within the framing's region only: a software rasteriser pays for every pixel."""
-        view = View(frame, lighting, self._looked_up, white)
+        inputs = ShadingInputs(frame, lighting, self._looked_up, white)
         with self._surface.drawing(frame.region) as multisampled:
             self._ctx.viewport = frame.viewport
             if multisampled:
                 self.video.draw()
             if self._real is not None:
                 self._real.draw(frame, self.video, lighting, self._shadows)
-            self._model_pass.draw_opaque(model, view)
+            self._model_pass.draw_opaque(model, inputs)
             for arrow in arrows:
                 self._arrow.draw(frame, arrow)
             casters = 2 if self._shadows.shadows_meet else 1
-            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model, scene.ground_rgb)
-            self._model_pass.draw_blended(model, view)
+            ground_rgb = scene.illumination.ground_rgb
+            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model, ground_rgb)
+            self._model_pass.draw_blended(model, inputs)
 
     def _drawn_points(self, model: StandingModel, arrows: list[Float]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""

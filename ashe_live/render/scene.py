@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image, frozen_view, set_frozen
-from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import DirectionalLight, TrackedFrame
+from ashe_live.core.arrays import Image, frozen_view, set_frozen
+from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
+
+UNLIT = Illumination()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,11 +37,7 @@ class Scene:
 
     tracked: TrackedFrame | None = None  # video, camera and pose; None: black
     model: PlacedModel | None = None  # drawn where there is a marker
-    lights: tuple[DirectionalLight, ...] = ()  # none: the sky alone, no shadow is cast
+    illumination: Illumination = UNLIT
     shows_light: bool = False  # an arrow that comes from each light
     overlays: tuple[Overlay, ...] = ()  # bottom first
-    caster: Proxy | None = None  # the real object
-    ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that no light reaches over lit ground
-    ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the picture
     placement: Placement = UNMOVED  # of the model
-    surroundings: TrackedFrame | None = None  # with a marker: what polished surfaces mirror; None: `tracked`

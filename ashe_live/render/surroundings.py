@@ -17,7 +17,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.transforms import project, transform_points
 from ashe_live.core.types import TrackedFrame
 
-Picture = NDArray[np.float32]
+LinearPicture = NDArray[np.float32]
 
 # The ground's map reaches to the horizon: half of its radius is this many sides of the marker.
 HALF_RADIUS_SIDES = 2.0
@@ -32,9 +32,9 @@ PATTERN_STRENGTH = 0.6  # 0: an even sky
 class Surroundings:
     """Two square maps, first row at -y."""
 
-    ground: Picture  # (s, s, 3) the picture's linear RGB; a point g of the plane is at g / (|g| + half_radius_m)
+    ground: LinearPicture  # (s, s, 3) the picture's linear RGB; a point g of the plane is at g / (|g| + half_radius_m)
     half_radius_m: float
-    sky: Picture  # (s, s, 3) a factor of the mean sky; a direction d is at (d.x, d.y) / (1 + d.z)
+    sky: LinearPicture  # (s, s, 3) a factor of the mean sky; a direction d is at (d.x, d.y) / (1 + d.z)
 
 
 def surroundings_of(tracked: TrackedFrame, size: int, ground_rgb: Float | None = None) -> Surroundings:
@@ -48,7 +48,12 @@ def surroundings_of(tracked: TrackedFrame, size: int, ground_rgb: Float | None =
     )
 
 
-def _reduced_linear(tracked: TrackedFrame) -> Picture:
+def even_surroundings(size: int, ground_rgb: Float) -> Surroundings:
+    """Ground of one colour (3,), linear, under an overcast sky: where no picture is known."""
+    return Surroundings(np.full((size, size, 3), ground_rgb, np.float32), 1.0, _sky_map(np.ones((size, size, 3))))
+
+
+def _reduced_linear(tracked: TrackedFrame) -> LinearPicture:
     image = tracked.frame.image_bgr
     factor = max(1, round(image.shape[1] / READ_WIDTH_PX))
     reduced = cv2.resize(image, None, fx=1 / factor, fy=1 / factor, interpolation=cv2.INTER_AREA)
@@ -56,8 +61,8 @@ def _reduced_linear(tracked: TrackedFrame) -> Picture:
 
 
 def _ground(
-    tracked: TrackedFrame, linear: Picture, size: int, half_radius_m: float, ground_rgb: Float | None
-) -> Picture:
+    tracked: TrackedFrame, linear: LinearPicture, size: int, half_radius_m: float, ground_rgb: Float | None
+) -> LinearPicture:
     assert tracked.marker is not None
     at = _square(size)
     radius = np.linalg.norm(at, axis=2, keepdims=True)
@@ -75,23 +80,32 @@ def _ground(
     return np.asarray(seen * inside + mean * (1 - inside), dtype=np.float32)
 
 
-def _sky(tracked: TrackedFrame, linear: Picture, size: int) -> Picture:
+def _sky(tracked: TrackedFrame, linear: LinearPicture, size: int) -> LinearPicture:
     assert tracked.marker is not None
-    at = _square(size)
-    square = (at**2).sum(axis=2, keepdims=True)
-    directions = np.dstack([2 * at, np.abs(1 - square)]) / (1 + square)
+    directions, _ = _hemisphere(size)
     seen_from_camera = directions @ tracked.marker.T_cam_marker[:3, :3].T
     # What lies behind the camera is taken to look like what lies before it.
     x, y, z = np.moveaxis(seen_from_camera, 2, 0)
     wrapped = 0.5 + 0.5 * np.dstack([x, y]) / (1 + np.abs(z))[..., None]
     pattern = np.asarray(cv2.resize(linear, PATTERN_SIZE, interpolation=cv2.INTER_AREA), dtype=np.float32)
-    sky = _read(pattern, wrapped) + 1e-3
-    height = directions[..., 2:]
-    # The map's areas in solid angle, times the cosine to level ground.
-    weight = np.where(square < 1, height * (2 / (1 + square)) ** 2, 0.0)
-    sky = 1 + PATTERN_STRENGTH * (sky / _mean(sky, weight) - 1)
-    sky *= 1 + 2 * height
+    return _sky_map(_read(pattern, wrapped) + 1e-3)
+
+
+def _sky_map(pattern: NDArray[np.floating]) -> LinearPicture:
+    """(s, s, 3) a pattern's colours relative to their mean, under the CIE's overcast gradient."""
+    directions, weight = _hemisphere(pattern.shape[0])
+    sky = 1 + PATTERN_STRENGTH * (pattern / _mean(pattern, weight) - 1)
+    sky *= 1 + 2 * directions[..., 2:]
     return np.asarray(sky / _mean(sky, weight), dtype=np.float32)
+
+
+def _hemisphere(size: int) -> tuple[Float, Float]:
+    """(size, size, 3) unit directions of the sky map's texels, and (size, size, 1) their weights on level ground."""
+    at = _square(size)
+    square = (at**2).sum(axis=2, keepdims=True)
+    directions = np.dstack([2 * at, np.abs(1 - square)]) / (1 + square)
+    # The map's areas in solid angle, times the cosine to level ground.
+    return directions, np.where(square < 1, directions[..., 2:] * (2 / (1 + square)) ** 2, 0.0)
 
 
 def _mean(values: NDArray[np.floating], weight: Float) -> Float:
@@ -104,7 +118,7 @@ def _square(size: int) -> Float:
     return np.dstack(np.meshgrid(steps, steps))
 
 
-def _read(picture: Picture, share: Float) -> Picture:
+def _read(picture: LinearPicture, share: Float) -> LinearPicture:
     """(h, w, 3) at places (h, w, 2) in shares of width and height, (0, 0) the top left corner; beyond it its border."""
     height, width = picture.shape[:2]
     places = (np.clip(share, -1, 2) * (width, height) - 0.5).astype(np.float32)
@@ -112,7 +126,7 @@ def _read(picture: Picture, share: Float) -> Picture:
     return np.asarray(read, dtype=np.float32)
 
 
-def blurred_levels(picture: Picture) -> list[Picture]:
+def blurred_levels(picture: LinearPicture) -> list[LinearPicture]:
     """The map and its halves down to four texels a side, each blurred as Gauss's pyramid does (Burt, Adelson 1983)."""
     levels = [picture]
     for _ in range(level_count(picture.shape[0]) - 1):

@@ -32,7 +32,7 @@ class CalibrationWindow:
         window = self._screen.window
         if min(window.framebuffer_size) > 0:
             hint = (said,) if said else ()
-            text = HudText(status_lines(view, guide), (*hint, "Esc: end with the views so far"))
+            text = HudText(progress_lines(view, guide), (*hint, "Esc: end with the views so far"))
             self._screen.show(guidance_picture(frame.image_bgr, view, guide), text)
         wants_end = any(request.command is Command.QUIT for request in window.take_requests(0.0))
         return not (wants_end or window.is_closing)
@@ -44,7 +44,7 @@ class CalibrationWindow:
         self._screen.close()
 
 
-def status_lines(view: BoardView | None, guide: CalibrationGuide) -> tuple[str, ...]:
+def progress_lines(view: BoardView | None, guide: CalibrationGuide) -> tuple[str, ...]:
     state = f"{100 * guide.progress:.0f} %   {len(guide.kept)} views"
     return (state, "no board in view" if view is None else (guide.wanted() or "enough"))
 

@@ -19,22 +19,12 @@ READINGS_SHOWN_FOR_S = 0.5
 
 def bare_scene(session: Session) -> Scene:
     """Video, model and light, as recordings and snapshots want them."""
-    estimate = session.shown
-    unlit = Scene(
+    return Scene(
         session.tracked,
         session.model,
-        shows_light=session.show_light,
+        session.shown,
+        session.show_light,
         placement=session.hand.placement,
-        surroundings=session.surroundings,
-    )
-    if estimate is None:
-        return unlit
-    return replace(
-        unlit,
-        lights=estimate.lights,
-        caster=estimate.caster,
-        ambient_rgb_ratio=estimate.ambient_rgb_ratio,
-        ground_rgb=estimate.ground_rgb,
     )
 
 

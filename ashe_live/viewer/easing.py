@@ -1,4 +1,4 @@
-"""Lets the virtual light move over to a new estimate as real light would, instead of jumping."""
+"""Lets the virtual light move over to a new illumination as real light would, instead of jumping."""
 
 import math
 from collections.abc import Iterator
@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.core.types import DirectionalLight, LightEstimate
+from ashe_live.core.types import DirectionalLight, Illumination
 from ashe_live.render.lighting import ASSUMED_SHADOW_RATIO
 
 EASED_OVER_S = 0.3
@@ -17,33 +17,31 @@ SAME_LIGHT_COSINE = math.cos(math.radians(60))
 
 
 class LightEasing:
-    """Between what was shown when the estimate changed, and the estimate."""
+    """Between what was shown when the illumination changed, and what it has changed to."""
 
     def __init__(self) -> None:
-        self._target: LightEstimate | None = None
-        self._shown: LightEstimate | None = None
-        self._from: LightEstimate | None = None
+        self._target = self._shown = self._from = Illumination()
         self._begun_s = -math.inf
 
-    def at(self, target: LightEstimate | None, now_s: float) -> LightEstimate | None:
+    def at(self, target: Illumination, now_s: float) -> Illumination:
         """What to show now; `target` itself once it is reached, so that nothing is drawn anew from then on."""
         if target is not self._target:
             self._target, self._from, self._begun_s = target, self._shown, now_s
         share = (now_s - self._begun_s) / EASED_OVER_S
-        self._shown = target if target is None or share >= 1 else _between(self._from, target, max(0.0, share))
+        self._shown = target if share >= 1 else _between(self._from, target, max(0.0, share))
         return self._shown
 
-    def jump(self, target: LightEstimate | None) -> LightEstimate | None:
+    def jump(self, target: Illumination) -> Illumination:
         """Shows `target` at once."""
         self._target = self._shown = target
         self._begun_s = -math.inf
         return target
 
 
-def _between(start: LightEstimate | None, end: LightEstimate, share: float) -> LightEstimate:
+def _between(start: Illumination, end: Illumination, share: float) -> Illumination:
     """`start` at share 0, `end` at 1; slow at both ends."""
     eased = share * share * (3 - 2 * share)
-    lights = tuple(_lights_between(() if start is None else start.lights, end.lights, eased))
+    lights = tuple(_lights_between(start.lights, end.lights, eased))
     ambient_of_start, ambient_of_end = _ambient(start), _ambient(end)
     ambient = None
     if ambient_of_start is not None and ambient_of_end is not None:
@@ -51,9 +49,9 @@ def _between(start: LightEstimate | None, end: LightEstimate, share: float) -> L
     return replace(end, lights=lights, ambient_rgb_ratio=ambient)
 
 
-def _ambient(estimate: LightEstimate | None) -> Float | None:
+def _ambient(illumination: Illumination) -> Float | None:
     """(3,) without lights the sky gives all; None where it was not measured."""
-    return np.ones(3) if estimate is None or not estimate.lights else estimate.ambient_rgb_ratio
+    return illumination.ambient_rgb_ratio if illumination.lights else np.ones(3)
 
 
 def _lights_between(

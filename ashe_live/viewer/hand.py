@@ -7,12 +7,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles
-from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel
 from ashe_live.viewer.controls import Command, Drag, Request
 from ashe_live.viewer.pointing import Pixel, ground_at, picture_axes, pixel_of
 
-BY_HAND = "by hand"  # the estimator's name of such a light
 # What a key's press or a notch of the wheel does.
 LIGHT_STEP_RAD = math.radians(2)
 TURN_STEP_RAD = math.radians(5)
@@ -26,15 +25,15 @@ FARTHEST_SIDES = 50.0
 # Where nothing was estimated, the light comes from the left in the picture.
 FIRST_ELEVATION_RAD = math.radians(45)
 LEAST_HEIGHT_SIDES = 0.25  # a flat model's shadow is dragged as if it were so high
-NO_MARKER = "no marker in view: without it nobody knows where the table is"
+NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class HandContext:
     """What a person sees, and by what it is lit and stood on."""
 
     tracked: TrackedFrame | None
-    estimate: LightEstimate | None
+    illumination: Illumination  # as estimated
     model: PlacedModel | None
 
 
@@ -42,7 +41,8 @@ class Hand:
     """`light` is None while the estimate holds."""
 
     def __init__(self) -> None:
-        self.light: LightEstimate | None = None
+        self.light: Illumination | None = None
+        self.frame_index = 0  # of the frame in which `light` was set last
         self.placement = UNMOVED
         self._shadow_end_px: Pixel = (0.0, 0.0)  # when the drag of the light began; of the video
         self._held: tuple[Float, Float] | None = None  # the plane's point that a drag took hold of, and the shift then
@@ -50,7 +50,7 @@ class Hand:
     def reset(self) -> None:
         self.light, self.placement, self._held = None, UNMOVED, None
 
-    def obey(self, request: Request, sight: Sight) -> str | None:
+    def obey(self, request: Request, context: HandContext) -> str | None:
         """Does what the request asks of light or model; what stands against it is said."""
         match request:
             case Request(Command.SCALE_MODEL, int() | float() as notches):
@@ -59,14 +59,14 @@ class Hand:
                 turned = (self.placement.turn_rad + notches * TURN_STEP_RAD) % math.tau
                 self.placement = replace(self.placement, turn_rad=turned)
                 return None
-        tracked = sight.tracked
+        tracked = context.tracked
         if tracked is None or tracked.marker is None:
-            return NO_MARKER
+            return NEEDS_MARKER
         match request:
             case Request(Command.MOVE_LIGHT, (right, up)):
-                self._step_light(tracked, sight, right, up)
+                self._step_light(tracked, context, right, up)
             case Request(Command.MOVE_LIGHT, Drag() as drag):
-                self._drag_light(tracked, sight, drag)
+                self._drag_light(tracked, context, drag)
             case Request(Command.MOVE_MODEL, (right, up)):
                 to_right, away = picture_axes(tracked)
                 step = MOVE_STEP_SIDES * tracked.marker.side_m
@@ -96,20 +96,20 @@ class Hand:
             point, shift_m = self._held
             self._move(tracked, shift_m + now - point)
 
-    def _step_light(self, tracked: TrackedFrame, sight: Sight, right: float, up: float) -> None:
-        base = self._light_to_move(tracked, sight)
+    def _step_light(self, tracked: TrackedFrame, context: HandContext, right: float, up: float) -> None:
+        base = self._light_to_move(tracked, context)
         azimuth, elevation = angles_from_direction(base.lights[0].to_light_marker)
         elevation = min(max(elevation + up * LIGHT_STEP_RAD, LOWEST_RAD), HIGHEST_RAD)
         self._set_light(tracked, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
 
-    def _drag_light(self, tracked: TrackedFrame, sight: Sight, drag: Drag) -> None:
+    def _drag_light(self, tracked: TrackedFrame, context: HandContext, drag: Drag) -> None:
         """The end of the model's shadow goes with the mouse; one that the picture does not show comes to it first."""
         assert tracked.marker is not None
-        base = self._light_to_move(tracked, sight)
+        base = self._light_to_move(tracked, context)
         foot = np.array(self.placement.shift_m)
         height = LEAST_HEIGHT_SIDES * tracked.marker.side_m
-        if sight.model is not None:
-            height = max(height, float(sight.model.bounds[1, 2])) * self.placement.scale
+        if context.model is not None:
+            height = max(height, float(context.model.bounds[1, 2])) * self.placement.scale
         if drag.is_first:
             x, y, z = base.lights[0].to_light_marker
             end = pixel_of(tracked, foot - height / z * np.array((x, y))) if z > 0 else None
@@ -122,30 +122,23 @@ class Hand:
         slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
         self._set_light(tracked, base, np.array((*slope, 1.0)))
 
-    def _light_to_move(self, tracked: TrackedFrame, sight: Sight) -> LightEstimate:
+    def _light_to_move(self, tracked: TrackedFrame, context: HandContext) -> Illumination:
         """As it was set last, else as estimated, else a first one."""
         if self.light is not None:
             return self.light
-        if sight.estimate is not None and sight.estimate.lights:
-            return sight.estimate
+        if context.illumination.lights:
+            return context.illumination
         right, _ = picture_axes(tracked)
         first = direction_from_angles(math.atan2(-right[1], -right[0]), FIRST_ELEVATION_RAD)
-        return LightEstimate(BY_HAND, tracked.frame.index, (DirectionalLight(first),))
+        return Illumination((DirectionalLight(first),), seen_in=context.illumination.seen_in)
 
-    def _set_light(self, tracked: TrackedFrame, base: LightEstimate, to_light: Float) -> None:
+    def _set_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
         """Of several lights the strongest; measured colours stay, what was known of the direction does not."""
         moved, *others = base.lights
         light = DirectionalLight(
             to_light, angular_size_rad=moved.angular_size_rad, shadow_rgb_ratio=moved.shadow_rgb_ratio
         )
-        self.light = LightEstimate(
-            BY_HAND,
-            tracked.frame.index,
-            (light, *others),
-            caster=base.caster,
-            ambient_rgb_ratio=base.ambient_rgb_ratio,
-            ground_rgb=base.ground_rgb,
-        )
+        self.light, self.frame_index = replace(base, lights=(light, *others)), tracked.frame.index
 
 
 def _brought(drag: Drag, pixel: Pixel) -> Pixel:

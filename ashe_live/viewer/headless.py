@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.report import Report
@@ -18,7 +18,7 @@ LONGEST_ESTIMATE_S = 300.0
 
 
 @dataclass(frozen=True, slots=True)
-class Playback:
+class HeadlessRun:
     """How far, and what becomes of the pictures."""
 
     scene: Callable[[Session], Scene]  # what of the session is shown
@@ -28,16 +28,16 @@ class Playback:
 
 
 def play_headless(
-    source: Source, tracker: Tracker, session: Session, renderer: Renderer, playback: Playback, report: Report
+    source: Source, tracker: Tracker, session: Session, renderer: SceneRenderer, run: HeadlessRun, report: Report
 ) -> None:
     """Plays `source` to its end or the limit and fills `report`. Raises UserError as the source does."""
     period_s = 1 / (source.fps or 1.0)
     begin_s = shown_s = 0.0
-    while playback.frame_limit is None or len(report.frames) < playback.frame_limit:
+    while run.frame_limit is None or len(report.frames) < run.frame_limit:
         started = time.perf_counter()
         frame = source.read()
         if frame is None:
-            if not playback.loop:
+            if not run.loop:
                 break
             source.rewind()
             tracker.reset()
@@ -56,12 +56,12 @@ def play_headless(
                 report.add_estimate(estimate)
 
         started = time.perf_counter()
-        renderer.render(playback.scene(session))
+        renderer.render(run.scene(session))
         renderer.finish()
         measured_ms += (time.perf_counter() - started) * 1e3
         report.add_frame(tracked, measured_ms)
 
-        if playback.takers:
+        if run.takers:
             picture = renderer.read_bgr()
-            for take in playback.takers:
+            for take in run.takers:
                 take(picture, shown_s)

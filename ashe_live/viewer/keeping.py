@@ -7,12 +7,12 @@ from pathlib import Path
 
 from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
-from ashe_live.core.contract import SNAPSHOT_KEYWORD, snapshot_json
+from ashe_live.core.contract import SNAPSHOT_KEYWORD, estimated_light_json, light_by_hand_json, snapshot_json
 from ashe_live.core.quality import RenderPreset
 from ashe_live.errors import UserError
 from ashe_live.files.writing import unused_name
 from ashe_live.render.offscreen import Context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.recording import Recording
 from ashe_live.viewer.session import Session
@@ -29,7 +29,7 @@ class Keeper:
         self._session = session
         self._tell = tell
         self._recording = recording
-        self._renderer: Renderer | None = None
+        self._renderer: SceneRenderer | None = None
 
     @property
     def is_recording(self) -> bool:
@@ -41,9 +41,11 @@ class Keeper:
         if session.tracked is None:
             return
         path = unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
-        known = snapshot_json(
-            session.tracked, session.model_name, session.lit_by, session.hand.placement.marker_from_placed
-        )
+        hand = session.hand
+        light = None if session.estimate is None else estimated_light_json(session.estimate)
+        if hand.light is not None:
+            light = light_by_hand_json(hand.light, hand.frame_index)
+        known = snapshot_json(session.tracked, session.model_name, light, hand.placement.marker_from_placed)
         try:
             write_png(path, self._picture(preset), texts={SNAPSHOT_KEYWORD: json.dumps(known)})
             self._tell(f"saved {path}", now_s)
@@ -86,7 +88,7 @@ class Keeper:
         assert self._session.tracked is not None
         size = self._session.tracked.frame.size
         if self._renderer is None:
-            self._renderer = Renderer(self._context, preset, size)
+            self._renderer = SceneRenderer(self._context, preset, size)
         if self._renderer.size != size:
             self._renderer.resize(size)
         self._renderer.preset = preset

@@ -9,9 +9,8 @@ from ashe_live.core.mailbox import Closed
 from ashe_live.core.messages import say, tell
 from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.errors import UserError
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.steadiness import Steadiness
-from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.auto_quality import AutoQuality
 from ashe_live.viewer.controls import Command, Files, Request
 from ashe_live.viewer.display import Display
@@ -37,9 +36,8 @@ class LiveViewer:
     def __init__(
         self,
         window: Window,
-        renderer: Renderer,
+        renderer: SceneRenderer,
         pipeline: Pipeline,
-        tracker: Tracker,
         session: Session,
         quality_name: str,
         recording: Recording | None = None,
@@ -49,7 +47,6 @@ class LiveViewer:
         self._window = window
         self._renderer = renderer
         self._pipeline = pipeline
-        self._tracker = tracker
         self._session = session
         self._display = Display()
         self._gestures = Gestures(window.content_scale)
@@ -202,8 +199,8 @@ class LiveViewer:
             return False
         self._keeper.finish(now_s)
         self._pipeline.close(0.0)
-        self._pipeline, self._tracker, self._source_error = opened.pipeline, opened.tracker, None
-        self._tracker.preset = self._tracking
+        self._pipeline, self._source_error = opened.pipeline, None
+        self._pipeline.track_with(self._tracking)
         self._playback = Playback(opened.pipeline, self._session, self._loop)
         self._session.begin_anew(Steadiness(1) if opened.pipeline.is_photo else Steadiness())
         self._session.take(opened.first, now_s)
@@ -226,7 +223,8 @@ class LiveViewer:
 
     def _apply(self, quality: Quality) -> None:
         self._renderer.preset = quality.render
-        self._tracking = self._tracker.preset = quality.tracking
+        self._tracking = quality.tracking
+        self._pipeline.track_with(self._tracking)
         self._quality_shown = quality.name if self._auto is None else f"{AUTO} ({quality.name})"
 
     def _tell(self, text: str, now_s: float) -> None:

@@ -10,7 +10,6 @@ from urllib.parse import unquote, urlsplit
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.loading import SUFFIXES
-from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.background import begun
 from ashe_live.viewer.pipeline import Pipeline
 
@@ -24,12 +23,11 @@ class Opened:
 
     name: str
     pipeline: Pipeline
-    tracker: Tracker
     first: TrackedFrame
 
 
-# Opens the file, starts a pipeline on it and gives both with their tracker; raises UserError.
-Opener = Callable[[Path], tuple[Pipeline, Tracker]]
+# Opens the file and starts a pipeline on it; raises UserError.
+Opener = Callable[[Path], Pipeline]
 
 
 class Opening:
@@ -61,7 +59,7 @@ class Opening:
             self._coming = None
 
     def _open(self, path: Path) -> Opened:
-        pipeline, tracker = self._opener(path)
+        pipeline = self._opener(path)
         try:
             first = pipeline.frames.take(LONGEST_S)
             if first is None:
@@ -69,7 +67,7 @@ class Opening:
         except BaseException:
             pipeline.close(0.0)
             raise
-        return Opened(path.name, pipeline, tracker, first)
+        return Opened(path.name, pipeline, first)
 
 
 def _close_pipeline(coming: "Future[Opened]") -> None:

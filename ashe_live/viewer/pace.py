@@ -25,8 +25,8 @@ class Pace:
         self._next_fast_s = -math.inf  # no frame is shown before it when there are too many
 
     def begin_anew(self) -> None:
-        """The next frame is due when it comes."""
-        self._due_s = None
+        """The next frame is due when it comes, and shown."""
+        self._due_s, self._next_fast_s = None, -math.inf
 
     def go_round(self, period_s: float) -> None:
         """The first frame comes after the last, which is shown as long as any other."""

@@ -8,7 +8,7 @@ from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size
 from ashe_live.core.quality import FAST
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.render.hud import Hud, HudText
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.viewer.window import Window
 
@@ -19,7 +19,7 @@ class PictureWindow:
     def __init__(self, title: str, size: Size) -> None:
         """Raises UserError when there is no display or no OpenGL 3.3."""
         self.window = Window(title, size)
-        self._renderer = Renderer(self.window.context, FAST.render, self.window.framebuffer_size)
+        self._renderer = SceneRenderer(self.window.context, FAST.render, self.window.framebuffer_size)
         self._hud = Hud()
 
     def show(self, picture_bgr: Image, text: HudText) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.live.fusion import LightFusion
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.light.live.worker_process import WorkerFailure
@@ -13,7 +13,7 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
-from ashe_live.viewer.hand import Hand, Sight
+from ashe_live.viewer.hand import Hand, HandContext
 from ashe_live.viewer.shelf import Shelf
 
 NOTICE_S = 4.0
@@ -52,10 +52,9 @@ class Session:
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
         self.estimated_from: TrackedFrame | None = None
-        self.shown: LightEstimate | None = None  # on its way to `lit_by`
+        self.shown = Illumination()  # on its way to `lit_by`
         self.hand = Hand()
         self.fusion: LightFusion | None = LightFusion() if policy.automatic else None  # None: each estimate by itself
-        self.surroundings: TrackedFrame | None = None  # what polished surfaces mirror; with a marker
         self.light_preset = "balanced"
         self.show_light = False
         self.show_masks = False
@@ -64,6 +63,8 @@ class Session:
         self._shelf = shelf
         self._worker = worker
         self._frozen: TrackedFrame | None = None
+        # Before the first estimate polished surfaces mirror the first frame with a marker.
+        self._estimated = Illumination()
         self._policy = policy
         self._policy_is_done = False
         self._steadiness = steadiness
@@ -86,9 +87,9 @@ class Session:
         return self._shelf.progress
 
     @property
-    def lit_by(self) -> LightEstimate | None:
-        """The light as a person has set it, else as it was estimated."""
-        return self.estimate if self.hand.light is None else self.hand.light
+    def lit_by(self) -> Illumination:
+        """As a person has set it, else as it was estimated."""
+        return self._estimated if self.hand.light is None else self.hand.light
 
     @property
     def is_estimating(self) -> bool:
@@ -118,8 +119,8 @@ class Session:
         if tracked.note is not None and (self.tracked is None or self.tracked.note != tracked.note):
             self.say(tracked.note, now_s)
         self.tracked = tracked
-        if self.surroundings is None and tracked.marker is not None:
-            self.surroundings = tracked
+        if self._estimated.seen_in is None and tracked.marker is not None:
+            self._estimated = Illumination(seen_in=tracked)
         is_steady = self._steadiness.add(tracked.marker)
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
@@ -129,9 +130,10 @@ class Session:
 
     def begin_anew(self, steadiness: Steadiness) -> None:
         """For another source, which is no camera: another light, another marker, perhaps another table."""
-        self.tracked = self.estimate = self.estimated_from = self.surroundings = self._frozen = None
+        self.tracked = self.estimate = self.estimated_from = self._frozen = None
         self.true_to_light_marker = None
-        self.shown = self._easing.jump(None)
+        self._estimated = Illumination()
+        self.shown = self._easing.jump(self._estimated)
         self.hand.reset()
         self.fusion = None if self.fusion is None else LightFusion()
         self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
@@ -163,7 +165,7 @@ class Session:
         outcome = self._accept(self._worker.poll(), now_s)
         # What follows the mouse must not lag behind it.
         by_hand = self.hand.light
-        self.shown = self._easing.at(self.estimate, now_s) if by_hand is None else self._easing.jump(by_hand)
+        self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
         return outcome
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
@@ -188,7 +190,7 @@ class Session:
                 self._toggle_automatic(now_s)
             case Command.TOGGLE_LIGHT:
                 self.show_light = not self.show_light
-                if self.show_light and (self.lit_by is None or self.lit_by.light is None):
+                if self.show_light and self.lit_by.light is None:
                     self.say("the arrow appears when the light is known: Space estimates it", now_s)
             case Command.TOGGLE_MASKS:
                 self.show_masks = not self.show_masks
@@ -212,8 +214,10 @@ class Session:
             return None
         if outcome is None or (self.fusion is not None and not self.fusion.add(outcome)):
             return None
-        self.estimate = outcome if self.fusion is None else self.fusion.answer
-        self.estimated_from = self.surroundings = self._frozen
+        answer = outcome if self.fusion is None else self.fusion.answer
+        if answer is not None:
+            self._estimated = answer.illumination(self._frozen)
+        self.estimate, self.estimated_from = answer, self._frozen
         # One that was asked for before the light was set by hand is not what ends that.
         if self.hand.light is not None and self._asked_s >= self._by_hand_s:
             if outcome.light is None:
@@ -224,7 +228,7 @@ class Session:
 
     def _obey_hand(self, request: Request, now_s: float) -> None:
         before = self.hand.light
-        if (said := self.hand.obey(request, Sight(self.tracked, self.estimate, self.model))) is not None:
+        if (said := self.hand.obey(request, HandContext(self.tracked, self._estimated, self.model))) is not None:
             self.say(said, now_s)
         if self.hand.light is before:
             return

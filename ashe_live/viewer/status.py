@@ -9,7 +9,7 @@ from ashe_live.viewer.session import Session
 FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
 AWAITED = "estimated as soon as the marker is steady"
 AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain surface, clear of the marker; then Space"
-BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
+SET_BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
@@ -18,19 +18,19 @@ NO_MARKER = (
 
 def light_line(session: Session) -> str:
     """The light's state; an estimate under way does not hide the last answer."""
-    estimate = session.lit_by
-    if estimate is None and session.is_estimating:
-        return "light: estimating…"
-    if estimate is None:
+    light, estimate = session.lit_by.light, session.estimate
+    if light is None and estimate is None:
+        if session.is_estimating:
+            return "light: estimating…"
         return f"light: {AWAITED if session.awaits_steady or session.fusion is not None else FIRST_STEP}"
-    if estimate.light is None:
+    if light is None:
+        assert estimate is not None
         text = f"no clear light: {estimate.reason}"
     else:
-        light = estimate.light
         text = f"{'light' if session.hand.light is None else 'light by hand'}: {light.said()}"
         if session.fusion is not None and session.fusion.count > 1:
             text += f", of {session.fusion.count} estimates"
-        if (count := len(estimate.lights)) > 1:
+        if (count := len(session.lit_by.lights)) > 1:
             text += f", first of {count}"
         if session.true_to_light_marker is not None:
             error = angle_between(light.to_light_marker, session.true_to_light_marker)
@@ -79,8 +79,8 @@ def source_lines(session: Session, source_status: str | None, now_s: float) -> l
 
 def guidance(session: Session) -> tuple[str, ...]:
     """How to get on from where nothing is known yet."""
-    if session.tracked is not None and session.surroundings is None:  # no marker in any frame so far
+    if session.tracked is not None and session.lit_by.seen_in is None:  # no marker in any frame so far
         return NO_MARKER
-    if session.lit_by is not None and session.lit_by.light is None and not session.is_estimating:
-        return f"what helps: {AFTER_NONE}", BY_HAND
+    if session.estimate is not None and session.lit_by.light is None and not session.is_estimating:
+        return f"what helps: {AFTER_NONE}", SET_BY_HAND
     return ()

@@ -19,7 +19,7 @@ from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.viewer.easing import LightEasing
 
@@ -45,35 +45,24 @@ def pictures():
     clip = shipped_clip()
     tracker = al.Tracker(clip.camera, clip.marker_spec, clip.marker_side_m)
     estimator, easing, hud = al.make_estimator("proxy"), LightEasing(), Hud()
-    renderer = Renderer(offscreen_context(), QUALITIES["accurate"].render, SIZE)
+    renderer = SceneRenderer(offscreen_context(), QUALITIES["accurate"].render, SIZE)
     placed = {name: placed_on_marker(load_model(name), clip.marker_side_m) for _, name in MODELS}
-    estimate, surroundings = None, None
+    illumination, is_estimated = al.Illumination(), False
     with ClipSource(clip.path) as source:
         while (frame := source.read()) is not None:
             tracked = tracker.track(frame.image_bgr, frame.time_s)
-            surroundings = surroundings or tracked
-            if estimate is None and frame.time_s >= ESTIMATED_AT_S:
-                estimate, surroundings = estimator.estimate(tracked), tracked
+            if illumination.seen_in is None:
+                illumination = al.Illumination(seen_in=tracked)
+            if not is_estimated and frame.time_s >= ESTIMATED_AT_S:
+                illumination, is_estimated = estimator.estimate(tracked).illumination(tracked), True
             if frame.index % EVERY:
                 continue
-            shown = easing.at(estimate, frame.time_s)
-            known = (
-                {}
-                if shown is None
-                else {
-                    "lights": shown.lights,
-                    "caster": shown.caster,
-                    "ambient_rgb_ratio": shown.ambient_rgb_ratio,
-                    "ground_rgb": shown.ground_rgb,
-                }
-            )
             scene = Scene(
                 tracked,
                 placed[latest(MODELS, frame.time_s)],
+                easing.at(illumination, frame.time_s),
                 shows_light=frame.time_s < ARROW_UNTIL_S,
                 overlays=hud.overlays(HudText(hint=(latest(CAPTIONS, frame.time_s),)), SIZE, LETTERS),
-                surroundings=surroundings,
-                **known,
             )
             renderer.render(scene)
             yield Image.fromarray(cv2.cvtColor(renderer.read_bgr(), cv2.COLOR_BGR2RGB))

@@ -20,12 +20,12 @@ from ashe_live.commands.light_page import picture_of
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import angle_between, direction_from_angles, project, rigid
-from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker
 
@@ -124,7 +124,8 @@ def photo(table, renderer):
         placed = placed_on_marker(load_model(table.model), SIDE_M)
         offset = np.array((*table.at_m, 0.0))
         moved = Model(table.model, tuple(part.moved(1.0, offset) for part in placed.model.parts))
-        renderer.render(Scene(tracked, PlacedModel(moved, placed.bounds + offset), lights))
+        illumination = Illumination(lights, seen_in=tracked)
+        renderer.render(Scene(tracked, PlacedModel(moved, placed.bounds + offset), illumination))
         image = renderer.read_bgr()
     noise = np.random.default_rng(1).normal(0, NOISE, image.shape)
     return (image + noise).round().clip(0, 255).astype(np.uint8), camera, lights
@@ -145,7 +146,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path(__file__).parents[2] / "docs" / "guide.jpg")
     options = parser.parse_args()
-    renderer = Renderer(offscreen_context(), QUALITIES["accurate"].render, SIZE)
+    renderer = SceneRenderer(offscreen_context(), QUALITIES["accurate"].render, SIZE)
     rows = (len(TABLES) + 1) // 2
     sheet = Image.new("RGB", (2 * CELL[0], rows * (CELL[1] + CAPTION_PX)), (22, 24, 28))
     draw = ImageDraw.Draw(sheet)

@@ -18,12 +18,12 @@ from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.camera import Camera
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 FRAME, ENLARGED = 60, 3
@@ -121,8 +121,8 @@ def main():
     options = ask.parse_args()
     tracked, light = enlarged_frame()
     placed = balls(tracked.marker.side_m)
-    renderer = Renderer(offscreen_context(), QUALITIES[options.quality].render, tracked.frame.size)
-    renderer.render(Scene(tracked, placed, (light,)))
+    renderer = SceneRenderer(offscreen_context(), QUALITIES[options.quality].render, tracked.frame.size)
+    renderer.render(Scene(tracked, placed, Illumination((light,), seen_in=tracked)))
     (x0, y0), (x1, y1) = 1.35 * placed.bounds[:, :2]
     corners = project(tracked.camera, tracked.marker.T_cam_marker, [(x, y, 0) for x in (x0, x1) for y in (y0, y1)])
     (left, top), (right, bottom) = corners.min(axis=0).astype(int), corners.max(axis=0).astype(int)

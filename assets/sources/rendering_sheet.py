@@ -18,11 +18,11 @@ from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 FRAME = 84
@@ -72,11 +72,11 @@ def main():
     models = {name: placed_on_marker(load_model(name), clip.marker_side_m) for name in model_names()}
     rows = []
     for quality in QUALITIES.values():
-        renderer = Renderer(ctx, quality.render, tracked.frame.size)
+        renderer = SceneRenderer(ctx, quality.render, tracked.frame.size)
         for name, model in models.items():
             cells = []
             for label, lights in LIGHTS.items():
-                renderer.render(Scene(tracked, model, lights, caster=cup))
+                renderer.render(Scene(tracked, model, Illumination(lights, real_object=cup, seen_in=tracked)))
                 part = renderer.read_bgr()[TOP : TOP + HEIGHT, LEFT : LEFT + WIDTH]
                 cell = cv2.resize(part, CELL, interpolation=cv2.INTER_AREA)
                 text = f"{quality.name}: {name}, {label}"

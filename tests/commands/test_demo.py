@@ -4,7 +4,7 @@ import PIL.Image
 import pytest
 
 from ashe_live.capture.clip import ClipSource
-from ashe_live.commands.demo import Moments
+from ashe_live.commands.demo import Thumbnails
 
 
 def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, instant, tmp_path, monkeypatch):  # noqa: ARG001
@@ -27,11 +27,11 @@ def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, ins
 
 @pytest.mark.parametrize("frames", [1, 5, 12, 24, 25, 26, 240, 1000])
 def test_moments_spread_over_the_whole_and_stay_few(frames):
-    moments = Moments(12)
+    thumbnails = Thumbnails(12)
     for frame in range(frames):
-        moments.add(frame, frame / 10)
-        assert len(moments._kept) <= 24
-    chosen, labels = moments.spread()
+        thumbnails.add(frame, frame / 10)
+        assert len(thumbnails._kept) <= 24
+    chosen, labels = thumbnails.spread()
     assert len(chosen) == len(labels) == min(frames, 12)
     assert chosen == sorted(set(chosen))
     assert chosen[0] == 0

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.contract import FileRecord, snapshot_json
+from ashe_live.core.contract import FileRecord, Json, estimated_light_json, light_by_hand_json, snapshot_json
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
 
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs" / "contract.schema.json").read_text(encoding="utf-8"))
 POSE = MarkerPose(np.eye(4), np.zeros((4, 2)), 0.08, 0.2, None)
@@ -52,8 +52,11 @@ def test_a_record_is_one_line_that_validates(kind: str) -> None:
 
 
 @pytest.mark.parametrize("pose", [POSE, None])
-@pytest.mark.parametrize("light", [WHOLE, estimate(), None])
-def test_what_a_snapshot_carries_validates(pose: MarkerPose | None, light: LightEstimate | None) -> None:
+@pytest.mark.parametrize(
+    "light",
+    [estimated_light_json(WHOLE), estimated_light_json(estimate()), light_by_hand_json(Illumination((BARE,)), 3), None],
+)
+def test_what_a_snapshot_carries_validates(pose: MarkerPose | None, light: Json | None) -> None:
     tracked = TrackedFrame(Frame(np.zeros((480, 640, 3), np.uint8), 9, 0.3), CAMERA, pose)
     record = json.loads(json.dumps(snapshot_json(tracked, "mug", light, np.eye(4)), allow_nan=False))
     jsonschema.validate(record, SCHEMA)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
 
 CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 
@@ -68,3 +68,18 @@ def test_values_cross_between_processes() -> None:
     back = pickle.loads(pickle.dumps(tracked))
     np.testing.assert_array_equal(back.marker.T_cam_marker, pose.T_cam_marker)
     assert back.camera.size == (4, 3)
+
+
+def test_an_illumination_is_what_an_estimate_found_and_the_frame_it_was_found_in() -> None:
+    pose = MarkerPose(np.eye(4), np.zeros((4, 2)), 0.08, 0.2, None)
+    seen = TrackedFrame(Frame(np.zeros((48, 64, 3), np.uint8), 0, 0.0), Camera.from_hfov((64, 48), 60), pose)
+    light = DirectionalLight(np.array([0.3, -0.2, 1]))
+    estimate = LightEstimate("proxy", 0, (light,), ambient_rgb_ratio=np.full(3, 0.3), ground_rgb=np.full(3, 0.5))
+    illumination = estimate.illumination(seen)
+    assert illumination.light is light
+    assert illumination.ground_rgb is estimate.ground_rgb
+    assert illumination.seen_in is seen
+    without_marker = dataclasses.replace(seen, marker=None)
+    assert estimate.illumination(without_marker).seen_in is None
+    with pytest.raises(ValueError, match="where the ground is"):
+        Illumination(seen_in=without_marker)

@@ -17,7 +17,7 @@ from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.capture.clip import ClipSource
 from ashe_live.core.quality import FAST
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 
 package = Path(ashe_live.__file__).parent
 assert resource("shaders").parent == package, resource("shaders")
@@ -26,7 +26,7 @@ for name in model_names():
     assert load_model(name).triangle_count > 0
 with ClipSource(resource("assets", "clips", "table.mp4")) as clip:
     assert clip.read() is not None
-Renderer(offscreen_context(), FAST.render, (64, 48)).release()
+SceneRenderer(offscreen_context(), FAST.render, (64, 48)).release()
 print("loaded", package)
 """
 

@@ -15,7 +15,7 @@ from ashe_live.errors import UserError
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 
 SIZE = (480, 360)
 FOCAL_PX = 520.0
@@ -30,11 +30,11 @@ def ctx() -> moderngl.Context:
 
 
 @pytest.fixture
-def make_renderer(ctx: moderngl.Context) -> Iterator[Callable[..., Renderer]]:
-    made: list[Renderer] = []
+def make_renderer(ctx: moderngl.Context) -> Iterator[Callable[..., SceneRenderer]]:
+    made: list[SceneRenderer] = []
 
-    def make(preset: RenderPreset = FAST.render, size: tuple[int, int] = SIZE) -> Renderer:
-        made.append(Renderer(ctx, preset, size))
+    def make(preset: RenderPreset = FAST.render, size: tuple[int, int] = SIZE) -> SceneRenderer:
+        made.append(SceneRenderer(ctx, preset, size))
         return made[-1]
 
     yield make

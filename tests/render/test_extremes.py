@@ -11,6 +11,7 @@ import pytest
 
 from ashe_live.core.quality import BALANCED, QUALITIES
 from ashe_live.core.transforms import project
+from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.render.scene import Scene
 
@@ -32,7 +33,7 @@ def test_low_and_upright_lights_before_and_behind_the_camera(
     renderer = make_renderer(QUALITIES[quality].render)
     tracked = stage.tracked(200, stage.pose(-90, 40, 0.4))
     model = stage.placed(box((0.03, 0.03, 0.05), GREEN))
-    scene = Scene(tracked, model, (stage.light(azimuth_deg, elevation_deg, RATIO),), shows_light=True)
+    scene = Scene(tracked, model, Illumination((stage.light(azimuth_deg, elevation_deg, RATIO),)), shows_light=True)
     renderer.render(scene)
     assert _is_green(renderer.read_bgr()).sum() > 500
     renderer.render(replace(scene, shows_light=False))  # the arrow may lie over what is looked at
@@ -54,7 +55,7 @@ def test_smallest_and_largest_models_on_smallest_and_largest_markers(
     tracked = stage.tracked(200, stage.pose(-90, 40, 4 * size_m, target=(0, 0, size_m / 2)))
     tracked = replace(tracked, marker=replace(tracked.marker, side_m=side_m))
     model = stage.placed(box((size_m, size_m, size_m), GREEN))
-    renderer.render(Scene(tracked, model, (stage.light(180, 35, RATIO),)))
+    renderer.render(Scene(tracked, model, Illumination((stage.light(180, 35, RATIO),))))
     picture = renderer.read_bgr()
     assert 0.03 < _is_green(picture).mean() < 0.5
     places = project(tracked.camera, tracked.marker.T_cam_marker, [(1.2 * size_m, 0, 0), (-1.2 * size_m, 0, 0)])
@@ -70,7 +71,9 @@ def test_camera_within_beneath_near_and_far(
 ) -> None:
     renderer = make_renderer(QUALITIES[quality].render)
     tracked = stage.tracked(200, stage.pose(-90, elevation_deg, distance_m, target=(0, 0, 0.02)))
-    renderer.render(Scene(tracked, stage.placed(box((0.03, 0.03, 0.05), GREEN)), (stage.light(180, 35, RATIO),)))
+    renderer.render(
+        Scene(tracked, stage.placed(box((0.03, 0.03, 0.05), GREEN)), Illumination((stage.light(180, 35, RATIO),)))
+    )
     picture = renderer.read_bgr().astype(int)
     assert not _is_green(picture).all()
     if distance_m > 0.1:  # else it is dark within the model, and rightly so
@@ -84,7 +87,9 @@ def test_camera_within_beneath_near_and_far(
 def test_tiniest_windows(make_renderer, stage, quality: str, size: tuple[int, int]) -> None:
     renderer = make_renderer(QUALITIES[quality].render)
     scene = Scene(
-        stage.tracked(200, stage.pose(-90, 40)), stage.placed(box((0.1, 0.1, 0.1), GREEN)), (stage.light(180, 35),)
+        stage.tracked(200, stage.pose(-90, 40)),
+        stage.placed(box((0.1, 0.1, 0.1), GREEN)),
+        Illumination((stage.light(180, 35),)),
     )
     renderer.render(scene)
     before = renderer.read_bgr()
@@ -113,11 +118,11 @@ import numpy as np
 from ashe_live.core.quality import QUALITIES
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.bench.render.cost import lights_around, orbit, round_model
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 ctx = offscreen_context()
 scene = orbit((160, 120), round_model(200), lights_around(2))[1]
 for quality in QUALITIES.values():
-    renderer = Renderer(ctx, quality.render, (160, 120))
+    renderer = SceneRenderer(ctx, quality.render, (160, 120))
     renderer.render(scene)
     print(ctx.version_code, int(renderer.read_bgr().astype(int).sum()), ctx.error)
 """

@@ -12,6 +12,7 @@ import pytest
 
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import BALANCED, FAST
+from ashe_live.core.types import Illumination
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.scene import Scene
@@ -29,10 +30,11 @@ def _scenes(stage) -> dict[str, Scene]:
     camera = stage.camera(SIZE).from_hfov(SIZE, 40)
     tracked = stage.tracked(image, stage.pose(-70, 40, 0.5), camera)
     sun, lamp = stage.light(20, 35, (0.25, 0.32, 0.42)), stage.light(140, 45, (0.75, 0.75, 0.75))
+    sunny, two = Illumination((sun,), seen_in=tracked), Illumination((sun, lamp), real_object=CUP, seen_in=tracked)
     return {
-        "mug-sun": Scene(tracked, placed_on_marker(load_model("mug"), 0.08), (sun,)),
-        "tree-two-lights-cup": Scene(tracked, placed_on_marker(load_model("tree"), 0.08), (sun, lamp), caster=CUP),
-        "lantern-none": Scene(tracked, placed_on_marker(load_model("lantern"), 0.08)),
+        "mug-sun": Scene(tracked, placed_on_marker(load_model("mug"), 0.08), sunny),
+        "tree-two-lights-cup": Scene(tracked, placed_on_marker(load_model("tree"), 0.08), two),
+        "lantern-none": Scene(tracked, placed_on_marker(load_model("lantern"), 0.08), Illumination(seen_in=tracked)),
     }
 
 

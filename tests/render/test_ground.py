@@ -6,6 +6,7 @@ import pytest
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project, raycast_to_plane
+from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box, revolved
 from ashe_live.render.lighting import ASSUMED_SHADOW_RATIO
 from ashe_live.render.scene import Scene
@@ -31,7 +32,7 @@ def test_shadow_multiplies_the_video_by_the_ratio_in_linear_light(
     renderer = make_renderer(QUALITIES[quality].render)
     tracked = stage.tracked(grey, stage.pose(-90, 50, 0.5))
     # At 25 degrees the shadow is 0.129 long, and well beyond the contact zone at 0.09.
-    renderer.render(Scene(tracked, _pole(stage), (stage.light(180, 25, tuple(ratio_rgb)),)))
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(180, 25, tuple(ratio_rgb)),))))
     shadowed = _pixel(renderer.read_bgr(), tracked, (0.09, 0, 0))[::-1]
     expected = LINEAR_FROM_SRGB_8BIT[grey] * ratio_rgb
     # As near as eight bits can tell.
@@ -43,7 +44,7 @@ def test_shadow_multiplies_the_video_by_the_ratio_in_linear_light(
 def test_unmeasured_ratio_is_the_documented_one(make_renderer, stage) -> None:
     renderer = make_renderer()
     tracked = stage.tracked(255, stage.pose(-90, 50, 0.5))
-    renderer.render(Scene(tracked, _pole(stage), (stage.light(180, 25),)))
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(180, 25),))))
     shadowed = _pixel(renderer.read_bgr(), tracked, (0.09, 0, 0))
     np.testing.assert_allclose(LINEAR_FROM_SRGB_8BIT[shadowed.astype(int)], ASSUMED_SHADOW_RATIO, rtol=0.01)
 
@@ -91,7 +92,7 @@ def test_video_away_from_model_and_shadow_is_untouched(make_renderer, stage, qua
     renderer = make_renderer(QUALITIES[quality].render)
     image = stage.noise()
     tracked = stage.tracked(image, stage.pose(-90, 60, 0.5))
-    renderer.render(Scene(tracked, _pole(stage), (stage.light(180, 45, (0.3, 0.3, 0.3)),)))
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(180, 45, (0.3, 0.3, 0.3)),))))
     picture = renderer.read_bgr()
     changed = (picture != image).any(axis=2)
     assert changed.sum() > 500
@@ -104,7 +105,7 @@ def test_ground_is_not_darkened_seen_from_below(make_renderer, stage) -> None:
     renderer = make_renderer()
     image = stage.noise()
     tracked = stage.tracked(image, stage.pose(-90, -40, 0.4))
-    renderer.render(Scene(tracked, _pole(stage), (stage.light(180, 30),)))
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(180, 30),))))
     picture = renderer.read_bgr()
     shadow_only = _pixel(picture, tracked, (0.06, 0, 0))
     np.testing.assert_array_equal(shadow_only, _pixel(image, tracked, (0.06, 0, 0)))
@@ -117,7 +118,7 @@ def test_extreme_lights_and_sizes_are_drawn(make_renderer, stage, light_elevatio
     renderer = make_renderer()
     tracked = stage.tracked(220, stage.pose(-90, 40, 3 * scale, target=(0, 0, 0.4 * scale)))
     model = stage.placed(box((0.8 * scale, 0.8 * scale, scale), (0.0, 1.0, 0.0, 1.0)))
-    renderer.render(Scene(tracked, model, (stage.light(200, light_elevation_deg),), shows_light=True))
+    renderer.render(Scene(tracked, model, Illumination((stage.light(200, light_elevation_deg),)), shows_light=True))
     picture = renderer.read_bgr().astype(int)
     is_model = picture[..., 1] > picture[..., 2] + 10
     assert is_model.mean() > 0.05
@@ -131,7 +132,7 @@ def test_extreme_lights_and_sizes_are_drawn(make_renderer, stage, light_elevatio
 def test_camera_inside_the_model_or_far_away(make_renderer, stage, distance_m: float) -> None:
     renderer = make_renderer()
     tracked = stage.tracked(220, stage.pose(-90, 40, distance_m, target=(0, 0, 0.03)))
-    renderer.render(Scene(tracked, _pole(stage), (stage.light(200, 30),), shows_light=True))
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(200, 30),)), shows_light=True))
     assert renderer.read_bgr().shape == (360, 480, 3)
 
 
@@ -139,7 +140,7 @@ def test_flat_model_is_seen_above_its_ground(make_renderer, stage) -> None:
     renderer = make_renderer()
     sheet = stage.placed(box((0.06, 0.06, 0.0), (0.0, 1.0, 0.0, 1.0)))
     tracked = stage.tracked(200, stage.pose(-90, 40))
-    renderer.render(Scene(tracked, sheet, (stage.light(180, 40),)))
+    renderer.render(Scene(tracked, sheet, Illumination((stage.light(180, 40),))))
     blue, green, red = _pixel(renderer.read_bgr(), tracked, (0.01, 0.01, 0))
     assert green > red + 50
     assert green > blue + 50

@@ -6,6 +6,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.quality import BALANCED
+from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.render.framing import box_corners
 from ashe_live.render.lens import straight_from_bent, wide_pinhole
@@ -50,7 +51,7 @@ def test_model_and_shadow_stand_where_the_lens_puts_them(
     tracked = stage.tracked(200, T_cam_marker, camera)
     light = stage.light(200, 40, (0.2, 0.2, 0.2))
     renderer = make_renderer(BALANCED.render)
-    renderer.render(Scene(tracked, stage.placed(box(SIZE, GREEN)), (light,)))
+    renderer.render(Scene(tracked, stage.placed(box(SIZE, GREEN)), Illumination((light,))))
     blue, green, red = np.moveaxis(renderer.read_bgr().astype(int), 2, 0)
     is_model = (green > red + 30) & (green > blue + 30)
     is_shadow = ~is_model & (green < 150)
@@ -74,7 +75,7 @@ def test_video_beside_the_model_is_the_frame_as_it_came(make_renderer, stage, si
     image = stage.noise()
     tracked = stage.tracked(image, stage.pose(-90, 40, 0.5), _camera(stage, LENSES[0]))
     renderer = make_renderer(BALANCED.render, size)
-    renderer.render(Scene(tracked, stage.placed(box((0.02, 0.02, 0.02))), (stage.light(180, 50),)))
+    renderer.render(Scene(tracked, stage.placed(box((0.02, 0.02, 0.02))), Illumination((stage.light(180, 50),))))
     picture = renderer.read_bgr()
     assert picture.shape == (size[1], size[0], 3)
     if size == (480, 360):

@@ -9,9 +9,10 @@ import pytest
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
 from ashe_live.core.quality import FAST, QUALITIES
 from ashe_live.core.transforms import project
+from ashe_live.core.types import Illumination
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
-from ashe_live.render.lighting import lighting_of
+from ashe_live.render.lighting import GROUND_ALBEDO, lighting_of
 from ashe_live.render.scene import Scene
 from ashe_live.render.video_look import ASSUMED_WHITE
 
@@ -52,7 +53,7 @@ class _Studio:
         self.stage = stage
 
     def picture(self, mesh: Mesh, *lights) -> np.ndarray:
-        self.renderer.render(Scene(self.tracked, self.stage.placed(mesh), lights))
+        self.renderer.render(Scene(self.tracked, self.stage.placed(mesh), Illumination(lights, seen_in=self.tracked)))
         return self.renderer.read_bgr()[..., ::-1]
 
     def at(self, picture: np.ndarray, point: tuple[float, ...]) -> np.ndarray:
@@ -133,6 +134,19 @@ def test_polished_metal_shows_the_ground_that_lies_before_it(make_renderer, stag
         point = (0.0, -0.03 * math.cos(low), 0.03 + 0.03 * math.sin(low))
         expected = float(linear_from_srgb(grey / 255)) * np.array((0.9, 0.6, 0.3))
         np.testing.assert_allclose(studio.at(picture, point), expected, rtol=0.12)
+
+
+def test_metal_mirrors_what_the_light_was_seen_in_whichever_frame_is_drawn(make_renderer, stage) -> None:
+    """And even ground of an ordinary albedo where no frame is given."""
+    studio = _Studio(make_renderer, stage, grey=140, elevation_deg=30)
+    seen_in = stage.tracked(60, studio.tracked.marker.T_cam_marker)
+    ball = stage.placed(_ball(Material(metallic=1.0, roughness=0.1)))
+    low = math.radians(-10)
+    point = (0.0, -0.03 * math.cos(low), 0.03 + 0.03 * math.sin(low))
+    for given, expected in ((seen_in, float(linear_from_srgb(60 / 255))), (None, GROUND_ALBEDO * ASSUMED_WHITE)):
+        studio.renderer.render(Scene(studio.tracked, ball, Illumination(seen_in=given)))
+        mirrored = studio.at(studio.renderer.read_bgr()[..., ::-1], point)
+        np.testing.assert_allclose(mirrored, expected, rtol=0.12)
 
 
 def test_metal_mirrors_a_sky_as_bright_as_the_measured_one(make_renderer, stage) -> None:
@@ -256,7 +270,7 @@ def test_markers_of_5_mm_and_2_m_look_alike_from_alike_distances(make_renderer, 
         ball = _ball(Material(base_colour=(0.8, 0.7, 0.3, 1.0), metallic=1.0, roughness=0.3))
         mesh = replace(ball, vertices=ball.vertices * np.float32(factor))
         renderer = make_renderer(FAST.render)
-        renderer.render(Scene(tracked, stage.placed(mesh), (stage.light(20, 40, (0.3, 0.3, 0.3)),)))
+        renderer.render(Scene(tracked, stage.placed(mesh), Illumination((stage.light(20, 40, (0.3, 0.3, 0.3)),))))
         pictures.append(renderer.read_bgr().astype(int))
     differs = np.abs(pictures[0] - pictures[1]).max(axis=2) > 4
     assert differs.mean() < 0.002

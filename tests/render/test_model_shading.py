@@ -7,6 +7,7 @@ import pytest
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project
+from ashe_live.core.types import Illumination
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import box
@@ -34,7 +35,7 @@ def test_lit_faces_of_a_convex_box_have_one_shade(make_renderer, stage, quality:
     renderer = make_renderer(QUALITIES[quality].render)
     tracked = stage.tracked(90, stage.pose(-80, 35, 0.25))
     light = stage.light(-105, elevation_deg, (0.3, 0.3, 0.3))
-    renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), (light,)))
+    renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), Illumination((light,))))
     picture = renderer.read_bgr()
     lighting = lighting_of((light,))
     for corners, normal in ((TOP, (0.0, 0.0, 1.0)), (FRONT, (0.0, -1.0, 0.0))):
@@ -51,7 +52,9 @@ def test_face_turned_away_gets_no_sun(make_renderer, stage) -> None:
     tracked = stage.tracked(90, stage.pose(-80, 35, 0.25))
     shades = []
     for azimuth_deg in (-90, 90):
-        renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), (stage.light(azimuth_deg, 40),)))
+        renderer.render(
+            Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), Illumination((stage.light(azimuth_deg, 40),)))
+        )
         shades.append(np.median(_face(renderer.read_bgr(), tracked, FRONT)))
     assert shades[0] > shades[1] + 50
 
@@ -63,7 +66,7 @@ def test_model_shadows_itself(make_renderer, stage) -> None:
     renderer = make_renderer()
     tracked = stage.tracked(90, stage.pose(-90, 70, 0.3))
     light = stage.light(180, 60, (0.3, 0.3, 0.3))  # the roof's shadow falls 0.026 towards +x
-    renderer.render(Scene(tracked, stage.placed(floor, roof), (light,)))
+    renderer.render(Scene(tracked, stage.placed(floor, roof), Illumination((light,))))
     picture = renderer.read_bgr()
     (shaded, lit), expected = (
         [

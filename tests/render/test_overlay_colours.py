@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
+from ashe_live.core.types import Illumination
 from ashe_live.drawing import colours
 from ashe_live.models.primitives import box
 from ashe_live.render import hud
@@ -86,9 +87,9 @@ def test_arrow_stands_out_from_any_video(make_renderer, stage, video: int) -> No
     light, model = stage.light(30, 50), stage.placed(box((0.08, 0.08, 0.1)))
     renderer = make_renderer()
     tracked = stage.tracked(video, stage.pose(30, 40))
-    renderer.render(Scene(tracked, model, (light,)))
+    renderer.render(Scene(tracked, model, Illumination((light,))))
     without = renderer.read_bgr()
-    renderer.render(Scene(tracked, model, (light,), True))
+    renderer.render(Scene(tracked, model, Illumination((light,)), True))
     shown = renderer.read_bgr()
     of_arrow = (shown != without).any(axis=2)
     assert of_arrow.sum() > 100

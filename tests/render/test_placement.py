@@ -8,6 +8,7 @@ import pytest
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import BALANCED, FAST, QUALITIES
 from ashe_live.core.transforms import direction_from_angles, raycast_to_plane
+from ashe_live.core.types import Illumination
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
@@ -49,7 +50,7 @@ def test_it_looks_as_if_it_had_been_built_there(make_renderer, stage, quality: s
     for shown, moved in ((model, placement), (_built_there(model.model, placement), Placement())):
         renderer = make_renderer(QUALITIES[quality].render)
         lights = (stage.light(120, 40, RATIO), stage.light(20, 60, (0.8, 0.8, 0.8)))
-        renderer.render(Scene(tracked, shown, lights, caster=cup, placement=moved))
+        renderer.render(Scene(tracked, shown, Illumination(lights, real_object=cup), placement=moved))
         pictures.append(renderer.read_bgr().astype(float))
     here = np.abs(pictures[0] - pictures[1]).max(axis=2)
     changed = np.abs(pictures[1] - tracked.frame.image_bgr).max(axis=2) > 8
@@ -80,7 +81,7 @@ def test_its_shadow_grows_with_it_about_its_foot(make_renderer, stage, scale: fl
     reach = []
     for placement in (Placement(1.0, 0.0, tuple(foot)), Placement(scale, 0.0, tuple(foot))):
         renderer = make_renderer(FAST.render)
-        renderer.render(Scene(tracked, pole, (light,), placement=placement))
+        renderer.render(Scene(tracked, pole, Illumination((light,)), placement=placement))
         points = _shadow_points(renderer.read_bgr(), tracked) - foot
         reach.append(float((points @ away).max()))
     expected = 0.05 / math.tan(math.radians(35)) + 0.01 * np.abs(away).sum()  # the far corner of the top
@@ -91,14 +92,16 @@ def test_its_shadow_grows_with_it_about_its_foot(make_renderer, stage, scale: fl
 def test_moving_it_uploads_nothing(make_renderer, stage) -> None:
     renderer, model = make_renderer(BALANCED.render), placed_on_marker(load_model("mug"), 0.08)
     tracked, light = stage.tracked(GROUND, stage.pose(-90, 40)), stage.light(120, 40)
-    renderer.render(Scene(tracked, model, (light,)))
+    renderer.render(Scene(tracked, model, Illumination((light,))))
     before, draws = live_gl_objects(), renderer.shadow_map_renders
     for step in range(1, 5):
-        renderer.render(Scene(tracked, model, (light,), placement=Placement(1 + step / 10, step, (step / 100, 0.0))))
+        renderer.render(
+            Scene(tracked, model, Illumination((light,)), placement=Placement(1 + step / 10, step, (step / 100, 0.0)))
+        )
     assert live_gl_objects() == before
     assert renderer.shadow_map_renders == draws + 4
     for _ in range(3):  # an equal one, whichever object
-        renderer.render(Scene(tracked, model, (light,), placement=Placement(1.4, 4, (0.04, 0.0))))
+        renderer.render(Scene(tracked, model, Illumination((light,)), placement=Placement(1.4, 4, (0.04, 0.0))))
     assert renderer.shadow_map_renders == draws + 4
 
 
@@ -108,7 +111,9 @@ def test_out_of_the_picture_it_leaves_the_video_alone(make_renderer, stage, shif
     image = stage.noise()
     tracked = stage.tracked(image, stage.pose(-90, 40))
     model = stage.placed(box((0.03, 0.03, 0.03)))
-    renderer.render(Scene(tracked, model, (stage.light(90, 60),), True, placement=Placement(1.0, 0.0, shift_m)))
+    renderer.render(
+        Scene(tracked, model, Illumination((stage.light(90, 60),)), True, placement=Placement(1.0, 0.0, shift_m))
+    )
     np.testing.assert_array_equal(renderer.read_bgr(), image)
 
 

@@ -3,9 +3,10 @@
 import numpy as np
 
 from ashe_live.core.quality import FAST
+from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.render import prepared
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 
@@ -13,11 +14,11 @@ def test_the_model_before_is_shown_until_the_next_is_ready(ctx, stage, monkeypat
     monkeypatch.setattr(prepared, "BUDGET_S", 0.0)  # one step a picture
     tracked = stage.tracked(90, stage.pose(20, 40))
     small, large = stage.placed(box((0.02, 0.02, 0.02))), stage.placed(box((0.06, 0.06, 0.06)))
-    renderer = Renderer(ctx, FAST.render, (480, 360), switches_at_once=False)
-    at_once = Renderer(ctx, FAST.render, (480, 360))
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
+    at_once = SceneRenderer(ctx, FAST.render, (480, 360))
 
-    def picture(of: Renderer, model) -> np.ndarray:
-        of.render(Scene(tracked, model, (stage.light(10, 40),)))
+    def picture(of: SceneRenderer, model) -> np.ndarray:
+        of.render(Scene(tracked, model, Illumination((stage.light(10, 40),))))
         return of.read_bgr()
 
     small_alone, large_alone = picture(at_once, small), picture(at_once, large)

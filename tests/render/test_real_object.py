@@ -7,6 +7,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project
+from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.render.lighting import lighting_of
 from ashe_live.render.scene import Scene
@@ -52,7 +53,7 @@ def test_model_behind_the_object_is_hidden_by_it(make_renderer, stage, preset) -
     behind = _proxy_box(0.0, 0.08, 0.02, 0.02)
     point = (0.0, -0.015, 0.02)  # on the front of the model
     for caster, seen in ((in_front, GREY), (behind, None)):
-        renderer.render(Scene(tracked, model, caster=caster))
+        renderer.render(Scene(tracked, model, Illumination(real_object=caster)))
         red, green, blue = (int(value) for value in _pixel(renderer.read_bgr(), tracked, point))
         assert (red, green, blue) == (seen,) * 3 if seen else green > red + 30
 
@@ -65,7 +66,7 @@ def test_object_shades_the_model(make_renderer, stage, preset) -> None:
     light = stage.light(180, 45, RATIO)  # the tall object at x = -0.1 throws its shadow up to x = 0.02
     brightness = []
     for caster in (None, _proxy_box(-0.1, 0.0, 0.02, 0.1)):
-        renderer.render(Scene(tracked, model, (light,), caster=caster))
+        renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster)))
         picture = renderer.read_bgr()
         brightness.append([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, (x, 0.0, 0.01))] for x in (-0.02, 0.03)])
     np.testing.assert_allclose(brightness[0][0], ASSUMED_WHITE, rtol=0.02)
@@ -80,7 +81,7 @@ def test_models_shadow_falls_on_the_object(make_renderer, stage, preset) -> None
     tracked = stage.tracked(GREY, stage.pose(125, 30, 0.5, target=(0.05, 0, 0.03)))
     light = stage.light(180, 30, RATIO)
     object_ = _proxy_box(0.1, 0.0, 0.03, 0.12)  # its lit side is at x = 0.07, where the shadow is 0.045 high
-    renderer.render(Scene(tracked, stage.placed(box((0.02, 0.05, 0.08))), (light,), caster=object_))
+    renderer.render(Scene(tracked, stage.placed(box((0.02, 0.05, 0.08))), Illumination((light,), real_object=object_)))
     picture = renderer.read_bgr()
     lighting = lighting_of((light,))
     upright = (np.array(lighting.sky) + np.array(lighting.bounce)) / 2
@@ -100,13 +101,13 @@ def test_ground_in_the_objects_shadow_is_not_darkened_again(make_renderer, stage
     places = [(0.07, 0.02, 0.0), (0.07, 0.028, 0.0), (0.085, 0.05, 0.0)]
     lone, shared = [], []
     for caster, found in ((None, lone), (object_, shared)):
-        renderer.render(Scene(tracked, model, (light,), caster=caster))
+        renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster)))
         found += [_pixel(renderer.read_bgr(), tracked, place).astype(int) for place in places]
     assert (lone[0] < GREY - 30).all()
     np.testing.assert_array_equal(shared[0], lone[0])
     np.testing.assert_array_equal(shared[2], GREY)
     overlap = _proxy_box(0.0, 0.0, 0.015, 0.05)  # the model's double: all of its shadow is there already
-    renderer.render(Scene(tracked, model, (light,), caster=overlap))
+    renderer.render(Scene(tracked, model, Illumination((light,), real_object=overlap)))
     np.testing.assert_allclose(_pixel(renderer.read_bgr(), tracked, (0.07, 0.0, 0.0)), GREY, atol=1)
 
 
@@ -120,14 +121,14 @@ def test_where_both_shadows_meet_there_is_no_seam_though_the_objects_outline_is_
     light = stage.light(180, 30, RATIO)
     pose = stage.pose(-90, 60, 0.5)
     double = stage.placed(box((0.04, 0.04, 0.08)).moved(1.0, np.array([0.0, 0.06, 0.0])))
-    renderer.render(Scene(stage.tracked(GREY, pose), double, (light,)))
+    renderer.render(Scene(stage.tracked(GREY, pose), double, Illumination((light,))))
     tracked = stage.tracked(renderer.read_bgr(), pose)  # a video of an object whose shadow begins at y = 0.04
     model = stage.placed(box((0.03, 0.12, 0.05)))  # its shadow crosses that
     across = [(0.08, y, 0.0) for y in np.linspace(0.034, 0.046, 25)]
     lit = LINEAR_FROM_SRGB_8BIT[GREY]
     for ground_rgb in (None, np.full(3, lit)):
         caster = _proxy_box(0.0, 0.06 + off_m, 0.02, 0.08)
-        renderer.render(Scene(tracked, model, (light,), caster=caster, ground_rgb=ground_rgb))
+        renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=ground_rgb)))
         picture = renderer.read_bgr()
         left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in across]) / lit / RATIO
         if ground_rgb is None:

@@ -9,6 +9,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.quality import ACCURATE, BALANCED, FAST
 from ashe_live.core.transforms import project
+from ashe_live.core.types import Illumination
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
@@ -31,21 +32,27 @@ def test_shadow_map_is_drawn_only_for_a_new_light_or_model(make_renderer, stage)
     renderer = make_renderer()
     model = stage.placed(box((0.03, 0.03, 0.03)))
     for azimuth_deg in (0, 20, 40):  # the camera moves
-        renderer.render(Scene(stage.tracked(90, stage.pose(azimuth_deg, 40)), model, (stage.light(10, 30),)))
+        renderer.render(
+            Scene(stage.tracked(90, stage.pose(azimuth_deg, 40)), model, Illumination((stage.light(10, 30),)))
+        )
     assert renderer.shadow_map_renders == 1
-    renderer.render(Scene(stage.tracked(90, stage.pose(0, 40)), model, (stage.light(11, 30),)))
+    renderer.render(Scene(stage.tracked(90, stage.pose(0, 40)), model, Illumination((stage.light(11, 30),))))
     assert renderer.shadow_map_renders == 2
-    renderer.render(Scene(stage.tracked(90, stage.pose(0, 40)), stage.placed(box((1, 1, 1))), (stage.light(11, 30),)))
+    renderer.render(
+        Scene(stage.tracked(90, stage.pose(0, 40)), stage.placed(box((1, 1, 1))), Illumination((stage.light(11, 30),)))
+    )
     assert renderer.shadow_map_renders == 3
 
 
 def test_picture_does_not_depend_on_what_was_drawn_before(make_renderer, stage) -> None:
     model, other = stage.placed(box((0.03, 0.03, 0.03))), stage.placed(box((0.06, 0.02, 0.05)))
-    scene = Scene(stage.tracked(stage.noise(), stage.pose(30, 40)), model, (stage.light(10, 30),), shows_light=True)
+    scene = Scene(
+        stage.tracked(stage.noise(), stage.pose(30, 40)), model, Illumination((stage.light(10, 30),)), shows_light=True
+    )
     fresh = make_renderer()
     fresh.render(scene)
     used = make_renderer(ACCURATE.render, (64, 48))
-    used.render(Scene(stage.tracked(3, stage.pose(90, 70)), other, (stage.light(70, 80),)))
+    used.render(Scene(stage.tracked(3, stage.pose(90, 70)), other, Illumination((stage.light(70, 80),))))
     used.render(Scene())
     used.preset = FAST.render
     used.resize((480, 360))
@@ -59,7 +66,7 @@ def test_shadows_of_former_models_and_lights_leave_nothing_behind(make_renderer,
     renderer, tracked = make_renderer(quality.render), stage.tracked(stage.noise(), stage.pose(30, 40))
     tall, flat = stage.placed(box((0.02, 0.02, 0.09))), stage.placed(box((0.08, 0.08, 0.01)))
     for model, azimuth_deg in ((tall, 10), (flat, 100), (tall, 200), (flat, 10)):
-        scene = Scene(tracked, model, (stage.light(azimuth_deg, 30), stage.light(azimuth_deg + 50, 60)))
+        scene = Scene(tracked, model, Illumination((stage.light(azimuth_deg, 30), stage.light(azimuth_deg + 50, 60))))
         renderer.render(scene)
         fresh = make_renderer(quality.render)
         fresh.render(scene)
@@ -69,7 +76,9 @@ def test_shadows_of_former_models_and_lights_leave_nothing_behind(make_renderer,
 def test_without_a_marker_there_is_only_video(make_renderer, stage) -> None:
     renderer = make_renderer(BALANCED.render)
     image = stage.noise()
-    renderer.render(Scene(stage.tracked(image, None), stage.placed(box((1, 1, 1))), (stage.light(0, 40),)))
+    renderer.render(
+        Scene(stage.tracked(image, None), stage.placed(box((1, 1, 1))), Illumination((stage.light(0, 40),)))
+    )
     np.testing.assert_array_equal(renderer.read_bgr(), image)
 
 
@@ -143,7 +152,7 @@ def test_switching_models_and_presets_keeps_no_gl_objects(ctx, make_renderer, st
             tracked = stage.tracked(stage.noise(turn), stage.pose(10 * turn, 40))
             overlay = Overlay(np.zeros((4, 4, 4), np.uint8), 0, 0)
             for model in models:
-                renderer.render(Scene(tracked, model, (stage.light(20 * turn, 40),), True, (overlay,)))
+                renderer.render(Scene(tracked, model, Illumination((stage.light(20 * turn, 40),)), True, (overlay,)))
             renderer.preset = FAST.render if turn % 2 else BALANCED.render
             renderer.resize((480, 360 + turn % 2))
 
@@ -200,7 +209,7 @@ def test_arrow_comes_from_the_light(make_renderer, stage) -> None:
         light = stage.light(azimuth_deg, 20)
         pictures = []
         for shows_light in (False, True):
-            renderer.render(Scene(tracked, model, (light,), shows_light))
+            renderer.render(Scene(tracked, model, Illumination((light,)), shows_light))
             pictures.append(renderer.read_bgr())
         rows, columns = np.nonzero((pictures[0] != pictures[1]).any(axis=2))
         assert len(rows) > 50

@@ -10,7 +10,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import DirectionalLight
+from ashe_live.core.types import DirectionalLight, Illumination
 from ashe_live.models.primitives import box, revolved
 from ashe_live.render.framing import box_corners
 from ashe_live.render.scene import Scene
@@ -60,7 +60,7 @@ def test_silhouette_and_shadow_fall_where_geometry_says(
     renderer = make_renderer(QUALITIES[quality].render)
     light = stage.light(light_azimuth_deg, light_elevation_deg, RATIO)
     tracked = stage.tracked(GROUND, stage.pose(azimuth_deg, elevation_deg))
-    renderer.render(Scene(tracked, stage.placed(box(POLE, GREEN)), (light,)))
+    renderer.render(Scene(tracked, stage.placed(box(POLE, GREEN)), Illumination((light,))))
     is_model, is_shadow = _split(renderer.read_bgr())
 
     corners = box_corners(np.array([(-POLE[0] / 2, -POLE[1] / 2, 0), (POLE[0] / 2, POLE[1] / 2, POLE[2])]))
@@ -82,7 +82,7 @@ def test_shadow_is_joined_to_the_model_on_its_dark_side(make_renderer, stage) ->
     for light_elevation_deg in (10, 30, 60, 80):
         light = stage.light(90, light_elevation_deg, RATIO)  # from behind, the shadow falls towards the camera
         tracked = stage.tracked(GROUND, stage.pose(-90, 45, 0.2, target=(0, 0, 0)))
-        renderer.render(Scene(tracked, stage.placed(box((0.04, 0.04, 0.06), GREEN)), (light,)))
+        renderer.render(Scene(tracked, stage.placed(box((0.04, 0.04, 0.06), GREEN)), Illumination((light,))))
         is_model, is_shadow = _split(renderer.read_bgr())
         for x in np.linspace(-0.015, 0.015, 7):
             (column, row), *_ = project(tracked.camera, tracked.marker.T_cam_marker, [(x, -0.02, 0.0)])
@@ -117,7 +117,7 @@ def test_shadow_agrees_with_path_traced_scenes(make_renderer, stage) -> None:
         tracked = stage.tracked(white, rigid(scene["R"], scene["t"]), camera)
         light = DirectionalLight(np.array(scene["lights"][0]["dir_to_light"]), shadow_rgb_ratio=np.zeros(3))
         renderer = make_renderer(size=size)
-        renderer.render(Scene(tracked, stage.placed(double), (light,)))
+        renderer.render(Scene(tracked, stage.placed(double), Illumination((light,))))
         found = (renderer.read_bgr().max(axis=2) < 40) & ~hidden
         both, either = (found & truth).sum(), ((found | truth) & ~hidden).sum()
         assert both / either > 0.93, scene["id"]

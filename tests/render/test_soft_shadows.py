@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import direction_from_angles, project
-from ashe_live.core.types import DirectionalLight
+from ashe_live.core.types import DirectionalLight, Illumination
 from ashe_live.models.primitives import box
 from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD, lighting_of
 from ashe_live.render.scene import Scene
@@ -45,7 +45,7 @@ def test_penumbra_is_as_wide_as_the_light_looks(make_renderer, stage, quality: s
     tracked = stage.tracked(255, stage.pose(0, 25, 0.35, target=(0.05, 0, 0)))
     renderer = make_renderer(QUALITIES[quality].render)
     # From 45 degrees the edge's shadow lies HEIGHT further on, and the penumbra is wider by 1 / sin, twice.
-    renderer.render(Scene(tracked, stage.placed(plate), (_light(180, 45, size_deg),)))
+    renderer.render(Scene(tracked, stage.placed(plate), Illumination((_light(180, 45, size_deg),))))
     edge, half = 0.05 + HEIGHT, HEIGHT * math.tan(math.radians(size_deg / 2)) * 2
     xs = edge + half * np.linspace(-1.6, 1.6, 33)
     lit = (_along(renderer.read_bgr(), tracked, xs) - DARK) / (1 - DARK)
@@ -69,14 +69,14 @@ def test_each_light_casts_its_own_shadow(make_renderer, stage, quality: str) -> 
     tracked = stage.tracked(255, stage.pose(-90, 60, 0.6, target=(0, 0, 0)))
     pole = stage.placed(box((0.03, 0.03, 0.06)))
     lights = tuple(_light(90 * turn, 30, 0.5, 1 - share) for turn, share in enumerate((0.1, 0.15, 0.2, 0.25)))
-    renderer.render(Scene(tracked, pole, lights))
+    renderer.render(Scene(tracked, pole, Illumination(lights)))
     picture = renderer.read_bgr()
     for turn, share in enumerate((0.1, 0.15, 0.2, 0.25)):
         away = -direction_from_angles(math.pi / 2 * turn, 0.0)[:2] * 0.09
         found = _along(picture, tracked, np.array([away[0]]), away[1])[0]
         assert found == pytest.approx(1 - share, abs=0.012)
     two = tuple(_light(azimuth_deg, 30, 0.5, 0.7) for azimuth_deg in (176, 184))
-    renderer.render(Scene(tracked, pole, two))
+    renderer.render(Scene(tracked, pole, Illumination(two)))
     assert _along(renderer.read_bgr(), tracked, np.array([0.06]))[0] == pytest.approx(0.4, abs=0.012)
 
 
@@ -98,7 +98,7 @@ def test_shadows_edge_stands_still_while_the_camera_turns(make_renderer, stage, 
     edges = []
     for azimuth_deg in range(-60, 61, 12):
         tracked = stage.tracked(255, stage.pose(azimuth_deg, 65, 0.3, target=(0.09, 0, 0)))
-        renderer.render(Scene(tracked, pole, (light,)))
+        renderer.render(Scene(tracked, pole, Illumination((light,))))
         lit = _along(renderer.read_bgr(), tracked, xs)
         edges.append(float(np.interp((1 + DARK) / 2, lit[100:300], xs[100:300])))
     reach = 0.015 + 0.06 / math.tan(math.radians(35))

@@ -6,7 +6,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.tracking.calibration_board import BoardView
 from ashe_live.tracking.calibration_guide import CalibrationGuide
-from ashe_live.viewer.calibration_window import UNSEEN, guidance_picture, status_lines
+from ashe_live.viewer.calibration_window import UNSEEN, guidance_picture, progress_lines
 
 SIZE = (320, 240)
 GREY = 200
@@ -42,7 +42,7 @@ def test_the_corners_that_are_found_are_marked(guide: CalibrationGuide) -> None:
 
 
 def test_it_says_how_far_it_is_and_what_is_wanted(guide: CalibrationGuide) -> None:
-    state, wanted = status_lines(board_at(0, 0), guide)
+    state, wanted = progress_lines(board_at(0, 0), guide)
     assert "1 views" in state
     assert wanted == guide.wanted()
-    assert status_lines(None, guide)[1] == "no board in view"
+    assert progress_lines(None, guide)[1] == "no board in view"

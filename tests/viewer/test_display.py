@@ -33,9 +33,9 @@ def test_recordings_carry_no_text(session):
 
 
 def test_the_lights_become_those_of_the_estimate(session):
-    assert bare_scene(session).lights is not session.estimate.lights
+    assert bare_scene(session).illumination.lights is not session.estimate.lights
     session.poll(EASED_OVER_S)
-    assert bare_scene(session).lights is session.estimate.lights
+    assert bare_scene(session).illumination.lights is session.estimate.lights
 
 
 def test_all_text_can_be_hidden_but_the_help_that_is_asked_for(session):

@@ -1,50 +1,51 @@
-"""The virtual light moves over to a new estimate, and stays there."""
+"""The virtual light moves over to a new illumination, and stays there."""
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ashe_live.core.transforms import angle_between, direction_from_angles
-from ashe_live.core.types import DirectionalLight, LightEstimate
+from ashe_live.core.types import DirectionalLight, Illumination
 from ashe_live.render.lighting import lighting_of
 from ashe_live.viewer.easing import EASED_OVER_S, LightEasing
 
 SUN = direction_from_angles(0.7, 0.8)
-NONE = LightEstimate("test", 0, (), "no shadow found")
+NONE = Illumination()
 STEPS = np.linspace(0, 1.01 * EASED_OVER_S, 31)
 
 
-def estimate(*directions, depth: float = 0.4) -> LightEstimate:
+def lit_from(*directions, depth: float = 0.4) -> Illumination:
     ratio = np.full(3, depth)
     lights = tuple(DirectionalLight(direction, shadow_rgb_ratio=ratio) for direction in directions)
-    return LightEstimate("test", 0, lights, ambient_rgb_ratio=np.maximum(0, 1 - len(lights) * (1 - ratio)))
+    return Illumination(lights, ambient_rgb_ratio=np.maximum(0, 1 - len(lights) * (1 - ratio)))
 
 
-def passage(start: LightEstimate | None, end: LightEstimate) -> list[LightEstimate]:
+def passage(start: Illumination, end: Illumination) -> list[Illumination]:
     easing = LightEasing()
     easing.jump(start)
     return [easing.at(end, 5.0 + step) for step in STEPS]
 
 
-def test_it_turns_without_a_jump_and_ends_at_the_estimate_itself():
-    end = estimate(direction_from_angles(1.5, 0.5))
-    directions = [shown.light.to_light_marker for shown in passage(estimate(SUN), end)]
+def test_it_turns_without_a_jump_and_ends_at_the_illumination_itself():
+    end = lit_from(direction_from_angles(1.5, 0.5))
+    directions = [shown.light.to_light_marker for shown in passage(lit_from(SUN), end)]
     whole = angle_between(directions[0], directions[-1])
     assert angle_between(directions[0], SUN) < 1e-9
     steps = [angle_between(a, b) for a, b in itertools.pairwise(directions)]
     assert max(steps) < 0.1 * whole
     assert sum(steps) == pytest.approx(whole, rel=1e-6)
     easing = LightEasing()
-    easing.jump(estimate(SUN))
+    easing.jump(lit_from(SUN))
     easing.at(end, 0.0)
     assert easing.at(end, EASED_OVER_S) is end
 
 
-@pytest.mark.parametrize("start", [None, NONE])
+@pytest.mark.parametrize("start", [NONE, Illumination(ambient_rgb_ratio=np.full(3, 0.3))])
 def test_a_first_light_comes_up_and_one_that_is_gone_goes_down(start):
-    lit = estimate(SUN)
+    lit = lit_from(SUN)
     up = [lighting_of(shown.lights, shown.ambient_rgb_ratio).sky[0] for shown in passage(start, lit)]
     down = [lighting_of(shown.lights, shown.ambient_rgb_ratio).sky[0] for shown in passage(lit, NONE)]
     for skies in (up, down[::-1]):
@@ -55,27 +56,33 @@ def test_a_first_light_comes_up_and_one_that_is_gone_goes_down(start):
 
 def test_far_away_it_does_not_swing_through_the_room():
     other = direction_from_angles(0.7 + math.pi, 0.8)
-    for shown in passage(estimate(SUN), estimate(other)):
+    for shown in passage(lit_from(SUN), lit_from(other)):
         for light in shown.lights:
             assert min(angle_between(light.to_light_marker, each) for each in (SUN, other)) < 1e-9
 
 
 def test_with_two_lights_each_goes_to_the_nearest():
     lamp, turned = direction_from_angles(3.0, 0.6), direction_from_angles(0.8, 0.8)
-    halfway = passage(estimate(SUN, lamp), estimate(lamp, turned))[15]
+    halfway = passage(lit_from(SUN, lamp), lit_from(lamp, turned))[15]
     assert angle_between(halfway.lights[0].to_light_marker, lamp) < 1e-9
     assert angle_between(SUN, turned) > angle_between(halfway.lights[1].to_light_marker, SUN) > 0
 
 
 def test_a_new_target_on_the_way_starts_from_what_is_shown():
     easing = LightEasing()
-    easing.jump(estimate(SUN))
-    away = estimate(direction_from_angles(1.5, 0.5))
+    easing.jump(lit_from(SUN))
+    away = lit_from(direction_from_angles(1.5, 0.5))
     easing.at(away, 0.0)
     seen = easing.at(away, EASED_OVER_S / 2).light.to_light_marker
-    back = easing.at(estimate(SUN), EASED_OVER_S / 2).light.to_light_marker
+    back = easing.at(lit_from(SUN), EASED_OVER_S / 2).light.to_light_marker
     assert angle_between(seen, back) < 1e-9
 
 
-def test_before_any_estimate_there_is_nothing_to_show():
-    assert LightEasing().at(None, 0.0) is None
+def test_without_any_light_nothing_is_on_its_way():
+    assert LightEasing().at(NONE, 0.0).lights == ()
+
+
+def test_on_the_way_only_what_changes_is_a_new_array():
+    """What is drawn once for a ground colour is known by its identity."""
+    end = replace(lit_from(SUN), ground_rgb=np.full(3, 0.4))
+    assert all(shown.ground_rgb is end.ground_rgb for shown in passage(NONE, end))

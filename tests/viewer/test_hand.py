@@ -9,13 +9,12 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.viewer.controls import Command, Drag, Request
 from ashe_live.viewer.hand import (
-    BY_HAND,
     FARTHEST_SIDES,
     FIRST_ELEVATION_RAD,
     HIGHEST_RAD,
@@ -27,7 +26,7 @@ from ashe_live.viewer.hand import (
     SMALLEST,
     TURN_STEP_RAD,
     Hand,
-    Sight,
+    HandContext,
 )
 from ashe_live.viewer.pointing import ground_at, picture_axes, pixel_of
 
@@ -37,9 +36,7 @@ PINHOLE = Camera.from_focal(SIZE, 600.0)
 BENT = Camera(SIZE, PINHOLE.K, np.array((-0.25, 0.08, 0.0, 0.0, 0.0)), "file")
 MODEL = placed_on_marker(Model("box", (box((1, 1, 1)),)), SIDE_M)
 HEIGHT_M = SIDE_M
-ESTIMATE = LightEstimate(
-    "proxy",
-    3,
+ESTIMATED = Illumination(
     (
         DirectionalLight(
             direction_from_angles(math.radians(200), math.radians(40)),
@@ -53,7 +50,7 @@ ESTIMATE = LightEstimate(
     ),
     ambient_rgb_ratio=np.array((0.2, 0.25, 0.3)),
     ground_rgb=np.array((0.5, 0.4, 0.3)),
-    caster=Proxy("cup", np.array([(0.1, 0.0, 0.0, 0.03, 0.0), (0.1, 0.0, 0.08, 0.03, 0.0)])),
+    real_object=Proxy("cup", np.array([(0.1, 0.0, 0.0, 0.03, 0.0), (0.1, 0.0, 0.08, 0.03, 0.0)])),
 )
 
 
@@ -70,11 +67,11 @@ def seen_from(eye: tuple[float, float, float], camera: Camera = PINHOLE, aim=(0.
 EYES = ((0.1, -0.5, 0.35), (0.4, 0.3, 0.5), (0.0, 0.1, 0.6))
 
 
-def sight(tracked: TrackedFrame | None, estimate: LightEstimate | None = ESTIMATE) -> Sight:
-    return Sight(tracked, estimate, MODEL)
+def sight(tracked: TrackedFrame | None, illumination: Illumination = ESTIMATED) -> HandContext:
+    return HandContext(tracked, illumination, MODEL)
 
 
-def drag(hand: Hand, command: Command, seen: Sight, begin, *ends) -> None:
+def drag(hand: Hand, command: Command, seen: HandContext, begin, *ends) -> None:
     for place, end in enumerate(ends):
         hand.obey(Request(command, Drag(begin, end, place == 0)), seen)
 
@@ -100,25 +97,25 @@ def test_the_grabbed_point_of_the_table_stays_under_the_mouse(eye, camera):
 
 @pytest.mark.parametrize("eye", EYES)
 @pytest.mark.parametrize("camera", [PINHOLE, BENT], ids=["pinhole", "lens"])
-@pytest.mark.parametrize("estimate", [ESTIMATE, None], ids=["estimated", "none"])
-def test_the_shadows_end_follows_the_mouse(eye, camera, estimate):
+@pytest.mark.parametrize("estimated", [ESTIMATED, Illumination()], ids=["estimated", "none"])
+def test_the_shadows_end_follows_the_mouse(eye, camera, estimated):
     """Grabbed there, it stays under the mouse; grabbed elsewhere, it moves as many pixels."""
     tracked = seen_from(eye, camera)
     for beside in (0.0, 25.0):
         hand = Hand()
-        hand.obey(Request(Command.MOVE_LIGHT, (0, 0)), sight(tracked, estimate))
+        hand.obey(Request(Command.MOVE_LIGHT, (0, 0)), sight(tracked, estimated))
         x, y = pixel_of(tracked, shadow_end(hand))
         for dx, dy in ((12.0, 4.0), (-30.0, 20.0), (40.0, -15.0)):
             begin, now = (x + beside, y), (x + beside + dx, y + dy)
-            hand.obey(Request(Command.MOVE_LIGHT, Drag(begin, now, dx == 12)), sight(tracked, estimate))
+            hand.obey(Request(Command.MOVE_LIGHT, Drag(begin, now, dx == 12)), sight(tracked, estimated))
             assert pixel_of(tracked, shadow_end(hand)) == pytest.approx((x + dx, y + dy), abs=0.01)
 
 
 @pytest.mark.parametrize("elevation_deg", [-10, 0.5, 8])
 def test_a_shadow_whose_end_is_out_of_the_picture_comes_to_the_mouse(elevation_deg):
-    estimate = replace(ESTIMATE, lights=(DirectionalLight(direction_from_angles(1.0, math.radians(elevation_deg))),))
+    estimated = replace(ESTIMATED, lights=(DirectionalLight(direction_from_angles(1.0, math.radians(elevation_deg))),))
     tracked, hand = seen_from(EYES[0]), Hand()
-    drag(hand, Command.MOVE_LIGHT, sight(tracked, estimate), (250.0, 300.0), (255.0, 300.0), (300.0, 310.0))
+    drag(hand, Command.MOVE_LIGHT, sight(tracked, estimated), (250.0, 300.0), (255.0, 300.0), (300.0, 310.0))
     assert pixel_of(tracked, shadow_end(hand)) == pytest.approx((300.0, 310.0), abs=0.01)
 
 
@@ -126,7 +123,7 @@ def test_a_shadow_whose_end_is_out_of_the_picture_comes_to_the_mouse(elevation_d
 def test_dragging_turns_the_light_the_way_the_shadow_goes(eye):
     """Around the foot clockwise on the table, the azimuth falls by as much; away from the foot, the light sinks."""
     tracked, hand = seen_from(eye), Hand()
-    hand.obey(Request(Command.MOVE_LIGHT, (0, 0)), sight(tracked, None))
+    hand.obey(Request(Command.MOVE_LIGHT, (0, 0)), sight(tracked, Illumination()))
     azimuth, elevation = angles_from_direction(hand.light.light.to_light_marker)
     end = shadow_end(hand)
     turned = np.array([(math.cos(-0.3), -math.sin(-0.3)), (math.sin(-0.3), math.cos(-0.3))]) @ end
@@ -142,7 +139,7 @@ def test_dragging_turns_the_light_the_way_the_shadow_goes(eye):
 
 def test_keys_turn_and_raise_the_light_by_their_steps():
     tracked, hand = seen_from(EYES[0]), Hand()
-    azimuth, elevation = angles_from_direction(ESTIMATE.light.to_light_marker)
+    azimuth, elevation = angles_from_direction(ESTIMATED.light.to_light_marker)
     for step, turned, raised in (((1, 0), 1, 0), ((0, 1), 1, 1), ((-1, 0), 0, 1), ((0, -1), 0, 0)):
         hand.obey(Request(Command.MOVE_LIGHT, step), sight(tracked))
         expected = (azimuth + turned * LIGHT_STEP_RAD, elevation + raised * LIGHT_STEP_RAD)
@@ -152,7 +149,7 @@ def test_keys_turn_and_raise_the_light_by_their_steps():
 def test_a_first_light_comes_from_the_left_in_the_picture():
     for eye in EYES:
         tracked, hand = seen_from(eye), Hand()
-        hand.obey(Request(Command.MOVE_LIGHT, (0, 0)), sight(tracked, LightEstimate("x", 0, (), "none there")))
+        hand.obey(Request(Command.MOVE_LIGHT, (0, 0)), sight(tracked, Illumination()))
         right, _ = picture_axes(tracked)
         light = hand.light.light
         assert light.to_light_marker[:2] / np.linalg.norm(light.to_light_marker[:2]) == pytest.approx(-right)
@@ -163,15 +160,15 @@ def test_a_first_light_comes_from_the_left_in_the_picture():
 def test_what_was_measured_stays_and_what_was_known_of_the_direction_does_not():
     hand = Hand()
     hand.obey(Request(Command.MOVE_LIGHT, (5, 0)), sight(seen_from(EYES[0])))
-    set_light, estimated = hand.light.light, ESTIMATE.light
-    assert (hand.light.estimator, hand.light.frame_index) == (BY_HAND, 7)
+    set_light, estimated = hand.light.light, ESTIMATED.light
+    assert hand.frame_index == 7
     assert set_light.covariance_rad2 is set_light.sigma_rad is set_light.confidence is None
     assert set_light.angular_size_rad == estimated.angular_size_rad
     np.testing.assert_array_equal(set_light.shadow_rgb_ratio, estimated.shadow_rgb_ratio)
-    np.testing.assert_array_equal(hand.light.ambient_rgb_ratio, ESTIMATE.ambient_rgb_ratio)
-    np.testing.assert_array_equal(hand.light.ground_rgb, ESTIMATE.ground_rgb)
-    assert hand.light.caster is ESTIMATE.caster
-    assert hand.light.lights[1:] == ESTIMATE.lights[1:]
+    np.testing.assert_array_equal(hand.light.ambient_rgb_ratio, ESTIMATED.ambient_rgb_ratio)
+    np.testing.assert_array_equal(hand.light.ground_rgb, ESTIMATED.ground_rgb)
+    assert hand.light.real_object is ESTIMATED.real_object
+    assert hand.light.lights[1:] == ESTIMATED.lights[1:]
 
 
 def test_the_light_stays_above_the_table():

@@ -5,7 +5,7 @@ import pytest
 from ashe_live.errors import UserError
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
-from ashe_live.viewer.headless import Playback, play_headless
+from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.report import Report
 from ashe_live.viewer.session import EstimatePolicy, Session
 
@@ -30,7 +30,7 @@ class Play:
             self.tracker,
             self.session,
             self.renderer,
-            Playback(bare_scene, takers=takers, **playback),
+            HeadlessRun(bare_scene, takers=takers, **playback),
             self.report,
         )
 
@@ -47,7 +47,7 @@ def test_every_frame_is_shown_once(fakes):
 
 def test_the_estimate_lights_the_frame_it_was_asked_for(fakes):
     play = Play(fakes, fakes.Source(6), fakes.estimate(2))
-    assert [bool(scene.lights) for scene in play.renderer.scenes] == [False, False, True, True, True, True]
+    assert [bool(scene.illumination.lights) for scene in play.renderer.scenes] == [False, False, True, True, True, True]
     assert [estimate["frame"] for estimate in play.report.estimates] == [2]
 
 

@@ -85,6 +85,9 @@ class ScriptedPipeline:
     def restart(self) -> None:
         self.restarts += 1
 
+    def track_with(self, preset) -> None:
+        self.tracking = preset
+
     def close(self, _timeout_s: float = 0.0) -> None:
         self.frames.close()
 
@@ -94,24 +97,21 @@ class Stage:
 
     def __init__(self, fakes) -> None:
         self.fakes = fakes
-        self.pipeline, self.tracker = ScriptedPipeline(), fakes.Tracker()
+        self.pipeline, self.dropped = ScriptedPipeline(), ScriptedPipeline()
         self.session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
         self.renderer = fakes.Renderer()
-        self.dropped, self.dropped_tracker = ScriptedPipeline(), fakes.Tracker()
 
     def opener(self, path):
         if path.suffix == ".txt":
             raise UserError(f"{path} is not a clip", "convert it")
-        return self.dropped, self.dropped_tracker
+        return self.dropped
 
     def put(self, index: int) -> None:
         self.pipeline.frames.put(self.fakes.tracked(index))
 
     def run(self, *steps, quality: str = "fast", frame_limit: int | None = None) -> LiveViewer:
         self.window = ScriptedWindow(step if callable(step) else lambda step=step: step for step in steps)
-        viewer = LiveViewer(
-            self.window, self.renderer, self.pipeline, self.tracker, self.session, quality, opener=self.opener
-        )
+        viewer = LiveViewer(self.window, self.renderer, self.pipeline, self.session, quality, opener=self.opener)
         viewer.run(frame_limit)
         return viewer
 
@@ -119,7 +119,7 @@ class Stage:
 @pytest.fixture
 def stage(fakes, monkeypatch, tmp_path) -> Stage:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(keeping, "Renderer", fakes.Renderer)
+    monkeypatch.setattr(keeping, "SceneRenderer", fakes.Renderer)
     return Stage(fakes)
 
 
@@ -350,7 +350,7 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
     assert stage.session.tracked.frame.index == 0
     assert stage.session.estimate is None
     assert viewer._pipeline is stage.dropped
-    assert stage.dropped_tracker.preset is FAST.tracking
+    assert stage.dropped.tracking is FAST.tracking
     assert len(list(tmp_path.glob("*.mp4"))) == 1
     assert "saved" in capfd.readouterr().out
     assert stage.dropped.frames.is_closed  # when the viewer ends

@@ -26,7 +26,7 @@ def opening(fakes):
         tracker.track = fakes.tracked_in
         pipeline = Pipeline(open_source(path), tracker, True)
         pipeline.start()
-        return pipeline, tracker
+        return pipeline
 
     opening = Opening(opener)
     yield opening
@@ -91,7 +91,7 @@ def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):
             go_on.wait(PATIENCE_S)
         pipelines[path.name] = Pipeline(fakes.Source(), fakes.Tracker(), True)
         pipelines[path.name].start()
-        return pipelines[path.name], fakes.Tracker()
+        return pipelines[path.name]
 
     opening = Opening(opener)
     opening.begin(Path("first"))

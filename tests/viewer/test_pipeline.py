@@ -10,8 +10,10 @@ import pytest
 
 from ashe_live.capture.sources import SourceLost
 from ashe_live.core.mailbox import Closed
+from ashe_live.core.quality import ACCURATE, FAST
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.viewer import capture_loop
 from ashe_live.viewer import pipeline as pipeline_module
 from ashe_live.viewer.pipeline import Pipeline
 
@@ -72,7 +74,7 @@ def test_frames_come_in_order_and_the_end_holds(run, fakes):
 def test_the_last_frame_is_shown_however_late(fakes, monkeypatch):
     """It stays on screen. Where the others are late too, they are left out."""
     clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
-    monkeypatch.setattr(pipeline_module, "time", clock)
+    monkeypatch.setattr(capture_loop, "time", clock)
     source = fakes.Source(4, fps=200.0)
 
     def be_late(_index: int) -> None:
@@ -81,9 +83,9 @@ def test_the_last_frame_is_shown_however_late(fakes, monkeypatch):
     source.hook = be_late
     pipeline = Pipeline(source, fakes.Tracker(), False)
     seen = []
-    monkeypatch.setattr(pipeline, "_wait", lambda *_: None)
+    monkeypatch.setattr(pipeline._capture, "_wait", lambda *_: None)
     for _ in range(5):
-        pipeline._step()
+        pipeline._capture.step()
         tracked = pipeline.frames.take(0.0)
         seen += [] if tracked is None else [tracked.frame.index]
     assert (seen[0], seen[-1], len(seen)) == (0, 3, 2)
@@ -226,7 +228,7 @@ def test_stepping_off_the_ends_stays_there(run, fakes, loop):
     assert_settles(pipeline, at=9)
     pipeline.step(1)
     pipeline.step(1)
-    await_that(lambda: pipeline._wanted is None and pipeline._at.index == 9)
+    await_that(lambda: pipeline._wish.jump is pipeline._capture.state.obeyed and pipeline._capture.state.at.index == 9)
     assert pipeline.frames.take(A_WHILE_S) is None
     pipeline.step(-1)
     assert_settles(pipeline, at=8)
@@ -292,10 +294,10 @@ def test_speed_changes_the_pace_and_never_the_lag(fakes, monkeypatch, speed, hz)
         clock.now += 0.004
 
     tracker.hook = note
-    monkeypatch.setattr(pipeline_module, "time", clock)
-    monkeypatch.setattr(pipeline, "_wait", wait)
+    monkeypatch.setattr(capture_loop, "time", clock)
+    monkeypatch.setattr(pipeline._capture, "_wait", wait)
     for _ in range(240):
-        pipeline._step()
+        pipeline._capture.step()
     assert max(map(abs, lags_s)) < 1e-9
     assert (len(seen) - 1) / (seen[-1] - seen[0]) == pytest.approx(hz, rel=0.02)
 
@@ -309,16 +311,16 @@ def test_a_clip_is_played_at_its_own_pace(fakes, monkeypatch):
     def wait(_until: object, timeout_s: float | None = None) -> None:
         clock.now += timeout_s or 0.0
 
-    monkeypatch.setattr(pipeline_module, "time", clock)
-    monkeypatch.setattr(pipeline, "_wait", wait)
+    monkeypatch.setattr(capture_loop, "time", clock)
+    monkeypatch.setattr(pipeline._capture, "_wait", wait)
     for _ in range(9):
-        pipeline._step()
+        pipeline._capture.step()
     assert clock.now == pytest.approx(8 / 30)
 
 
 def test_a_slow_tracker_drops_frames_instead_of_lagging(fakes, monkeypatch):
     clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
-    monkeypatch.setattr(pipeline_module, "time", clock)
+    monkeypatch.setattr(capture_loop, "time", clock)
     source, tracker = fakes.Source(300, fps=30.0), fakes.Tracker()
     lags_s, seen = [], []
 
@@ -330,7 +332,7 @@ def test_a_slow_tracker_drops_frames_instead_of_lagging(fakes, monkeypatch):
     tracker.hook = take_long
     pipeline = Pipeline(source, tracker, False)
     for _ in range(300):
-        pipeline._step()
+        pipeline._capture.step()
     assert seen == sorted(set(seen))
     assert 80 < len(seen) < 120
     assert max(lags_s) <= 1 / 30 + 1e-9
@@ -338,7 +340,7 @@ def test_a_slow_tracker_drops_frames_instead_of_lagging(fakes, monkeypatch):
 
 def test_a_machine_that_cannot_keep_up_at_all_still_shows_something(fakes, monkeypatch):
     clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
-    monkeypatch.setattr(pipeline_module, "time", clock)
+    monkeypatch.setattr(capture_loop, "time", clock)
     source, tracker = fakes.Source(100, fps=30.0), fakes.Tracker()
     seen = []
     tracker.hook = lambda frame: seen.append(frame.index)
@@ -349,12 +351,12 @@ def test_a_machine_that_cannot_keep_up_at_all_still_shows_something(fakes, monke
     source.hook = decode_slowly
     pipeline = Pipeline(source, tracker, False)
     for _ in range(100):
-        pipeline._step()
+        pipeline._capture.step()
     assert len(seen) > 30
 
 
 def test_a_lost_camera_is_told_and_comes_back(run, fakes, monkeypatch):
-    monkeypatch.setattr(pipeline_module, "RECONNECT_EVERY_S", 0.01)
+    monkeypatch.setattr(capture_loop, "RECONNECT_EVERY_S", 0.01)
     source, tracker = fakes.Source(10_000, is_live=True), fakes.Tracker()
     plugged_in = threading.Event()
     losses = iter([True])
@@ -462,6 +464,53 @@ def test_an_error_of_the_tracker_reaches_the_other_side(run, fakes):
     tracker.hook = refuse
     with pytest.raises(UserError, match="calibration"):
         run(fakes.Source(5), tracker=tracker).frames.take(PATIENCE_S)
+
+
+def test_the_tracking_preset_changes_between_frames_and_never_within_one(run, fakes):
+    """The main thread asks for another quality while a frame is being tracked."""
+    tracker, is_tracking, go_on = fakes.Tracker(), threading.Event(), threading.Event()
+    tracker.preset = FAST.tracking
+    used = []
+
+    def track(frame) -> None:
+        used.append((frame.index, tracker.preset))
+        is_tracking.set()
+        go_on.wait(PATIENCE_S)
+        used.append((frame.index, tracker.preset))
+
+    tracker.hook = track
+    pipeline = run(fakes.Clip(10_000), tracker=tracker)
+    assert is_tracking.wait(PATIENCE_S)
+    pipeline.track_with(ACCURATE.tracking)
+    go_on.set()
+    indices(pipeline, until=3)
+    pipeline.close()
+    presets = [preset for _, preset in used]
+    assert presets[:2] == [FAST.tracking] * 2
+    assert set(map(id, presets[2:])) == {id(ACCURATE.tracking)}
+
+
+def test_of_wishes_that_come_faster_than_frames_none_is_lost(held):
+    """They are one value: a pause does not undo a seek that nobody has obeyed yet. And where it was sent is shown,
+    however soon after another frame: at twice the pace frames in a row that come so soon are left out."""
+    pipeline, source, _ = held
+    jumps, may_go_on = threading.Event(), threading.Event()
+
+    def hang(_index: int) -> None:
+        jumps.set()
+        may_go_on.wait(PATIENCE_S)
+
+    source.hook = hang
+    pipeline.step(1)
+    assert jumps.wait(PATIENCE_S)
+    pipeline.restart()
+    pipeline.step(3)
+    pipeline.play(2.0, loop=True)
+    pipeline.pause(False)
+    pipeline.pause(True)
+    may_go_on.set()
+    assert_settles(pipeline, at=3)  # from the start, where it was sent before
+    assert (pipeline._capture._pace.speed, pipeline._capture._wish.loop) == (2.0, True)
 
 
 def playing(_pipeline, _source) -> None: ...

@@ -7,6 +7,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles
+from ashe_live.core.types import Illumination
 from ashe_live.errors import UserError
 from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.models.placement import UNMOVED
@@ -65,7 +66,9 @@ def test_the_estimate_holds_wherever_the_clip_goes(make, fakes):
     for index in (41, 3, 2, 1, 90, 0, 1):  # on, sought back, stepped back, sought on, started again
         session.take(fakes.tracked(index), 1.0)
         session.poll(1.0)
-        assert session.estimate is session.shown is held
+        assert session.estimate is held
+        assert session.shown is session.lit_by
+        assert session.shown.seen_in is session.estimated_from
 
 
 def test_without_a_policy_nothing_is_estimated_unasked(make, fakes):
@@ -315,7 +318,7 @@ def test_a_light_by_hand_is_shown_at_once_and_said_to_be_so(make, fakes):
     assert session.estimate is None
     assert light_line(session).startswith("light by hand: azimuth")
     assert "±" not in light_line(session)
-    assert bare_scene(session).lights == session.hand.light.lights
+    assert bare_scene(session).illumination is session.hand.light
 
 
 def test_a_new_estimate_ends_the_light_by_hand_and_one_asked_for_before_does_not(make, fakes):
@@ -329,7 +332,7 @@ def test_a_new_estimate_ends_the_light_by_hand_and_one_asked_for_before_does_not
     assert session.lit_by is session.hand.light is not None
     estimated(session, fakes, 4.0)
     assert session.hand.light is None
-    assert session.lit_by is session.estimate
+    assert session.lit_by.lights is session.estimate.lights
 
 
 def test_an_estimate_without_a_light_leaves_the_one_by_hand(make, fakes):
@@ -366,7 +369,7 @@ def test_reset_gives_light_and_model_back_to_the_estimate(make, fakes):
     session.poll(7.0)
     session.poll(9.0)
     assert bare_scene(session) == before[1]
-    assert session.lit_by is session.estimate
+    assert session.lit_by.lights is session.estimate.lights
 
 
 def test_where_the_model_stands_does_not_touch_the_light(make, fakes):
@@ -388,8 +391,8 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
     session.begin_anew(Steadiness(1))
     session._worker.answer = None
     assert not session.is_estimating
-    for left in (session.estimate, session.shown, session.estimated_from, session.surroundings, session.lit_by):
-        assert left is None
+    assert session.estimate is session.estimated_from is None
+    assert session.lit_by == session.shown == Illumination()
     assert session.true_to_light_marker is None
     assert bare_scene(session).placement == UNMOVED
     assert session.fusion is not None

@@ -21,12 +21,12 @@ from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
 from ashe_live.core.quality import BALANCED, FAST, QUALITIES, RenderPreset
-from ashe_live.core.types import DirectionalLight, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.files.resources import resource
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import Context, offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.tracker import Tracker
@@ -72,18 +72,18 @@ class RenderBench(Bench):
         clip = self.clip
         light = DirectionalLight(clip.to_light_marker)
         model = placed_on_marker(load_model("cube"), clip.marker_side_m)
-        renderer = Renderer(ctx, FAST.render, size)
+        renderer = SceneRenderer(ctx, FAST.render, size)
         tracker = Tracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, FAST.tracking)
 
         def scene(tracked: TrackedFrame) -> Scene:
-            return Scene(tracked, model, (light,))
+            return Scene(tracked, model, Illumination((light,)))
 
         with ClipSource(clip.path) as source:
             times = time_unpaced(source, tracker, renderer, scene, self.frames)
             copied = time_blit(source, tracker, renderer, clip.camera, self.frames)
             renderer.release()
             # One row more than the picture: it is drawn and not copied.
-            renderer = Renderer(ctx, FAST.render, (size[0], size[1] + 1))
+            renderer = SceneRenderer(ctx, FAST.render, (size[0], size[1] + 1))
             drawn = time_blit(source, tracker, renderer, clip.camera, self.frames)
         renderer.release()
         medians = {stage: float(np.median(ms)) for stage, ms in times.wall_ms.items()}

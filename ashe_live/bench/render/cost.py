@@ -11,11 +11,11 @@ from ashe_live.bench.resources_held import resident_mib
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.offscreen import Context, live_gl_objects
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 WARM_UP_FRAMES = 3
@@ -34,7 +34,7 @@ class Cost:
 
 def cost_of(ctx: Context, preset: RenderPreset, size: Size, scenes: Sequence[Scene], frames: int) -> Cost:
     """Of `frames` pictures of `size`, the scenes in turns."""
-    renderer = Renderer(ctx, preset, size)
+    renderer = SceneRenderer(ctx, preset, size)
     query = ctx.query(time=True)
     wall_ms, gpu_ms = [], []
     for number in range(WARM_UP_FRAMES + frames):
@@ -62,7 +62,8 @@ def orbit(size: Size, model: PlacedModel | None, lights: tuple[DirectionalLight,
         right = np.cross(-outwards, (0, 0, 1)) / math.cos(math.radians(40))
         R = np.array([right, np.cross(-outwards, right), -outwards])
         pose = MarkerPose(rigid(R, -R @ (np.array((0, 0, 0.03)) + 0.4 * outwards)), corners, SIDE_M, 0.0, None)
-        scenes.append(Scene(TrackedFrame(Frame(picture.copy(), number, 0.0), camera, pose), model, lights))
+        tracked = TrackedFrame(Frame(picture.copy(), number, 0.0), camera, pose)
+        scenes.append(Scene(tracked, model, Illumination(lights, seen_in=tracked)))
     return scenes
 
 
@@ -115,7 +116,7 @@ def memory_growth(
     assert frames >= 10
     first = scene(0)
     assert first.tracked is not None
-    renderer = Renderer(ctx, preset, first.tracked.frame.size)
+    renderer = SceneRenderer(ctx, preset, first.tracked.frame.size)
     found: dict[str, float] = {}
     for number in range(frames):
         renderer.render(replace(scene(number), model=models[number // 10 % len(models)]))

@@ -16,11 +16,11 @@ from ashe_live.core.contract import Json
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import direction_from_angles, project, rigid
-from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import Context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.pose import square_corners
 
@@ -53,7 +53,7 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
     """Of the renderer's picture of the same scene."""
     assert reference.scene.tracked is not None
     bare = reference.scene.tracked.frame.image_bgr
-    renderer = Renderer(ctx, preset, reference.scene.tracked.frame.size)
+    renderer = SceneRenderer(ctx, preset, reference.scene.tracked.frame.size)
     renderer.render(reference.scene)
     picture = renderer.read_bgr()
     renderer.release()
@@ -85,12 +85,16 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     )
     x, y = view["caster"]["base_xy_m"]
     discs = [(x, y, height, radius, 0.0) for radius, height in view["caster"]["profile_m"]]
+    tracked = TrackedFrame(Frame(bare, 0, 0.0), camera, marker)
     scene = Scene(
-        TrackedFrame(Frame(bare, 0, 0.0), camera, marker),
+        tracked,
         placed_on_marker(load_model(model), side_m),
-        (light,),
-        caster=Proxy("lathe", np.array(discs)),
-        ground_rgb=np.median(LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3), axis=0),
+        Illumination(
+            (light,),
+            real_object=Proxy("lathe", np.array(discs)),
+            ground_rgb=np.median(LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3), axis=0),
+            seen_in=tracked,
+        ),
     )
     is_model = _read(folder / f"{name}_{model}_mask.png")[..., 0] > 127
     brightness = float(np.dot(view["shadow_ratio"], REC709_LUMINANCE))

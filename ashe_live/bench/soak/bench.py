@@ -8,7 +8,7 @@ from typing import ClassVar, cast
 
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.resources_held import left_running
-from ashe_live.bench.soak.offscreen_window import OffscreenWindow, Picture
+from ashe_live.bench.soak.offscreen_window import OffscreenWindow, ShownPicture
 from ashe_live.bench.soak.picture_age import PictureAges
 from ashe_live.bench.soak.run import SoakRun, SoakTracker
 from ashe_live.bench.soak.tables import print_soak_figures
@@ -20,7 +20,7 @@ from ashe_live.core.quality import Quality
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.cores import leave_cores_to_renderer
@@ -93,7 +93,7 @@ class SoakBench(Bench):
             worker = stack.enter_context(LightWorker(self.estimator))
             session = Session(Shelf(MODEL, clip.marker_side_m), worker, EstimatePolicy(), Steadiness())
             session.light_preset = self.quality.name
-            renderer = Renderer(ctx, self.quality.render, camera.size, switches_at_once=False)
+            renderer = SceneRenderer(ctx, self.quality.render, camera.size, switches_at_once=False)
             stack.callback(renderer.release)
             tracker = SoakTracker(
                 parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, self.quality.tracking
@@ -106,7 +106,7 @@ class SoakBench(Bench):
             stack.callback(stage.window.release)
             pipeline.start()
             window = cast(Window, stage.window)
-            stage.viewer = LiveViewer(window, renderer, pipeline, tracker, session, self.quality.name)
+            stage.viewer = LiveViewer(window, renderer, pipeline, session, self.quality.name)
             yield stage
 
 
@@ -119,4 +119,4 @@ class Stage:
     def __init__(self, session: Session, tracker: SoakTracker) -> None:
         self.session = session
         self.tracker = tracker
-        self.on_picture: Callable[[Picture], None] = lambda _picture: None
+        self.on_picture: Callable[[ShownPicture], None] = lambda _picture: None

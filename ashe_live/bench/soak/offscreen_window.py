@@ -14,7 +14,7 @@ from ashe_live.render.offscreen import Context
 from ashe_live.viewer.controls import MouseEvent, Request
 
 
-class Picture(NamedTuple):
+class ShownPicture(NamedTuple):
     """When the viewer began with a picture, and when it was on the screen."""
 
     begun_s: float  # monotonic clock
@@ -28,7 +28,7 @@ class OffscreenWindow:
     content_scale = 1.0
     is_closing = False
 
-    def __init__(self, ctx: Context, size: Size, rate_hz: float, on_picture: Callable[[Picture], None]) -> None:
+    def __init__(self, ctx: Context, size: Size, rate_hz: float, on_picture: Callable[[ShownPicture], None]) -> None:
         self.framebuffer_size = size
         self.refresh_rate_hz = rate_hz
         self.requests: list[Request] = []  # what the next picture obeys
@@ -54,7 +54,7 @@ class OffscreenWindow:
     def swap(self) -> None:
         """The picture is on the screen when it is drawn."""
         self._ctx.finish()
-        self._on_picture(Picture(self._begun_s, time.monotonic(), time.thread_time() - self._begun_cpu_s))
+        self._on_picture(ShownPicture(self._begun_s, time.monotonic(), time.thread_time() - self._begun_cpu_s))
 
     def read_bgr(self) -> Image:
         """(h, w, 3) uint8: what is on the screen."""

@@ -7,7 +7,7 @@ one was handed over after the display had last looked, hence at most one interva
 
 import numpy as np
 
-from ashe_live.bench.soak.offscreen_window import OffscreenWindow, Picture
+from ashe_live.bench.soak.offscreen_window import OffscreenWindow, ShownPicture
 from ashe_live.bench.soak.time_code import TimeCodeCamera, read_number
 from ashe_live.core.contract import Json
 from ashe_live.viewer.report import frame_time_percentiles
@@ -30,7 +30,7 @@ class PictureAges:
         self._last_begun_s: float | None = None
         self._last_number = -1
 
-    def add(self, picture: Picture) -> None:
+    def add(self, picture: ShownPicture) -> None:
         number = read_number(self._window.read_bgr())
         tracked, last_begun_s, self._last_begun_s = self._session.tracked, self._last_begun_s, picture.begun_s
         if tracked is None or last_begun_s is None or number == self._last_number:

@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 from ashe_live.bench.resources_held import Held
-from ashe_live.bench.soak.offscreen_window import OffscreenWindow, Picture
+from ashe_live.bench.soak.offscreen_window import OffscreenWindow, ShownPicture
 from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
 from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
@@ -55,7 +55,7 @@ class SoakRun:
         self._estimate: LightEstimate | None = None
         self._begun_s = time.monotonic()
 
-    def add(self, picture: Picture) -> None:
+    def add(self, picture: ShownPicture) -> None:
         if self._session.estimate is not self._estimate:
             self._estimate = self._session.estimate
             self._estimates += 1

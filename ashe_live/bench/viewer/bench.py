@@ -18,17 +18,18 @@ from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
 from ashe_live.core.quality import Quality
-from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.renderer import Renderer
+from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import Display
+from ashe_live.viewer.headless import LONGEST_ESTIMATE_S
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.report import frame_time_percentiles
 from ashe_live.viewer.session import EstimatePolicy, Session
@@ -38,7 +39,6 @@ DISPLAY_HZ = 60.0
 # Idle and estimating take turns, so that what else runs on the machine meets both.
 ROUNDS = 4
 MODEL = "cube"
-LONGEST_ESTIMATE_S = 300.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +63,7 @@ class ViewerBench(Bench):
         clip, size = self.clip, self.size or self.clip.camera.size
         leave_cores_to_renderer()
         with contextlib.ExitStack() as stack:
-            renderer = Renderer(offscreen_context(), self.quality.render, size)
+            renderer = SceneRenderer(offscreen_context(), self.quality.render, size)
             stack.callback(renderer.release)
             source = stack.enter_context(ClipSource(clip.path))
             tracker = Tracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, self.quality.tracking)
@@ -90,7 +90,7 @@ class ViewerBench(Bench):
         timed = {name: time_start(self.clip, self.quality.name, self.starts, *ways[name]) for name in ways}
         return {name: None if start is None else asdict(start) for name, start in timed.items()}
 
-    def _unpaced(self, source: ClipSource, tracker: Tracker, renderer: Renderer, scene: "BenchScene") -> Json:
+    def _unpaced(self, source: ClipSource, tracker: Tracker, renderer: SceneRenderer, scene: "BenchScene") -> Json:
         stages = time_unpaced(source, tracker, renderer, scene, self.frames)
         blit = time_blit(source, tracker, renderer, self.clip.camera, self.frames)
         return {
@@ -98,7 +98,7 @@ class ViewerBench(Bench):
             "stages_ms": {**_stages_json(stages), **_stages_json(blit)},
         }
 
-    def _paced(self, source: ClipSource, tracker: Tracker, renderer: Renderer, scene: "BenchScene") -> Json:
+    def _paced(self, source: ClipSource, tracker: Tracker, renderer: SceneRenderer, scene: "BenchScene") -> Json:
         source.rewind()
         tracker.reset()
         pipeline = Pipeline(source, tracker, loop=True)
@@ -129,7 +129,7 @@ class BenchScene:
         self.estimates_on = False
         self.estimates_ms: list[float] = []  # how long each of them took
         self._session = session
-        self._known = LightEstimate("known", 0, (DirectionalLight(clip.to_light_marker),))
+        self._known = Illumination((DirectionalLight(clip.to_light_marker),))
         self._size = size
         self._quality = quality
         self._display = Display()
@@ -142,7 +142,7 @@ class BenchScene:
         estimate = self._session.poll(now_s)
         if estimate is not None:
             self.estimates_ms.append(estimate.timing_ms["total"])
-        self._session.estimate = self._session.shown = self._known
+        self._session.hand.light = self._session.shown = self._known
         if self.estimates_on and not self._session.is_estimating and tracked.marker is not None:
             self._session.request_estimate(now_s)
         return self._display.scene(self._session, self._size, self._quality, now_s, fps=DISPLAY_HZ)

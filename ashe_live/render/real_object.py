@@ -34,7 +34,7 @@ class RealObject:
     def draw(self, framing: Framing, video: Video, lighting: Lighting, shadows: ShadowMaps) -> None:
         """Its depth, and in its place the video, darker where the model keeps a sun from it."""
         if shadows.model_shades_real:
-            program = self._programs.get("caster", **shadows.constants | {"casters": 1})
+            program = self._programs.get("real_object", **shadows.constants | {"casters": 1})
         else:
             program = self._programs.get("depth")
         video.bind(0)
