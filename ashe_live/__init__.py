@@ -4,9 +4,7 @@ The names in `__all__` are the programming interface (docs/api.md). Each is load
 the package, which every start of the command line does, loads neither OpenCV nor OpenGL.
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING
-
+TYPE_CHECKING = False  # as `typing` has it, which would be loaded at every start
 if TYPE_CHECKING:
     from ashe_live.api import Renderer, Tracker, estimate_light, read_photo
     from ashe_live.capture.snapshot import write_png
@@ -61,6 +59,8 @@ _HOMES = {
 def __getattr__(name: str) -> object:
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
     value: object = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
     globals()[name] = value  # from now on found without coming here
     return value

@@ -17,7 +17,8 @@ import pytest
 
 from ashe_live import cli
 from ashe_live.commands import view
-from ashe_live.core.settings import read_settings
+from ashe_live.commands.options import parsed
+from ashe_live.commands.settings_file import read_settings
 from ashe_live.errors import ExitStatus
 from ashe_live.files.resources import resource
 from ashe_live.viewer.controls import BINDINGS
@@ -97,7 +98,7 @@ def test_commands_do_what_the_page_says(page: Path, inputs: Path, tmp_path: Path
             case ["ashe-live", *arguments] if why_not_run(arguments) is None:
                 assert_runs(arguments)
             case ["ashe-live", *arguments]:
-                cli.parsed(arguments)
+                parsed(arguments)
             case ["make", target]:
                 assert re.search(rf"^{target}:", (CHECKOUT / "Makefile").read_text(), re.MULTILINE)
             case [".venv/bin/pytest", tests]:
@@ -128,7 +129,7 @@ def test_commands_in_running_text_are_taken(command: str) -> None:
             arguments += asked_for[:2]
     if {"-h", "--help", "--version"} & set(arguments):
         return
-    cli.parsed(arguments)
+    parsed(arguments)
 
 
 def test_what_is_only_parsed_is_still_there() -> None:

@@ -20,9 +20,9 @@ from av.video.stream import VideoStream
 
 from ashe_live.capture.fragments import IN_THE_MAKING, made_playable, published
 from ashe_live.core.arrays import Image
-from ashe_live.core.signals import signals_held
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NewFile, cannot_write
+from ashe_live.process.signals import signals_held
 
 TICKS_PER_S = 90_000
 # Constant quality: 18 looks lossless, 23 is x264's default.

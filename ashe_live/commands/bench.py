@@ -2,7 +2,7 @@
 
 import argparse
 
-from ashe_live.cli import DEFAULT_ESTIMATOR
+from ashe_live.commands.parser import DEFAULT_ESTIMATOR
 from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.errors import ExitStatus, UserError
 

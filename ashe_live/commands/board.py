@@ -2,8 +2,8 @@
 
 import argparse
 
-from ashe_live.core.messages import say
 from ashe_live.errors import ExitStatus
+from ashe_live.process.messages import say
 from ashe_live.tracking.calibration_board import CalibrationBoard
 from ashe_live.tracking.printing import write_board_sheet
 

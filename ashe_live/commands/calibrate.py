@@ -15,10 +15,10 @@ from rich.table import Table
 
 from ashe_live.capture.sources import Source, SourceLost, open_source
 from ashe_live.capture.webcam import WebcamSource
-from ashe_live.core.messages import tell
 from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, write_json
+from ashe_live.process.messages import tell
 from ashe_live.tracking.calibration import Calibration
 from ashe_live.tracking.calibration_board import BoardView, CalibrationBoard
 from ashe_live.tracking.calibration_guide import CalibrationGuide, KeptView

@@ -11,8 +11,8 @@ from ashe_live.capture.snapshot import write_png
 from ashe_live.commands.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, has_display, show_in_window, show_without_window
 from ashe_live.core.arrays import Image
-from ashe_live.core.messages import say
 from ashe_live.files.writing import unused_name
+from ashe_live.process.messages import say
 from ashe_live.render.scene import Scene
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.session import Session

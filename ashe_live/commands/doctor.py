@@ -13,13 +13,13 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from ashe_live import __version__
-from ashe_live.cli import parsed
-from ashe_live.core.apart import NoAnswerError, called_apart
-from ashe_live.core.children import Limits
-from ashe_live.core.messages import printable, say
-from ashe_live.core.settings import settings_path
+from ashe_live.commands.options import parsed
+from ashe_live.commands.settings_file import settings_path
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.resources import resource
+from ashe_live.process.apart import NoAnswerError, called_apart
+from ashe_live.process.children import Limits
+from ashe_live.process.messages import printable, say
 
 PACKAGES = ("numpy", "opencv-contrib-python-headless", "moderngl", "glfw", "av", "trimesh", "pillow", "pyrr", "rich")
 PROBE_S = 30.0  # a driver that takes longer will not give a picture

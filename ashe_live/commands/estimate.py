@@ -19,12 +19,12 @@ from ashe_live.commands.light_page import LightPage, picture_of
 from ashe_live.commands.named_files import named_files
 from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
 from ashe_live.core.contract import FileRecord
-from ashe_live.core.messages import printable, say, say_exactly, tell
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.drawing.steps import debug_pictures
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, make_folder, unused_name
 from ashe_live.light.estimators.estimator import Estimator, make_estimator
+from ashe_live.process.messages import printable, say, say_exactly, tell
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import Tracker

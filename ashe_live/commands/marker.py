@@ -2,8 +2,8 @@
 
 import argparse
 
-from ashe_live.core.messages import say
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.process.messages import say
 from ashe_live.tracking.layout import Layout, parse_target
 from ashe_live.tracking.printing import write_marker_sheet
 

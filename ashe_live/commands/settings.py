@@ -4,10 +4,10 @@ import argparse
 import json
 from pathlib import Path
 
-from ashe_live.cli import parsed
-from ashe_live.core.messages import say, say_exactly
-from ashe_live.core.settings import SETTINGS, read_settings, settings_path
+from ashe_live.commands.options import parsed
+from ashe_live.commands.settings_file import SETTINGS, read_settings, settings_path
 from ashe_live.errors import ExitStatus
+from ashe_live.process.messages import say, say_exactly
 
 NOTE_AT = 36
 

@@ -5,7 +5,7 @@ import argparse
 from ashe_live.capture.cameras import connected
 from ashe_live.commands import demo, webcam
 from ashe_live.commands.view import check_outputs
-from ashe_live.core.messages import tell
+from ashe_live.process.messages import tell
 
 
 def run(options: argparse.Namespace) -> int:

@@ -14,12 +14,12 @@ from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.setup import make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
-from ashe_live.core.messages import say, tell
-from ashe_live.core.signals import ended_by_signals
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files import writing as files
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.models.catalogue import model_names
+from ashe_live.process.messages import say, tell
+from ashe_live.process.signals import ended_by_signals
 from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene

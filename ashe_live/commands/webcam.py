@@ -6,7 +6,7 @@ from ashe_live.capture.cameras import connected, name_of
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.commands.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, show
-from ashe_live.core.messages import tell
+from ashe_live.process.messages import tell
 from ashe_live.tracking.focal_memory import FocalMemory
 
 

@@ -4,11 +4,11 @@ Whatever a file does to its parser, the viewer goes on; and parsing text would h
 than a picture lasts.
 """
 
-from ashe_live.core.apart import NoAnswerError, called_apart
-from ashe_live.core.children import Limits
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import PlacedModel, placed_on_marker
+from ashe_live.process.apart import NoAnswerError, called_apart
+from ashe_live.process.children import Limits
 
 # The largest models that the limits of limits.py let pass take three quarters of each.
 LIMITS = Limits(niceness=10, memory_bytes=2_000_000_000, processor_s=20, silent=True)

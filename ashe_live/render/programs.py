@@ -6,8 +6,8 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ashe_live.core.signals import signals_held
 from ashe_live.files.resources import resource
+from ashe_live.process.signals import signals_held
 
 
 class Programs:

@@ -11,6 +11,7 @@ import pytest
 
 from ashe_live import cli
 from ashe_live.commands import view
+from ashe_live.commands.parser import DEFAULT_ESTIMATOR
 from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
 
@@ -20,7 +21,7 @@ class InstantEstimator:
     """Sees the light straight overhead, or none when told so."""
 
     has_light: bool = True
-    name: str = cli.DEFAULT_ESTIMATOR
+    name: str = DEFAULT_ESTIMATOR
 
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
         lights = (DirectionalLight((0.0, 0.3, 1.0)),) if self.has_light else ()
@@ -83,7 +84,7 @@ def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
 @pytest.fixture
 def instant(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every estimate is made at once and in this process."""
-    monkeypatch.setitem(estimator.ESTIMATORS, cli.DEFAULT_ESTIMATOR, lambda _preset: InstantEstimator())
+    monkeypatch.setitem(estimator.ESTIMATORS, DEFAULT_ESTIMATOR, lambda _preset: InstantEstimator())
     monkeypatch.setattr(view, "LightWorker", InstantWorker)
 
 
@@ -91,7 +92,7 @@ def instant(monkeypatch: pytest.MonkeyPatch) -> None:
 def go_dark(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
     """From its call on, every estimate made in this process finds no light."""
     return lambda: monkeypatch.setitem(
-        estimator.ESTIMATORS, cli.DEFAULT_ESTIMATOR, lambda _preset: InstantEstimator(has_light=False)
+        estimator.ESTIMATORS, DEFAULT_ESTIMATOR, lambda _preset: InstantEstimator(has_light=False)
     )
 
 

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from ashe_live import cli
-from ashe_live.core.settings import SETTINGS, settings_path
+from ashe_live.commands.options import parsed
+from ashe_live.commands.parser import DEFAULT_MARKER
+from ashe_live.commands.settings_file import SETTINGS, settings_path
 
 
 @pytest.fixture
@@ -25,26 +26,26 @@ def settle(tmp_path, monkeypatch: pytest.MonkeyPatch):
 def test_a_setting_holds_until_a_flag_says_otherwise(settle):
     settle('quality = "fast"\nhfov = 70\nmodel = "mug"\nsize = "320x240"\ncamera = 2\n')
     for arguments in (["webcam"], ["play", "a.mp4"]):
-        options = cli.parsed(arguments)
+        options = parsed(arguments)
         assert (options.quality, options.hfov, options.model, options.size) == ("fast", 70.0, "mug", (320, 240))
-    assert cli.parsed(["webcam"]).camera == "2"
-    assert cli.parsed(["webcam", "--camera", "1"]).camera == "1"
-    assert cli.parsed(["play", "a.mp4", "--quality", "accurate"]).quality == "accurate"
-    assert cli.parsed(["estimate", "a.jpg"]).hfov == 70
+    assert parsed(["webcam"]).camera == "2"
+    assert parsed(["webcam", "--camera", "1"]).camera == "1"
+    assert parsed(["play", "a.mp4", "--quality", "accurate"]).quality == "accurate"
+    assert parsed(["estimate", "a.jpg"]).hfov == 70
 
 
 def test_a_flag_replaces_a_setting_that_says_the_same_in_another_way(settle):
     settle('camera-file = "webcam.json"\n')
-    options = cli.parsed(["webcam", "--hfov", "50"])
+    options = parsed(["webcam", "--hfov", "50"])
     assert (options.hfov, options.camera_file) == (50.0, None)
-    assert cli.parsed(["webcam"]).camera_file == settings_path().parent / "webcam.json"
+    assert parsed(["webcam"]).camera_file == settings_path().parent / "webcam.json"
 
 
 def test_the_demo_keeps_its_own_camera_and_the_bench_has_no_settings(settle):
     settle('hfov = 70\nquality = "accurate"\n')
-    assert cli.parsed(["demo"]).hfov is None
-    assert cli.parsed(["demo"]).quality == "accurate"
-    assert cli.parsed(["bench", "viewer"]).quality == "fast"
+    assert parsed(["demo"]).hfov is None
+    assert parsed(["demo"]).quality == "accurate"
+    assert parsed(["bench", "viewer"]).quality == "fast"
 
 
 @pytest.mark.parametrize(
@@ -71,7 +72,7 @@ def test_the_output_of_settings_is_a_settings_file_with_the_values_that_hold(run
     assert shown["quality"] == "fast"
     assert shown["marker-size"] == 0.1
     assert shown["model"] == 'a "mug".glb'
-    assert shown["marker"] == cli.DEFAULT_MARKER
+    assert shown["marker"] == DEFAULT_MARKER
     assert set(shown) <= set(SETTINGS)
     assert all(any(key in line for line in outcome.out) for key in SETTINGS)
     settle("\n".join(outcome.out))
@@ -89,4 +90,4 @@ def test_the_page_names_every_key_and_its_example_holds(settle):
     page = (Path(__file__).parents[2] / "docs" / "settings.md").read_text(encoding="utf-8")
     assert all(f"`{key}`" in page for key in SETTINGS)
     settle(page.split("```toml\n")[1].split("```")[0])
-    assert cli.parsed(["webcam"]).marker_size == 0.1
+    assert parsed(["webcam"]).marker_size == 0.1

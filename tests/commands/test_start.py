@@ -2,9 +2,9 @@
 
 import pytest
 
-from ashe_live import cli
 from ashe_live.capture.cameras import Device
 from ashe_live.commands import demo, start, webcam
+from ashe_live.commands.parser import START
 
 
 @pytest.fixture
@@ -54,4 +54,4 @@ def test_the_demo_takes_the_options_of_the_start(run, instant, monkeypatch, tmp_
 def test_help_is_the_programs_or_the_options_of_the_start(run):
     assert "COMMAND" in run("--help").out[0]
     assert any("--camera" in line for line in run("--model", "mug", "--help").out)
-    assert not any(cli.START in line.split() for line in run("--help").out)
+    assert not any(START in line.split() for line in run("--help").out)

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from ashe_live.core.children import Limits
 from ashe_live.errors import UserError
 from ashe_live.models import reading
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.reading import read_model
+from ashe_live.process.children import Limits
 
 
 @pytest.fixture

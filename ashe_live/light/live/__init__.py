@@ -1,4 +1,4 @@
 """Estimates while the program runs: in a process of their own, several of them made one.
 
-May import `core` and `estimators`.
+May import `core`, `estimators` and `process`.
 """

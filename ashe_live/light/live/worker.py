@@ -14,13 +14,13 @@ from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import Self
 
-from ashe_live.core import children
 from ashe_live.core.mailbox import LatestMailbox
-from ashe_live.core.pipes import send_value
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_estimator
 from ashe_live.light.live import worker_process
 from ashe_live.light.live.worker_process import WorkerFailure
+from ashe_live.process import children
+from ashe_live.process.pipes import send_value
 
 LIMITS = children.Limits(niceness=19)
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second

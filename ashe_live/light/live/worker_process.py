@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
-from ashe_live.core.pipes import receive_value
+from ashe_live.process.pipes import receive_value
 
 if TYPE_CHECKING:
     from ashe_live.core.types import LightEstimate, TrackedFrame

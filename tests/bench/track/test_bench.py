@@ -112,7 +112,7 @@ def test_a_figure_is_met_within_its_bounds() -> None:
 
 
 def test_a_folder_without_clips_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UserError, match="cannot read"):
+    with pytest.raises(UserError, match="there is no file"):
         follow_clips(tmp_path, BALANCED.tracking)
     (tmp_path / "ground_truth.json").write_text(json.dumps({"photos": {}}))
     with pytest.raises(UserError, match="no list of clips"):

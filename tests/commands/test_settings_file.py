@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ashe_live.core.settings import SETTINGS, flags_of, read_settings
+from ashe_live.commands.settings_file import SETTINGS, flags_of, read_settings
 from ashe_live.errors import UserError
 
 

@@ -7,9 +7,9 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from typing import TypeVar
 
-from ashe_live.core.children import Limits, started
-from ashe_live.core.pipes import receive_value, send_value
 from ashe_live.errors import UserError
+from ashe_live.process.children import Limits, started
+from ashe_live.process.pipes import receive_value, send_value
 
 Result = TypeVar("Result")
 

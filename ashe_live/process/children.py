@@ -10,7 +10,6 @@ import multiprocessing
 import os
 import signal
 import sys
-import sysconfig
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -19,8 +18,9 @@ from dataclasses import dataclass
 from multiprocessing import spawn
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
-from pathlib import Path
 from typing import Any
+
+from ashe_live.process.module_path import safe_module_path
 
 CONTEXT = multiprocessing.get_context("spawn")
 # Read by the child's interpreter as it starts, and by its NumPy as it loads: the threads of that would take the cores
@@ -97,19 +97,6 @@ def _preparation(name: str) -> dict[str, Any]:
         "sys_argv": sys.argv[:1],
         "start_method": "spawn",
     }
-
-
-def safe_module_path() -> list[str]:
-    """Python's module path without the current folder, unless it is where this package or Python itself lies."""
-    ours = {Path(__file__).parents[2], *map(Path, sysconfig.get_paths().values())}
-    return [entry for entry in sys.path if entry and (Path(entry) in ours or not _is_current_folder(entry))]
-
-
-def _is_current_folder(entry: str) -> bool:
-    try:
-        return Path(entry).samefile(Path.cwd())
-    except (OSError, ValueError):
-        return False
 
 
 @contextmanager

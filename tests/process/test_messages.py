@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ashe_live.core.messages import MOST_CHARACTERS, printable, say, tell
+from ashe_live.process.messages import MOST_CHARACTERS, printable, say, tell
 
 ANY_TEXT = st.text(st.characters(exclude_categories=()))  # lone surrogates too
 

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from ashe_live.core.apart import NoAnswerError, called_apart
-from ashe_live.core.children import Limits, safe_module_path, started
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
+from ashe_live.process.apart import NoAnswerError, called_apart
+from ashe_live.process.children import Limits, safe_module_path, started
 
 PATIENCE_S = 60.0
 FREE = Limits(niceness=0)
@@ -89,7 +89,7 @@ def test_it_starts_where_the_current_folder_was_deleted(tmp_path, monkeypatch):
 def test_a_program_that_does_not_guard_its_main_script_can_start_one(tmp_path):
     script = tmp_path / "unguarded.py"
     script.write_text(
-        "import os\nfrom ashe_live.core.apart import called_apart\nfrom ashe_live.core.children import Limits\n"
+        "import os\nfrom ashe_live.process.apart import called_apart\nfrom ashe_live.process.children import Limits\n"
         f"print(called_apart(os.getpid, (), 'test', Limits(niceness=0), {PATIENCE_S}) != os.getpid())\n"
     )
     done = subprocess.run([sys.executable, script], capture_output=True, text=True)
@@ -164,7 +164,7 @@ def _tell_and_wait(far_end: Connection) -> None:
 PARENT = """
 import multiprocessing, os, signal, sys
 from multiprocessing.connection import Connection
-from ashe_live.core.children import Limits, started
+from ashe_live.process.children import Limits, started
 import tests.core.test_children as here
 near, far = multiprocessing.Pipe()
 started(here._hold_the_lock, (Connection(int(sys.argv[1])),), "test", Limits(niceness=0), far)

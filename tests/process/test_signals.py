@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from ashe_live.core.signals import ended_by_signals, signals_held
+from ashe_live.process.signals import ended_by_signals, signals_held
 
 ENDS = {signal.SIGINT: KeyboardInterrupt, signal.SIGTERM: SystemExit}
 

@@ -1,0 +1,57 @@
+"""The values on the command line: each is read by one of these, and refused in words that a person knows."""
+
+import argparse
+from collections.abc import Callable
+
+from ashe_live.core.ranges import (
+    CAMERA_NUMBER,
+    COUNT,
+    FIELD_OF_VIEW,
+    FOCAL,
+    INDEX,
+    MARKER_SIDE,
+    PRINTED_MM,
+    SIDE,
+    Range,
+)
+
+
+def _number_in(allowed: Range) -> Callable[[str], float]:
+    def number(text: str) -> float:
+        try:
+            return allowed.checked(float(text), "it")
+        except ValueError:
+            # Argparse's own words would name the function here.
+            raise argparse.ArgumentTypeError(f"{text!r} is not a number {allowed}") from None
+
+    return number
+
+
+def _whole_number_in(allowed: Range) -> Callable[[str], int]:
+    def number(text: str) -> int:
+        try:
+            return int(allowed.checked(int(text), "it"))
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number {allowed}") from None
+
+    return number
+
+
+side_m, millimetres = _number_in(MARKER_SIDE), _number_in(PRINTED_MM)
+focal_px, angle_deg = _number_in(FOCAL), _number_in(FIELD_OF_VIEW)
+count, index = _whole_number_in(COUNT), _whole_number_in(INDEX)
+
+
+def size(text: str) -> tuple[int, int]:
+    """WIDTHxHEIGHT."""
+    width, _, height = text.lower().partition("x")
+    if not all(side.isascii() and side.isdecimal() and len(side) < 9 and int(side) in SIDE for side in (width, height)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a size like 1280x720, with sides {SIDE}")
+    return int(width), int(height)
+
+
+def camera(text: str) -> str:
+    """A number, or what may be a path."""
+    if text.isdecimal() and not (len(text) < 9 and int(text) in CAMERA_NUMBER):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a camera's number {CAMERA_NUMBER}")
+    return text

@@ -1,0 +1,18 @@
+"""Where modules are looked for. A file beside a clip that is named like one of Python's modules is not our code."""
+
+import sys
+import sysconfig
+from pathlib import Path
+
+
+def safe_module_path() -> list[str]:
+    """Python's module path without the current folder, unless it is where this package or Python itself lies."""
+    ours = {Path(__file__).parents[2], *map(Path, sysconfig.get_paths().values())}
+    return [entry for entry in sys.path if entry and (Path(entry) in ours or not _is_current_folder(entry))]
+
+
+def _is_current_folder(entry: str) -> bool:
+    try:
+        return Path(entry).samefile(Path.cwd())
+    except (OSError, ValueError):
+        return False
