@@ -3,6 +3,7 @@
 import copy
 import json
 import math
+import traceback
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from hypothesis import strategies as st
 
 from ashe_live.errors import UserError
 from ashe_live.models.loading import load_model_file
+from ashe_live.models.malformed import MalformedError
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from tests.models.gltf_files import UVS, Document, png
 
@@ -51,7 +53,10 @@ values = st.one_of(
 
 
 def outcome(path: Path) -> str:
-    """A model that the renderer can take, or a UserError's line; any other exception fails the test."""
+    """A model that the renderer can take, or a UserError's line; any other exception fails the test.
+
+    So does one in our own code, which would be refused as a malformed file.
+    """
     try:
         placed = placed_on_marker(load_model_file(path), SIDE_M)
     except UserError as error:
@@ -62,6 +67,10 @@ def outcome(path: Path) -> str:
     assert said.message
     assert said.remedy
     assert "\n" not in str(said)
+    cause = said.__cause__
+    if not (cause is None or isinstance(cause, MalformedError)):
+        files = [frame.filename for frame in traceback.extract_tb(cause.__traceback__)]
+        assert any(part in file for part in ("trimesh", "PIL") for file in files), said
     return "refused"
 
 
@@ -75,7 +84,11 @@ def _assert_drawable(placed: PlacedModel) -> None:
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("models")
+    """With what the files name."""
+    folder = tmp_path_factory.mktemp("models")
+    (folder / "a.mtl").write_bytes(TEXTS["mtl"])
+    (folder / "a.png").write_bytes(png((255, 0, 0, 255)))
+    return folder
 
 
 @pytest.fixture(scope="module")
