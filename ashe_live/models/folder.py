@@ -1,7 +1,7 @@
 """What a model file may read beside itself: files of its own folder, small enough together, never a network."""
 
 import io
-import stat
+import os
 from pathlib import Path, PureWindowsPath
 from urllib.parse import unquote
 
@@ -9,24 +9,11 @@ import trimesh
 from PIL import Image as PillowImage
 
 from ashe_live.errors import UserError
+from ashe_live.files.reading import read_bytes
 from ashe_live.models.obj_text import as_utf8
 
 MATERIALS = ".mtl"
 WITH_PICTURES_ONLY = (".obj", ".ply")  # what else these name is a picture
-
-
-def file_content(path: Path, most_bytes: int) -> bytes:
-    """Raises UserError for more than `most_bytes`, and for what is no file: a pipe would be waited for."""
-    try:
-        status = path.stat()
-    except ValueError:  # a zero, or half a character
-        raise UserError(f"{path} is no file's name", "give a model's file") from None
-    if not stat.S_ISREG(status.st_mode):
-        raise UserError(f"cannot read {path}, which is not a file", "give a model's file")
-    if status.st_size > most_bytes:
-        raise UserError(f"{path} is too large", f"reduce what the model reads to {most_bytes // 1_000_000} MB")
-    with path.open("rb") as file:
-        return file.read(status.st_size)  # also when it grows meanwhile
 
 
 class FolderResolver(trimesh.resolvers.Resolver):
@@ -48,23 +35,21 @@ class FolderResolver(trimesh.resolvers.Resolver):
 
     def _get(self, name: str) -> bytes:
         relative = unquote(name.strip()).replace("\\", "/")
-        is_materials = relative.lower().endswith(MATERIALS)
         # Before it is looked at: on Windows that of another machine would be asked for.
-        is_elsewhere = bool(PureWindowsPath(relative).anchor)
-        try:
-            path = self._folder if is_elsewhere or "\0" in relative else (self._folder / relative).resolve()
-            if is_elsewhere or not path.is_relative_to(self._folder):
-                raise UserError(
-                    f"the model file {self._model} names {name}, outside its own folder", "put what it needs beside it"
-                )
-            content = file_content(path, self._bytes_left)
-        except OSError as error:
-            if is_materials:
-                raise  # it is drawn in plain plastic
-            reason = "which is missing" if isinstance(error, FileNotFoundError) else "which cannot be read"
+        is_elsewhere = bool(PureWindowsPath(relative).anchor) or "\0" in relative
+        path = self._folder if is_elsewhere else Path(os.path.realpath(self._folder / relative))
+        if is_elsewhere or not path.is_relative_to(self._folder):
             raise UserError(
-                f"the model file {self._model} names {name}, {reason}", "put what it needs beside it"
-            ) from None
+                f"the model file {self._model} names {name}, outside its own folder", "put what it needs beside it"
+            )
+        is_materials = relative.lower().endswith(MATERIALS)
+        if not os.path.lexists(path):
+            if is_materials:
+                raise FileNotFoundError(path)  # it is drawn in plain plastic
+            raise UserError(
+                f"the model file {self._model} names {name}, which is missing", "put what it needs beside it"
+            )
+        content = read_bytes(path, self._bytes_left)
         self._bytes_left -= len(content)
         if is_materials:
             return as_utf8(content)

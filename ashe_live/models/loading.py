@@ -10,7 +10,8 @@ import trimesh
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
-from ashe_live.models.folder import FolderResolver, file_content
+from ashe_live.files.reading import read_bytes
+from ashe_live.models.folder import FolderResolver
 from ashe_live.models.geometry import placed_mesh
 from ashe_live.models.gltf_header import read_gltf
 from ashe_live.models.limits import MAX_FILE_BYTES, check_text, check_triangles
@@ -42,8 +43,6 @@ def load_model_file(path: Path) -> Model:
         return _read(path)
     except (UserError, MemoryError):
         raise
-    except OSError as error:
-        raise UserError(f"cannot read the model file {path}", error.strerror or "give another") from None
     except Exception as error:  # a third-party parser of untrusted files raises anything, or its values do when used
         said = error if isinstance(error, MalformedError) else BROKEN_BODY[path.suffix.lower()]
         raise UserError(f"the model file {path} is malformed ({said})", "export it again") from error
@@ -53,7 +52,7 @@ def _read(path: Path) -> Model:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise UserError(f"{path} is not a kind of model file known here", f"give one of {', '.join(SUFFIXES)}")
-    content = file_content(path, MAX_FILE_BYTES)
+    content = read_bytes(path, MAX_FILE_BYTES)
     surfaces, up = Surfaces(), np.eye(4)
     if suffix in GLTF_SUFFIXES:
         gltf = read_gltf(path, content)

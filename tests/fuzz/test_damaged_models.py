@@ -3,7 +3,9 @@
 import copy
 import json
 import math
+import os
 import traceback
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -24,11 +26,14 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::UserWarning:PIL"),
     pytest.mark.filterwarnings("ignore:string or file could not be read:DeprecationWarning"),
 ]
-# The same examples every time, so that no change is blamed for an old fault; to hunt, raise their number.
+# To hunt: FUZZ_MODELS=12000 pytest tests/fuzz/test_damaged_models.py tries that many random files of each of 13 kinds.
+HUNTED = int(os.environ.get("FUZZ_MODELS", "0"))
+MOST_BYTES = 2_000_000_000
+# Else the same examples every time, so that no change is blamed for an old fault.
 FEW = settings(
-    max_examples=100,
-    derandomize=True,
-    deadline=None,
+    max_examples=HUNTED or 100,
+    derandomize=not HUNTED,
+    deadline=20_000 if HUNTED else None,  # ms
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 SIDE_M = 0.08
@@ -80,6 +85,20 @@ def _assert_drawable(placed: PlacedModel) -> None:
     for part in placed.model.parts:
         assert part.triangles.max() < len(part.vertices)
         np.testing.assert_allclose(np.linalg.norm(part.normals, axis=1), 1, atol=1e-3)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _little_memory() -> Iterator[None]:
+    """When hunting, of the address space as a reader has it; a MemoryError is no UserError."""
+    if not HUNTED:
+        yield
+        return
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_AS, before)
 
 
 @pytest.fixture(scope="module")
