@@ -43,7 +43,8 @@ def read_bytes(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> bytes:
     """The whole content. Raises UserError as `opened`, and for more than `most_bytes`."""
     with opened(path, may_be_empty=True) as stream:
         try:
-            content = stream.read(most_bytes + 1)
+            # Room is made for what is there, and not for all that there might be.
+            content = stream.read(min(os.fstat(stream.fileno()).st_size, most_bytes) + 1)
         except OSError as error:
             raise UserError(f"cannot read {path} ({error.strerror})", "copy it again") from error
     if len(content) > most_bytes:

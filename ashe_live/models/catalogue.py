@@ -1,5 +1,6 @@
 """The models that ship with the program, and how a name or a path becomes one."""
 
+import os
 from pathlib import Path
 
 from ashe_live.errors import UserError
@@ -21,7 +22,7 @@ def load_model(name_or_path: str) -> Model:
     if name_or_path in model_names():
         return load_model_file(resource("assets", "models", f"{name_or_path}.glb"))
     path = Path(name_or_path)
-    if path.suffix.lower() in SUFFIXES or path.exists():
+    if path.suffix.lower() in SUFFIXES or os.path.exists(path):  # noqa: PTH110 - of any name, also one that is too long
         return load_model_file(path)
     raise UserError(
         f"there is no model '{name_or_path}'", f"choose one of {', '.join(model_names())}, or give a file's path"

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
+from ashe_live.models.gltf_header import FAN_MARK
+from ashe_live.models.malformed import MalformedError
 from ashe_live.models.mesh import Float32, Indices, Mesh
 from ashe_live.models.shading_normals import corner_normals, face_normals, is_inside_out, row_keys, unit_rows
 from ashe_live.models.surfaces import Surfaces
@@ -15,14 +17,20 @@ from ashe_live.models.surfaces import Surfaces
 def placed_mesh(mesh: Any, T: Float, surfaces: Surfaces) -> Mesh | None:
     """A trimesh moved by T (4, 4) into the model's frame; None when no triangle of it has an area.
 
-    Raises ValueError for indices out of range and for values that are not finite.
+    Raises MalformedError for indices out of range and for values that are not finite.
     """
-    vertices = (np.asarray(mesh.vertices, dtype=np.float64) @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
-    triangles = np.asarray(mesh.faces).astype(np.uint32)
-    if len(vertices) <= triangles.max():
-        raise ValueError(f"a triangle names vertex {triangles.max()} of {len(vertices)}")
+    if mesh.visual.kind == "face":
+        mesh.unmerge_vertices()  # each triangle has a colour, and so corners of its own
+    places = np.asarray(mesh.vertices, dtype=np.float64)
+    if places.ndim != 2 or places.shape[1] != 3:
+        raise MalformedError(f"its vertices have {places.shape[-1]} coordinates and not three")
+    vertices = (places @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
+    corners = _fan(mesh.faces) if FAN_MARK in mesh.vertex_attributes else np.asarray(mesh.faces)
+    if corners.min() < 0 or len(vertices) <= corners.max():
+        raise MalformedError(f"a triangle names vertex {corners.max()} of {len(vertices)}")
+    triangles = corners.astype(np.uint32)
     if not np.isfinite(vertices).all():
-        raise ValueError("vertices hold a value that is not finite")
+        raise MalformedError("vertices hold a value that is not finite")
     triangles = triangles[np.any(face_normals(vertices, triangles) != 0, axis=1)]
     if len(triangles) == 0:
         return None
@@ -35,10 +43,10 @@ def placed_mesh(mesh: Any, T: Float, surfaces: Surfaces) -> Mesh | None:
         if is_inside_out(vertices, triangles):
             triangles = triangles[:, ::-1]
         normals = corner_normals(vertices, triangles)
-        corners = triangles.ravel()
-        kept, triangles = _welded(vertices[corners], normals, *(values[corners] for values in attributes.values()))
-        normals, vertices = normals[kept], vertices[corners[kept]]
-        attributes = {name: values[corners[kept]] for name, values in attributes.items()}
+        each = triangles.ravel()
+        kept, triangles = _welded(vertices[each], normals, *(values[each] for values in attributes.values()))
+        normals, vertices = normals[kept], vertices[each[kept]]
+        attributes = {name: values[each[kept]] for name, values in attributes.items()}
     else:
         triangles = _wound_like_normals(vertices, triangles, normals)
         if is_inside_out(vertices, triangles):
@@ -54,6 +62,13 @@ def placed_mesh(mesh: Any, T: Float, surfaces: Surfaces) -> Mesh | None:
         colours=attributes.get("colours"),
         material=material,
     )
+
+
+def _fan(strip: NDArray[np.int64]) -> NDArray[np.int64]:
+    """(m, 3) triangles that share their first corner, from those that trimesh made of the same corners as a strip."""
+    is_turned = np.arange(len(strip)) % 2 == 1  # (a, b, c) is (c, b, a) there
+    last = np.where(is_turned, strip[:, 0], strip[:, 2])
+    return np.column_stack([np.full(len(strip), strip[0, 0]), strip[:, 1], last])
 
 
 def _file_normals(mesh: Any, T: Float) -> Float32 | None:
@@ -96,14 +111,15 @@ def _attributes(mesh: Any, surfaces: Surfaces) -> dict[str, Float32]:
     if gltf_uvs is not None:
         u, v = _in_unit_range(gltf_uvs).T
         found["uvs"] = np.column_stack([u, 1 - v]).astype(np.float32)
-    elif uvs is not None and len(uvs) == len(mesh.vertices):
-        found["uvs"] = np.asarray(uvs, dtype=np.float32)
+    elif uvs is not None and np.ndim(uvs) == 2 and len(uvs) == len(mesh.vertices) and np.shape(uvs)[1] >= 2:
+        found["uvs"] = np.asarray(uvs, dtype=np.float32)[:, :2]  # an OBJ may have a third
     if "_COLOR_0" in raw:
         colours = _in_unit_range(raw["_COLOR_0"])
         opaque = np.ones((len(colours), 4 - colours.shape[1]))
         found["colours"] = np.hstack([colours, opaque]).astype(np.float32)
     elif visual.kind in ("vertex", "face"):
-        encoded = np.asarray(visual.vertex_colors, dtype=np.float64) / 255
+        of_corners = np.repeat(visual.face_colors, 3, axis=0) if visual.kind == "face" else visual.vertex_colors
+        encoded = np.asarray(of_corners, dtype=np.float64) / 255
         found["colours"] = np.column_stack([linear_from_srgb(encoded[:, :3]), encoded[:, 3]]).astype(np.float32)
     return found
 

@@ -1,10 +1,15 @@
-"""What a glTF file's JSON says it takes: told before anything of it is allocated, or walked through node by node."""
+"""What a glTF's JSON says it takes: told before anything of it is allocated, or walked through node by node.
+
+The JSON is one that `gltf_schema.checked` has passed.
+"""
 
 from dataclasses import dataclass
 from typing import Any
 
-COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
-COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+from ashe_live.models.gltf_schema import ATTRIBUTES, COMPONENT_BYTES, COMPONENTS, INDICES
+from ashe_live.models.malformed import MalformedError
+
+TRIANGLES, STRIP, FAN = 4, 5, 6  # modes of primitives; the others are points and lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,37 +20,76 @@ class GltfAmounts:
     vertices: int
     parts: int  # primitives of meshes
     bytes: int  # of the parts of buffers, or of the arrays made from them
+    nodes: int  # of the scene
     depth: int  # of nodes within nodes
 
 
 def amounts_of(header: dict[str, Any]) -> GltfAmounts:
-    """From a glTF's JSON. Raises ValueError when its nodes are no tree, and else as wrong JSON makes it."""
+    """Raises MalformedError when its nodes are no tree, or a primitive is none."""
     accessors, nodes = header.get("accessors", []), header.get("nodes", [])
     meshes = [mesh["primitives"] for mesh in header.get("meshes", [])]
     triangles = [sum(_triangles(primitive, accessors) for primitive in mesh) for mesh in meshes]
-    vertices = [sum(_count(accessors[primitive["attributes"]["POSITION"]]) for primitive in mesh) for mesh in meshes]
+    vertices = [sum(accessors[primitive["attributes"]["POSITION"]]["count"] for primitive in mesh) for mesh in meshes]
     parts = [len(mesh) for mesh in meshes]
     drawn: list[int] = [node["mesh"] for node in nodes if "mesh" in node]
 
     def most(of_meshes: list[int]) -> int:
         return max(sum(of_meshes), sum(of_meshes[mesh] for mesh in drawn))
 
-    views = sum(_count(view, "byteLength") for view in header.get("bufferViews", []))
-    return GltfAmounts(
-        most(triangles), most(vertices), most(parts), max(views, sum(map(_bytes, accessors))), _depth(header, nodes)
-    )
+    views = sum(view["byteLength"] for view in header.get("bufferViews", []))
+    arrays = sum(accessor["count"] * item_bytes(accessor) for accessor in accessors)
+    node_count, depth = _tree(header, nodes)
+    return GltfAmounts(most(triangles), most(vertices), most(parts), max(views, arrays), node_count, depth)
 
 
-def _count(item: dict[str, Any], key: str = "count") -> int:
-    count = int(item[key])
-    if count < 0:
-        raise ValueError(f"{key} is {count}")  # in a sum it would make room for others
-    return count
+def item_bytes(accessor: dict[str, Any]) -> int:
+    components: int = COMPONENTS[accessor["type"]]
+    return components * COMPONENT_BYTES[accessor["componentType"]]
+
+
+def check_layout(header: dict[str, Any]) -> None:
+    """Raises MalformedError where an array reaches beyond what it lies in, or is not of the kind that it is used as."""
+    accessors, views = header.get("accessors", []), header.get("bufferViews", [])
+    for place, view in enumerate(views):
+        end, length = view.get("byteOffset", 0) + view["byteLength"], header["buffers"][view["buffer"]]["byteLength"]
+        if end > length:
+            raise MalformedError(f"bufferViews[{place}] ends at byte {end} of a buffer of {length}")
+    for place, accessor in enumerate(accessors):
+        if "bufferView" not in accessor or accessor["count"] == 0:
+            continue
+        view, item = views[accessor["bufferView"]], item_bytes(accessor)
+        end = accessor.get("byteOffset", 0) + (accessor["count"] - 1) * view.get("byteStride", item) + item
+        if end > view["byteLength"]:
+            raise MalformedError(f"accessors[{place}] ends at byte {end} of a bufferView of {view['byteLength']}")
+    for mesh_place, mesh in enumerate(header.get("meshes", [])):
+        for place, primitive in enumerate(mesh["primitives"]):
+            _check_primitive(f"meshes[{mesh_place}].primitives[{place}]", primitive, accessors)
+
+
+def _check_primitive(where: str, primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> None:
+    attributes = primitive["attributes"]
+    used = {name: (accessors[at], ATTRIBUTES[name]) for name, at in attributes.items()}
+    if "indices" in primitive:
+        used["indices"] = accessors[primitive["indices"]], INDICES
+    for name, (accessor, (types, component_types)) in used.items():
+        if accessor["type"] not in types or accessor["componentType"] not in component_types:
+            kind = f"{accessor['type']} of componentType {accessor['componentType']}"
+            raise MalformedError(f"{where}: {name} cannot be {kind}")
+        count = accessors[attributes["POSITION"]]["count"]
+        if name != "indices" and accessor["count"] != count:
+            raise MalformedError(f"{where}: {name} has {accessor['count']} items for {count} vertices")
+    corners = _corners(primitive, accessors)
+    if primitive.get("mode", TRIANGLES) == TRIANGLES and corners % 3:
+        raise MalformedError(f"{where} has {corners} corners, which are no triangles")
+
+
+def _corners(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
+    return int(accessors[primitive.get("indices", primitive["attributes"]["POSITION"])]["count"])
 
 
 def _triangles(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
-    corners = _count(accessors[primitive.get("indices", primitive["attributes"]["POSITION"])])
-    match primitive.get("mode", 4):
+    corners = _corners(primitive, accessors)
+    match primitive.get("mode", TRIANGLES):
         case 4:
             return corners // 3
         case 5 | 6:
@@ -54,13 +98,11 @@ def _triangles(primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> in
             return 0
 
 
-def _bytes(accessor: dict[str, Any]) -> int:
-    components: int = COMPONENTS[accessor["type"]]
-    return _count(accessor) * components * COMPONENT_BYTES[accessor["componentType"]]
+def _tree(header: dict[str, Any], nodes: list[dict[str, Any]]) -> tuple[int, int]:
+    """Of the scene: how many nodes, and how many stand one within another, at most.
 
-
-def _depth(header: dict[str, Any], nodes: list[dict[str, Any]]) -> int:
-    """How many nodes stand one within another, at most. Raises ValueError when one stands in two places."""
+    Raises MalformedError when one stands in two places.
+    """
     scenes = header.get("scenes", [])
     level = list(scenes[header.get("scene", 0)].get("nodes", [])) if scenes else []
     seen: set[int] = set()
@@ -68,8 +110,8 @@ def _depth(header: dict[str, Any], nodes: list[dict[str, Any]]) -> int:
     while level:
         again = seen.intersection(level)
         if again or len(set(level)) < len(level):
-            raise ValueError(f"node {min(again, default=level[0])} stands in two places")
+            raise MalformedError(f"node {min(again, default=level[0])} stands in two places")
         seen.update(level)
         level = [child for node in level for child in nodes[node].get("children", [])]
         depth += 1
-    return depth
+    return len(seen), depth

@@ -1,22 +1,29 @@
-"""What trimesh does not tell of a glTF file: read from its JSON before, and partly rewritten in it.
+"""A glTF file as trimesh is to read it, and what trimesh does not tell of it.
 
-trimesh rounds vertex colours, wraps normalised texture coordinates, and leaves out the second set of them and some of
-a material's numbers. It passes on attributes that begin with an underscore as they are, so those are renamed.
+trimesh copies what it does not know, rounds vertex colours, wraps normalised texture coordinates, leaves out the second
+set of them and some of a material's numbers, and knows no fans. So it gets a JSON that holds what is drawn and nothing
+else. It passes on attributes that begin with an underscore as they are: those are renamed.
 """
 
 import json
 import struct
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from ashe_live.core.messages import printable
 from ashe_live.errors import UserError
-from ashe_live.models.gltf_amounts import GltfAmounts, amounts_of
+from ashe_live.models.gltf_amounts import FAN, STRIP, TRIANGLES, amounts_of, check_layout
+from ashe_live.models.gltf_schema import checked
+from ashe_live.models.limits import check_gltf
+from ashe_live.models.malformed import MalformedError
 
 GLB_MAGIC, GLB_JSON = 0x46546C67, 0x4E4F534A
-TRIANGLES = (4, 5)  # the modes of primitives that trimesh reads as such: triangles and strips
 RAW_ATTRIBUTES = ("TEXCOORD_0", "TEXCOORD_1", "COLOR_0")
+FAN_MARK = "_FAN"  # an attribute of primitives that trimesh is to read as strips and that are fans
 # Textures and materials may look a little plainer than meant; geometry that cannot be decoded is not there at all.
 TOLERATED_EXTENSIONS = ("KHR_materials_", "KHR_texture_transform", "EXT_texture_webp", "KHR_lights_punctual")
+NAME_CHARACTERS = 60
 MAPS_OF_MATERIAL = {
     "baseColorTexture": "base_map",
     "metallicRoughnessTexture": "metallic_roughness_map",
@@ -47,48 +54,98 @@ class GltfFile:
 
     content: bytes
     materials: tuple[MaterialNotes, ...]  # trimesh's material is named by its place here
-    amounts: GltfAmounts
 
 
-def read_gltf(content: bytes) -> GltfFile:
-    """From a .gltf's or .glb's bytes. Raises UserError for an unknown extension, and else as the parser does."""
-    header, rest = _split(content)
-    required = header.get("extensionsRequired", [])
-    unknown = [name for name in required if not str(name).startswith(TOLERATED_EXTENSIONS)]
-    if unknown:
-        raise UserError(f"the model file needs {unknown[0]}, which is not known here", "export it without compression")
-    amounts = amounts_of(header)
+def read_gltf(path: Path, content: bytes) -> GltfFile:
+    """From the bytes of the .gltf or .glb at `path`.
+
+    Raises UserError for another version, an unknown extension and for more than the limits, MalformedError for what is
+    not as the format asks.
+    """
+    document, rest = _split(path, content)
+    _check_version(path, document)
+    required = document.get("extensionsRequired", [])
+    for name in required if isinstance(required, list) else []:
+        if not (isinstance(name, str) and name.startswith(TOLERATED_EXTENSIONS)):
+            said = printable(name, NAME_CHARACTERS)
+            raise UserError(f"the model file {path} needs {said}, which is not known here", "export it without that")
+    header = {"accessors": [], **checked(document)}
+    for place, buffer in enumerate(header.get("buffers", [])):
+        if "uri" not in buffer and (rest is None or place > 0):
+            raise MalformedError(f"buffers[{place}].uri is missing")
+    for mesh in header.get("meshes", []):
+        # Without places there is nothing to draw.
+        mesh["primitives"] = [primitive for primitive in mesh["primitives"] if "POSITION" in primitive["attributes"]]
+    check_gltf(path, amounts_of(header))
+    check_layout(header)
     for mesh in header.get("meshes", []):
         # Of points and lines trimesh makes objects that nothing here draws.
-        mesh["primitives"] = [primitive for primitive in mesh["primitives"] if primitive.get("mode", 4) in TRIANGLES]
+        mesh["primitives"] = [
+            primitive for primitive in mesh["primitives"] if primitive.get("mode", TRIANGLES) in (TRIANGLES, STRIP, FAN)
+        ]
         for primitive in mesh["primitives"]:
-            primitive.pop("extensions", None)  # compressed geometry, in the size that its blob says
-            attributes = primitive["attributes"]
-            for name in RAW_ATTRIBUTES:
-                if name in attributes:
-                    attributes[f"_{name}"] = attributes.pop(name)
+            _lead_trimesh(primitive)
+    for texture in header.get("textures", []):
+        texture.update(texture.pop("extensions", {}).get("EXT_texture_webp", {}))
     for material in header.get("materials", []):
         _take_specular_glossiness(material)
     notes = tuple(_notes(material) for material in header.get("materials", []))
     for place, material in enumerate(header.get("materials", [])):
         material["name"] = str(place)
         material.pop("extensions", None)
-    return GltfFile(_joined(header, rest), notes, amounts)
+    return GltfFile(_joined(header, rest), notes)
 
 
-def _split(content: bytes) -> tuple[dict[str, Any], bytes | None]:
+def _lead_trimesh(primitive: dict[str, Any]) -> None:
+    attributes = primitive["attributes"]
+    for name in RAW_ATTRIBUTES:
+        if name in attributes:
+            attributes[f"_{name}"] = attributes.pop(name)
+    if primitive.get("mode") == FAN:
+        primitive["mode"] = STRIP
+        attributes[FAN_MARK] = attributes["POSITION"]
+
+
+def _split(path: Path, content: bytes) -> tuple[dict[str, Any], bytes | None]:
     """The JSON, and the chunks that follow it in a GLB."""
     rest = None
     text = content
     if content[:4] == b"glTF":
+        if len(content) < 20:
+            raise MalformedError("it ends within its first chunk")
         _, version, _, length, kind = struct.unpack_from("<5I", content)
-        if version != 2 or kind != GLB_JSON:
-            raise ValueError("not glTF 2.0")
+        if version == 1:
+            raise _other_version(path, "1")
+        if version != 2:
+            raise MalformedError(f"its header says that it is of version {version}")
+        if kind != GLB_JSON:
+            raise MalformedError("its first chunk is not JSON")
         text, rest = content[20 : 20 + length], content[20 + length :]
-    header = json.loads(text)
-    if not isinstance(header, dict):
-        raise ValueError("its JSON is not an object")
-    return header, rest
+    try:
+        document = json.loads(text)
+    except RecursionError:
+        raise MalformedError("its JSON is nested too deeply") from None
+    except json.JSONDecodeError as error:
+        raise MalformedError(f"its JSON breaks off or is damaged in line {error.lineno}") from None
+    except ValueError:
+        raise MalformedError("its JSON is no text, or holds a number without an end") from None
+    if not isinstance(document, dict):
+        raise MalformedError("its JSON is not an object")
+    return document, rest
+
+
+def _check_version(path: Path, document: dict[str, Any]) -> None:
+    asset = document.get("asset")
+    version = asset.get("version") if isinstance(asset, dict) else None
+    # In glTF 1.0 meshes have names instead of places, and the version may be missing.
+    if isinstance(version, str) and not version.startswith("2."):
+        raise _other_version(path, version)
+    if isinstance(document.get("meshes"), dict):
+        raise _other_version(path, "1.0")
+
+
+def _other_version(path: Path, version: str) -> UserError:
+    return UserError(f"the model file {path} is glTF {printable(version, 16)}", "export it as glTF 2.0")
 
 
 def _joined(header: dict[str, Any], rest: bytes | None) -> bytes:

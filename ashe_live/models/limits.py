@@ -14,9 +14,11 @@ MAX_VERTICES = 3 * MAX_TRIANGLES
 MAX_PARTS = 10_000  # meshes, as often as they are drawn
 MAX_GROUPS = 1_000  # an OBJ's materials, a text STL's solids: each is looked for among all others
 MAX_LINES = 4 * MAX_TRIANGLES  # of a text PLY
+MAX_NODES = 20_000  # of a scene
 MAX_DEPTH = 200  # of nodes within nodes
 MAX_TEXTURE_PX = 2048  # a side; larger pictures are reduced to it
 MAX_PICTURE_TEXELS = 8192 * 8192  # of one picture in the file
+MAX_DECODED_TEXELS = 5 * MAX_PICTURE_TEXELS  # of all pictures in the file, before they are reduced
 MAX_MODEL_TEXELS = 16 * 2048 * 2048  # of all maps together, as reduced
 # Pillow knows more, among them one that is a program and runs.
 PICTURE_FORMATS = ("PNG", "JPEG", "WEBP", "BMP", "TGA", "TIFF", "GIF")
@@ -69,6 +71,7 @@ def check_gltf(path: Path, amounts: GltfAmounts) -> None:
     check_triangles(path, amounts.triangles)
     _check(path, amounts.vertices, MAX_VERTICES, "vertices")
     _check(path, amounts.parts, MAX_PARTS, "parts")
+    _check(path, amounts.nodes, MAX_NODES, "nodes")
     _check(path, amounts.depth, MAX_DEPTH, "nodes within nodes")
     _check(path, amounts.bytes, MAX_FILE_BYTES, "bytes of arrays")
 
@@ -85,6 +88,15 @@ def check_picture(picture: PillowImage.Image) -> None:
     width, height = picture.size
     if width * height > MAX_PICTURE_TEXELS:
         raise UserError(f"a texture of the model has {width} x {height} texels", "reduce it to 8192 x 8192 or fewer")
+
+
+def check_decoded(texels: int) -> None:
+    """Before the last of them are decoded, which takes their number's time, however few bytes hold them."""
+    if texels > MAX_DECODED_TEXELS:
+        raise UserError(
+            f"the model's textures have more than {MAX_DECODED_TEXELS:,} texels in their files",
+            "reduce them to 2048 x 2048 each",
+        )
 
 
 def check_texels(texels: int) -> None:

@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
-from ashe_live.models.mesh import Model
+from ashe_live.models.mesh import Float32, Model
 
 FOOTPRINT_SIDES = 1.0  # largest horizontal extent, in sides of the marker
 HEIGHT_SIDES = 1.2  # largest vertical extent, in sides of the marker
@@ -15,6 +16,8 @@ HEIGHT_SIDES = 1.2  # largest vertical extent, in sides of the marker
 MAX_OUTLINE_POINTS = 1000
 WIDENED = 1.005
 POINTS_AT_ONCE = 16384
+CELLS = 12  # along each side of the grid that points are looked at in
+ROUNDING = 1e-5  # of single precision, in sums of three products
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,15 +80,34 @@ def _outline(model: Model) -> Float:
     directions = (_all_around(MAX_OUTLINE_POINTS) / extents).astype(np.float32)
     reach = np.full(len(directions), -np.inf, np.float32)
     extreme = np.zeros(len(directions), np.int64)
-    for first in range(0, len(points), POINTS_AT_ONCE):
-        along = directions @ points[first : first + POINTS_AT_ONCE].T
-        best = along.argmax(axis=1)
-        farther = along[np.arange(len(directions)), best] > reach
-        reach = np.where(farther, along[np.arange(len(directions)), best], reach)
-        extreme = np.where(farther, first + best, extreme)
+    order, bounds = _in_cells(points, extents)
+    lower, upper = (extremes.reduceat(points[order], bounds[:-1]) for extremes in (np.minimum, np.maximum))
+    forwards, backwards = directions.clip(min=0), directions.clip(max=0)
+    # Only cells whose box reaches as far as the whole of another cell's can hold what is extreme.
+    reached = (forwards @ lower.T + backwards @ upper.T).max(axis=1)
+    may_hold = forwards @ upper.T + backwards @ lower.T >= reached[:, None] - ROUNDING * np.abs(reached)[:, None]
+    for cell, asked in enumerate(may_hold.T):
+        inside, ways = order[bounds[cell] : bounds[cell + 1]], np.flatnonzero(asked)
+        for first in range(0, len(inside), POINTS_AT_ONCE):
+            some = inside[first : first + POINTS_AT_ONCE]
+            along = directions[ways] @ points[some].T
+            best = along.argmax(axis=1)
+            farthest = along[np.arange(len(ways)), best]
+            farther = farthest > reach[ways]
+            reach[ways[farther]] = farthest[farther]
+            extreme[ways[farther]] = some[best[farther]]
     found = points[np.unique(extreme)].astype(np.float64)
     centre = (found.min(axis=0) + found.max(axis=0)) / 2
     return np.asarray(centre + WIDENED * (found - centre))
+
+
+def _in_cells(points: Float32, extents: Float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Points (n, 3) by their cells of a grid: their order (n,), and where in it each cell begins, with the end."""
+    places = (points - points.min(axis=0)) * (CELLS / extents)
+    cells = np.clip(places, 0, CELLS - 1).astype(np.int64) @ np.array((CELLS**2, CELLS, 1))
+    order = np.argsort(cells, kind="stable")
+    begins = np.flatnonzero(np.diff(cells[order], prepend=-1))
+    return order, np.append(begins, len(points))
 
 
 def _all_around(count: int) -> Float:

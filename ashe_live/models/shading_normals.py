@@ -9,6 +9,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.models.mesh import Float32, Indices
 
 CREASE_RAD = math.radians(40)
+MAX_CROWD = 32
+WAYS = 32  # steps of each coordinate of a unit vector, 4 to 6 degrees
 CLOSED_WITHIN = 1e-4  # of the area
 
 
@@ -27,27 +29,51 @@ def unit_rows(vectors: Float) -> Float:
 def corner_normals(vertices: Float32, triangles: Indices) -> Float32:
     """(3 m, 3) unit normals, one for each triangle's corner in the order of `triangles.ravel()`.
 
-    A corner averages, by area, the triangles at the same place whose planes differ by less than CREASE_RAD.
+    A corner averages, by area, the triangles at the same place whose planes differ by less than CREASE_RAD. Where more
+    than MAX_CROWD triangles meet, as at the tip of a cone, those that face the same way count as one.
     """
     faces = face_normals(vertices, triangles)
-    units = unit_rows(faces)
-    place = row_keys(vertices)[triangles.ravel()]
-    order = np.argsort(place, kind="stable")
-    place, face = place[order], order // 3
-    total = faces[face].copy()
-    smooth = math.cos(CREASE_RAD)
-    _, crowds = np.unique(place, return_counts=True)
-    for step in range(1, int(crowds.max())):
-        first, second = np.arange(len(place) - step), np.arange(step, len(place))
-        meet = place[first] == place[second]
-        first, second = first[meet], second[meet]
-        alike = np.einsum("ij,ij->i", units[face[first]], units[face[second]]) > smooth
-        first, second = first[alike], second[alike]
-        total[first] += faces[face[second]]
-        total[second] += faces[face[first]]
-    normals = np.empty_like(total)
-    normals[order] = total
+    face = np.arange(triangles.size) // 3
+    _, place, crowds = np.unique(row_keys(vertices)[triangles.ravel()], return_inverse=True, return_counts=True)
+    crowded = np.flatnonzero((crowds > MAX_CROWD)[place])
+    if len(crowded) == 0:
+        return unit_rows(_sums_of_alike(place, faces[face])).astype(np.float32)
+    normals = np.empty((triangles.size, 3))
+    others = np.flatnonzero((crowds <= MAX_CROWD)[place])
+    normals[others] = _sums_of_alike(place[others], faces[face[others]])
+    areas = faces[face[crowded]]
+    keys = place[crowded] * WAYS**3 + _facing(areas)
+    ways, one_of, way = np.unique(keys, return_index=True, return_inverse=True)
+    together: Float = np.array([np.bincount(way, weights=column, minlength=len(ways)) for column in areas.T]).T
+    normals[crowded] = _sums_of_alike(place[crowded][one_of], together)[way]
     return unit_rows(normals).astype(np.float32)
+
+
+def _sums_of_alike(place: NDArray[np.int64], areas: Float) -> Float:
+    """(n, 3) for each area vector (n, 3) the sum of those at the same place that are within CREASE_RAD of it."""
+    order = np.argsort(place, kind="stable")
+    place, areas = place[order], areas[order]
+    units, total = unit_rows(areas), areas.copy()
+    bounds = np.append(np.flatnonzero(np.diff(place, prepend=-1)), len(place))
+    lasts = np.repeat(bounds[1:] - 1, np.diff(bounds))
+    first, step = np.arange(len(place)), 1
+    while True:
+        first = first[first + step <= lasts[first]]
+        if len(first) == 0:
+            break
+        alike = first[np.einsum("ij,ij->i", units[first], units[first + step]) > math.cos(CREASE_RAD)]
+        total[alike] += areas[alike + step]
+        total[alike + step] += areas[alike]
+        step += 1
+    sums = np.empty_like(total)
+    sums[order] = total
+    return sums
+
+
+def _facing(areas: Float) -> NDArray[np.int64]:
+    """(n,) one number below WAYS ** 3 for all directions (n, 3) that differ by a few degrees."""
+    steps = np.minimum(((unit_rows(areas) + 1) * (WAYS / 2)).astype(np.int64), WAYS - 1)
+    return np.asarray(steps @ (WAYS**2, WAYS, 1), dtype=np.int64)
 
 
 def row_keys(rows: Float32) -> NDArray[np.uint64]:

@@ -9,8 +9,10 @@ from trimesh.visual.material import PBRMaterial, SimpleMaterial
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.colour import linear_from_srgb
+from ashe_live.errors import UserError
 from ashe_live.models.gltf_header import MAPS_OF_MATERIAL, MaterialNotes
-from ashe_live.models.limits import MAX_TEXTURE_PX, check_picture, check_texels
+from ashe_live.models.limits import MAX_TEXTURE_PX, check_decoded, check_picture, check_texels
+from ashe_live.models.malformed import MalformedError
 from ashe_live.models.material import BLACK, WHITE, Alpha, LinearRGBA, Material
 
 # What formats without materials look like, and glTF meshes that name none: matt plastic. Many of their files have
@@ -25,9 +27,10 @@ class Surfaces:
     def __init__(self, notes: tuple[MaterialNotes, ...] = ()) -> None:
         self._notes = notes
         self._texels: dict[int, tuple[PillowImage.Image, Image]] = {}
+        self._decoded = 0  # texels, of all pictures so far
 
     def material(self, visual: Any) -> Material:
-        """Of a trimesh visual. Raises UserError when its textures are too large, OSError when one is damaged."""
+        """Of a trimesh visual. Raises UserError when its textures are too large, MalformedError when one is damaged."""
         material = getattr(visual, "material", None)
         if isinstance(material, PBRMaterial):
             return self._metallic_roughness(material)
@@ -46,9 +49,9 @@ class Surfaces:
         for key, name in MAPS_OF_MATERIAL.items():
             picture = getattr(material, key)
             if picture is not None:
-                maps[name] = self._reduced(picture)
+                maps[name] = self._reduced(picture, key)
             elif notes is not None and name in notes.uv_sets:
-                raise OSError(f"its {key} cannot be read")
+                raise MalformedError(f"its {key} cannot be read")
         factor = material.baseColorFactor
         emissive = material.emissiveFactor
         converted = Material(
@@ -75,7 +78,9 @@ class Surfaces:
         )
 
     def _simple(self, material: SimpleMaterial) -> Material:
-        base_map = None if material.image is None else self._reduced(material.image)
+        # For texture coordinates without a material trimesh makes a picture of its own, which no file had.
+        is_there = material.image is not None and material.image.format is not None
+        base_map = self._reduced(material.image, "texture") if is_there else None
         has_holes = base_map is not None and base_map[..., 3].min() < 255
         diffuse = np.asarray(material.diffuse, dtype=np.float64) / 255
         # OBJ exporters write an arbitrary grey beside a texture.
@@ -93,14 +98,21 @@ class Surfaces:
     def _notes_of(self, material: Any) -> MaterialNotes | None:
         return self._notes[int(material.name)] if self._notes and material is not None else None
 
-    def _reduced(self, picture: PillowImage.Image) -> Image:
+    def _reduced(self, picture: PillowImage.Image, name: str) -> Image:
         """(h, w, 4) uint8 as the file has it, no side longer than MAX_TEXTURE_PX."""
         if id(picture) not in self._texels:
             check_picture(picture)
             # Before the conversion, which would make four channels of the large one.
             if max(picture.size) > MAX_TEXTURE_PX and picture.mode == "RGB":
                 picture.draft("RGB", (MAX_TEXTURE_PX, MAX_TEXTURE_PX))
-            reduced = picture.convert("RGBA")
+            self._decoded += picture.width * picture.height
+            check_decoded(self._decoded)
+            try:
+                reduced = picture.convert("RGBA")
+            except (MemoryError, UserError):
+                raise
+            except Exception:  # Pillow's decoders raise anything
+                raise MalformedError(f"its {name} is damaged") from None
             reduced.thumbnail((MAX_TEXTURE_PX, MAX_TEXTURE_PX), PillowImage.Resampling.LANCZOS)
             # The picture is kept, as its id is only its own while it lives, but not its texels.
             picture.close()

@@ -1,6 +1,6 @@
 """Text on the video: lines on dark translucent plates, drawn by Pillow and kept until they change.
 
-Lines that are wider than their place are broken between words; where that is not enough, the letters become smaller.
+Lines that are wider than their place are broken; where they then are too many, the letters become smaller.
 """
 
 import math
@@ -14,6 +14,7 @@ from PIL import ImageDraw, ImageFont
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
+from ashe_live.core.messages import printable
 from ashe_live.render.scene import Overlay
 
 Rows = tuple[tuple[str, ...], ...]  # of one or more columns
@@ -74,11 +75,13 @@ def readable_scale(size: Size, content_scale: float) -> float:
 
 def _blocks(text: HudText, size: Size, content_scale: float, gap: int, width: int) -> list[_Block]:
     """With letters as large as wanted, or as fit."""
+    # Names of files, and what these hold, are in it.
+    status, hint = (tuple(map(printable, lines)) for lines in (text.status, text.hint))
     font_px = FONT_PT * content_scale
     while True:
         corners = [
             _Block(place, tuple((part,) for line in lines for part in _wrapped(line, font_px, width)), font_px)
-            for place, lines in (("top left", text.status), ("bottom left", text.hint))
+            for place, lines in (("top left", status), ("bottom left", hint))
             if lines
         ]
         heights = [_extent(block.rows, font_px)[1] for block in corners]
@@ -108,15 +111,29 @@ def _fits(rows: Rows, font_px: float, size: Size, gap: int) -> bool:
 
 
 def _wrapped(line: str, font_px: float, width: int) -> list[str]:
-    """Parts of a line, broken between words where it is wider than a plate of `width` holds."""
-    parts = [line]
-    while _extent(((parts[-1],),), font_px)[0] > width and " " in parts[-1].strip():
-        words = parts.pop().split(" ")
-        count = len(words) - 1
-        while count > 1 and _extent(((" ".join(words[:count]),),), font_px)[0] > width:
-            count -= 1
-        parts += [" ".join(words[:count]), " ".join(words[count:])]
+    """Parts of a line, broken between words where it is wider than a plate of `width` holds, and within wider words."""
+    parts: list[str] = []
+    # Word by word, so that the time it takes grows with the line and not with its square.
+    for word in line.split(" "):
+        begin, *others = _pieces(word, font_px, width)
+        longer = f"{parts[-1]} {begin}" if parts else begin
+        if parts and parts[-1].strip() and _extent(((longer,),), font_px)[0] > width:
+            parts.append(begin)
+        else:
+            parts[-1:] = [longer]
+        parts += others
     return parts
+
+
+def _pieces(word: str, font_px: float, width: int) -> list[str]:
+    """Of a word, each no wider than a plate of `width` holds, or a single letter."""
+    pieces, count = [], max(len(word), 1)
+    while word:
+        while count > 1 and _extent(((word[:count],),), font_px)[0] > width:
+            count = count * 3 // 4
+        pieces.append(word[:count])
+        word = word[count:]
+    return pieces or [""]
 
 
 def _overlay(block: _Block, size: Size, gap: int) -> Overlay:

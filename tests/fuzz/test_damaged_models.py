@@ -3,6 +3,9 @@
 import copy
 import json
 import math
+import os
+import traceback
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +17,7 @@ from hypothesis import strategies as st
 
 from ashe_live.errors import UserError
 from ashe_live.models.loading import load_model_file
+from ashe_live.models.malformed import MalformedError
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from tests.models.gltf_files import UVS, Document, png
 
@@ -22,11 +26,14 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::UserWarning:PIL"),
     pytest.mark.filterwarnings("ignore:string or file could not be read:DeprecationWarning"),
 ]
-# The same examples every time, so that no change is blamed for an old fault; to hunt, raise their number.
+# To hunt: FUZZ_MODELS=12000 pytest tests/fuzz/test_damaged_models.py tries that many random files of each of 13 kinds.
+HUNTED = int(os.environ.get("FUZZ_MODELS", "0"))
+MOST_BYTES = 2_000_000_000
+# Else the same examples every time, so that no change is blamed for an old fault.
 FEW = settings(
-    max_examples=100,
-    derandomize=True,
-    deadline=None,
+    max_examples=HUNTED or 100,
+    derandomize=not HUNTED,
+    deadline=20_000 if HUNTED else None,  # ms
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 SIDE_M = 0.08
@@ -51,7 +58,10 @@ values = st.one_of(
 
 
 def outcome(path: Path) -> str:
-    """A model that the renderer can take, or a UserError's line; any other exception fails the test."""
+    """A model that the renderer can take, or a UserError's line; any other exception fails the test.
+
+    So does one in our own code, which would be refused as a malformed file.
+    """
     try:
         placed = placed_on_marker(load_model_file(path), SIDE_M)
     except UserError as error:
@@ -62,6 +72,10 @@ def outcome(path: Path) -> str:
     assert said.message
     assert said.remedy
     assert "\n" not in str(said)
+    cause = said.__cause__
+    if not (cause is None or isinstance(cause, MalformedError)):
+        files = [frame.filename for frame in traceback.extract_tb(cause.__traceback__)]
+        assert any(part in file for part in ("trimesh", "PIL") for file in files), said
     return "refused"
 
 
@@ -73,9 +87,27 @@ def _assert_drawable(placed: PlacedModel) -> None:
         np.testing.assert_allclose(np.linalg.norm(part.normals, axis=1), 1, atol=1e-3)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _little_memory() -> Iterator[None]:
+    """When hunting, of the address space as a reader has it; a MemoryError is no UserError."""
+    if not HUNTED:
+        yield
+        return
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_BYTES, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_AS, before)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("models")
+    """With what the files name."""
+    folder = tmp_path_factory.mktemp("models")
+    (folder / "a.mtl").write_bytes(TEXTS["mtl"])
+    (folder / "a.png").write_bytes(png((255, 0, 0, 255)))
+    return folder
 
 
 @pytest.fixture(scope="module")

@@ -31,5 +31,5 @@ def test_path_is_loaded_and_unknown_name_answered_with_the_choice(tmp_path: Path
     assert load_model(str(tmp_path / "t.obj")).triangle_count == 1
     with pytest.raises(UserError, match="choose one of cube"):
         load_model("teapot")
-    with pytest.raises(UserError, match="cannot read"):
+    with pytest.raises(UserError, match="there is no file"):
         load_model("teapot.glb")

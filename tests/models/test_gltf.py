@@ -95,7 +95,7 @@ def test_texture_that_cannot_be_read_is_said(tmp_path: Path, image: dict) -> Non
         material={"pbrMetallicRoughness": {"baseColorTexture": document.texture(image)}},
         TEXCOORD_0=document.accessor(UVS),
     )
-    with pytest.raises(UserError, match="baseColorTexture cannot be read"):
+    with pytest.raises(UserError, match=r"baseColorTexture cannot be read|names missing\.png, which is missing"):
         load_model_file(document.save(tmp_path / "quad.glb"))
 
 
@@ -234,3 +234,43 @@ def test_too_many_texels_are_refused(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setattr(limits, "MAX_MODEL_TEXELS", 40)
     with pytest.raises(UserError, match="48 texels together"):
         load_model_file(document.save(tmp_path / "many.glb"))
+
+
+@pytest.mark.parametrize("indexed", [True, False])
+@pytest.mark.parametrize(("mode", "expected"), [(5, [(0, 1, 2), (2, 1, 3)]), (6, [(0, 1, 2), (0, 2, 3)])])
+def test_strips_and_fans_are_triangles(tmp_path: Path, mode: int, expected: list, indexed: bool) -> None:
+    """Section 3.7.2.1 of the specification."""
+    document = Document()
+    document.quad()
+    primitive = document.json["meshes"][0]["primitives"][0]
+    primitive["mode"] = mode
+    places = [0, 1, 2, 3] if mode == 6 else [0, 1, 3, 2]  # a strip goes to and fro
+    if indexed:
+        primitive["indices"] = document.accessor(np.uint16(places))
+    else:
+        del primitive["indices"]
+        primitive["attributes"]["POSITION"] = document.accessor(CORNERS[places])
+    part = load_model_file(document.save(tmp_path / "a.glb")).parts[0]
+    given = CORNERS[places][np.array(expected)] @ np.float32([(1, 0, 0), (0, 0, 1), (0, -1, 0)])  # z up
+    np.testing.assert_allclose(_sorted(part.vertices[part.triangles]), _sorted(given), atol=1e-6)
+    np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-6)
+
+
+def _sorted(triangles: np.ndarray) -> np.ndarray:
+    """Each from its least corner on, in its sense; all by their places."""
+    turned = [
+        np.roll(corners, -min(range(3), key=lambda at: tuple(corners[at])), axis=0) for corners in triangles.tolist()
+    ]
+    return np.array(sorted(np.asarray(corners).tolist() for corners in turned))
+
+
+def test_a_fan_of_many_keeps_its_sense(tmp_path: Path) -> None:
+    angles = np.linspace(0, 6, 20)
+    rim = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    document = Document()
+    document.quad()
+    position = document.accessor(np.float32([(0, 0, 0), *rim]))
+    document.json["meshes"][0]["primitives"] = [{"attributes": {"POSITION": position}, "mode": 6}]
+    part = load_model_file(document.save(tmp_path / "disc.glb")).parts[0]
+    assert len(part.triangles) == 19
+    np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-6)

@@ -1,8 +1,11 @@
 """Model files made to harm: each is refused with one line, before much memory is taken, and reads nothing else."""
 
 import os
+import re
 import socket
 import struct
+import sys
+import tempfile
 import tracemalloc
 import zlib
 from collections.abc import Callable
@@ -13,12 +16,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from ashe_live.core.children import Limits
 from ashe_live.errors import UserError
-from ashe_live.models import limits, loading
+from ashe_live.models import limits, loading, reading
 from ashe_live.models.loading import load_model_file
+from ashe_live.models.reading import read_model
 from tests.models.gltf_files import UVS, Document, png
 
 LITTLE_BYTES = 20e6
+PYTHONS_WORDS = re.compile(r"\w(Error|Exception|Warning)\b|subscript|\b(dict|int|str|NoneType|ndarray|dtype)\b")
 RED = (255, 0, 0)
 TRIANGLE = b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 
@@ -86,6 +92,19 @@ def _diamond(_: Document, it: dict[str, Any]) -> None:
     it["nodes"] = [{"children": [1, 2]}, {"children": [3]}, {"children": [3]}, {"mesh": 0}]
 
 
+def _flat_nodes(_: Document, it: dict[str, Any]) -> None:
+    it["nodes"] = [{"mesh": 0}] + [{}] * limits.MAX_NODES
+    it["scenes"][0]["nodes"] = list(range(limits.MAX_NODES + 1))
+
+
+def _without(kind: str, key: str) -> Callable[[], Document]:
+    return lambda: changed(lambda _, it: it[kind][0].pop(key))
+
+
+def _with(kind: str, **values: object) -> Callable[[], Document]:
+    return lambda: changed(lambda _, it: it[kind][0].update(values))
+
+
 BODYLESS = {"componentType": 5126, "count": 5_000_000, "type": "MAT4"}
 GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
     "views that overlap": ("bytes", lambda: changed(_overlapping_views)),
@@ -98,6 +117,52 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
     "meshes that no node uses": ("triangles", lambda: changed(_unused_meshes)),
     "too many parts": ("parts", lambda: changed(_many_nodes)),
     "nodes too deep": ("nodes within nodes", lambda: changed(_deep_nodes)),
+    "too many nodes": ("20,001 nodes", lambda: changed(_flat_nodes)),
+    "a need of many words": (
+        r"needs x x x.* \.\.\. .*x x, which is not known",
+        lambda: changed(lambda _, it: it.update(extensionsRequired=["x " * 4000])),
+    ),
+    "a need in control sequences": (
+        r"needs \\x1b\[31m\\u202e, which is not known",
+        lambda: changed(lambda _, it: it.update(extensionsRequired=["\x1b[31m\u202e"])),
+    ),
+    "a need that is no name": (
+        "needs None, which",
+        lambda: changed(lambda _, it: it.update(extensionsRequired=[None])),
+    ),
+    "an older version": (
+        "is glTF 1.0: export it as glTF 2.0",
+        lambda: changed(lambda _, it: it["asset"].update(version="1.0")),
+    ),
+    "an older version that does not say so": (
+        "is glTF 1.0: export it as glTF 2.0",
+        lambda: changed(lambda _, it: it.update(asset={}, meshes={"cube": {}})),
+    ),
+    "no version": ("asset.version is missing", lambda: changed(lambda _, it: it["asset"].clear())),
+    "nodes of another kind": (
+        "nodes is an object, not a list",
+        lambda: changed(lambda _, it: it.update(nodes={}, scenes=[], scene=0) or it.pop("scene")),
+    ),
+    "a mesh that is not there": (r"nodes\[0\].mesh is 7, and there are 1 meshes", _with("nodes", mesh=7)),
+    "a mesh that is a word": (r'nodes\[0\].mesh is "cube", and there are 1 meshes', _with("nodes", mesh="cube")),
+    "a short matrix": (r"nodes\[0\].matrix is a list of 3, not a list of 16 values", _with("nodes", matrix=[1, 2, 3])),
+    "a mesh without primitives": (r"meshes\[0\].primitives is missing", _without("meshes", "primitives")),
+    "an array of an unknown type": (
+        r"accessors\[0\].type is \"VEC5\", not one of SCALAR",
+        _with("accessors", type="VEC5"),
+    ),
+    "places on a plane": (r"primitives\[0\]: POSITION cannot be VEC2", _with("accessors", type="VEC2")),
+    "fewer normals than places": ("NORMAL has 4 items for 3 vertices", _with("accessors", count=3)),
+    "an array beyond its part": (
+        r"accessors\[0\] ends at byte 60 of a bufferView of 48",
+        _with("accessors", byteOffset=12),
+    ),
+    "a part beyond the buffer": (r"bufferViews\[0\] ends at byte 999999", _with("bufferViews", byteLength=999999)),
+    "a part of no buffer": (r"bufferViews\[0\].buffer is 4, and there are 1 buffers", _with("bufferViews", buffer=4)),
+    "two corners": (
+        r"primitives\[0\] has 5 corners, which are no triangles",
+        lambda: changed(lambda _, it: it["accessors"][2].update(count=5)),
+    ),
     "a node within itself": ("two places", lambda: changed(lambda _, it: it["nodes"][0].update(children=[0]))),
     "a node in two places": ("two places", lambda: changed(_diamond)),
     "a stride past the end": (
@@ -110,7 +175,7 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
         lambda: changed(lambda _, it: it["bufferViews"][0].update(byteOffset=-(10**6))),
     ),
     "a place that is no number": (
-        "not finite",
+        "not a number",
         lambda: changed(lambda _, it: it["nodes"][0].update(translation=[float("nan"), 0, 0])),
     ),
     "lines": ("no triangles", lambda: changed(lambda _, it: it["meshes"][0]["primitives"][0].update(mode=1))),
@@ -143,6 +208,12 @@ TEXTS: dict[str, tuple[str, str, Callable[[], bytes]]] = {
         "materials",
         lambda: TRIANGLE + b"".join(b"usemtl m%d\nf 1 2 3\n" % number for number in range(1001)),
     ),
+    "JSON nested too deeply": ("gltf", "nested too deeply", lambda: b"[" * 1_000_000),
+    "JSON that breaks off": ("gltf", "damaged in line 2", lambda: b'{"asset":\n {'),
+    "JSON that is no text": ("gltf", "no text", lambda: b'{"asset": "\xff"}'),
+    "a number of 9,000 digits": ("gltf", "without an end", lambda: b'{"scene": ' + b"9" * 9000 + b"}"),
+    "a header that breaks off": ("glb", "within its first chunk", lambda: b"glTF\2\0\0\0"),
+    "an older binary": ("glb", "is glTF 1: export", lambda: b"glTF\1" + bytes(40)),
     "a corner that is not there": ("obj", "malformed", lambda: TRIANGLE + b"f 1 2 99999999999\n"),
     "a solid for each face": ("stl", "solids", lambda: b"solid a\n" + (FACET + b"endsolid\nsolid\n") * 1001),
     "text of many facets": ("stl", "triangles", lambda: b"solid a\n" + FACET + b"vertex 0 0 0\n" * 6_000_000),
@@ -167,10 +238,12 @@ def test_a_hostile_file_is_refused_with_little_memory(tmp_path: Path, name: str)
 
 
 def assert_refused_with_little_memory(path: Path, said: str) -> None:
+    """And in the format's words: Python's own speak of errors, and of types that no format has."""
     tracemalloc.start()
     try:
-        with pytest.raises(UserError, match=said):
+        with pytest.raises(UserError, match=said) as caught:
             load_model_file(path)
+        assert not PYTHONS_WORDS.search(str(caught.value))
         assert tracemalloc.get_traced_memory()[1] < LITTLE_BYTES + 3 * path.stat().st_size
     finally:
         tracemalloc.stop()
@@ -212,7 +285,7 @@ def test_nothing_but_files_of_the_folder_is_read(tmp_path: Path, uri: str) -> No
     document = Document()
     material = {"pbrMetallicRoughness": {"baseColorTexture": document.texture({"uri": uri})}}
     document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
-    with pytest.raises(UserError, match=r"hostile\.glb|not a file"):
+    with pytest.raises(UserError, match=r"hostile\.glb|not a file|is a folder"):
         load_model_file(document.save(tmp_path / "model" / "hostile.glb"))
 
 
@@ -278,3 +351,69 @@ def test_polygons_are_counted_as_triangles(monkeypatch: pytest.MonkeyPatch) -> N
     limits.check_text(Path("a.obj"), places + b"f 1 2 3 4\n" * 10)
     with pytest.raises(UserError, match="22 triangles"):
         limits.check_text(Path("a.obj"), places + b"f 1 2 3 4\n" * 11)
+
+
+def test_texels_are_counted_before_they_are_decoded(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However few bytes they take: the last of these has none."""
+    monkeypatch.setattr(limits, "MAX_DECODED_TEXELS", 2 * 64 * 64)
+    whole, empty = png((*RED, 255), (64, 64)), claimed_png(64, 64)
+    assert load_model_file(_of_pictures(whole, whole).save(tmp_path / "two.glb")).parts
+    with pytest.raises(UserError, match="more than 8,192 texels in their files"):
+        load_model_file(_of_pictures(whole, whole, empty).save(tmp_path / "three.glb"))
+
+
+def _of_pictures(*pictures: bytes) -> Document:
+    """One material's maps, in the order in which they are read."""
+    document = Document()
+    keys = ("normalTexture", "occlusionTexture", "emissiveTexture")
+    material = {key: document.embedded(picture) for key, picture in zip(keys, pictures, strict=False)}
+    document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
+    return document
+
+
+LITTLE = Limits(niceness=10, memory_bytes=700_000_000, processor_s=8, silent=True)
+
+
+def _much_beside_each_part(_: Document, it: dict[str, Any]) -> None:
+    it["meshes"][0]["extras"] = {"words": ["word"] * 200_000}
+    it["meshes"][0]["primitives"] *= 500
+
+
+CHEAP: dict[str, tuple[str, Callable[[], bytes]]] = {
+    "objects without end": ("obj", lambda: TRIANGLE + b"".join(b"o %d\nf 1 2 3\n" % at for at in range(20_000))),
+    "groups without end": ("obj", lambda: TRIANGLE + b"".join(b"g %d\ns 1\nf 1 2 3\n" % at for at in range(20_000))),
+    "the same two materials in turn": ("obj", lambda: TRIANGLE + b"usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n" * 20_000),
+    "much beside each part": ("gltf", lambda: _text_of(changed(_much_beside_each_part))),
+    "names without end": ("gltf", lambda: _text_of(changed(lambda _, it: it["nodes"][0].update(name="x" * 5_000_000)))),
+}
+
+
+def _text_of(document: Document) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        return document.save(Path(folder) / "a.gltf").read_bytes()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not hold a process to it")
+@pytest.mark.parametrize("name", CHEAP)
+def test_what_is_not_drawn_takes_next_to_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Each took tens of seconds or gigabytes."""
+    monkeypatch.setattr(reading, "LIMITS", LITTLE)
+    suffix, make = CHEAP[name]
+    (tmp_path / f"cheap.{suffix}").write_bytes(make())
+    assert read_model(str(tmp_path / f"cheap.{suffix}"), 0.08).model.parts
+
+
+def test_what_libraries_say_of_a_damaged_file_is_not_seen(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    header = PLY % (b"ascii", 3) + LIST % (1, b"uchar")
+    (tmp_path / "a.ply").write_bytes(
+        header.replace(b"element", b"comment TextureFile gone.png\nelement", 1) + b"0 0 0\n" * 3
+    )
+    with pytest.raises(UserError, match=r"names gone\.png, which is missing"):
+        read_model(str(tmp_path / "a.ply"), 0.08)
+    document = Document()
+    document.quad({"matrix": [1e30, 0, 0, 0, 0, 1e30, 0, 0, 0, 0, 1e30, 0, 1e30, 0, 0, 1]})
+    document.json["nodes"].append({"children": [0], "scale": [1e30, 1e30, 1e30]})
+    document.json["scenes"][0]["nodes"] = [1]
+    with pytest.raises(UserError, match="not finite"):
+        read_model(str(document.save(tmp_path / "far.glb")), 0.08)
+    assert capfd.readouterr() == ("", "")

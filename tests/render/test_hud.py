@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
+from ashe_live.render import hud
 from ashe_live.render.hud import Hud, HudText, readable_scale
 from ashe_live.render.scene import Overlay, Scene
 
@@ -63,6 +64,51 @@ def test_a_line_is_broken_before_its_letters_become_smaller() -> None:
     lines, rest = divmod(broken.shown_size[1] - short.shown_size[1], 20)
     assert lines >= 1
     assert rest == 0
+
+
+def test_the_time_for_a_line_grows_with_it_and_not_with_its_square(monkeypatch) -> None:
+    """What is measured is counted in letters: eight times the words, at most ten times as many."""
+    measured = 0
+    extent = hud._extent
+
+    def counted(rows, font_px):
+        nonlocal measured
+        measured += sum(len(cell) for row in rows for cell in row)
+        return extent(rows, font_px)
+
+    monkeypatch.setattr(hud, "_extent", counted)
+    few, many = [], []
+    for words, sums in ((500, few), (4000, many)):
+        measured = 0
+        assert " ".join(hud._wrapped("word " * words, 15, 600)) == "word " * words
+        sums.append(measured)
+    assert many[0] < 10 * few[0]
+
+
+@pytest.mark.parametrize("line", ["", "  60 fps   cube ", "a " + "folder/" * 60 + "a.glb is not there", "w" * 500])
+def test_nothing_of_a_line_is_lost_when_it_is_broken(line: str) -> None:
+    parts = hud._wrapped(line, 15, 300)
+    assert "".join(parts).replace(" ", "") == line.replace(" ", "")
+    assert all(hud._extent(((part,),), 15)[0] <= 300 for part in parts)
+    assert all(word in line for part in parts for word in part.split(" "))
+
+
+HOSTILE = {
+    "many words": "word " * 300_000,
+    "a long word": "w" * 1_500_000,
+    "control characters": "\x1b[2J\x00\x07\r\n",
+    "another direction": "\u202egnp.exe\u2066",
+    "lines within a line": "one\u2028two\x85three\nfour",
+    "half characters": "name-\udcff.glb",
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_whatever_a_file_says_fits_on_the_picture(name: str) -> None:
+    status, hint = Hud().overlays(HudText((HOSTILE[name],), ("choose another",)), (640, 480))
+    width, height = status.shown_size
+    assert status.left_px + width <= 640
+    assert status.top_px + height <= hint.top_px
 
 
 def test_help_stands_in_two_halves_where_it_is_too_long_for_one() -> None:
