@@ -67,6 +67,8 @@ def run(arguments: Sequence[str], begins: Callable[[], None] | None = None) -> i
     except BrokenPipeError:  # the reader (`| head`) has what it wanted
         return ExitStatus.ANSWERED
     # What no command has foreseen, and a file, a name or the machine has brought about all the same.
+    except ImportError as error:
+        tell(f"a part of the program cannot be loaded ({error}): ashe-live doctor says what is missing")
     except MemoryError:
         tell("there is not enough memory for this: close other programs, or give something smaller")
     except RecursionError:

@@ -3,10 +3,11 @@
 A name could mean an address or a protocol to it (`http:`, `concat:`), and some formats are lists of addresses.
 """
 
+import os
 from typing import BinaryIO
 
 import av
-from av.container import InputContainer
+from av.container import InputContainer, OutputContainer
 
 # FFmpeg's names of what cameras, phones and editors write; none that names other files (HLS, DASH, concat, SDP).
 DEMUXERS = (
@@ -23,3 +24,49 @@ def opened_container(stream: BinaryIO) -> InputContainer:
     """
     stream.seek(0)
     return av.open(stream, "r", container_options=ALLOWED, metadata_errors="replace")
+
+
+class WrittenContainer:
+    """A new MP4 in a file that is open, which stays open.
+
+    FFmpeg, and PyAV when it closes, lose or print what goes wrong in writing; so that is kept here, and raised by
+    `check` and `close`.
+    """
+
+    def __init__(self, stream: BinaryIO, options: dict[str, str]) -> None:
+        """`options` are those of FFmpeg's muxer. Raises FFmpegError."""
+        self._stream = stream
+        self._error: OSError | None = None
+        self.container: OutputContainer = av.open(self, "w", format="mp4", options=options)
+
+    def write(self, content: bytes) -> int:
+        """For FFmpeg. After an error nothing more is written: what came before stays as it is."""
+        if self._error is None:
+            try:
+                self._stream.write(content)
+                self._stream.flush()
+            except OSError as error:
+                self._error = error
+        return len(content)
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """For FFmpeg."""
+        try:
+            return self._stream.seek(offset, whence)
+        except OSError as error:
+            self._error = self._error or error
+            return 0
+
+    def tell(self) -> int:
+        """For FFmpeg."""
+        return self._stream.tell()
+
+    def check(self) -> None:
+        """Raises OSError when something could not be written."""
+        if self._error is not None:
+            raise self._error
+
+    def close(self) -> None:
+        """Finishes the file. Raises OSError or FFmpegError; may be called twice."""
+        self.container.close()
+        self.check()

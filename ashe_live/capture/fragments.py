@@ -4,13 +4,17 @@ All functions take files that are open, and never look one up by its name again.
 """
 
 import struct
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import BinaryIO
 
 import av
+from av.container import InputContainer
+from av.packet import Packet
+from av.video.stream import VideoStream
 
-from ashe_live.capture.container import opened_container
+from ashe_live.capture.container import WrittenContainer, opened_container
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NewFile
 
@@ -36,18 +40,14 @@ def with_index_first(fragments: BinaryIO, clip: BinaryIO, pictures: int) -> None
     its name once more.) Raises OSError or FFmpegError when reading or writing fails.
     """
     room = INDEX_BYTES + pictures * INDEX_BYTES_PER_PICTURE
-    with (
-        opened_container(fragments) as source,
-        av.open(clip, "w", format="mp4", options={"moov_size": str(room)}) as target,
-    ):
+    target = WrittenContainer(clip, {"moov_size": str(room)})
+    with opened_container(fragments) as source, closing(target):
         template = source.streams.video[0]
-        stream = target.add_stream_from_template(template)
-        for packet in source.demux(template):
-            # The last packet is empty: there is no decoder here that it could flush.
-            if packet.dts is not None:
-                packet.stream = stream
-                target.mux(packet)
-    clip.flush()
+        stream = target.container.add_stream_from_template(template)
+        for packet in _whole_packets(source):
+            packet.stream = stream
+            target.container.mux(packet)
+            target.check()
 
 
 def published(fragments: NewFile, path: Path, overwrite: bool, pictures: int) -> Path:
@@ -74,18 +74,21 @@ def pictures_in(stream: BinaryIO) -> int:
         with opened_container(stream) as clip:
             next(clip.decode(video=0))
         with opened_container(stream) as clip:
-            return sum(packet.size > 0 for packet in clip.demux(video=0))
+            return sum(1 for _ in _whole_packets(clip))
     except (av.error.InvalidDataError, EOFError, StopIteration, IndexError):
         return 0
 
 
 def made_playable(recording: BinaryIO) -> bool:
-    """Cuts off what broke off within a fragment's header: readers refuse all that comes before it as well.
+    """Cuts off what is not whole: after half a fragment's header readers refuse what comes before it as well.
 
     For a file of our own. True when at least one picture can be decoded.
     """
     try:
         recording.truncate(_whole_bytes(recording))
+        with opened_container(recording) as clip:
+            ends = [(packet.pos or 0) + packet.size for packet in _whole_packets(clip)]
+        recording.truncate(max(ends, default=0))  # half a picture is worse than none to a decoder
         return pictures_in(recording) > 0
     except (OSError, av.error.FFmpegError):
         return False
@@ -99,6 +102,13 @@ def copy_whole_fragments(broken: BinaryIO, copy: BinaryIO) -> None:
         copy.write(content)
         left -= len(content)
     copy.flush()
+
+
+def _whole_packets(clip: InputContainer) -> "Iterator[Packet[VideoStream]]":
+    """Of its pictures. The last one of a file that breaks off may be cut; and one that is empty follows it."""
+    for packet in clip.demux(video=0):
+        if packet.size and not packet.is_corrupt:
+            yield packet
 
 
 def _whole_bytes(stream: BinaryIO) -> int:

@@ -18,6 +18,7 @@ from av.video.frame import VideoFrame
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation
 from av.video.stream import VideoStream
 
+from ashe_live.capture.container import WrittenContainer
 from ashe_live.capture.fragments import IN_THE_MAKING, made_playable, published
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
@@ -59,20 +60,19 @@ class Recorder:
         self._last_pts = -self._ticks_per_frame
         self._start_s: float | None = None
         self._overwrite = overwrite
-        self._container: OutputContainer | None = None
+        self._written: WrittenContainer | None = None
         self._fragments = NewFile(self.path, overwrite, is_recoverable=True)
         try:
-            self._container = av.open(
+            self._written = WrittenContainer(
                 self._fragments.stream,
-                "w",
-                format="mp4",
-                options={"movflags": "frag_keyframe+empty_moov+default_base_moof", "flush_packets": "1"},
+                {"movflags": "frag_keyframe+empty_moov+default_base_moof", "flush_packets": "1"},
             )
-            self._container.metadata["comment"] = IN_THE_MAKING
-            self._stream = self._add_h264(self._container, fps)
+            container = self._written.container
+            container.metadata["comment"] = IN_THE_MAKING
+            self._stream = self._add_h264(container, fps)
             # At once, as it is by its header that an abandoned recording is known.
-            self._container.start_encoding()
-            self._fragments.stream.flush()
+            container.start_encoding()
+            self._written.check()
         except (OSError, av.error.FFmpegError) as error:
             self._fragments.discard()
             raise cannot_write(self.path, error) from error
@@ -84,7 +84,7 @@ class Recorder:
         ValueError for another size or a closed recorder; UserError when the disk or the encoder fails: what came before
         is then saved and the recorder closed.
         """
-        if self._container is None:
+        if self._written is None:
             raise ValueError(f"the recording {self.path} is closed")
         if image_bgr.shape != (self._size[1], self._size[0], 3) or image_bgr.dtype != np.uint8:
             raise ValueError(f"a frame of {image_bgr.shape} {image_bgr.dtype} in a recording of {self._size}")
@@ -100,8 +100,8 @@ class Recorder:
         picture.pts, picture.duration = pts, self._ticks_per_frame
         picture.time_base = Fraction(1, TICKS_PER_S)
         try:
-            self._container.mux(self._stream.encode(picture))
-            self._fragments.stream.flush()
+            self._written.container.mux(self._stream.encode(picture))
+            self._written.check()
         except (OSError, av.error.FFmpegError) as error:
             self._save_and_raise(error)
         self._last_pts = pts
@@ -112,12 +112,12 @@ class Recorder:
 
         Signals wait until that is done.
         """
-        if self._container is None:
+        if self._written is None:
             return
         with signals_held():
             try:
                 if self.frame_count:
-                    self._container.mux(self._stream.encode(None))
+                    self._written.container.mux(self._stream.encode(None))
                 self._release()
                 if self.frame_count:
                     self.path = published(self._fragments, self.path, self._overwrite, self.frame_count)
@@ -169,7 +169,6 @@ class Recorder:
         raise failure from error
 
     def _release(self) -> None:
-        container, self._container = self._container, None
-        if container is not None:
-            container.close()
-            self._fragments.stream.flush()
+        written, self._written = self._written, None
+        if written is not None:
+            written.close()

@@ -80,6 +80,8 @@ class WebcamSource(Source):
         is another one. Raises UserError, with the remedy, when there is no such camera, it is busy, or it must not be
         used.
         """
+        if isinstance(camera, str):
+            check_is_device(camera)
         self._camera = camera
         self._open_capture = open_capture
         self._clock_s = clock_s
@@ -201,6 +203,19 @@ class _Grabber:
 
 def _by(size: Size | None) -> str:
     return "any size" if size is None else f"{size[0]}x{size[1]}"
+
+
+def check_is_device(path: str) -> None:
+    """Raises UserError unless `path` can be a camera's: OpenCV takes other files for clips, and some names end it."""
+    try:
+        path.encode("utf-8")
+        is_device = not sys.platform.startswith("linux") or Path(path).is_char_device()
+    except (OSError, ValueError):
+        is_device = False
+    if not is_device and not os.path.lexists(path):
+        raise camera_error(path)
+    if not is_device:
+        raise UserError(f"{path} is no camera", "name a number or a device such as /dev/video0 with --camera")
 
 
 def camera_error(camera: int | str, devices: Path = Path("/dev")) -> UserError:

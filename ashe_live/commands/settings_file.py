@@ -90,6 +90,8 @@ def _check(path: Path, key: str, value: Any) -> None:
         near = difflib.get_close_matches(key.replace("_", "-"), SETTINGS, 1)
         remedy = f"did you mean {near[0]}?" if near else f"there are {', '.join(SETTINGS)}"
         raise UserError(f"{path}: there is no setting {key!r}", remedy)
+    if "\0" in str(value):
+        raise UserError(f"{path}: {key} has a NUL in it", "write it without")
     kind = SETTINGS[key].kind
     if isinstance(value, bool) or not isinstance(value, KINDS[kind]):
         example = '"balanced"' if kind == TEXT else "60"

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from ashe_live.core.ranges import (
     CAMERA_NUMBER,
     COUNT,
+    DRAWN,
     FIELD_OF_VIEW,
     FOCAL,
     INDEX,
@@ -47,6 +48,8 @@ def size(text: str) -> tuple[int, int]:
     width, _, height = text.lower().partition("x")
     if not all(side.isascii() and side.isdecimal() and len(side) < 9 and int(side) in SIDE for side in (width, height)):
         raise argparse.ArgumentTypeError(f"{text!r} is not a size like 1280x720, with sides {SIDE}")
+    if int(width) * int(height) not in DRAWN:
+        raise argparse.ArgumentTypeError(f"{text!r} has more pixels than can be drawn: give at most 4096x4096")
     return int(width), int(height)
 
 

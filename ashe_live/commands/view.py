@@ -13,7 +13,7 @@ from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.setup import make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Size
+from ashe_live.core.camera import Size, drawn_size
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files import writing as files
 from ashe_live.light.live.worker import LightWorker
@@ -46,7 +46,7 @@ class ViewerSetup:
 
     @property
     def size(self) -> Size:
-        size: Size = self.options.size or self.source.size
+        size: Size = self.options.size or drawn_size(self.source.size)
         return size
 
 
@@ -111,7 +111,7 @@ def show_in_window(setup: ViewerSetup) -> int:
         renderer = SceneRenderer(window.context, preset, window.framebuffer_size, switches_at_once=False)
         recording = None
         if options.out is not None:
-            recording = Recording(options.out, setup.source.size, pipeline.fps, options.overwrite)
+            recording = Recording(options.out, drawn_size(setup.source.size), pipeline.fps, options.overwrite)
 
         def opener(path: Path) -> Pipeline:
             """A file has a camera of its own: as the flags say, else one that nobody knows."""

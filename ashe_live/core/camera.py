@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
-from ashe_live.core.ranges import DISTORTION, FOCAL, PIXEL, SIDE
+from ashe_live.core.ranges import DISTORTION, DRAWN, FOCAL, PIXEL, SIDE
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 
@@ -90,6 +90,12 @@ class Camera:
         K[:2, 2] = (self.K[:2, 2] + 0.5) * scales - 0.5
         sigma = None if self.focal_sigma_px is None else self.focal_sigma_px * float(scales[0])
         return Camera(size, K, self.dist, self.source, sigma)
+
+
+def drawn_size(size: Size) -> Size:
+    """`size`, or one of its shape that is not too large to be drawn at."""
+    scale = math.sqrt(min(1.0, DRAWN.high / (size[0] * size[1])))
+    return max(1, int(scale * size[0])), max(1, int(scale * size[1]))
 
 
 def read_camera_file(path: str | Path) -> Camera:

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ashe_live.core.messages import printable
 from ashe_live.errors import UserError
 from ashe_live.models.gltf_amounts import FAN, STRIP, TRIANGLES, amounts_of, check_layout
 from ashe_live.models.gltf_schema import checked
 from ashe_live.models.limits import check_gltf
 from ashe_live.models.malformed import MalformedError
+from ashe_live.process.messages import printable
 
 GLB_MAGIC, GLB_JSON = 0x46546C67, 0x4E4F534A
 RAW_ATTRIBUTES = ("TEXCOORD_0", "TEXCOORD_1", "COLOR_0")

@@ -12,8 +12,8 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ashe_live.core.messages import printable
 from ashe_live.models.malformed import MalformedError
+from ashe_live.process.messages import printable
 
 Json = dict[str, Any]
 # A value's checked copy. The second argument says how many of each property of the document there are.

@@ -14,7 +14,7 @@ from PIL import ImageDraw, ImageFont
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
-from ashe_live.core.messages import printable
+from ashe_live.process.messages import printable
 from ashe_live.render.scene import Overlay
 
 Rows = tuple[tuple[str, ...], ...]  # of one or more columns

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
+from ashe_live.core.camera import drawn_size
 from ashe_live.core.contract import SNAPSHOT_KEYWORD, estimated_light_json, light_by_hand_json, snapshot_json
 from ashe_live.core.quality import RenderPreset
 from ashe_live.errors import UserError
@@ -61,7 +62,7 @@ class Keeper:
             return
         path = unused_name(Path.cwd(), "ashe-live", ".mp4", datetime.now())
         try:
-            self._recording = Recording(path, self._session.tracked.frame.size, fps)
+            self._recording = Recording(path, drawn_size(self._session.tracked.frame.size), fps)
             self._session.say(f"recording {path}: V stops", now_s)
         except UserError as error:
             self._tell(str(error), now_s)
@@ -71,7 +72,7 @@ class Keeper:
         if self._recording is None or self._session.tracked is None:
             return
         # A clip has one size: with another source the recording is over.
-        if self._recording.size == self._session.tracked.frame.size:
+        if self._recording.size == drawn_size(self._session.tracked.frame.size):
             self._recording.take(lambda: self._picture(preset), is_new, now_s)
             if self._recording.failure is None:
                 return
@@ -86,7 +87,7 @@ class Keeper:
     def _picture(self, preset: RenderPreset) -> Image:
         """(h, w, 3) uint8 BGR."""
         assert self._session.tracked is not None
-        size = self._session.tracked.frame.size
+        size = drawn_size(self._session.tracked.frame.size)
         if self._renderer is None:
             self._renderer = SceneRenderer(self._context, preset, size)
         if self._renderer.size != size:

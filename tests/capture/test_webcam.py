@@ -219,6 +219,15 @@ class TestRemedy:
             finally:
                 other.kill()
 
+    @pytest.mark.parametrize("name", ["clip.mp4", "\udcff", "link"])
+    def test_only_devices_are_given_to_opencv(self, tmp_path: Path, name: str) -> None:
+        """It takes files for clips and addresses for streams, and a name that is no UTF-8 ends the process."""
+        (tmp_path / "clip.mp4").write_bytes(b"")
+        (tmp_path / "\udcff").write_bytes(b"")
+        (tmp_path / "link").symlink_to("clip.mp4")
+        with pytest.raises(UserError, match="is no camera"):
+            WebcamSource(str(tmp_path / name))
+
     def test_opencv_says_nothing_of_its_own(self, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
         with pytest.raises(UserError, match="there is no camera"):
             WebcamSource(str(tmp_path / "video9"))

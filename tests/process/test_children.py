@@ -165,7 +165,7 @@ PARENT = """
 import multiprocessing, os, signal, sys
 from multiprocessing.connection import Connection
 from ashe_live.process.children import Limits, started
-import tests.core.test_children as here
+import tests.process.test_children as here
 near, far = multiprocessing.Pipe()
 started(here._hold_the_lock, (Connection(int(sys.argv[1])),), "test", Limits(niceness=0), far)
 near.recv()

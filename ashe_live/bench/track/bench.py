@@ -59,9 +59,10 @@ class TrackBench(Bench):
             draw_trade(points, "Tracking: error against time", COST, measured_with(record), out / TRADE, overwrite)
 
     def _measured(self) -> Json:
+        # First, as a folder that cannot be read is to be said at once.
+        clips: list[ClipFigures] = [] if self.real is None else follow_clips(self.real, self.preset)
         figures = list(self._figures())
         print_figures(self.console, figures)
-        clips: list[ClipFigures] = [] if self.real is None else follow_clips(self.real, self.preset)
         if clips:
             print_clips(self.console, clips)
         return {
