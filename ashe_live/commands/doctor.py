@@ -98,9 +98,9 @@ def _display() -> str:
 
 def window_probe() -> str:
     """Opens a window for a moment. Raises UserError when that fails."""
-    from ashe_live.viewer.window import Window
+    from ashe_live.viewer.glfw_window import GlfwWindow
 
-    with Window("ashe-live doctor", (320, 240)) as window:
+    with GlfwWindow("ashe-live doctor", (320, 240)) as window:
         return _described(window.context.info)
 
 

@@ -89,10 +89,10 @@ def show(setup: ViewerSetup) -> int:
 def show_in_window(setup: ViewerSetup) -> int:
     """Until it is closed."""
     # Only here, so that playing without a display does without GLFW.
+    from ashe_live.viewer.glfw_window import GlfwWindow
     from ashe_live.viewer.live import LiveViewer
     from ashe_live.viewer.pipeline import Pipeline
     from ashe_live.viewer.recording import Recording
-    from ashe_live.viewer.window import Window
 
     options = setup.options
     if not has_display():
@@ -103,7 +103,7 @@ def show_in_window(setup: ViewerSetup) -> int:
         stack.enter_context(graphics_failures_told())
         # First, as its process starts while the window opens, and a model that cannot be read opens none.
         session = stack.enter_context(opened_session(setup))
-        window = stack.enter_context(Window(f"ashe-live: {setup.source.name}", setup.size))
+        window = stack.enter_context(GlfwWindow(f"ashe-live: {setup.source.name}", setup.size))
         pipeline = Pipeline(setup.source, setup.tracker, options.loop)
         stack.callback(pipeline.close)
         pipeline.start()

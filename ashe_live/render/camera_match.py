@@ -8,6 +8,7 @@ from ashe_live.core.types import Frame
 from ashe_live.render.canvas import Canvas
 from ashe_live.render.framing import Rectangle
 from ashe_live.render.programs import build_program, set_uniforms
+from ashe_live.render.texture_units import UNIT_OF
 from ashe_live.render.video_look import BOX_VARIANCE_PX2, VideoLook
 
 LEAST_BLUR_PX = 0.15
@@ -40,12 +41,11 @@ class CameraMatch:
         copy, framebuffer = self._copy.of_size(target.size)
         framebuffer.scissor = (left - 2 * reach, bottom - 2 * reach, width + 4 * reach, height + 4 * reach)
         self._ctx.copy_framebuffer(framebuffer, target)
-        copy.use(0)
+        copy.use(UNIT_OF["picture"])
         # Binomial weights 1/4, 1/2, 1/4 at a distance d have the variance d^2 / 2.
         step = math.sqrt(2) * blur
         set_uniforms(
             self._program,
-            picture=0,
             blur_step=(step / target.size[0], step / target.size[1]),
             noise_sigma=look.noise_sigma,
             grain_px=(scale, viewport[3] / frame.size[1]),

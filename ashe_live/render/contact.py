@@ -19,6 +19,7 @@ from ashe_live.render.geometry import GpuModel
 from ashe_live.render.lighting import Sun
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
+from ashe_live.render.texture_units import UNIT_OF
 
 DIRECTIONS = 24
 DEPTHS = replace(FAST.render, shadow_map_size=128, soft_on_model=False, pcf_radius=1)
@@ -65,9 +66,10 @@ class ContactPatch:
         smooth = cv2.GaussianBlur(occlusion.astype(np.float32), (0, 0), BLUR_TEXELS)
         self._texture.write(np.ascontiguousarray(smooth, dtype=np.float16))
 
-    def bind(self, program: moderngl.Program, unit: int) -> None:
-        self._texture.use(unit)
-        set_uniforms(program, contact=unit, patch_bounds=tuple(self.bounds.ravel()))
+    def bind(self, program: moderngl.Program) -> None:
+        """Gives `program` the patch and where it is."""
+        self._texture.use(UNIT_OF["contact"])
+        set_uniforms(program, patch_bounds=tuple(self.bounds.ravel()))
 
     def release(self) -> None:
         self._depth_map.release()

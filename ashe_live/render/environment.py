@@ -9,9 +9,7 @@ from ashe_live.render.lighting import GROUND_ALBEDO, RGB
 from ashe_live.render.programs import set_uniforms
 from ashe_live.render.shadow_maps import same_objects
 from ashe_live.render.surroundings import LinearPicture, blurred_levels, even_surroundings, level_count, surroundings_of
-
-# Texture units that no other pass binds.
-GROUND_UNIT, SKY_UNIT = 10, 11
+from ashe_live.render.texture_units import UNIT_OF
 
 
 class Environment:
@@ -44,12 +42,10 @@ class Environment:
 
     def bind(self, program: moderngl.Program) -> None:
         """Gives `program` what environment.glsl reads."""
-        self._ground.use(GROUND_UNIT)
-        self._sky.use(SKY_UNIT)
+        self._ground.use(UNIT_OF["ground_map"])
+        self._sky.use(UNIT_OF["sky_map"])
         set_uniforms(
             program,
-            ground_map=GROUND_UNIT,
-            sky_map=SKY_UNIT,
             half_radius_m=self._half_radius_m,
             environment_size=float(self._size),
         )

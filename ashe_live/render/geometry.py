@@ -11,6 +11,7 @@ from ashe_live.models.material import SRGB_MAPS, Alpha
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.programs import Programs, set_uniforms
+from ashe_live.render.texture_units import UNIT_OF
 
 GL_RGBA8, GL_SRGB8_ALPHA8 = 0x8058, 0x8C43
 STEP_BYTES = 1 << 20  # about what a software rasteriser's memory takes in a millisecond
@@ -110,11 +111,10 @@ class GpuModel:
                 constants = {material.alpha.name: 1, **{name: 1 for name in part.maps if name == "base_map"}}
             program = self._programs.get("depth", **constants)
             if "base_map" in constants:
-                part.maps["base_map"].use(0)
+                part.maps["base_map"].use(UNIT_OF["base_map"])
             set_uniforms(
                 program,
                 clip_from_marker=clip_from_marker,
-                base_map=0,
                 base_alpha=material.base_colour[3],
                 alpha_cutoff=material.alpha_cutoff,
             )

@@ -63,17 +63,17 @@ class ShadowCatcher:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         # Behind a model that is flat on the ground.
         self._ctx.polygon_offset = 1.0, 1.0
-        video.bind(0)
+        video.bind()
         shadows.bind(program)
-        model.contact.bind(program, 2)
+        model.contact.bind(program)
         set_uniforms(
             program,
             clip_from_marker=framing.clip_from_marker,
             placed_from_marker=model.placed_from_marker,
-            video=0,
             viewport=tuple(float(value) for value in framing.viewport),
             ground_rgb=(0.0, 0.0, 0.0) if ground_rgb is None else tuple(float(value) for value in ground_rgb),
-            **lighting.uniforms(),
+            sky=lighting.sky,
+            sun_on_ground=lighting.ground_shares,
         )
         self._fan_of(program).render(moderngl.TRIANGLE_FAN)
         self._ctx.polygon_offset = 0.0, 0.0

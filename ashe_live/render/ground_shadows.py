@@ -14,8 +14,8 @@ from ashe_live.render.canvas import Canvas
 from ashe_live.render.lighting import Sun
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps, tile_corners
+from ashe_live.render.texture_units import UNIT_OF
 
-UNIT = 12  # that no other pass binds
 # A penumbra wider than this share of the caster's width is cut off.
 WIDEST_PENUMBRA = 1.0
 
@@ -76,8 +76,8 @@ class GroundShadows:
 
     def bind(self, program: moderngl.Program) -> None:
         if self._texture is not None:
-            self._texture.use(UNIT)
-            set_uniforms(program, ground_shadows=UNIT, **self._uniforms)
+            self._texture.use(UNIT_OF["ground_shadows"])
+            set_uniforms(program, **self._uniforms)
 
     def release(self) -> None:
         self._release_rectangle()

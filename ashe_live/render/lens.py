@@ -10,6 +10,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.render.canvas import Canvas
 from ashe_live.render.framing import Rectangle
 from ashe_live.render.programs import build_program, set_uniforms
+from ashe_live.render.texture_units import UNIT_OF
 
 GRID_PX = 8  # of the video, between places where the lens is computed exactly
 
@@ -49,9 +50,8 @@ class Lens:
             "drawn": drawn,
             "straight_from_bent": self._grid_of(tracked.camera),
         }
-        for unit, (name, texture) in enumerate(textures.items()):
-            texture.use(unit)
-            set_uniforms(self._program, **{name: unit})
+        for name, texture in textures.items():
+            texture.use(UNIT_OF[name])
         bounds = {"viewport": tuple(map(float, viewport)), "region": tuple(map(float, region))}
         set_uniforms(self._program, **bounds)
         target.use()

@@ -49,14 +49,15 @@ class Lighting:
     sky: RGB  # on level ground; with the suns' shares it makes 1
     bounce: RGB  # from the ground, on a surface that faces it
 
-    def uniforms(self) -> dict[str, Float | RGB]:
-        """What shaders call sky and suns, whose directions come with the shadow maps; arrays of LIGHTS."""
-        return {
-            "sky": self.sky,
-            "ground_bounce": self.bounce,
-            "sun": np.array([sun.irradiance for sun in self.suns]),
-            "sun_on_ground": np.array([sun.ground_share for sun in self.suns]),
-        }
+    @property
+    def irradiances(self) -> Float:
+        """(n, 3) of the suns, each across its direction."""
+        return np.array([sun.irradiance for sun in self.suns])
+
+    @property
+    def ground_shares(self) -> Float:
+        """(n, 3) of the light on level ground, each sun's."""
+        return np.array([sun.ground_share for sun in self.suns])
 
 
 def lighting_of(

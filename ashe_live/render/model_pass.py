@@ -17,6 +17,7 @@ from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
 from ashe_live.render.standing import StandingModel
+from ashe_live.render.texture_units import UNIT_OF
 
 NOWHERE: Float = np.zeros((4, 4))
 # A lobe narrower than this is a point that flickers between pixels.
@@ -99,7 +100,10 @@ class ModelPass:
             occlusion_strength=material.occlusion_strength,
             emissive=material.emissive,
             alpha_cutoff=material.alpha_cutoff,
-            **inputs.lighting.uniforms(),
+            sky=inputs.lighting.sky,
+            ground_bounce=inputs.lighting.bounce,
+            sun=inputs.lighting.irradiances,
+            sun_on_ground=inputs.lighting.ground_shares,
         )
         part.draw(program)
 
@@ -112,9 +116,8 @@ class ModelPass:
         if part.material.is_mirror:
             looked_up.ground_shadows.bind(program)
             looked_up.environment.bind(program)
-        for unit, (name, texture) in enumerate(part.maps.items()):
-            texture.use(unit)
-            set_uniforms(program, **{name: unit})
+        for name, texture in part.maps.items():
+            texture.use(UNIT_OF[name])
         return program
 
 

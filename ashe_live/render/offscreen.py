@@ -11,6 +11,7 @@ import moderngl
 from ashe_live.errors import UserError
 
 Context = moderngl.Context
+Framebuffer = moderngl.Framebuffer
 GL_VERSION = 330
 GL_TYPES = (
     moderngl.Buffer,

@@ -7,6 +7,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.programs import build_program, set_uniforms
 from ashe_live.render.scene import Overlay
+from ashe_live.render.texture_units import UNIT_OF
 
 
 class OverlayPass:
@@ -29,11 +30,11 @@ class OverlayPass:
         self._ctx.enable_only(moderngl.BLEND)
         self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
         for overlay in overlays:
-            self._texture(overlay).use(0)
+            self._texture(overlay).use(UNIT_OF["picture"])
             width, height = overlay.shown_size
             left, right = (2 * x / size[0] - 1 for x in (overlay.left_px, overlay.left_px + width))
             top, bottom = (1 - 2 * y / size[1] for y in (overlay.top_px, overlay.top_px + height))
-            set_uniforms(self._program, picture=0, rectangle=(left, bottom, right, top))
+            set_uniforms(self._program, rectangle=(left, bottom, right, top))
             self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
 
     def release(self) -> None:

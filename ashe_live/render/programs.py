@@ -8,6 +8,7 @@ import numpy as np
 
 from ashe_live.files.resources import resource
 from ashe_live.process.signals import signals_held
+from ashe_live.render.texture_units import UNIT_OF
 
 
 class Programs:
@@ -31,12 +32,14 @@ class Programs:
 
 
 def build_program(ctx: moderngl.Context, name: str, **constants: float) -> moderngl.Program:
-    """The program of `shaders/<name>.vert` and `.frag`; `constants` become macros in upper case."""
+    """The program of `shaders/<name>.vert` and `.frag`, its samplers on their units; `constants` become macros."""
     defines = "".join(f"#define {key.upper()} {value}\n" for key, value in constants.items())
     vertex, fragment = (shader_source(f"{name}.{stage}", defines) for stage in ("vert", "frag"))
     # moderngl 5.13 crashes when a signal's handler raises in the Python that it calls for each uniform.
     with signals_held():
-        return ctx.program(vertex_shader=vertex, fragment_shader=fragment)
+        program = ctx.program(vertex_shader=vertex, fragment_shader=fragment)
+    set_uniforms(program, **UNIT_OF)
+    return program
 
 
 def shader_source(file_name: str, defines: str = "") -> str:
@@ -57,6 +60,7 @@ def set_uniforms(program: moderngl.Program, **values: Any) -> None:
     """Sets uniforms by name: numbers, tuples, matrices ([n,] 4, 4) for column vectors, other arrays as they are.
 
     What a compiler has found to be unused, an array's end too, is left out, as each driver decides that for itself.
+    Names that the program's files do not declare, and uniforms that nobody sets, are errors in the tests.
     """
     for name, value in values.items():
         uniform = program.get(name, None)

@@ -33,19 +33,19 @@ class RealObject:
 
     def draw(self, framing: Framing, video: Video, lighting: Lighting, shadows: ShadowMaps) -> None:
         """Its depth, and in its place the video, darker where the model keeps a sun from it."""
+        program = self._programs.get("depth")
         if shadows.model_shades_real:
             program = self._programs.get("real_object", **shadows.constants | {"casters": 1})
-        else:
-            program = self._programs.get("depth")
-        video.bind(0)
-        shadows.bind(program)
-        set_uniforms(
-            program,
-            clip_from_marker=framing.clip_from_marker,
-            video=0,
-            viewport=tuple(float(value) for value in framing.viewport),
-            **lighting.uniforms(),
-        )
+            video.bind()
+            shadows.bind(program)
+            set_uniforms(
+                program,
+                viewport=tuple(float(value) for value in framing.viewport),
+                sky=lighting.sky,
+                ground_bounce=lighting.bounce,
+                sun=lighting.irradiances,
+            )
+        set_uniforms(program, clip_from_marker=framing.clip_from_marker)
         self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         # Near and far enclose the model and its shadow; the object may stand before and behind both.
         self._ctx.enable_direct(GL_DEPTH_CLAMP)

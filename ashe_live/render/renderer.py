@@ -61,6 +61,10 @@ class SceneRenderer:
         self._photometry = Photometry(preset)
         self._surface = Surface(ctx, size, preset.msaa_samples)
 
+    def beside(self, preset: RenderPreset, size: Size) -> "SceneRenderer":
+        """Another renderer of the same context, for other pictures."""
+        return SceneRenderer(self._ctx, preset, size)
+
     @property
     def size(self) -> Size:
         return self._surface.size

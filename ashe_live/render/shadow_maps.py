@@ -17,13 +17,12 @@ from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import light_view, orthographic, transform_points, translated_and_scaled
 from ashe_live.render.lighting import Sun
 from ashe_live.render.programs import set_uniforms
+from ashe_live.render.texture_units import UNIT_OF
 
 # A side never narrower than this share of the longest: a flat model seen edge on still has a map.
 MIN_EXTENT_RATIO = 1e-3
 CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
 UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))
-# Texture units that no other pass binds.
-COMPARING_UNIT, DEPTH_UNIT = 8, 9
 
 
 class Caster(Protocol):
@@ -127,13 +126,11 @@ class ShadowMaps:
         """Gives `program`, built with `constants`, what shadow.glsl reads."""
         if self._texture is None or not self._uniforms:
             return
-        self._texture.use(COMPARING_UNIT)
-        self._texture.use(DEPTH_UNIT)
-        self._depths.use(DEPTH_UNIT)
+        self._texture.use(UNIT_OF["shadow_maps"])
+        self._texture.use(UNIT_OF["shadow_depths"])
+        self._depths.use(UNIT_OF["shadow_depths"])
         set_uniforms(
             program,
-            shadow_maps=COMPARING_UNIT,
-            shadow_depths=DEPTH_UNIT,
             shadow_map_size=float(self._preset.shadow_map_size),
             **self._uniforms,
         )

@@ -11,6 +11,7 @@ from ashe_live.core.camera import Camera, Size
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.framing import Rectangle
 from ashe_live.render.programs import build_program, set_uniforms
+from ashe_live.render.texture_units import UNIT_OF
 
 WHOLE_VIEWPORT = (-1.0, -1.0, 1.0, 1.0)
 
@@ -71,13 +72,15 @@ class Video:
     def draw(self) -> None:
         """Draws into the current viewport."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.BLEND)
-        self.bind(0)
-        set_uniforms(self._program, picture=0, rectangle=WHOLE_VIEWPORT)
+        assert self._texture is not None
+        self._texture.use(UNIT_OF["picture"])
+        set_uniforms(self._program, rectangle=WHOLE_VIEWPORT)
         self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
 
-    def bind(self, unit: int) -> None:
+    def bind(self) -> None:
+        """For programs that read it as `video`."""
         assert self._texture is not None
-        self._texture.use(unit)
+        self._texture.use(UNIT_OF["video"])
 
     def release(self) -> None:
         self._release_texture()

@@ -12,7 +12,6 @@ from ashe_live.core.contract import SNAPSHOT_KEYWORD, estimated_light_json, ligh
 from ashe_live.core.quality import RenderPreset
 from ashe_live.errors import UserError
 from ashe_live.files.writing import unused_name
-from ashe_live.render.offscreen import Context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.recording import Recording
@@ -20,13 +19,13 @@ from ashe_live.viewer.session import Session
 
 
 class Keeper:
-    """Draws with the window's context, and only what is asked for."""
+    """Draws only what is asked for."""
 
     def __init__(
-        self, context: Context, session: Session, tell: Callable[[str, float], None], recording: Recording | None
+        self, shown: SceneRenderer, session: Session, tell: Callable[[str, float], None], recording: Recording | None
     ) -> None:
-        """`tell` says a line at a time in seconds; `recording` is one that has begun already."""
-        self._context = context
+        """`shown` draws for the window; `tell` says a line at a time in seconds; `recording` has begun already."""
+        self._shown = shown
         self._session = session
         self._tell = tell
         self._recording = recording
@@ -89,7 +88,7 @@ class Keeper:
         assert self._session.tracked is not None
         size = drawn_size(self._session.tracked.frame.size)
         if self._renderer is None:
-            self._renderer = SceneRenderer(self._context, preset, size)
+            self._renderer = self._shown.beside(preset, size)
         if self._renderer.size != size:
             self._renderer.resize(size)
         self._renderer.preset = preset

@@ -53,7 +53,7 @@ class LiveViewer:
         self._quality_name = quality_name
         self._interval_s = 1 / window.refresh_rate_hz
         self._auto: AutoQuality | None = None
-        self._keeper = Keeper(window.context, session, self._tell, recording)
+        self._keeper = Keeper(renderer, session, self._tell, recording)
         self._opening = None if opener is None else Opening(opener)
         self._loop = loop
         self._source_error: str | None = None
@@ -142,7 +142,7 @@ class LiveViewer:
         manner = "   ".join(filter(None, (self._quality_shown, self._playback.pace_shown, recording)))
         scene = self._display.scene(self._session, size, manner, now_s, self._fps(), status, scale, moment)
         self._renderer.render(scene)
-        self._renderer.present(self._window.context.screen)
+        self._window.present(self._renderer)
 
     def _fps(self) -> float | None:
         """Of the display; None until there are two pictures to tell it from."""

@@ -10,7 +10,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.viewer.window import Window
+from ashe_live.viewer.glfw_window import GlfwWindow
 
 
 class PictureWindow:
@@ -18,7 +18,7 @@ class PictureWindow:
 
     def __init__(self, title: str, size: Size) -> None:
         """Raises UserError when there is no display or no OpenGL 3.3."""
-        self.window = Window(title, size)
+        self.window = GlfwWindow(title, size)
         self._renderer = SceneRenderer(self.window.context, FAST.render, self.window.framebuffer_size)
         self._hud = Hud()
 
@@ -31,7 +31,7 @@ class PictureWindow:
         camera = Camera.from_hfov(frame.size, ASSUMED_HFOV_DEG, "assumed")
         overlays = self._hud.overlays(text, size, self.window.content_scale)
         self._renderer.render(Scene(TrackedFrame(frame, camera, None), overlays=overlays))
-        self._renderer.present(self.window.context.screen)
+        self.window.present(self._renderer)
         self.window.swap()
 
     def close(self) -> None:

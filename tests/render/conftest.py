@@ -16,6 +16,7 @@ from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
+from tests.render.uniform_audit import UniformAudit, begin_audit
 
 SIZE = (480, 360)
 FOCAL_PX = 520.0
@@ -27,6 +28,13 @@ def ctx() -> moderngl.Context:
         return offscreen_context()
     except UserError as error:
         pytest.fail(str(error))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def audit() -> Iterator[UniformAudit]:
+    """In every test here a uniform that no shader declares, or that nobody sets, is an error."""
+    with pytest.MonkeyPatch.context() as patch:
+        yield begin_audit(patch)
 
 
 @pytest.fixture

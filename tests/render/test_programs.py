@@ -1,14 +1,19 @@
+import re
 import subprocess
 import sys
+from collections.abc import Iterator
 
 import moderngl
 import pytest
 
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
-from ashe_live.render import offscreen
-from ashe_live.render.programs import build_program, shader_source
+from ashe_live.render import offscreen, programs
+from ashe_live.render.programs import shader_source
+from ashe_live.render.texture_units import UNIT_OF
+from tests.render.uniform_audit import UniformError
 
+LEAST_UNITS = 16  # that OpenGL 3.3 has for fragment shaders
 PASSES = sorted(path.stem for path in resource("shaders").glob("*.vert"))
 
 
@@ -23,7 +28,45 @@ def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> N
     for lights, casters, blocker_taps in ((0, 1, 0), (1, 1, 0), (1, 2, 8), (4, 2, 16)):
         constants = {"lights": lights, "casters": casters, "blocker_taps": blocker_taps, "soft_taps": 16}
         if name not in ("contact", "ground_shadow") or lights:
-            build_program(ctx, name, pcf_radius=1, contact_fade=0.3, **constants).release()
+            programs.build_program(ctx, name, pcf_radius=1, contact_fade=0.3, **constants).release()
+
+
+@pytest.mark.parametrize("name", PASSES)
+def test_what_a_pass_samples_has_units_of_its_own(name: str) -> None:
+    samplers = re.findall(r"uniform sampler\w+ (\w+)", shader_source(f"{name}.vert") + shader_source(f"{name}.frag"))
+    units = [UNIT_OF[sampler] for sampler in samplers]
+    assert len(set(units)) == len(units)
+    assert all(0 <= unit < LEAST_UNITS for unit in units)
+
+
+def test_no_other_sampler_is_read_from_where_the_depths_stay_bound() -> None:
+    assert list(UNIT_OF.values()).count(UNIT_OF["shadow_depths"]) == 1
+
+
+@pytest.fixture
+def screen(ctx: moderngl.Context) -> Iterator[tuple[moderngl.Program, moderngl.VertexArray]]:
+    """The simplest pass, ready to be drawn but for its uniforms."""
+    program = programs.build_program(ctx, "screen")
+    array, target = ctx.vertex_array(program, []), ctx.simple_framebuffer((8, 8))
+    target.use()
+    yield program, array
+    ctx.detect_framebuffer(0).use()  # moderngl binds again what was bound before
+    for held in (array, program, target):
+        held.release()
+
+
+def test_a_uniform_that_no_shader_declares_is_an_error_in_tests(screen) -> None:
+    program, _ = screen
+    with pytest.raises(UniformError, match="'rectangel'"):
+        programs.set_uniforms(program, rectangel=(-1.0, -1.0, 1.0, 1.0))
+
+
+def test_a_uniform_that_nobody_has_set_is_an_error_in_tests(screen) -> None:
+    program, array = screen
+    with pytest.raises(UniformError, match="'rectangle'"):
+        array.render(moderngl.TRIANGLE_STRIP, vertices=4)
+    programs.set_uniforms(program, rectangle=(-1.0, -1.0, 1.0, 1.0))
+    array.render(moderngl.TRIANGLE_STRIP, vertices=4)
 
 
 INTERRUPTED = """

@@ -171,6 +171,9 @@ class FakeRenderer:
     def render(self, scene) -> None:
         self.scenes.append(scene)
 
+    def beside(self, preset: object, size: tuple[int, int]) -> "FakeRenderer":
+        return FakeRenderer(None, preset, size)
+
     def finish(self) -> None: ...
 
     def present(self, _target: object) -> None: ...

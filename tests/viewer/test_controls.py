@@ -6,7 +6,7 @@ import glfw
 import pytest
 
 from ashe_live.viewer.controls import BINDINGS, HELD, REQUEST_BY_KEY, Command, Request, help_rows, request_for
-from ashe_live.viewer.window import NAME_BY_GLFW_KEY, held
+from ashe_live.viewer.glfw_window import NAME_BY_GLFW_KEY, held
 
 
 def split(key: str) -> tuple[str, str]:

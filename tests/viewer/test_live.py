@@ -20,53 +20,11 @@ from ashe_live.render.offscreen import graphics_failures_told
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer import keeping
 from ashe_live.viewer import recording as recording_module
-from ashe_live.viewer.controls import Command, Files, MouseEvent, Request
+from ashe_live.viewer.controls import Command, Files, Request
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.session import EstimatePolicy, Session
-
-RATE_HZ = 500.0
-
-
-class ScriptedWindow:
-    """Calls the script's steps, one a picture, takes the commands that they return as requests, and closes."""
-
-    framebuffer_size, content_scale, refresh_rate_hz = (64, 48), 1.0, RATE_HZ
-    is_closing = False
-    clipboard = ""
-
-    class context:  # noqa: N801 - stands in for an instance
-        screen = None
-
-    def __init__(self, steps) -> None:
-        self.steps = list(steps)
-        self.fullscreen = 0
-        self.requests: list[Request] = []
-
-    def take_requests(self, wait_s: float) -> list[Request]:
-        if wait_s > 0:
-            threading.Event().wait(wait_s)
-            return []
-        requests, self.requests = self.requests, []
-        return requests
-
-    def take_mouse(self) -> list[MouseEvent]:
-        return []
-
-    def swap(self) -> None:
-        if not self.steps:
-            self.is_closing = True
-            return
-        wanted = self.steps.pop(0)()
-        self.requests = [Request(wanted)] if isinstance(wanted, Command) else []
-        if isinstance(wanted, Request):
-            self.requests = [wanted]
-
-    def toggle_fullscreen(self) -> None:
-        self.fullscreen += 1
-
-    def set_title(self, title: str) -> None:
-        self.title = title
+from tests.viewer.scripted_window import ScriptedWindow
 
 
 class ScriptedPipeline:
@@ -119,7 +77,6 @@ class Stage:
 @pytest.fixture
 def stage(fakes, monkeypatch, tmp_path) -> Stage:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(keeping, "SceneRenderer", fakes.Renderer)
     return Stage(fakes)
 
 
@@ -338,7 +295,7 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
         stage.session._worker.answer = stage.fakes.estimate()
 
     def is_there() -> bool:
-        return getattr(stage.window, "title", "") == "ashe-live: sun.mp4"
+        return stage.window.title == "ashe-live: sun.mp4"
 
     viewer = stage.run(
         *(Command.ESTIMATE, answer, None, Command.RECORD, None, None, None, dropped("/far/sun.mp4")),

@@ -10,9 +10,9 @@ import pytest
 from ashe_live.capture.sources import open_source
 from ashe_live.errors import UserError
 from ashe_live.viewer.controls import Command, Files, Request
+from ashe_live.viewer.glfw_window import GlfwWindow
 from ashe_live.viewer.opening import Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.pipeline import Pipeline
-from ashe_live.viewer.window import Window
 
 PATIENCE_S = 20.0
 
@@ -137,7 +137,7 @@ def test_copied_text_names_files(text, paths):
 
 
 def test_the_windows_drop_is_a_request():
-    window = Window.__new__(Window)  # without a display
+    window = GlfwWindow.__new__(GlfwWindow)  # without a display
     window._requests = []
     window._on_drop(None, ["/a/b.glb", "/a/c d.mp4"])
     assert window._requests == [Request(Command.OPEN, Files(("/a/b.glb", "/a/c d.mp4")))]

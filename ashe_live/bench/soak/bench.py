@@ -4,7 +4,7 @@ import contextlib
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import ClassVar, cast
+from typing import ClassVar
 
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.resources_held import left_running
@@ -28,7 +28,6 @@ from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.session import EstimatePolicy, Session
 from ashe_live.viewer.shelf import Shelf
-from ashe_live.viewer.window import Window
 
 MODEL = "cube"
 # Of camera and display: about as fast as two cores can go without a graphics card.
@@ -105,8 +104,7 @@ class SoakBench(Bench):
             stage.window = OffscreenWindow(ctx, camera.size, rate_hz, lambda picture: stage.on_picture(picture))
             stack.callback(stage.window.release)
             pipeline.start()
-            window = cast(Window, stage.window)
-            stage.viewer = LiveViewer(window, renderer, pipeline, session, self.quality.name)
+            stage.viewer = LiveViewer(stage.window, renderer, pipeline, session, self.quality.name)
             yield stage
 
 

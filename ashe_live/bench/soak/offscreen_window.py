@@ -1,8 +1,7 @@
-"""A window without a screen: what the viewer's loop needs of one, with a stopwatch in it."""
+"""A window without a screen, with a stopwatch in it."""
 
 import time
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import cv2
@@ -12,6 +11,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.offscreen import Context
 from ashe_live.viewer.controls import MouseEvent, Request
+from ashe_live.viewer.window import Presentable
 
 
 class ShownPicture(NamedTuple):
@@ -23,9 +23,10 @@ class ShownPicture(NamedTuple):
 
 
 class OffscreenWindow:
-    """Plays `Window`'s part for LiveViewer; `on_picture` hears of each picture."""
+    """A Window; `on_picture` hears of each picture."""
 
     content_scale = 1.0
+    clipboard = ""
     is_closing = False
 
     def __init__(self, ctx: Context, size: Size, rate_hz: float, on_picture: Callable[[ShownPicture], None]) -> None:
@@ -36,7 +37,6 @@ class OffscreenWindow:
         self._on_picture = on_picture
         self._colour = ctx.renderbuffer(size)
         self._screen = ctx.framebuffer([self._colour])
-        self.context = SimpleNamespace(screen=self._screen)
         self._begun_s = self._begun_cpu_s = 0.0
 
     def take_requests(self, wait_s: float) -> list[Request]:
@@ -50,6 +50,15 @@ class OffscreenWindow:
     def take_mouse(self) -> list[MouseEvent]:
         """Nobody holds one here."""
         return []
+
+    def set_title(self, title: str) -> None:
+        """Nobody reads it here."""
+
+    def toggle_fullscreen(self) -> None:
+        """There is no screen to fill."""
+
+    def present(self, picture: Presentable) -> None:
+        picture.present(self._screen)
 
     def swap(self) -> None:
         """The picture is on the screen when it is drawn."""

@@ -1,0 +1,29 @@
+"""Which texture unit each sampler of the shaders reads: given out here and nowhere else.
+
+A program's samplers are told when it is built, so that a pass only binds its textures. OpenGL 3.3 has at least 16
+units. What one program samples has units of its own, and so has what stays bound from pass to pass; only full-screen
+passes share some, as each of them binds all that it samples.
+"""
+
+UNIT_OF = {
+    # A material's maps.
+    "base_map": 0,
+    "metallic_roughness_map": 1,
+    "normal_map": 2,
+    "occlusion_map": 3,
+    "emissive_map": 4,
+    # What surfaces look up besides.
+    "shadow_maps": 5,
+    "shadow_depths": 6,  # the same texture by another sampler object, which stays bound to this unit
+    "ground_shadows": 7,
+    "ground_map": 8,
+    "sky_map": 9,
+    "contact": 10,
+    "video": 11,
+    # Full-screen passes.
+    "picture": 12,
+    "original": 12,
+    "bare": 13,
+    "drawn": 14,
+    "straight_from_bent": 15,
+}

@@ -1,0 +1,84 @@
+"""Every window is one that the viewer's loop can work with: the screen's, the bench's without a screen, the tests' own.
+
+mypy checks this file with the package: what stands in WINDOWS has the names and types of the protocol. That it also
+behaves so is tried here.
+"""
+
+import contextlib
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+
+import pytest
+
+from ashe_live.bench.soak.offscreen_window import OffscreenWindow
+from ashe_live.render.offscreen import Framebuffer, offscreen_context
+from ashe_live.viewer.glfw_window import GlfwWindow
+from ashe_live.viewer.window import Window
+from tests.e2e.conftest import CHECKOUT, PATIENCE_S
+from tests.viewer.scripted_window import ScriptedWindow
+
+SIZE = (64, 48)
+
+
+class Picture:
+    """Counts how often it is presented, and draws nothing."""
+
+    def __init__(self) -> None:
+        self.targets: list[Framebuffer] = []
+
+    def present(self, target: Framebuffer) -> None:
+        self.targets.append(target)
+
+
+@contextlib.contextmanager
+def offscreen() -> Iterator[Window]:
+    ctx = offscreen_context()
+    window = OffscreenWindow(ctx, SIZE, 60.0, lambda _picture: None)
+    yield window
+    window.release()
+    ctx.release()
+
+
+WINDOWS: dict[str, Callable[[], AbstractContextManager[Window]]] = {
+    "glfw": lambda: GlfwWindow("ashe-live: conformance", SIZE),
+    "offscreen": offscreen,
+    "scripted": lambda: contextlib.nullcontext(ScriptedWindow([lambda: None] * 9)),
+}
+
+
+def try_out(name: str) -> None:
+    """All that the protocol names, as LiveViewer uses it."""
+    with WINDOWS[name]() as window:
+        assert min(window.framebuffer_size) > 0
+        assert window.content_scale > 0
+        assert window.refresh_rate_hz > 0
+        assert window.clipboard == "" or name == "glfw"
+        window.set_title("ashe-live: another title")
+        for _ in range(2):
+            window.toggle_fullscreen()
+            assert window.take_requests(0.0) == []
+            assert window.take_requests(0.001) == []
+            assert all(event.notches == 0 for event in window.take_mouse())
+            picture = Picture()
+            window.present(picture)
+            window.swap()
+            assert len(picture.targets) <= 1
+            assert min(window.framebuffer_size) > 0
+        assert not window.is_closing
+
+
+@pytest.mark.parametrize("name", [pytest.param("glfw", marks=pytest.mark.window), "offscreen", "scripted"])
+def test_a_window_conforms(name: str, request: pytest.FixtureRequest) -> None:
+    if name != "glfw":
+        try_out(name)
+        return
+    # In a process of its own, whose display is ours.
+    screen = request.getfixturevalue("screen")
+    code = "from tests.e2e.test_window_conformance import try_out; try_out('glfw')"
+    environment = {**screen.environment, "PYTHONPATH": str(CHECKOUT)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, cwd=CHECKOUT, capture_output=True, text=True, timeout=PATIENCE_S
+    )
+    assert done.returncode == 0, done.stderr

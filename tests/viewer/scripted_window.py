@@ -1,0 +1,55 @@
+"""A window that is worked by a script, and shows nothing."""
+
+import threading
+from collections.abc import Callable, Iterable
+
+from ashe_live.core.camera import Size
+from ashe_live.viewer.controls import Command, MouseEvent, Request
+from ashe_live.viewer.window import Presentable
+
+RATE_HZ = 500.0
+
+
+class ScriptedWindow:
+    """Calls the script's steps, one a picture, takes the commands that they return as requests, and closes."""
+
+    framebuffer_size: Size = (64, 48)
+    content_scale = 1.0
+    refresh_rate_hz = RATE_HZ
+    clipboard = ""
+    is_closing = False
+
+    def __init__(self, steps: Iterable[Callable[[], object]]) -> None:
+        self.steps = list(steps)
+        self.fullscreen = 0
+        self.title = ""
+        self.presented: Presentable | None = None
+        self.requests: list[Request] = []
+
+    def take_requests(self, wait_s: float) -> list[Request]:
+        if wait_s > 0:
+            threading.Event().wait(wait_s)
+            return []
+        requests, self.requests = self.requests, []
+        return requests
+
+    def take_mouse(self) -> list[MouseEvent]:
+        return []
+
+    def set_title(self, title: str) -> None:
+        self.title = title
+
+    def toggle_fullscreen(self) -> None:
+        self.fullscreen += 1
+
+    def present(self, picture: Presentable) -> None:
+        self.presented = picture
+
+    def swap(self) -> None:
+        if not self.steps:
+            self.is_closing = True
+            return
+        wanted = self.steps.pop(0)()
+        self.requests = [Request(wanted)] if isinstance(wanted, Command) else []
+        if isinstance(wanted, Request):
+            self.requests = [wanted]
