@@ -1,25 +1,21 @@
-"""The fit: from masks of an object and its shadows to lights, their covariance, and a body that explains both.
+"""The fit: from masks of an object and its shadows to bodies and lights that explain their outlines.
 
-Families of bodies are tried one after the other, each searched for its best member together with the lights; the one
-that explains the outlines best for its number of parameters is believed as far as it explains them, and the tangents
-that need no body decide the rest (docs/maths.md).
+Families of bodies are tried one generation after the other, each searched for its best member together with the lights,
+and ranked by how well they explain the outlines for their number of parameters (docs/maths.md).
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
-from ashe_live.core.proxy import Proxy
 from ashe_live.light.outline_fit.residuals import Sights
-from ashe_live.light.outline_fit.search import Problem, Solution, information_on_slants, search
-from ashe_live.light.outline_fit.tangents import sharpened_slants
+from ashe_live.light.outline_fit.search import Problem, Solution, search
 from ashe_live.light.shape.body import Body
 from ashe_live.light.shape.contours import AnyMask
-from ashe_live.light.shape.directions import FittedLight, above_the_ground, fitted_lights
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.first_guess import FirstGuess, guess_scene
@@ -27,11 +23,6 @@ from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 
 # Errors in neighbouring directions go together: this many of them tell what one independent measurement would.
 CORRELATED = 4.0
-# What a squared edge error and a squared misfit (the body is not quite of the family) weigh in the variance of an
-# outline; measured so that 68 and 95 % of the errors on rendered scenes, with true and spoilt masks, lie within theirs.
-EDGE_WEIGHT, MISFIT_WEIGHT = 4.0, 20.0
-# A misfit beyond this share of the object's size says that the family is a wrong one.
-WRONG_FAMILY_SHARE = 0.015
 # Cauchy's scale: errors beyond this share of the object's size are outliers (a handle, a hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
 ENOUGH_SHARE = 0.005  # of the object's size: small objects look alike, and need all families
@@ -43,27 +34,12 @@ class FitPreset:
 
     directions: int  # in which outlines are compared
     families: tuple[str, ...]  # tried in this order, each after the one that it grows from
-    stretches: tuple[float, ...]  # of the first guess's shadow length, to start from
     iterations: int
-    kept: int  # starts that go on after the first iterations
     enough: float  # no further family is tried once one misses by less, in sigmas of the edges
 
 
-FAST = FitPreset(32, ("frustum", "box", "sphere", "vase", "lump"), (1.0,), 8, 1, 1.5)
-MANY = ("frustum", "box", "sphere", "vase", "mug", "pylon", "wagon", "ell", "lump")
-BALANCED = FitPreset(40, MANY, (1.0,), 10, 1, 1.25)
-ACCURATE = FitPreset(72, tuple(FAMILIES), (0.6, 1.0, 1.6), 30, 3, 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Fit:
-    """Lights, the body that casts their shadows, and how well it does."""
-
-    lights: tuple[FittedLight, ...]  # one for each shadow mask, in their order
-    proxy: Proxy
-    residual_px: float  # root mean square by which the proxy and its shadows miss the outlines, outliers forgiven
-    object_px: float  # square root of the object's area, to compare the residual with
-    residual_px_by_family: Mapping[str, float]  # of every family tried
+FAST = FitPreset(32, ("frustum", "box", "sphere", "vase", "lump"), 8, 1.5)
+BALANCED = FitPreset(40, tuple(FAMILIES), 10, 1.25)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,16 +72,6 @@ class Masks:
         if not self.shadows or any(mask.shape != shape for mask in masks):
             shapes = [mask.shape for mask in masks]
             raise ValueError(f"a fit needs an object and shadows of shape {shape}, not {shapes}")
-
-
-def fit_light(masks: Masks, preset: FitPreset = BALANCED) -> Fit | FitFailure:
-    """The lights that cast the shadows, one for each."""
-    return fit_lights([masks], preset)[0]
-
-
-def fit_lights(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[Fit | FitFailure]:
-    """`fit_light` of each, in less time than one after the other takes."""
-    return [_believed(scene) if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
 
 
 def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[list[Body] | FitFailure]:
@@ -172,8 +138,8 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
     guess = guess_scene(masks.camera, masks.T_cam_marker, outlines)
     if isinstance(guess, str):
         return FitFailure(guess)
-    slants = [guess.slants * stretch for stretch in preset.stretches]
-    return _Scene(outlines, guess, slants if masks.near is None else [*slants, masks.near], masks.edge_sigma_px)
+    slants = [guess.slants] if masks.near is None else [guess.slants, masks.near]
+    return _Scene(outlines, guess, slants, masks.edge_sigma_px)
 
 
 def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
@@ -194,7 +160,7 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
         if not problems:
             break
         least_cost = np.array([scene.least_cost for scene in scenes])
-        solutions = search(sights, problems, least_cost, preset.iterations, preset.kept)
+        solutions = search(sights, problems, least_cost, preset.iterations)
         for problem, solution in zip(problems, solutions, strict=True):
             scenes[problem.scene].solutions[problem.family.name] = solution
 
@@ -213,29 +179,6 @@ def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
         yield ripe
         tried |= {family.name for family in ripe}
         left = [family for family in left if family not in ripe]
-
-
-def _believed(scene: _Scene) -> Fit:
-    """The best solution as a fit: sharpened by tangents, in the marker frame."""
-    outlines, solutions, edge_sigma_px = scene.outlines, scene.solutions, scene.edge_sigma_px
-    body = scene.bodies()[0]
-    best = solutions[body.family.name]
-    parameters = best.slants.size + best.shape.size
-    misfit = best.mean_square * best.count / max(best.count - parameters, 0.25 * best.count)
-    wrong = misfit / (WRONG_FAMILY_SHARE * outlines.size_px) ** 2
-    variance = EDGE_WEIGHT * edge_sigma_px**2 + MISFIT_WEIGHT * misfit * (1 + wrong)
-    known = information_on_slants(best.normal, best.slants.size) / variance
-    slants, covariance = sharpened_slants(
-        scene.guess.P,
-        outlines,
-        best.slants,
-        above_the_ground(known, best.slants),
-        edge_sigma_px,
-        body.spheroids if wrong < 1 else None,
-    )
-    residuals = {family: math.sqrt(solution.mean_square) for family, solution in solutions.items()}
-    lights = fitted_lights(slants, covariance)
-    return Fit(lights, body.proxy, residuals[body.family.name], outlines.size_px, residuals)
 
 
 def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:

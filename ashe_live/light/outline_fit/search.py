@@ -16,7 +16,7 @@ from ashe_live.light.shape.family import Family, padded
 
 SOLID_PRIOR = 0.25  # px^2 that one `spread` of a parameter costs: enough to keep what nothing else holds
 LARGEST_STEP = 1.5
-THINNING, TRIAL = 2, 4  # iterations before a third of the starts, and only the best ones, go on
+THINNING, TRIAL = 2, 4  # iterations before a third of the starts, and only the best one, go on
 CONVERGED = 1e-2  # relative gain of the cost
 FIRST_DAMPING, HIGHEST_DAMPING = 1e-2, 1e5
 HOPELESS = 3.0  # a search whose cost remains above this multiple of its scene's best is given up
@@ -42,23 +42,20 @@ class Solution:
     cost: float  # px^2
     mean_square: float  # px^2, of the forgiving loss, over the outlines' directions
     count: int  # of directions in which an outline was measured
-    normal: Float  # (2 l + q, 2 l + q) information on slants and shape, were errors independent and 1 px large
 
 
-def search(
-    sights: Sights, problems: Sequence[Problem], least_cost: Float, iterations: int, kept: int
-) -> list[Solution]:
+def search(sights: Sights, problems: Sequence[Problem], least_cost: Float, iterations: int) -> list[Solution]:
     """For each of m problems the member of its family and the slants that explain its scene's outlines best.
 
-    After a few iterations only the `kept` best starts go on, and none of them when their cost is far above the least
-    that is known for the scene by then; at first that is `least_cost`, one for each of the sights.
+    After a few iterations only the best start goes on, and not even that when its cost is far above the least that is
+    known for the scene by then; at first that is `least_cost`, one for each of the sights.
     """
     stack = _Stack.of(sights, problems)
     now = stack.started(problems)
     solved: dict[int, Solution] = {}
     for iteration in range(iterations):
         if iteration in (THINNING, TRIAL):
-            now = now.of(now.best(kept, 1 / 3 if iteration == THINNING else 0.0))
+            now = now.of(now.best(1 / 3 if iteration == THINNING else 0.0))
         candidate = now.theta + stack.step(now)
         gain = now.improved(candidate, *stack.evaluated(now.problem, now.start, candidate))
         if iteration >= TRIAL:
@@ -97,12 +94,12 @@ class _Candidates(Stacked):
     by_theta: Float  # (n, 2 l + q, r)
     cost: Float  # (n,)
 
-    def best(self, kept: int, share: float) -> Indices:
-        """Indices of each problem's `kept` best ones, or of this share of them if that is more."""
+    def best(self, share: float = 0.0) -> Indices:
+        """Indices of each problem's best one, or of this share of them if that is more."""
         order = np.lexsort((self.cost, self.problem))
         rank = np.arange(len(order)) - np.searchsorted(self.problem, self.problem)
         count = np.bincount(self.problem)[self.problem]
-        return np.asarray(order[rank < np.maximum(kept, (share * count).astype(int))])
+        return np.asarray(order[rank < np.maximum(1, (share * count).astype(int))])
 
     def improved(self, theta: Float, missed: Float, by_theta: Float, cost: Float) -> Float:
         """Takes the places that cost less; (n,) how much less."""
@@ -182,21 +179,19 @@ class _Stack:
 
     def solutions(self, now: _Candidates) -> dict[int, Solution]:
         """Of every problem that has candidates."""
-        best = now.of(now.best(1, 0.0))
+        best = now.of(now.best())
         own = self.sights.of(best.problem)
         squares = (best.missed / own.scale_px) ** 2
         loss = (own.scale_px**2 * np.log1p(squares)).sum(axis=1)
         # Bounds are no measurements: what lies between them, or at one of them, could lie elsewhere.
         seen = (own.least_px == own.most_px).reshape(best.missed.shape)
         known = seen.sum(axis=1)
-        normal, _ = _normal_equations(best, seen / (1 + squares))
         found = {}
         for i, problem in enumerate(best.problem.tolist()):
             family, split = self.families[problem], 2 * self.lights
             slants, shape = best.theta[i, :split].reshape(-1, 2), best.theta[i, split : split + family.size]
-            told = normal[i, : split + family.size, : split + family.size] + np.diag(stiffness_of(family, split))
             square = float(loss[i]) / max(int(known[i]), 1)
-            found[problem] = Solution(family, slants, shape, float(best.cost[i]), square, int(known[i]), told)
+            found[problem] = Solution(family, slants, shape, float(best.cost[i]), square, int(known[i]))
         return found
 
 
