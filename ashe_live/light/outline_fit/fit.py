@@ -6,19 +6,20 @@ and ranked by how well they explain the outlines for their number of parameters 
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.camera import Camera
-from ashe_live.light.outline_fit.residuals import Sights
+from ashe_live.light.outline_fit.first_guess import FirstGuess, guess_scene
+from ashe_live.light.outline_fit.residuals import Observations
 from ashe_live.light.outline_fit.search import Problem, Solution, search
-from ashe_live.light.shape.body import Body
+from ashe_live.light.shape.body import Body, LitBody
 from ashe_live.light.shape.contours import AnyMask
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family
-from ashe_live.light.shape.first_guess import FirstGuess, guess_scene
+from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 
 # Errors in neighbouring directions go together: this many of them tell what one independent measurement would.
@@ -59,33 +60,41 @@ class Masks:
 
     body: AnyMask
     shadows: Sequence[AnyMask]  # one for each light
-    camera: Camera
-    T_cam_marker: Float  # (4, 4)
+    sight: Sight
     unreliable: Mask | None = None  # pixels of which nothing is known (the marker's print, other objects)
     edge_sigma_px: float = 0.5  # how far the edges typically are from the truth; 0.2 for perfect masks
     either: Mask | None = None  # pixels outside the masks that belong to the object or to a shadow
-    near: Float | None = None  # (l, 2) displacements s to start from as well
+    start: Float | None = None  # (l, 4) lights to start from as well
 
     def __post_init__(self) -> None:
-        shape = self.camera.size[::-1]
+        shape = self.sight.camera.size[::-1]
         masks = [mask for mask in (self.body, *self.shadows, self.unreliable, self.either) if mask is not None]
         if not self.shadows or any(mask.shape != shape for mask in masks):
             shapes = [mask.shape for mask in masks]
             raise ValueError(f"a fit needs an object and shadows of shape {shape}, not {shapes}")
 
 
-def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[list[Body] | FitFailure]:
-    """For each, the body and displacements of every family that explain its outlines best; the likeliest first."""
-    return [scene.bodies() if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
+class FittedBodies:
+    """The best body of every family that was tried, with its lights."""
+
+    bodies: list[LitBody]  # the likeliest first
+    sight: Sight  # in which they were fitted, about the object's centre
+
+
+def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[FittedBodies | FitFailure]:
+    """For each, the bodies and lights that explain its outlines best; all at once, which takes less time."""
+    return [scene.fitted() if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
+
+
+@dataclass(slots=True, eq=False)
 class _Scene:
-    """What has to be explained, where to begin, and what has been found of it."""
+    """What has to be explained, where to begin, and what has been found of it so far."""
 
     outlines: Outlines
+    sight: Sight  # about their centre
     guess: FirstGuess
-    slants: list[Float]  # (l, 2) each, to start from
+    starts: list[Float]  # (l, 4) each, lights to start from
     edge_sigma_px: float
     solutions: dict[str, Solution] = field(default_factory=dict)  # by family
 
@@ -98,22 +107,23 @@ class _Scene:
         return math.sqrt(least) < min(enough * self.edge_sigma_px, ENOUGH_SHARE * self.outlines.size_px)
 
     def problem(self, number: int, family: Family) -> Problem:
-        """The search of a family; this scene's `number` among the sights."""
+        """The search of a family; this scene's `number` among the observations."""
         if family.grows_from is None:
             height, radius = math.log(self.guess.height), self.guess.radius
-            shapes, slants = family.starts(np.array([0.0, 0.0, height, radius, radius])), self.slants
+            shapes, lights = family.starts(np.array([0.0, 0.0, height, radius, radius])), self.starts
         else:
             parent = self.solutions[family.grows_from]
-            shapes, slants = family.starts(parent.shape), [parent.slants]
-        return Problem(number, family, np.repeat(slants, len(shapes), axis=0), np.tile(shapes, (len(slants), 1)))
+            shapes, lights = family.starts(parent.shape), [parent.lights]
+        return Problem(number, family, np.repeat(lights, len(shapes), axis=0), np.tile(shapes, (len(lights), 1)))
 
     def ranked(self) -> list[str]:
         """The families tried, the likeliest first."""
         return sorted(self.solutions, key=lambda name: _information_criterion(self.solutions[name], self.edge_sigma_px))
 
-    def bodies(self) -> list[Body]:
-        solutions = (self.solutions[name] for name in self.ranked())
-        return [Body(self.guess, solution.family, solution.slants, solution.shape) for solution in solutions]
+    def fitted(self) -> FittedBodies:
+        ranked = (self.solutions[name] for name in self.ranked())
+        bodies = [LitBody(Body(self.guess.place, one.family, one.shape), one.lights) for one in ranked]
+        return FittedBodies(bodies, self.sight)
 
     @property
     def least_cost(self) -> float:
@@ -135,17 +145,18 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
     )
     if isinstance(outlines, str):
         return FitFailure(outlines)
-    guess = guess_scene(masks.camera, masks.T_cam_marker, outlines)
+    sight = replace(masks.sight, centre_px=outlines.centre_px)
+    guess = guess_scene(sight, outlines)
     if isinstance(guess, str):
         return FitFailure(guess)
-    slants = [guess.slants] if masks.near is None else [guess.slants, masks.near]
-    return _Scene(outlines, guess, slants, masks.edge_sigma_px)
+    starts = [guess.lights] if masks.start is None else [guess.lights, masks.start]
+    return _Scene(outlines, sight, guess, starts, masks.edge_sigma_px)
 
 
 def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
     """Solves scenes of equally many lights."""
-    sights = Sights.stacked(
-        [scene.guess.P for scene in scenes],
+    observations = Observations.stacked(
+        [scene.sight.P(scene.guess.place) for scene in scenes],
         [scene.outlines for scene in scenes],
         [scene.outlier_px for scene in scenes],
     )
@@ -160,7 +171,7 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
         if not problems:
             break
         least_cost = np.array([scene.least_cost for scene in scenes])
-        solutions = search(sights, problems, least_cost, preset.iterations)
+        solutions = search(observations, problems, least_cost, preset.iterations)
         for problem, solution in zip(problems, solutions, strict=True):
             scenes[problem.scene].solutions[problem.family.name] = solution
 
@@ -183,7 +194,7 @@ def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
 
 def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:
     """Bayes's: how badly the outlines are explained, and by how many numbers; the least is the best."""
-    parameters = solution.slants.size + solution.shape.size
+    parameters = Layout(len(solution.lights)).split + solution.shape.size
     measurements = max(solution.count / CORRELATED, parameters + 1.0)
     error = solution.mean_square + edge_sigma_px**2
     return measurements * math.log(error) + parameters * math.log(measurements)

@@ -12,7 +12,8 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, angles_from_direction, rigid
 from ashe_live.light.outline_fit.fit import BALANCED, FAST, FitFailure, FitPreset, Masks, fit_bodies
-from ashe_live.light.shape.body import Body
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.sight import Sight
 from tests.light.synthetic_masks import (
     MaskedScene,
     Parts,
@@ -39,19 +40,19 @@ VIEW = camera_towards((0.08, 0.0), 0.5, 35.0)
 LIGHT = direction(200.0, 40.0)
 
 
-def best_of(masks: Masks, preset: FitPreset = BALANCED) -> Body | FitFailure:
+def best_of(masks: Masks, preset: FitPreset = BALANCED) -> LitBody | FitFailure:
     """The likeliest body."""
-    (bodies,) = fit_bodies([masks], preset)
-    return bodies if isinstance(bodies, FitFailure) else bodies[0]
+    (found,) = fit_bodies([masks], preset)
+    return found if isinstance(found, FitFailure) else found.bodies[0]
 
 
-def fitted(scene: MaskedScene, preset: FitPreset = BALANCED) -> Body:
-    fit = best_of(Masks(scene.body, scene.shadows, scene.camera, scene.T_cam_marker, None, 0.2), preset)
-    assert isinstance(fit, Body), fit
+def fitted(scene: MaskedScene, preset: FitPreset = BALANCED) -> LitBody:
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, scene.T_cam_marker), None, 0.2), preset)
+    assert isinstance(fit, LitBody), fit
     return fit
 
 
-def error_deg(fit: Body, truth: Float, index: int = 0) -> float:
+def error_deg(fit: LitBody, truth: Float, index: int = 0) -> float:
     return math.degrees(angle_between(fit.to_lights_marker[index], truth))
 
 
@@ -84,8 +85,8 @@ def test_soft_masks_are_measured_below_a_pixel() -> None:
     fine = render(BODIES["box"](), [LIGHT], VIEW, (1280, 960))
     soft = [cv2.resize(mask.astype(np.float64), (320, 240), interpolation=cv2.INTER_AREA) for mask in
             (fine.body, *fine.shadows)]  # fmt: skip
-    fit = best_of(Masks(soft[0], soft[1:], scene.camera, VIEW, None, 0.2))
-    assert isinstance(fit, Body)
+    fit = best_of(Masks(soft[0], soft[1:], Sight(scene.camera, VIEW), None, 0.2))
+    assert isinstance(fit, LitBody)
     assert error_deg(fit, LIGHT) < 1.5
 
 
@@ -97,7 +98,7 @@ def test_two_shadows_share_one_body() -> None:
 
 def test_the_proxy_is_the_body() -> None:
     fit = fitted(render(BODIES["cylinder"](), [LIGHT], VIEW))
-    points = fit.proxy.points_marker()
+    points = fit.body.proxy.points_marker()
     assert np.allclose(points.min(axis=0), (0.07, -0.01, 0.0), atol=0.003)
     assert np.allclose(points.max(axis=0), (0.13, 0.05, 0.1), atol=0.003)
 
@@ -120,7 +121,7 @@ def test_a_larger_marker_leaves_the_direction() -> None:
     far[:3, 3] *= 40.0
     first, second = fitted(scene), fitted(MaskedScene(scene.camera, far, scene.body, scene.shadows))
     assert np.allclose(second.to_lights_marker, first.to_lights_marker, atol=1e-6)
-    assert np.allclose(second.proxy.spheroids_marker, 40 * first.proxy.spheroids_marker, atol=1e-4)
+    assert np.allclose(second.body.proxy.spheroids_marker, 40 * first.body.proxy.spheroids_marker, atol=1e-4)
 
 
 def test_a_mirrored_scene_has_the_mirrored_light() -> None:
@@ -136,7 +137,7 @@ def test_the_same_masks_give_the_same_bits() -> None:
     scene = render(BODIES["ell"](), [LIGHT], VIEW)
     first, second = fitted(scene), fitted(scene)
     assert first.to_lights_marker[0].tobytes() == second.to_lights_marker[0].tobytes()
-    assert first.shape.tobytes() == second.shape.tobytes()
+    assert first.body.shape.tobytes() == second.body.shape.tobytes()
 
 
 def test_what_is_unreliable_is_not_measured() -> None:
@@ -146,10 +147,10 @@ def test_what_is_unreliable_is_not_measured() -> None:
     hidden[:, int(np.quantile(xs, 0.8)) :] = True
     shadow = scene.shadows[0] & ~hidden
     body = scene.body & ~hidden
-    known = best_of(Masks(body, [shadow], scene.camera, VIEW, hidden, 0.2))
-    unknown = best_of(Masks(body, [shadow], scene.camera, VIEW, None, 0.2))
-    assert isinstance(known, Body)
-    assert isinstance(unknown, Body)
+    known = best_of(Masks(body, [shadow], Sight(scene.camera, VIEW), hidden, 0.2))
+    unknown = best_of(Masks(body, [shadow], Sight(scene.camera, VIEW), None, 0.2))
+    assert isinstance(known, LitBody)
+    assert isinstance(unknown, LitBody)
     assert error_deg(known, LIGHT) < error_deg(unknown, LIGHT)
 
 
@@ -168,28 +169,29 @@ def test_what_may_be_either_is_known_by_the_outline_of_the_whole(name: str, whos
     body, shadow = scene.body, scene.shadows[0]
     either = nearest_part(body, shadow, share) if whose == "the object's" else nearest_part(shadow, body, share)
     sure = body & ~either, shadow & ~either
-    fit = best_of(Masks(sure[0], [sure[1]], scene.camera, VIEW, None, 0.2, either=either))
-    assert isinstance(fit, Body)
+    fit = best_of(Masks(sure[0], [sure[1]], Sight(scene.camera, VIEW), None, 0.2, either=either))
+    assert isinstance(fit, LitBody)
     assert error_deg(fit, LIGHT) < 2.0
     # Given to the wrong one, they mislead.
     wrong = (sure[0], shadow | either) if whose == "the object's" else (body | either, sure[1])
-    misled = best_of(Masks(wrong[0], [wrong[1]], scene.camera, VIEW, None, 0.2))
+    misled = best_of(Masks(wrong[0], [wrong[1]], Sight(scene.camera, VIEW), None, 0.2))
     assert isinstance(misled, FitFailure) or error_deg(misled, LIGHT) > error_deg(fit, LIGHT)
 
 
 def test_nothing_that_may_be_either_changes_nothing() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     nothing = np.zeros_like(scene.body)
-    fit = best_of(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, either=nothing))
-    assert isinstance(fit, Body)
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2, either=nothing))
+    assert isinstance(fit, LitBody)
     assert fit.to_lights_marker[0].tobytes() == fitted(scene).to_lights_marker[0].tobytes()
 
 
 @pytest.mark.parametrize("near", [(0.0, 0.0), (3.0, -3.0), (-40.0, 40.0)])
 def test_a_wrong_start_beside_the_guess_does_no_harm(near: tuple[float, float]) -> None:
     scene = render(BODIES["cylinder"](), [LIGHT], VIEW)
-    fit = best_of(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, near=np.array([near])))
-    assert isinstance(fit, Body)
+    start = np.array([[*near, 1.0, 0.0]])
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2, start=start))
+    assert isinstance(fit, LitBody)
     assert error_deg(fit, LIGHT) < 1.5
 
 
@@ -201,15 +203,15 @@ def test_a_wrong_start_beside_the_guess_does_no_harm(near: tuple[float, float]) 
 def test_high_lights_are_found_as_long_as_there_is_a_shadow(name: str, elevation_deg: float) -> None:
     light = direction(160.0, elevation_deg)
     scene = render(BODIES[name](), [light], VIEW)
-    fit = best_of(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2))
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2))
     if scene.shadows[0].sum() < 10:
         assert isinstance(fit, FitFailure)
         return
-    assert isinstance(fit, Body)
+    assert isinstance(fit, LitBody)
     assert error_deg(fit, light) < 1.0
 
 
-def azimuth_error_deg(fit: Body, truth: Float) -> float:
+def azimuth_error_deg(fit: LitBody, truth: Float) -> float:
     (azimuth, _), (true_azimuth, _) = (angles_from_direction(each) for each in (fit.to_lights_marker[0], truth))
     return abs(math.degrees(math.remainder(azimuth - true_azimuth, 2 * math.pi)))
 
@@ -269,14 +271,14 @@ def test_no_masks_and_no_pose_break_it() -> None:
             masks = [mask > 0.5 for mask in masks]
         sigma_px, either = float(rng.choice([0.0, 0.2, 2.0])), random_mask(rng, (45, 60)) > 0.5
         either = either if rng.integers(2) else None
-        fit = best_of(Masks(masks[0], masks[1:2], camera, view, masks[2] > 0.9, sigma_px, either=either), FAST)
+        fit = best_of(Masks(masks[0], masks[1:2], Sight(camera, view), masks[2] > 0.9, sigma_px, either=either), FAST)
         if isinstance(fit, FitFailure):
             assert fit.reason
             continue
         answered += 1
         assert np.isfinite(fit.to_lights_marker).all()
         assert fit.to_lights_marker[0][2] >= 0
-        assert np.isfinite(fit.proxy.points_marker()).all()
+        assert np.isfinite(fit.body.proxy.points_marker()).all()
     assert answered > 10
 
 
@@ -290,15 +292,15 @@ def test_reasons_say_what_is_missing() -> None:
         (scene.body, scene.shadows[0], below, "the camera looks along the ground or from below it"),
     ]
     for body, shadow, view, reason in cases:
-        assert best_of(Masks(body, [shadow], scene.camera, view)) == FitFailure(reason)
+        assert best_of(Masks(body, [shadow], Sight(scene.camera, view))) == FitFailure(reason)
 
 
 def test_wrong_use_is_a_value_error() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     with pytest.raises(ValueError, match="shape"):
-        best_of(Masks(scene.body[1:], scene.shadows, scene.camera, VIEW))
+        best_of(Masks(scene.body[1:], scene.shadows, Sight(scene.camera, VIEW)))
     with pytest.raises(ValueError, match="shape"):
-        best_of(Masks(scene.body, [], scene.camera, VIEW))
+        best_of(Masks(scene.body, [], Sight(scene.camera, VIEW)))
 
 
 # Rendered scenes, with their true masks
@@ -308,8 +310,8 @@ def test_the_papers_scenes_are_solved() -> None:
     errors = []
     for case in read_cases(shared_folder("paper_scenes")):
         masks = [cv2.imread(str(case.mask_paths[name]), cv2.IMREAD_GRAYSCALE) > 127 for name in ("object", "shadow")]
-        fit = best_of(Masks(masks[0], masks[1:], case.camera, case.marker.T_cam_marker, None, 0.2))
-        assert isinstance(fit, Body)
+        fit = best_of(Masks(masks[0], masks[1:], Sight(case.camera, case.marker.T_cam_marker), None, 0.2))
+        assert isinstance(fit, LitBody)
         assert case.to_lights_marker is not None
         errors.append(error_deg(fit, case.to_lights_marker[0]))
     assert np.mean(errors) < 0.5
