@@ -10,6 +10,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import DirectionalLight, LightEstimate
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outline, shadow_outline
 
 TINT = 0.6
@@ -30,7 +31,8 @@ def with_body(
     """The picture with the outlines of a body and of its shadows; `camera` is of its size, without distortion."""
     picture, points = picture_bgr.copy(), body.points_marker()
     for light in lights:
-        draw_outline(picture, shadow_outline(camera, T_cam_marker, points, light.to_light_marker), SHADOW_BGR)
+        shadow = shadow_outline(camera, T_cam_marker, points, at_infinity(light.to_light_marker))
+        draw_outline(picture, shadow, SHADOW_BGR)
     draw_outline(picture, outline(camera, T_cam_marker, points), OBJECT_BGR)
     return picture
 

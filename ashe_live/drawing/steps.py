@@ -18,6 +18,7 @@ from ashe_live.drawing.overlays import draw_outline, enlarged, tinted, with_body
 from ashe_live.light.ground.lit_ground import GroundSteps, LitGround, fit_lit_ground
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 
 COARSE_WIDTH_PX = 320
@@ -102,7 +103,8 @@ def _with_hulls(picture_bgr: Image, estimate: LightEstimate) -> Image:
 
 def _with_residual(photo: Image, view: View, estimate: LightEstimate, body: Proxy) -> Image:
     """Where masks go beyond the body and its shadows, and where those should be seen and are not."""
-    known = predicted(body, [light.to_light_marker for light in estimate.lights], view).whole
+    to_lights = np.array([light.to_light_marker for light in estimate.lights]).reshape(-1, 3)
+    known = predicted(body, at_infinity(to_lights), view).whole
     masked = np.zeros(photo.shape[:2], np.bool_)
     for mask in (estimate.object_mask, estimate.shadow_mask):
         if mask is not None:

@@ -14,6 +14,7 @@ from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR, UNEXPLAINED_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body
 from ashe_live.drawing.steps import debug_pictures
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outline, shadow_outline
 from tests.light.synthetic_masks import camera_towards
 
@@ -35,7 +36,7 @@ def filled(points):
 def tracked():
     """Plain ground with noise, the body darker on it and its shadow half as bright."""
     picture = np.full((*SIZE[::-1], 3), 160.0)
-    picture[filled(shadow_outline(CAMERA, VIEW, BODY.points_marker(), SUN.to_light_marker))] = 110
+    picture[filled(shadow_outline(CAMERA, VIEW, BODY.points_marker(), at_infinity(SUN.to_light_marker)))] = 110
     picture[filled(outline(CAMERA, VIEW, BODY.points_marker()))] = (40, 60, 150)
     picture += np.random.default_rng(0).normal(0, 2, picture.shape)
     corners = project(CAMERA, VIEW, np.array([(-0.03, 0.03, 0), (0.03, 0.03, 0), (0.03, -0.03, 0), (-0.03, -0.03, 0)]))
@@ -46,7 +47,7 @@ def tracked():
 @pytest.fixture
 def estimate():
     body = filled(outline(CAMERA, VIEW, BODY.points_marker()))
-    shadow = filled(shadow_outline(CAMERA, VIEW, BODY.points_marker(), SUN.to_light_marker)) & ~body
+    shadow = filled(shadow_outline(CAMERA, VIEW, BODY.points_marker(), at_infinity(SUN.to_light_marker))) & ~body
     return LightEstimate("proxy", 0, (SUN,), None, body, shadow, caster=BODY)
 
 
@@ -97,7 +98,7 @@ def test_a_perfect_fit_leaves_nothing_and_a_wrong_one_does(tracked, estimate):
 def test_the_shadow_leans_away_from_the_light():
     body, shadow = (
         outline(CAMERA, VIEW, BODY.points_marker()),
-        shadow_outline(CAMERA, VIEW, BODY.points_marker(), SUN.to_light_marker),
+        shadow_outline(CAMERA, VIEW, BODY.points_marker(), at_infinity(SUN.to_light_marker)),
     )
     tip = project(CAMERA, VIEW, np.array([[0.1, 0.0, 0.06]]) - 0.06 * SUN.to_light_marker / SUN.to_light_marker[2])[0]
     assert cv2.pointPolygonTest(shadow.astype(np.float32), tip.tolist(), False) > 0
@@ -106,7 +107,7 @@ def test_the_shadow_leans_away_from_the_light():
 
 def test_no_shadow_falls_from_below_and_no_outline_is_behind_the_camera():
     from_below = DirectionalLight((0.0, 1.0, -0.1))
-    assert shadow_outline(CAMERA, VIEW, BODY.points_marker(), from_below.to_light_marker) is None
+    assert shadow_outline(CAMERA, VIEW, BODY.points_marker(), at_infinity(from_below.to_light_marker)) is None
     behind = VIEW.copy()
     behind[2, 3] = -5.0
     assert outline(CAMERA, behind, BODY.points_marker()) is None

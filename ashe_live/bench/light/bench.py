@@ -16,21 +16,20 @@ from ashe_live.bench.light.results import CaseResult, Summary, case_result, grou
 from ashe_live.bench.light.tables import print_clips, print_preset
 from ashe_live.bench.light.targets import Verdict, verdicts
 from ashe_live.bench.light.trade import COST, print_trade, sweep
-from ashe_live.bench.light.truth import error_on_true_masks_deg, mask_overlaps
+from ashe_live.bench.light.truth import error_on_true_labels_deg, mask_overlaps
 from ashe_live.bench.machine import measured_with
 from ashe_live.bench.plots import SUFFIXES, draw_trade, points_of
 from ashe_live.core.contract import Json
 from ashe_live.core.quality import QUALITIES
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator, make_estimator
-from ashe_live.light.estimators.steps import PRESETS
-from ashe_live.light.outline_fit.fit import FitPreset
+from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 
 QUICK_PRESETS = ("balanced",)
 QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4
 TRADE, SWEEP_EVERY = "trade", 3
 # By estimator and preset; the paper's method has a geometry of its own.
-TRUE_MASK_FITS = {"proxy": {name: steps.fine_fit for name, steps in PRESETS.items()}}
+FROM_LABELS = {"proxy": PRESETS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +99,8 @@ class LightBench(Bench):
         for index, case in enumerate(track(cases, "scenes", console=self.console, transient=True)):
             tracked = case.tracked(index)
             for preset, estimator in estimators.items():
-                geometry = TRUE_MASK_FITS.get(self.estimator, {}).get(preset)
-                results.append(attempt(estimator, preset, case, tracked, geometry))
+                steps = FROM_LABELS.get(self.estimator, {}).get(preset)
+                results.append(attempt(estimator, preset, case, tracked, steps))
         return results
 
     def _clip_results(self, estimators: Mapping[str, Estimator]) -> list[ClipResult]:
@@ -115,16 +114,16 @@ class LightBench(Bench):
 
 
 def attempt(
-    estimator: Estimator, preset: str, case: Case, tracked: TrackedFrame, geometry: FitPreset | None
+    estimator: Estimator, preset: str, case: Case, tracked: TrackedFrame, steps: ProxySteps | None
 ) -> CaseResult:
     """The estimate of `tracked`, which is `case`'s picture, timed and compared with all that is known of it.
 
-    `geometry` is the fit to try on the true masks.
+    `steps` are those with which the true labels are tried, if there are any.
     """
     started_s = time.process_time()
     estimate = estimator.estimate(tracked)
     cpu_ms = 1e3 * (time.process_time() - started_s)
-    alone = None if geometry is None else error_on_true_masks_deg(case, geometry)
+    alone = None if steps is None else error_on_true_labels_deg(case, tracked, steps)
     return case_result(preset, case, estimate, cpu_ms, mask_overlaps(estimate, case), alone)
 
 

@@ -44,7 +44,7 @@ def _varied(series: str, field: str, *values: int) -> tuple[Variation, ...]:
 
 
 def _fits(series: str, field: str, *presets: str) -> tuple[Variation, ...]:
-    fits = {"fast": fit.FAST, "balanced": fit.BALANCED, "accurate": fit.ACCURATE}
+    fits = {"fast": fit.FAST, "balanced": fit.BALANCED}
     return tuple(Variation(series, name, {field: fits[name]}) for name in presets)
 
 
@@ -61,14 +61,9 @@ VARIATIONS = (
     *_varied("regions", "regions", 1, 2, 3, 5),
     *_varied("colours of the ground", "ground.palette_colours", 4, 7, 10, 16),
     *_varied("shadow colours tried", "shifts", 2, 4, 8, 12),
-    *_varied("pairs of shadow colours", "pairs", 0, 1, 3, 6),
-    *_varied("shadows of a colour", "shadows_per_shift", 1, 2, 3, 5),
     *_varied("splits fitted", "tried", 2, 4, 6, 8, 12, 16),
-    *_varied("splits in two shadows fitted", "pairs_tried", 0, 1, 2, 4),
     *_varied("fits refined", "refined", 1, 2, 3, 4, 6),
-    *_varied("rounds of labels and fit", "rounds", 1, 2, 3),
-    *_fits("first fit", "first_fit", "fast", "balanced"),
-    *_fits("fine fit", "fine_fit", "fast", "balanced", "accurate"),
+    *_fits("fine fit", "fine_fit", "fast", "balanced"),
 )
 
 

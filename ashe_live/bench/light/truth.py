@@ -1,4 +1,4 @@
-"""How much of an error is whose: how well the masks overlap with the true ones, and what the fit makes of those."""
+"""How much of an error is whose: how well masks overlap with the true ones, and what the estimator makes of those."""
 
 import cv2
 import numpy as np
@@ -6,10 +6,9 @@ import numpy as np
 from ashe_live.bench.cases import Case
 from ashe_live.bench.metrics import angular_error_deg, overlap
 from ashe_live.core.arrays import Mask
-from ashe_live.core.types import LightEstimate
-from ashe_live.light.outline_fit.fit import FitFailure, FitPreset, Masks, fit_light
-
-TRUE_EDGE_SIGMA_PX = 0.2
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.estimators.given_labels import directions_from_labels
+from ashe_live.light.estimators.steps import ProxySteps
 
 
 def mask_overlaps(estimate: LightEstimate, case: Case) -> tuple[float | None, float | None]:
@@ -20,16 +19,16 @@ def mask_overlaps(estimate: LightEstimate, case: Case) -> tuple[float | None, fl
     return _overlap(estimate.object_mask, case.mask("object")), _overlap(estimate.shadow_mask, _all_shadows(case))
 
 
-def error_on_true_masks_deg(case: Case, preset: FitPreset) -> float | None:
-    """Degrees between the strongest light and the fit to the true masks; None without masks, a light, or a fit."""
+def error_on_true_labels_deg(case: Case, tracked: TrackedFrame, steps: ProxySteps) -> float | None:
+    """Degrees between the strongest light and what the estimator makes of the true labels in `tracked`, its picture.
+
+    None without masks, without a light, or where it finds none.
+    """
     body, shadows = case.mask("object"), _shadows(case)
     if body is None or not shadows or case.to_lights_marker is None or not len(case.to_lights_marker):
         return None
-    pose = case.marker.T_cam_marker
-    found = fit_light(Masks(body, shadows, case.camera, pose, case.mask("clutter"), TRUE_EDGE_SIGMA_PX), preset)
-    if isinstance(found, FitFailure):
-        return None
-    return angular_error_deg(found.lights[0].to_light_marker, case.to_lights_marker[0])
+    found = directions_from_labels(tracked, body, shadows, steps, case.mask("clutter"))
+    return None if found is None else angular_error_deg(found[0], case.to_lights_marker[0])
 
 
 def _shadows(case: Case) -> list[Mask]:

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import Proposal
 from ashe_live.light.explanation.judge import promise
 from ashe_live.light.ground.lit_ground import LitGround
@@ -13,18 +12,21 @@ from ashe_live.light.labels.associate import distinct, doubted, splits
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.labels.two_lights import are_two, likeliest_pairs, materials_of_two, parted, savings
 
+SHADOWS_PER_SHIFT = 2  # areas that look like shadow, the largest first
+PAIRS, PAIRS_TRIED = 1, 1  # of shifts, one for each of two lights; and of the splits into two lights' shadows
+
 
 def proposals_of(
-    region: Region, ground: LitGround, shifts: Sequence[Float], paired: Sequence[Float], steps: ProxySteps
+    region: Region, ground: LitGround, shifts: Sequence[Float], paired: Sequence[Float]
 ) -> Iterator[Proposal]:
     """The region's splits, were its shadows of one of `shifts` (3,), or of two lights' that are among `paired`."""
     alone = [materials_of(region, ground, shift) for shift in shifts]
-    pairs = likeliest_pairs(region, ground, paired, steps.pairs)
+    pairs = likeliest_pairs(region, ground, paired, PAIRS)
     single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
     both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
     together = [materials for materials in both if materials is not None]
     for materials in alone + together:
-        for whole in splits(region, ground, materials, steps.shadows_per_shift):
+        for whole in splits(region, ground, materials, SHADOWS_PER_SHIFT):
             split = replace(whole, parts=parted(materials, whole.shadow_mask))
             if materials.lights == 2:
                 if are_two(split.parts):
@@ -36,10 +38,10 @@ def proposals_of(
                 yield Proposal(region, materials, doubtful)
 
 
-def worth_a_fit(proposals: Sequence[Proposal], steps: ProxySteps) -> list[Proposal]:
-    """Those that look best and differ, of one light, and those of two."""
+def worth_a_fit(proposals: Sequence[Proposal], count: int) -> list[Proposal]:
+    """The `count` that look best and differ, of one light, and those of two."""
     alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
     together = [proposal for proposal in proposals if proposal.materials.lights == 2]
     alone.sort(key=lambda one: promise(one.region, one.materials, one.split), reverse=True)
     together.sort(key=lambda one: savings(one.region, one.materials, one.split), reverse=True)
-    return distinct(alone, Proposal.is_like, steps.tried) + together[: steps.pairs_tried]
+    return distinct(alone, Proposal.is_like, count) + together[:PAIRS_TRIED]

@@ -13,7 +13,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, worth_a_fit
-from ashe_live.light.estimators.steps import BALANCED, ProxySteps
+from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
 from ashe_live.light.explanation.explain import are_alike, explained, finer, sharpened
 from ashe_live.light.explanation.judge import LEAST_CONFIDENCE, best_of, lights_of, likeliest, log_odds
@@ -69,12 +69,11 @@ class ProxyEstimator:
 
         shifts = shadow_shifts(ground, unlit, steps.shifts)
         paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
-        proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired, steps)]
+        proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired)]
         clock.end("associate")
-        rough = [each for each in explained(worth_a_fit(proposals, steps), steps.first_fit) if each]
+        rough = [each for each in explained(worth_a_fit(proposals, steps.tried), FIRST_FIT) if each]
         refined = distinct(sorted(rough, key=log_odds, reverse=True), are_alike, steps.refined)
-        for _ in range(steps.rounds):
-            refined = finer(refined, steps.fine_fit)
+        refined = finer(refined, steps.fine_fit)
         refined = with_their_lights(refined, rough, fine, coarse, ground, steps.region_px)
         refined = [sharpened(explanation) for explanation in refined]
         clock.end("fit")

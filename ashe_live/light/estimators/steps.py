@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 
 from ashe_live.light.ground.lit_ground import GroundSteps
-from ashe_live.light.outline_fit import fit as fitting
+from ashe_live.light.outline_fit import fit
+from ashe_live.light.outline_fit.fit import FitPreset
+
+FIRST_FIT = fit.FAST  # of the splits that look best
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,15 +18,10 @@ class ProxySteps:
     region_px: int  # size at which a region is looked at
     regions: int
     shifts: int  # of a shadow's colour that are tried; as many are found more finely, to be paired
-    pairs: int  # of those that are tried, one for each of two lights
-    shadows_per_shift: int
     tried: int  # how many of the splits are fitted, those that look best
-    pairs_tried: int  # and how many of those into two lights' shadows
     refined: int  # how many of the fits are worked out, the best ones
-    rounds: int  # of relabelling by the fit and fitting to the labels
     ground: GroundSteps
-    first_fit: fitting.FitPreset
-    fine_fit: fitting.FitPreset
+    fine_fit: FitPreset  # of those that are worked out; the first one is the same for all
 
 
 FAST = ProxySteps(
@@ -32,15 +30,10 @@ FAST = ProxySteps(
     region_px=90,
     regions=2,
     shifts=5,
-    pairs=1,
-    shadows_per_shift=2,
     tried=4,
-    pairs_tried=1,
     refined=2,
-    rounds=1,
     ground=GroundSteps(12, 8, 1),
-    first_fit=fitting.FAST,
-    fine_fit=fitting.FAST,
+    fine_fit=fit.FAST,
 )
 BALANCED = ProxySteps(
     coarse_width_px=320,
@@ -48,15 +41,10 @@ BALANCED = ProxySteps(
     region_px=100,
     regions=3,
     shifts=8,
-    pairs=1,
-    shadows_per_shift=2,
     tried=6,
-    pairs_tried=1,
     refined=2,
-    rounds=1,
     ground=GroundSteps(),
-    first_fit=fitting.FAST,
-    fine_fit=fitting.BALANCED,
+    fine_fit=fit.BALANCED,
 )
 ACCURATE = ProxySteps(
     coarse_width_px=320,
@@ -64,15 +52,10 @@ ACCURATE = ProxySteps(
     region_px=100,
     regions=4,
     shifts=12,
-    pairs=1,
-    shadows_per_shift=2,
     tried=16,
-    pairs_tried=1,
     refined=4,
-    rounds=1,
     ground=GroundSteps(),
-    first_fit=fitting.FAST,
-    fine_fit=fitting.BALANCED,
+    fine_fit=fit.BALANCED,
 )
 
 

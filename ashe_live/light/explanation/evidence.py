@@ -43,7 +43,7 @@ class Explanation:
 
     @property
     def proxy(self) -> Proxy:
-        return self.alignment.placed.body.proxy
+        return self.alignment.placed.lit.body.proxy
 
 
 EVIDENCE = (

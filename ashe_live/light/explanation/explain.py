@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.light.explanation.alignment import Alignment, aligned, criterion
+from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
@@ -15,18 +15,18 @@ from ashe_live.light.labels.materials import Materials, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.labels.two_lights import are_two
 from ashe_live.light.outline_fit.fit import FitFailure, FitPreset, Masks, fit_bodies
-from ashe_live.light.outline_fit.search import information_on_slants
-from ashe_live.light.outline_fit.tangents import sharpened_slants
-from ashe_live.light.shape.body import Body
+from ashe_live.light.outline_fit.search import information_on_lights
+from ashe_live.light.outline_fit.tangents import sharpened_lights
+from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import (
     FittedLight,
     above_the_ground,
     fitted_lights,
     information_on_slant,
-    slant_of,
     with_end_in_view,
 )
 from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import observe_outlines
 
 EDGE_SIGMA_PX = 0.7
@@ -49,7 +49,7 @@ class Proposal:
     region: Region
     materials: Materials
     split: Split
-    near: Float | None = None  # (l, 2) displacements by which the shadows may fall
+    start: Float | None = None  # (l, 4) lights from which a fit may begin as well
     own: Float32 | None = None  # (h, w) cost of the object's colours, where more is known of them
 
     def is_like(self, other: "Proposal") -> bool:
@@ -63,25 +63,24 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
         Masks(
             proposal.split.object_mask,
             proposal.split.shadows,
-            proposal.region.view.camera,
-            proposal.region.view.T_cam_marker,
+            Sight.of(proposal.region.view),
             proposal.region.unreliable,
             EDGE_SIGMA_PX,
             proposal.split.either,
-            proposal.near,
+            proposal.start,
         )
         for proposal in proposals
     ]
     fits = fit_bodies(masks, preset)
     pairs = zip(proposals, fits, strict=True)
-    found = iter(suited([(proposal, bodies) for proposal, bodies in pairs if not isinstance(bodies, FitFailure)]))
-    return [None if isinstance(bodies, FitFailure) else next(found) for bodies in fits]
+    found = iter(suited([(one, fit.bodies, fit.sight) for one, fit in pairs if not isinstance(fit, FitFailure)]))
+    return [None if isinstance(fit, FitFailure) else next(found) for fit in fits]
 
 
-def suited(starts: Sequence[tuple[Proposal, Sequence[Body]]]) -> list[Explanation | None]:
-    """For each proposal what the picture makes of its bodies, the likeliest first; None if that is not in view."""
-    alignments = aligned([(bodies, _costs(proposal, bodies[0])) for proposal, bodies in starts])
-    return [_explanation(proposal, each) for (proposal, _), each in zip(starts, alignments, strict=True)]
+def suited(several: Sequence[tuple[Proposal, Sequence[LitBody], Sight]]) -> list[Explanation | None]:
+    """For each proposal what the picture makes of bodies in a sight, the likeliest first; None if not in view."""
+    starts = [Start(bodies, sight, _costs(proposal, bodies[0])) for proposal, bodies, sight in several]
+    return [_explanation(each[0], found) for each, found in zip(several, aligned(starts), strict=True)]
 
 
 def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
@@ -107,13 +106,13 @@ def sharpened(explanation: Explanation) -> Explanation:
     outlines = observe_outlines(split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.either)
     if isinstance(outlines, str):
         return explanation
-    body = alignment.placed.body
+    body = alignment.placed.lit.body
     spheroids = body.spheroids if _wrongness(alignment) < 1 else None
-    # The labels may be later ones than those that the guess was made from.
-    P = body.guess.seen_by(view.camera, view.T_cam_marker, outlines.centre_px).P
+    # The labels may be later ones than those that the body was fitted to.
+    P = Sight(view.camera, view.T_cam_marker, outlines.centre_px).P(body.place)
     (light,) = explanation.lights
-    slant = slant_of(light.to_light_marker)[None]
-    sharp = sharpened_slants(P, outlines, slant, information_on_slant(light), EDGE_SIGMA_PX, spheroids)
+    own = body.place.lights(light.point)
+    sharp = sharpened_lights(P, outlines, own, information_on_slant(light), EDGE_SIGMA_PX, spheroids)
     return replace(explanation, lights=fitted_lights(*sharp))
 
 
@@ -142,16 +141,16 @@ def _relabelled(last: Explanation) -> Proposal | None:
     split = relabelled(last.region, last.materials, last.own, last.predicted)
     if last.materials.lights == 2 and not are_two(split.parts):
         return None
-    body = last.alignment.placed.body
-    near = body.slants if min(towards[2] for towards in body.to_lights_marker) > LOWEST_Z else None
-    return Proposal(last.region, last.materials, split, near, last.own)
+    lit = last.alignment.placed.lit
+    start = lit.lights if min(towards[2] for towards in lit.to_lights_marker) > LOWEST_Z else None
+    return Proposal(last.region, last.materials, split, start, last.own)
 
 
-def _costs(proposal: Proposal, likeliest: Body) -> Costs:
+def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:
     """What pixels cost before the alignment."""
     region, own = proposal.region, proposal.own
     if own is None:
-        seen = predicted(likeliest.proxy, likeliest.to_lights_marker, region.view)
+        seen = predicted(likeliest.body.proxy, likeliest.lights, region.view)
         own = _cost_of_object(region, seen.body & region.unlit, proposal.split)
     return Costs(region, proposal.materials, own)
 
@@ -172,15 +171,15 @@ def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
 
 def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
     covariance = np.asarray(np.linalg.inv(_information(alignment)))
-    lights = fitted_lights(alignment.placed.body.slants, covariance)
+    lights = fitted_lights(alignment.placed.lit.lights, covariance)
     return tuple(with_end_in_view(light, share) for light, share in zip(lights, alignment.ends_in_view, strict=True))
 
 
 def _information(alignment: Alignment) -> Float:
-    """(2 l, 2 l) on slants: little where the body is a wrong one."""
-    slants = alignment.placed.body.slants
-    information = information_on_slants(alignment.normal, slants.size)
-    return above_the_ground(information / (CORRELATED * (1 + _wrongness(alignment) ** 2)), slants)
+    """(split, split) on the lights: little where the body is a wrong one."""
+    lit = alignment.placed.lit
+    information = information_on_lights(alignment.normal, lit.layout)
+    return above_the_ground(information / (CORRELATED * (1 + _wrongness(alignment) ** 2)), lit.lights)
 
 
 def _wrongness(alignment: Alignment) -> float:

@@ -11,6 +11,7 @@ from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_slant, slant_of
+from ashe_live.light.shape.light_points import at_infinity, cast_on_ground
 from ashe_live.light.shape.predicted import Predicted
 
 REACH_PX = 11.0  # on either side of the edge
@@ -59,7 +60,10 @@ def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicte
     """(n,) pixels by which a light of 1 rad would spread each place of the shadow's edge, and its variance (px^2)."""
     points = proxy.points_marker()
     slant = slant_of(to_light_marker)
-    cast = points[:, :2] - points[:, 2:] * slant
+    shadows = cast_on_ground(points, at_infinity(to_light_marker))
+    if shadows is None:
+        return np.empty(0), np.empty(0)
+    cast = shadows[:, :2]
     rim = cv2.convexHull(cast.astype(np.float32), returnPoints=False)[:, 0]
     corners, heights = cast[rim], points[rim, 2]
     along, rise = np.roll(corners, -1, axis=0) - corners, np.roll(heights, -1) - heights

@@ -6,6 +6,7 @@ borders of its own that are seen (docs/maths.md).
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from operator import itemgetter
 
 import numpy as np
@@ -24,8 +25,8 @@ from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.labels.two_lights import are_two, materials_of_two
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.body import Body
 from ashe_live.light.shape.predicted import Predicted, predicted
+from ashe_live.light.shape.sight import Sight
 
 TRIED = 2
 PALEST = math.log(0.9)  # brightness of a shift: a light that gives less than a tenth of all does not matter
@@ -52,7 +53,7 @@ def with_their_lights(
     one = max(kept, key=log_odds, default=None)
     if one is None or len(one.lights) > 1:
         return kept
-    found = glimpses(one.proxy, one.alignment.placed.body.to_lights_marker[0], coarse, ground, TRIED)
+    found = glimpses(one.proxy, one.alignment.placed.lit.to_lights_marker[0], coarse, ground, TRIED)
     tried = [_tried(one, glimpse, fine, coarse, ground, region_px) for glimpse in found]
     gain, both = max((pair for pair in tried if pair is not None), key=itemgetter(0), default=(0.0, one))
     if gain < LEAST_GAIN:
@@ -82,22 +83,21 @@ def _tried(
     shift = shift_near(ground.colours[glimpse.area], ground, glimpse.darker)
     if shift is None or shift[0] > PALEST:
         return None
-    body = one.alignment.placed.body
-    seen = predicted(one.proxy, body.to_lights_marker, coarse).whole & coarse.is_ground
+    lit = one.alignment.placed.lit
+    seen = predicted(one.proxy, lit.lights, coarse).whole & coarse.is_ground
     region = region_of(fine, seen | glimpse.area, ground, region_px)
     known, new = (materials_of(region, ground, each) for each in (one.materials.shift, shift))
     materials = materials_of_two(region, ground, known, new)
     if materials is None:
         return None
     second = 1 if materials.shifts[1] is shift else 0
-    slants = np.insert(body.slants, second, glimpse.slant, axis=0)
-    start = Body(body.guess.seen_by(region.view.camera, region.view.T_cam_marker), body.family, slants, body.shape)
-    masks = predicted(start.proxy, start.to_lights_marker, region.view)
+    start = replace(lit, lights=np.insert(lit.lights, second, glimpse.light, axis=0))
+    masks = predicted(one.proxy, start.lights, region.view)
     own = object_cost(region, masks.body & region.is_ground)
     split = relabelled(region, materials, own, masks)
     if not are_two(split.parts):
         return None
-    (both,) = suited([(Proposal(region, materials, split, None, own), [start])])
+    (both,) = suited([(Proposal(region, materials, split, None, own), [start], Sight.of(region.view))])
     if both is None or both.alignment.clear_shadows[second] < LEAST_CLARITY:
         return None
     costs = Costs(region, materials, own)

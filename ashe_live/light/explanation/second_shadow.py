@@ -16,6 +16,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 
 # Displacements that are looked at: first everywhere, then around what was seen.
@@ -38,7 +39,7 @@ APART_RAD = math.radians(12)
 class Glimpse:
     """What may be a further shadow."""
 
-    slant: Float  # (2,) its displacement s
+    light: Float  # (4,) homogeneous, its z one
     area: Mask  # (h, w) where it is seen in the coarse picture, beside the body and the shadow that is known
     darker: Float  # (3,) log-opponent colour of the area less that of the ground around it
     clear: float  # how much that is, in units of the ground's own unevenness
@@ -46,7 +47,7 @@ class Glimpse:
 
 def glimpses(proxy: Proxy, to_light_marker: Float, coarse: View, ground: LitGround, count: int) -> list[Glimpse]:
     """Up to `count` further shadows of a body whose shadow in one light is known, the clearest first."""
-    known = predicted(proxy, [to_light_marker], coarse)
+    known = predicted(proxy, at_infinity(to_light_marker[None]), coarse)
     free = coarse.is_ground & ~grown(known.whole, BESIDE_PX)
     if np.count_nonzero(free) < LEAST_PX:
         return []
@@ -67,8 +68,9 @@ def glimpses(proxy: Proxy, to_light_marker: Float, coarse: View, ground: LitGrou
             clearer, darker = lookout.at(*nearby)
             best = int(clearer.argmax())
             towards = _towards(nearby[0][best], nearby[1][best])
-            area = predicted(proxy, [towards], coarse).shadow & free
-            found.append(Glimpse(towards[:2], area, darker[best], float(clearer[best])))
+            light = at_infinity(towards)
+            area = predicted(proxy, light[None], coarse).shadow & free
+            found.append(Glimpse(light, area, darker[best], float(clearer[best])))
     return found
 
 

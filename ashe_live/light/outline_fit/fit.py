@@ -1,37 +1,29 @@
-"""The fit: from masks of an object and its shadows to lights, their covariance, and a body that explains both.
+"""The fit: from masks of an object and its shadows to bodies and lights that explain their outlines.
 
-Families of bodies are tried one after the other, each searched for its best member together with the lights; the one
-that explains the outlines best for its number of parameters is believed as far as it explains them, and the tangents
-that need no body decide the rest (docs/maths.md).
+Families of bodies are tried one generation after the other, each searched for its best member together with the lights,
+and ranked by how well they explain the outlines for their number of parameters (docs/maths.md).
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.camera import Camera
-from ashe_live.core.proxy import Proxy
-from ashe_live.light.outline_fit.residuals import Sights
-from ashe_live.light.outline_fit.search import Problem, Solution, information_on_slants, search
-from ashe_live.light.outline_fit.tangents import sharpened_slants
-from ashe_live.light.shape.body import Body
+from ashe_live.light.outline_fit.first_guess import FirstGuess, guess_scene
+from ashe_live.light.outline_fit.residuals import Observations
+from ashe_live.light.outline_fit.search import Problem, Solution, search
+from ashe_live.light.shape.body import Body, LitBody
 from ashe_live.light.shape.contours import AnyMask
-from ashe_live.light.shape.directions import FittedLight, above_the_ground, fitted_lights
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family
-from ashe_live.light.shape.first_guess import FirstGuess, guess_scene
+from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 
 # Errors in neighbouring directions go together: this many of them tell what one independent measurement would.
 CORRELATED = 4.0
-# What a squared edge error and a squared misfit (the body is not quite of the family) weigh in the variance of an
-# outline; measured so that 68 and 95 % of the errors on rendered scenes, with true and spoilt masks, lie within theirs.
-EDGE_WEIGHT, MISFIT_WEIGHT = 4.0, 20.0
-# A misfit beyond this share of the object's size says that the family is a wrong one.
-WRONG_FAMILY_SHARE = 0.015
 # Cauchy's scale: errors beyond this share of the object's size are outliers (a handle, a hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
 ENOUGH_SHARE = 0.005  # of the object's size: small objects look alike, and need all families
@@ -43,27 +35,12 @@ class FitPreset:
 
     directions: int  # in which outlines are compared
     families: tuple[str, ...]  # tried in this order, each after the one that it grows from
-    stretches: tuple[float, ...]  # of the first guess's shadow length, to start from
     iterations: int
-    kept: int  # starts that go on after the first iterations
     enough: float  # no further family is tried once one misses by less, in sigmas of the edges
 
 
-FAST = FitPreset(32, ("frustum", "box", "sphere", "vase", "lump"), (1.0,), 8, 1, 1.5)
-MANY = ("frustum", "box", "sphere", "vase", "mug", "pylon", "wagon", "ell", "lump")
-BALANCED = FitPreset(40, MANY, (1.0,), 10, 1, 1.25)
-ACCURATE = FitPreset(72, tuple(FAMILIES), (0.6, 1.0, 1.6), 30, 3, 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Fit:
-    """Lights, the body that casts their shadows, and how well it does."""
-
-    lights: tuple[FittedLight, ...]  # one for each shadow mask, in their order
-    proxy: Proxy
-    residual_px: float  # root mean square by which the proxy and its shadows miss the outlines, outliers forgiven
-    object_px: float  # square root of the object's area, to compare the residual with
-    residual_px_by_family: Mapping[str, float]  # of every family tried
+FAST = FitPreset(32, ("frustum", "box", "sphere", "vase", "lump"), 8, 1.5)
+BALANCED = FitPreset(40, tuple(FAMILIES), 10, 1.25)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,43 +60,41 @@ class Masks:
 
     body: AnyMask
     shadows: Sequence[AnyMask]  # one for each light
-    camera: Camera
-    T_cam_marker: Float  # (4, 4)
+    sight: Sight
     unreliable: Mask | None = None  # pixels of which nothing is known (the marker's print, other objects)
     edge_sigma_px: float = 0.5  # how far the edges typically are from the truth; 0.2 for perfect masks
     either: Mask | None = None  # pixels outside the masks that belong to the object or to a shadow
-    near: Float | None = None  # (l, 2) displacements s to start from as well
+    start: Float | None = None  # (l, 4) lights to start from as well
 
     def __post_init__(self) -> None:
-        shape = self.camera.size[::-1]
+        shape = self.sight.camera.size[::-1]
         masks = [mask for mask in (self.body, *self.shadows, self.unreliable, self.either) if mask is not None]
         if not self.shadows or any(mask.shape != shape for mask in masks):
             shapes = [mask.shape for mask in masks]
             raise ValueError(f"a fit needs an object and shadows of shape {shape}, not {shapes}")
 
 
-def fit_light(masks: Masks, preset: FitPreset = BALANCED) -> Fit | FitFailure:
-    """The lights that cast the shadows, one for each."""
-    return fit_lights([masks], preset)[0]
-
-
-def fit_lights(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[Fit | FitFailure]:
-    """`fit_light` of each, in less time than one after the other takes."""
-    return [_believed(scene) if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
-
-
-def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[list[Body] | FitFailure]:
-    """For each, the body and displacements of every family that explain its outlines best; the likeliest first."""
-    return [scene.bodies() if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
+class FittedBodies:
+    """The best body of every family that was tried, with its lights."""
+
+    bodies: list[LitBody]  # the likeliest first
+    sight: Sight  # in which they were fitted, about the object's centre
+
+
+def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[FittedBodies | FitFailure]:
+    """For each, the bodies and lights that explain its outlines best; all at once, which takes less time."""
+    return [scene.fitted() if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
+
+
+@dataclass(slots=True, eq=False)
 class _Scene:
-    """What has to be explained, where to begin, and what has been found of it."""
+    """What has to be explained, where to begin, and what has been found of it so far."""
 
     outlines: Outlines
+    sight: Sight  # about their centre
     guess: FirstGuess
-    slants: list[Float]  # (l, 2) each, to start from
+    starts: list[Float]  # (l, 4) each, lights to start from
     edge_sigma_px: float
     solutions: dict[str, Solution] = field(default_factory=dict)  # by family
 
@@ -132,22 +107,23 @@ class _Scene:
         return math.sqrt(least) < min(enough * self.edge_sigma_px, ENOUGH_SHARE * self.outlines.size_px)
 
     def problem(self, number: int, family: Family) -> Problem:
-        """The search of a family; this scene's `number` among the sights."""
+        """The search of a family; this scene's `number` among the observations."""
         if family.grows_from is None:
             height, radius = math.log(self.guess.height), self.guess.radius
-            shapes, slants = family.starts(np.array([0.0, 0.0, height, radius, radius])), self.slants
+            shapes, lights = family.starts(np.array([0.0, 0.0, height, radius, radius])), self.starts
         else:
             parent = self.solutions[family.grows_from]
-            shapes, slants = family.starts(parent.shape), [parent.slants]
-        return Problem(number, family, np.repeat(slants, len(shapes), axis=0), np.tile(shapes, (len(slants), 1)))
+            shapes, lights = family.starts(parent.shape), [parent.lights]
+        return Problem(number, family, np.repeat(lights, len(shapes), axis=0), np.tile(shapes, (len(lights), 1)))
 
     def ranked(self) -> list[str]:
         """The families tried, the likeliest first."""
         return sorted(self.solutions, key=lambda name: _information_criterion(self.solutions[name], self.edge_sigma_px))
 
-    def bodies(self) -> list[Body]:
-        solutions = (self.solutions[name] for name in self.ranked())
-        return [Body(self.guess, solution.family, solution.slants, solution.shape) for solution in solutions]
+    def fitted(self) -> FittedBodies:
+        ranked = (self.solutions[name] for name in self.ranked())
+        bodies = [LitBody(Body(self.guess.place, one.family, one.shape), one.lights) for one in ranked]
+        return FittedBodies(bodies, self.sight)
 
     @property
     def least_cost(self) -> float:
@@ -169,17 +145,18 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
     )
     if isinstance(outlines, str):
         return FitFailure(outlines)
-    guess = guess_scene(masks.camera, masks.T_cam_marker, outlines)
+    sight = replace(masks.sight, centre_px=outlines.centre_px)
+    guess = guess_scene(sight, outlines)
     if isinstance(guess, str):
         return FitFailure(guess)
-    slants = [guess.slants * stretch for stretch in preset.stretches]
-    return _Scene(outlines, guess, slants if masks.near is None else [*slants, masks.near], masks.edge_sigma_px)
+    starts = [guess.lights] if masks.start is None else [guess.lights, masks.start]
+    return _Scene(outlines, sight, guess, starts, masks.edge_sigma_px)
 
 
 def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
     """Solves scenes of equally many lights."""
-    sights = Sights.stacked(
-        [scene.guess.P for scene in scenes],
+    observations = Observations.stacked(
+        [scene.sight.P(scene.guess.place) for scene in scenes],
         [scene.outlines for scene in scenes],
         [scene.outlier_px for scene in scenes],
     )
@@ -194,7 +171,7 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
         if not problems:
             break
         least_cost = np.array([scene.least_cost for scene in scenes])
-        solutions = search(sights, problems, least_cost, preset.iterations, preset.kept)
+        solutions = search(observations, problems, least_cost, preset.iterations)
         for problem, solution in zip(problems, solutions, strict=True):
             scenes[problem.scene].solutions[problem.family.name] = solution
 
@@ -215,32 +192,9 @@ def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
         left = [family for family in left if family not in ripe]
 
 
-def _believed(scene: _Scene) -> Fit:
-    """The best solution as a fit: sharpened by tangents, in the marker frame."""
-    outlines, solutions, edge_sigma_px = scene.outlines, scene.solutions, scene.edge_sigma_px
-    body = scene.bodies()[0]
-    best = solutions[body.family.name]
-    parameters = best.slants.size + best.shape.size
-    misfit = best.mean_square * best.count / max(best.count - parameters, 0.25 * best.count)
-    wrong = misfit / (WRONG_FAMILY_SHARE * outlines.size_px) ** 2
-    variance = EDGE_WEIGHT * edge_sigma_px**2 + MISFIT_WEIGHT * misfit * (1 + wrong)
-    known = information_on_slants(best.normal, best.slants.size) / variance
-    slants, covariance = sharpened_slants(
-        scene.guess.P,
-        outlines,
-        best.slants,
-        above_the_ground(known, best.slants),
-        edge_sigma_px,
-        body.spheroids if wrong < 1 else None,
-    )
-    residuals = {family: math.sqrt(solution.mean_square) for family, solution in solutions.items()}
-    lights = fitted_lights(slants, covariance)
-    return Fit(lights, body.proxy, residuals[body.family.name], outlines.size_px, residuals)
-
-
 def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:
     """Bayes's: how badly the outlines are explained, and by how many numbers; the least is the best."""
-    parameters = solution.slants.size + solution.shape.size
+    parameters = Layout(len(solution.lights)).split + solution.shape.size
     measurements = max(solution.count / CORRELATED, parameters + 1.0)
     error = solution.mean_square + edge_sigma_px**2
     return measurements * math.log(error) + parameters * math.log(measurements)

@@ -26,7 +26,7 @@ class Stacked:
 
 
 @dataclass(frozen=True, slots=True)
-class Sights(Stacked):
+class Observations(Stacked):
     """What n bodies have to explain: outlines, as seen by a camera about their centre."""
 
     P: Float  # (n, 3, 4) pixels from the bodies' frame
@@ -36,7 +36,7 @@ class Sights(Stacked):
     scale_px: Float  # (n, 1) errors beyond it count less and less
 
     @staticmethod
-    def stacked(cameras: Sequence[Float], outlines: Sequence[Outlines], scales_px: Sequence[float]) -> "Sights":
+    def stacked(cameras: Sequence[Float], outlines: Sequence[Outlines], scales_px: Sequence[float]) -> "Observations":
         """Of outlines of equally many shadows; where one has fewer directions than others, nothing bounds the rest."""
         n, (rows, _) = len(outlines), outlines[0].least_px.shape
         d = max(len(one.directions) for one in outlines)
@@ -48,22 +48,24 @@ class Sights(Stacked):
             least[i, :, own], most[i, :, own] = one.least_px, one.most_px
         if np.isneginf(least[:, -1]).all():
             least, most = least[:, :-1], most[:, :-1]
-        return Sights(np.array(cameras), directions, least, most, np.array(scales_px)[:, None])
+        return Observations(np.array(cameras), directions, least, most, np.array(scales_px)[:, None])
 
 
-def residuals(sights: Sights, families: Sequence[Family], slants: Float, shapes: Float) -> tuple[Float, Float]:
-    """(n, r) pixels by which n bodies miss outlines, and how slants and shape move what they miss, (n, 2 l + q, r).
+def residuals(
+    observations: Observations, families: Sequence[Family], lights: Float, shapes: Float
+) -> tuple[Float, Float]:
+    """(n, r) pixels by which n bodies miss outlines, and how theta moves what they miss, (n, split + q, r).
 
-    slants: (n, l, 2). shapes: (n, q), of the members of `families` (n,).
+    lights: (n, l, 4) in the bodies' frames. shapes: (n, q), of the members of `families` (n,).
     """
-    (n, rows, _), outlines = sights.least_px.shape, 1 + slants.shape[1]
+    (n, rows, _), outlines = observations.least_px.shape, 1 + lights.shape[1]
     parts, by_shape = parts_of(families, shapes)
-    supports = outline_supports(sights.P, parts, slants, sights.directions)
+    supports = outline_supports(observations.P, parts, lights, observations.directions)
     reach, by_theta = supports.reach_px, supports.by_theta(by_shape)
     if rows > outlines:
         is_farthest = reach.argmax(axis=1)[:, None] == np.arange(outlines)[:, None]
         of_farthest = (by_theta * is_farthest[:, None]).sum(axis=2, keepdims=True)
         reach = np.concatenate([reach, reach.max(axis=1, keepdims=True)], axis=1)
         by_theta = np.concatenate([by_theta, of_farthest], axis=2)
-    missed = np.minimum(reach - sights.least_px, 0.0) + np.maximum(reach - sights.most_px, 0.0)
+    missed = np.minimum(reach - observations.least_px, 0.0) + np.maximum(reach - observations.most_px, 0.0)
     return missed.reshape(n, -1), by_theta.reshape(n, by_theta.shape[1], -1)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.shape.layout import Layout, numbers_of
 from ashe_live.light.shape.silhouettes import Outlines, Silhouette
 
 NARROWEST = 0.05  # share of the distance to the vanishing point that must remain before a tangent is believed
@@ -20,26 +21,28 @@ GROUNDED_SHARE = 0.15  # of its height: what a body's tangent touches below this
 ITERATIONS = 15
 
 
-def sharpened_slants(
-    P: Float, outlines: Outlines, slants: Float, information: Float, edge_sigma_px: float, spheroids: Float | None
+def sharpened_lights(
+    P: Float, outlines: Outlines, lights: Float, information: Float, edge_sigma_px: float, spheroids: Float | None
 ) -> tuple[Float, Float]:
-    """The most likely displacements given those of a fitted body and the tangents, and their covariance.
+    """The most likely lights given those of a fitted body and the tangents, and the covariance of their numbers.
 
-    P: (3, 4) pixels from the body's frame. slants: (l, 2), believed with `information` (2 l, 2 l), which must be
-    positive definite. spheroids: (k, 5) the body, where it can be told from it what a tangent touches. Returns (l, 2)
-    and (2 l, 2 l).
+    P: (3, 4) pixels from the body's frame, about the outlines' centre. lights: (l, 4) in that frame; their numbers are
+    believed with `information` (split, split), which must be positive definite. spheroids: (k, 5) the body, where it
+    can be told from it what a tangent touches. Returns (l, 4) and (split, split).
     """
+    layout, numbers = Layout(len(lights)), numbers_of(lights)
     sigma = TANGENT_SIGMAS * max(edge_sigma_px, 0.05)
-    feet = [None if spheroids is None else _stands_there(P, spheroids, slant) for slant in slants]
+    feet = [None if spheroids is None else _stands_there(P, spheroids, light) for light in lights]
 
     def evaluate(candidate: Float) -> tuple[float, Float, Float, Float]:
         """Cost, its gradient / 2 and its curvature / 2; and the part of that which holds towards either side."""
-        offset = (candidate - slants).ravel()
+        offset = (candidate - numbers).ravel()
         gradient, curvature, known = information @ offset, information.copy(), information.copy()
         cost = float(offset @ gradient)
         for i, (shadow, foot) in enumerate(zip(outlines.shadows, feet, strict=True)):
-            gaps, by_slant, bounds_only = tangent_gaps(P, outlines.body, shadow, candidate[i : i + 1], foot)
-            error, slope, own = gaps[0] / sigma, by_slant[0] / sigma, np.s_[2 * i : 2 * i + 2]
+            light = layout.lights_of(candidate.ravel())[i : i + 1]
+            gaps, by_light, bounds_only = tangent_gaps(P, outlines.body, shadow, light, foot)
+            error, slope, own = gaps[0] / sigma, by_light[0] / sigma, layout.light(i)
             weight = 1 / (1 + (error / OUTLIER) ** 2)
             cost += float(OUTLIER**2 * np.log1p((error / OUTLIER) ** 2).sum())
             gradient[own] += slope.T @ (weight * error)
@@ -47,11 +50,11 @@ def sharpened_slants(
             known[own, own] += slope.T @ (np.where(bounds_only[0], 0.0, weight)[:, None] * slope)
         return cost, gradient, curvature, known
 
-    best, damping = slants, 1e-3
+    best, damping = numbers, 1e-3
     cost, gradient, curvature, known = evaluate(best)
     for _ in range(ITERATIONS):
         step = np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), -gradient)
-        candidate = best + step.reshape(slants.shape)
+        candidate = best + step.reshape(numbers.shape)
         new_cost, *new_slopes = evaluate(candidate)
         if new_cost < cost:
             settled = cost - new_cost < 1e-4 * cost
@@ -62,22 +65,22 @@ def sharpened_slants(
         else:
             damping *= 8.0
     # A bound says where the light is not: beyond it, nothing is known any better.
-    return best, np.asarray(np.linalg.inv(known))
+    return layout.lights_of(best.ravel()), np.asarray(np.linalg.inv(known))
 
 
 def tangent_gaps(
-    P: Float, body: Silhouette, shadow: Silhouette, slants: Float, foot: Mask | None = None
+    P: Float, body: Silhouette, shadow: Silhouette, lights: Float, foot: Mask | None = None
 ) -> tuple[Float, Float, Mask]:
     """How far the two pairs of tangents are apart.
 
-    P: (3, 4) pixels about the silhouettes' centre. slants: (n, 2) candidate displacements s. foot: (2,) sides on which
+    P: (3, 4) pixels about the silhouettes' centre. lights: (n, 4) candidates for its light. foot: (2,) sides on which
     the object's tangent touches where it stands: it hides its own shadow there. Returns (n, 2) gaps in pixels, first
-    and second side, their derivatives by s (n, 2, 2), and (n, 2) whether they are mere bounds, as an outline that is
-    hidden or cut may reach further. A gap which that explains is 0, as is that of a vanishing point within the
-    outlines, which has no tangents.
+    and second side, their derivatives by the light's numbers (n, 2, 2), and (n, 2) whether they are mere bounds, as an
+    outline that is hidden or cut may reach further. A gap which that explains is 0, as is that of a vanishing point
+    within the outlines, which has no tangents.
     """
     foot = np.zeros(2, dtype=np.bool_) if foot is None else foot
-    v = slants @ P[:, :2].T + P[:, 2]
+    v = _vanishing_points(P, lights)
     # A light right behind the outlines' centre has no side; any will do, as its gaps are zeroed below.
     v[:, 0] = np.where(np.abs(v[:, :2]).max(axis=1) < 1e-12 * np.abs(P[:, :3]).max(), 1e-9, v[:, 0])
     one, other = _outermost(v, body), _outermost(v, shadow)
@@ -91,7 +94,12 @@ def tangent_gaps(
     return np.where(explained, 0.0, gaps), by_v @ P[:, :2], shadow_may_reach_further | ~one.certain
 
 
-def _stands_there(P: Float, spheroids: Float, slant: Float) -> Mask:
+def _vanishing_points(P: Float, lights: Float) -> Float:
+    """(n, 3) the homogeneous images of lights (n, 4), over their z."""
+    return np.asarray(numbers_of(lights) @ P[:, :2].T + P[:, 2] + lights[:, 3:] / lights[:, 2:3] * P[:, 3])
+
+
+def _stands_there(P: Float, spheroids: Float, light: Float) -> Mask:
     """(2,) whether a body's first and second tangent touch it near the ground."""
     angles = np.arange(16) * (2 * math.pi / 16)
     rim = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(16)])
@@ -100,7 +108,7 @@ def _stands_there(P: Float, spheroids: Float, slant: Float) -> Mask:
     points = np.concatenate([rims, poles], axis=1).reshape(-1, 3)
     images = points @ P[:, :3].T + P[:, 3]
     pixels = images[:, :2] / np.maximum(images[:, 2:], 1e-3 * P[2, 3])
-    v = (slant @ P[:, :2].T + P[:, 2])[None]
+    v = _vanishing_points(P, light[None])
     if np.abs(v[0, :2]).max() < 1e-12 * np.abs(P[:, :3]).max():
         return np.zeros(2, dtype=np.bool_)
     ends = _outermost(v, Silhouette(pixels, np.ones(len(pixels), np.bool_))).index[0]

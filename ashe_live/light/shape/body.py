@@ -1,35 +1,49 @@
-"""A body on the ground and the shadows that it casts: a member of a family, placed in the frame of a first guess."""
+"""Bodies on the ground and the lights in which they stand: geometry in the marker's frame, whatever sees them."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import normalised
-from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.family import Family, padded, parts_of
-from ashe_live.light.shape.first_guess import FirstGuess
-from ashe_live.light.shape.predicted import AROUND, outlines
-from ashe_live.light.shape.supports import outline_points
+from ashe_live.light.shape.family import Family
+from ashe_live.light.shape.layout import Layout, numbers_of
 
-LARGE_PX = 5e3
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """A body's own frame, in which its family's parameters are: upright at its foot, its size the unit."""
+
+    origin_marker: Float  # (2,) metres, on the ground
+    unit_m: float
+
+    @property
+    def T_marker_own(self) -> Float:
+        """(4, 4) a similarity."""
+        M = np.diag([self.unit_m, self.unit_m, self.unit_m, 1.0])
+        M[:2, 3] = self.origin_marker
+        return M
+
+    def lights(self, lights_marker: Float) -> Float:
+        """(l, 4) lights of the marker frame in this one."""
+        own = lights_marker.copy()
+        own[:, :2] -= lights_marker[:, 3:] * self.origin_marker
+        own[:, 3] *= self.unit_m
+        return own
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Body:
-    """What a fit varies: the shape of a body, and where each light throws its shadow."""
+    """A member of a family, somewhere on the ground."""
 
-    guess: FirstGuess
+    place: Place
     family: Family
-    slants: Float  # (l, 2) displacement s of each light's shadow, for a unit of height
     shape: Float  # (q,) the family's parameters
 
     @property
     def spheroids(self) -> Float:
-        """(k, 5) in the frame of the guess."""
+        """(k, 5) in its own frame."""
         spheroids: Float = self.family.parts(self.shape[None])[0][0]
         spheroids[:, 3:] = np.abs(spheroids[:, 3:])  # a radius enters squared, so that its sign means nothing
         return spheroids
@@ -37,39 +51,35 @@ class Body:
     @property
     def proxy(self) -> Proxy:
         """In the marker frame, metres."""
-        spheroids = self.spheroids * self.guess.unit_m
-        spheroids[:, :2] += self.guess.origin_marker
+        spheroids = self.spheroids * self.place.unit_m
+        spheroids[:, :2] += self.place.origin_marker
         return Proxy(self.family.name, spheroids)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LitBody:
+    """What a fit varies: a body, and the lights that throw its shadows."""
+
+    body: Body
+    lights: Float  # (l, 4) homogeneous points, marker frame
+
+    @property
+    def layout(self) -> Layout:
+        return Layout(len(self.lights))
+
+    @property
+    def own_lights(self) -> Float:
+        """(l, 4) in the body's own frame."""
+        return self.body.place.lights(self.lights)
 
     @property
     def to_lights_marker(self) -> list[Float]:
-        """(3,) unit vectors."""
-        return [normalised(np.array([*slant, 1.0])) for slant in self.slants]
+        """(3,) unit vectors: the lights' directions, which is all of a light that is far away."""
+        return [normalised(np.array([*slant, 1.0])) for slant in numbers_of(self.lights)]
 
-    def moved(self, step: Float) -> "Body":
-        """By a step (2 l + q,) in slants and shape; what is longer is longer for others' sake."""
-        split = self.slants.size
-        end = split + len(self.shape)
-        return replace(self, slants=self.slants + step[:split].reshape(-1, 2), shape=self.shape + step[split:end])
-
-
-def outlines_of(bodies: Sequence[Body], views: Sequence[View]) -> list[list[Float | None]]:
-    """As `predicted.outlines` of each in its view, in less time than one after the other takes.
-
-    All have equally many lights.
-    """
-    seen = zip(bodies, views, strict=True)
-    P = np.array([body.guess.seen_by(view.camera, view.T_cam_marker).P for body, view in seen])
-    parts, _ = parts_of([body.family for body in bodies], padded([body.shape for body in bodies]))
-    clouds = outline_points(P, parts, np.array([body.slants for body in bodies]), AROUND).astype(np.float32)
-    # What seems very large may go on behind the camera, which takes a closer look.
-    are_large = ~(np.abs(clouds).max(axis=(1, 2, 3, 4)) < LARGE_PX)
-    return [
-        outlines(body.proxy, body.to_lights_marker, view) if is_large else [_hull(cloud) for cloud in own]
-        for body, view, own, is_large in zip(bodies, views, clouds, are_large, strict=True)
-    ]
-
-
-def _hull(cloud: Float32) -> Float:
-    """(m, 2) of (k, around, 2) points."""
-    return np.asarray(cv2.convexHull(cloud.reshape(-1, 2))[:, 0], dtype=np.float64)
+    def moved(self, step: Float) -> "LitBody":
+        """By a step (split + q,) in theta; what is longer is longer for others' sake."""
+        layout = self.layout
+        theta = layout.theta(self.lights, self.body.shape)
+        theta = theta + step[: len(theta)]
+        return replace(self, lights=layout.lights_of(theta), body=replace(self.body, shape=layout.shape_of(theta)))

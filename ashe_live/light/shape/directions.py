@@ -7,6 +7,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
 from ashe_live.core.transforms import normalised, tangent_basis
+from ashe_live.light.shape.layout import Layout, numbers_of
+from ashe_live.light.shape.light_points import at_infinity
 
 HEMISPHERE_RAD = 0.7  # how far a light may be from where it is found, if the outlines tell nothing
 # By how much its height may be off where its shadow's far end is out of the picture: other borders tell lengths by the
@@ -29,15 +31,20 @@ class FittedLight:
             covariance_rad2=frozen_floats(self.covariance_rad2, (2, 2), "covariance_rad2"),
         )
 
+    @property
+    def point(self) -> Float:
+        """(1, 4) as homogeneous points are stacked."""
+        return at_infinity(self.to_light_marker[None])
 
-def fitted_lights(slants: Float, covariance: Float) -> tuple[FittedLight, ...]:
-    """Displacements (l, 2) and their covariance (2 l, 2 l) as directions."""
-    lights = []
-    for i, slant in enumerate(slants):
-        own, slope = np.s_[2 * i : 2 * i + 2], direction_by_slant(slant)
+
+def fitted_lights(lights: Float, covariance: Float) -> tuple[FittedLight, ...]:
+    """Lights (l, 4), all of them directions, and their numbers' covariance (split, split)."""
+    fitted, layout = [], Layout(len(lights))
+    for i, slant in enumerate(numbers_of(lights)):
+        own, slope = layout.light(i), direction_by_slant(slant)
         spread = slope @ covariance[own, own] @ slope.T
-        lights.append(FittedLight(np.array([*slant, 1.0]), 0.5 * (spread + spread.T)))
-    return tuple(lights)
+        fitted.append(FittedLight(np.array([*slant, 1.0]), 0.5 * (spread + spread.T)))
+    return tuple(fitted)
 
 
 def slant_of(to_light_marker: Float) -> Float:
@@ -51,11 +58,11 @@ def information_on_slant(light: FittedLight) -> Float:
     return np.asarray(slope.T @ np.linalg.solve(light.covariance_rad2, slope))
 
 
-def above_the_ground(information: Float, slants: Float) -> Float:
-    """Information (2 l, 2 l) on slants (l, 2) and that a light is on the hemisphere."""
-    total = information.copy()
-    for i, slant in enumerate(slants):
-        own, slope = np.s_[2 * i : 2 * i + 2], direction_by_slant(slant)
+def above_the_ground(information: Float, lights: Float) -> Float:
+    """Information (split, split) on the numbers of lights (l, 4), and that each is on the hemisphere."""
+    total, layout = information.copy(), Layout(len(lights))
+    for i, slant in enumerate(numbers_of(lights)):
+        own, slope = layout.light(i), direction_by_slant(slant)
         total[own, own] += slope.T @ slope / HEMISPHERE_RAD**2
     return total
 

@@ -32,26 +32,10 @@ def _vase(theta: Float) -> Parts:
     return stacked(rings, [1, 1, 1])
 
 
-def _bottle(theta: Float) -> Parts:
-    """Belly, shoulder and neck."""
-    x, y, height, below, lower, upper, above, low, high = parameters(theta)
-    top = exp(height)
-    shoulder = share(high) * top
-    rings: list[tuple[Jet | None, ...]] = [(x, y, None, below, None), (x, y, share(low) * shoulder, lower, None)]
-    rings += [(x, y, shoulder, upper, None), (x, y, top, above, None)]
-    return stacked(rings, [1, 1, 1, 1])
-
-
 def _sphere(theta: Float) -> Parts:
     x, y, size = parameters(theta)
     radius = exp(size)
     return stacked([(x, y, radius, radius, radius)], [1])
-
-
-def _egg(theta: Float) -> Parts:
-    x, y, size, stretch = parameters(theta)
-    half = exp(size + stretch)
-    return stacked([(x, y, half, exp(size), half)], [1])
 
 
 def _box(theta: Float) -> Parts:
@@ -131,18 +115,9 @@ def _vase_starts(seed: Float) -> Float:
     return np.array([(x, y, height, below, 1.1 * middle, above, level) for level in (0.7, -0.7)])
 
 
-def _bottle_starts(seed: Float) -> Float:
-    x, y, height, below, between, above, level = seed
-    return np.array([(x, y, height, below, 1.02 * between, 0.8 * between, above, 1.5, level + 0.4)])
-
-
 def _ball_starts(seed: Float) -> Float:
     x, y, _, below, above = seed
     return np.array([(x, y, math.log(max(abs(below), abs(above), 1e-3)))])
-
-
-def _egg_starts(seed: Float) -> Float:
-    return np.array([(*seed, 0.0)])
 
 
 def _box_starts(seed: Float) -> Float:
@@ -213,8 +188,6 @@ FAMILIES = {
         Family("pylon", "frustum", _pylon, _pylon_starts, (INF, INF, INF, 1.0, 1.0, 1.0, INF)),
         Family("wagon", "box", _wagon, _wagon_starts, (INF, INF, INF, 1.0, 1.0, 1.0, 1.0, 1.5, 0.7, 0.7)),
         Family("ell", "box", _ell, _ell_starts, (INF, INF, INF, 1.0, 1.0, 1.0, 1.0, 1.5)),
-        Family("bottle", "vase", _bottle, _bottle_starts, (INF, INF, 1.0, INF, INF, INF, INF, 1.5, 1.5)),
-        Family("egg", "sphere", _egg, _egg_starts, (INF, INF, 1.0, 0.5)),
         Family("lump", "sphere", _lump, _lump_starts, (INF, INF, 1.0, 0.5, *(0.7, 0.7, 1.0, 0.5) * 2)),
     )
 }

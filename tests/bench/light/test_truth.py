@@ -1,15 +1,15 @@
-"""Whose an error is: masks beside the true ones, and the fit on those."""
+"""Whose an error is: masks beside the true ones, and what the estimator makes of those."""
 
-from pathlib import Path
+import dataclasses
 
 import cv2
 import numpy as np
 import pytest
 
 from ashe_live.bench.cases import Case
-from ashe_live.bench.light.truth import error_on_true_masks_deg, mask_overlaps
+from ashe_live.bench.light.truth import error_on_true_labels_deg, mask_overlaps
 from ashe_live.core.types import LightEstimate, MarkerPose
-from ashe_live.light.outline_fit.fit import BALANCED
+from ashe_live.light.estimators.steps import BALANCED
 from tests.light.synthetic_masks import box, camera_towards, direction, render
 
 LIGHT = direction(200.0, 40.0)
@@ -27,8 +27,13 @@ def case(scene, tmp_path):
     paths = {name: tmp_path / f"{name}.png" for name in masks}
     for name, mask in masks.items():
         cv2.imwrite(str(paths[name]), (np.asarray(mask) > 0.5).astype(np.uint8) * 255)
+    picture = np.full((*scene.body.shape, 3), 150.0)
+    picture[scene.shadows[0]] = 70
+    picture[scene.body] = (40, 80, 190)
+    picture += np.random.default_rng(0).normal(0, 2, picture.shape)
+    cv2.imwrite(str(tmp_path / "a.png"), np.clip(picture, 0, 255).astype(np.uint8))
     pose = MarkerPose(scene.T_cam_marker, np.zeros((4, 2)), 0.08, 0.0, None)
-    return Case("a", "set", "clean", "box", Path("a.png"), scene.camera, pose, LIGHT[None], paths)
+    return Case("a", "set", "clean", "box", tmp_path / "a.png", scene.camera, pose, LIGHT[None], paths)
 
 
 def halved(mask):
@@ -45,19 +50,17 @@ def test_masks_of_another_size_are_compared_all_the_same(scene, case):
     assert mask_overlaps(LightEstimate("e", 0, (), "-"), case) == (None, None)
 
 
-def test_true_masks_leave_only_the_geometrys_error(case):
-    assert error_on_true_masks_deg(case, BALANCED) < 1.0
+def test_true_labels_leave_only_the_geometrys_error(case):
+    assert error_on_true_labels_deg(case, case.tracked(), BALANCED) < 1.0
 
 
 def test_a_light_elsewhere_is_as_wrong_as_it_is_far(case):
-    other = direction(200.0, 60.0)
-    moved = Case("a", "set", "clean", "box", Path("a.png"), case.camera, case.marker, other[None], case.mask_paths)
-    assert error_on_true_masks_deg(moved, BALANCED) == pytest.approx(20, abs=1)
+    other = dataclasses.replace(case, to_lights_marker=direction(200.0, 60.0)[None])
+    assert error_on_true_labels_deg(other, case.tracked(), BALANCED) == pytest.approx(20, abs=1)
 
 
 def test_without_masks_or_light_there_is_no_such_error(case):
-    blind = Case("a", "set", "clean", "box", Path("a.png"), case.camera, case.marker, LIGHT[None], {})
-    dark = Case(
-        "a", "set", "diffuse", "box", Path("a.png"), case.camera, case.marker, np.empty((0, 3)), case.mask_paths
-    )
-    assert error_on_true_masks_deg(blind, BALANCED) is error_on_true_masks_deg(dark, BALANCED) is None
+    blind = dataclasses.replace(case, mask_paths={})
+    dark = dataclasses.replace(case, to_lights_marker=np.empty((0, 3)))
+    assert error_on_true_labels_deg(blind, case.tracked(), BALANCED) is None
+    assert error_on_true_labels_deg(dark, case.tracked(), BALANCED) is None

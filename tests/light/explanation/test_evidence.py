@@ -100,7 +100,7 @@ def alignment_of_slab(here: PaintedRegion, height_m: float) -> Alignment:
     """The painted body, but of this height."""
     truth = alignment_of(here)
     flatter = body_of(here, replace(BOX, height_m=height_m))
-    return replace(truth, placed=replace(truth.placed, body=flatter))
+    return replace(truth, placed=replace(truth.placed, lit=flatter))
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)

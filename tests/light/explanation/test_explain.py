@@ -71,9 +71,9 @@ def test_tangents_keep_a_true_light_and_do_not_ask_from_where_its_body_was_drawn
     assert one is not None
     sharp = sharpened(one)
     assert error_deg(sharp, here) < 1
-    view, body = here.region.view, one.alignment.placed.body
-    elsewhere = replace(body, guess=body.guess.seen_by(view.camera, view.T_cam_marker, np.array([70.0, -20.0])))
-    other = replace(one, alignment=replace(one.alignment, placed=replace(one.alignment.placed, body=elsewhere)))
+    placed = one.alignment.placed
+    elsewhere = replace(placed, sight=replace(placed.sight, centre_px=np.array([70.0, -20.0])))
+    other = replace(one, alignment=replace(one.alignment, placed=elsewhere))
     assert angle_between(sharp.lights[0].to_light_marker, sharpened(other).lights[0].to_light_marker) < 1e-9
 
 

@@ -12,6 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, tangent_basis
 from ashe_live.light.explanation.penumbra import angular_size
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 from tests.light.synthetic_masks import camera_towards
 
@@ -36,13 +37,13 @@ def share_of(diameter_rad: float, blur_px: float, lights: int = 250) -> Float:
     total = np.zeros(SIZE[::-1])
     for angle, away in zip(turn, radius, strict=True):
         towards = TO_LIGHT + away * (math.cos(angle) * east + math.sin(angle) * up)
-        total += predicted(PROXY, [towards / np.linalg.norm(towards)], here).shadow
+        total += predicted(PROXY, at_infinity(towards[None]), here).shadow
     return cv2.GaussianBlur((total / lights).astype(np.float32), (0, 0), blur_px)
 
 
 def size_of(share: Float) -> float | None:
     here = view()
-    return angular_size(PROXY, TO_LIGHT, share, predicted(PROXY, [TO_LIGHT], here), here)
+    return angular_size(PROXY, TO_LIGHT, share, predicted(PROXY, at_infinity(TO_LIGHT[None]), here), here)
 
 
 @pytest.mark.parametrize("blur_px", [0.7, 1.2])

@@ -54,7 +54,7 @@ def test_a_glimpse_shows_where_the_second_light_is_and_how_much_of_the_light_is_
     painted = paint(CYLINDER, ground=ground, other=other)
     found = glimpses(BODY, painted.to_light, *seen(painted), 1)
     assert len(found) == 1
-    assert math.degrees(angle_between(np.array([*found[0].slant, 1.0]), other.to_light)) < 8
+    assert math.degrees(angle_between(found[0].light[:3], other.to_light)) < 8
     darker = math.log(1 - np.mean(other.blocked_rgb))
     assert found[0].darker[0] == pytest.approx(darker, rel=0.35)
 

@@ -24,7 +24,7 @@ BALL = Proxy("sphere", np.array([[*CENTRE, RADIUS, RADIUS]]))
 def shading_in(caster: Caster, to_light: Float | None = None, **how: str) -> Shading:
     here = painted_region(caster, **how)
     lights = [here.scene.to_light if to_light is None else to_light]
-    return shading_of(here.region, here.body, body_of(here, caster).proxy, lights, [LEFT_OVER])
+    return shading_of(here.region, here.body, body_of(here, caster).body.proxy, lights, [LEFT_OVER])
 
 
 def opposite(to_light: Float) -> Float:
@@ -147,7 +147,7 @@ def test_hardly_any_pixel_tells_nothing() -> None:
     few = np.zeros_like(here.body)
     few[30:36, 30:36] = True
     for body in (few, few & False):
-        shading = shading_of(here.region, body, body_of(here, BOX).proxy, [here.scene.to_light], [LEFT_OVER])
+        shading = shading_of(here.region, body, body_of(here, BOX).body.proxy, [here.scene.to_light], [LEFT_OVER])
         assert shading == UNKNOWN
 
 
@@ -157,7 +157,7 @@ def test_turning_the_marker_by_quarters_changes_nothing(quarters: int) -> None:
     c, s = ((0, 1), (-1, 0), (0, -1))[quarters - 1]
     R = np.array([[c, -s, 0, 0], [s, c, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1.0]])
     view = replace(here.region.view, T_cam_marker=here.region.view.T_cam_marker @ R.T)
-    spheroids = body_of(here, CYLINDER).proxy.spheroids_marker.copy()
+    spheroids = body_of(here, CYLINDER).body.proxy.spheroids_marker.copy()
     spheroids[:, :3] = spheroids[:, :3] @ R[:3, :3].T
     light = R[:3, :3] @ here.scene.to_light
     turned = shading_of(replace(here.region, view=view), here.body, Proxy("frustum", spheroids), [light], [LEFT_OVER])
@@ -176,4 +176,4 @@ def test_any_body_and_light_has_a_finite_shading(
     proxy = Proxy("sphere", np.array([spheroid]))
     shading = shading_of(here.region, here.body, proxy, [normalised(np.array(light, float))], [left_over])
     assert np.isfinite([shading.contrast, shading.sunlit]).all()
-    assert predicted(proxy, [], here.region.view).body.shape == here.body.shape
+    assert predicted(proxy, np.empty((0, 4)), here.region.view).body.shape == here.body.shape

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Mask
-from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.proposals import SHADOWS_PER_SHIFT
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split, distinct, doubted, splits
 from ashe_live.light.labels.materials import materials_of
@@ -21,7 +21,7 @@ def explained(here: PaintedRegion, region: Region | None = None) -> list[Split]:
     return [
         split
         for shift in here.shifts
-        for split in splits(region, here.ground, materials_of(region, here.ground, shift), BALANCED.shadows_per_shift)
+        for split in splits(region, here.ground, materials_of(region, here.ground, shift), SHADOWS_PER_SHIFT)
     ]
 
 

@@ -10,8 +10,10 @@ import pytest
 from ashe_live.bench.cases import read_cases
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import angle_between, rigid, tangent_basis
-from ashe_live.light.outline_fit.fit import ACCURATE, BALANCED, FAST, Fit, FitFailure, FitPreset, Masks, fit_light
+from ashe_live.core.transforms import angle_between, angles_from_direction, rigid
+from ashe_live.light.outline_fit.fit import BALANCED, FAST, FitFailure, FitPreset, Masks, fit_bodies
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.sight import Sight
 from tests.light.synthetic_masks import (
     MaskedScene,
     Parts,
@@ -38,20 +40,20 @@ VIEW = camera_towards((0.08, 0.0), 0.5, 35.0)
 LIGHT = direction(200.0, 40.0)
 
 
-def fitted(scene: MaskedScene, preset: FitPreset = BALANCED) -> Fit:
-    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, scene.T_cam_marker, None, 0.2), preset)
-    assert isinstance(fit, Fit), fit
+def best_of(masks: Masks, preset: FitPreset = BALANCED) -> LitBody | FitFailure:
+    """The likeliest body."""
+    (found,) = fit_bodies([masks], preset)
+    return found if isinstance(found, FitFailure) else found.bodies[0]
+
+
+def fitted(scene: MaskedScene, preset: FitPreset = BALANCED) -> LitBody:
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, scene.T_cam_marker), None, 0.2), preset)
+    assert isinstance(fit, LitBody), fit
     return fit
 
 
-def error_deg(fit: Fit, truth: Float, index: int = 0) -> float:
-    return math.degrees(angle_between(fit.lights[index].to_light_marker, truth))
-
-
-def sigmas_off(fit: Fit, truth: Float) -> float:
-    light = fit.lights[0]
-    off = tangent_basis(light.to_light_marker) @ truth
-    return math.sqrt(off @ np.linalg.solve(light.covariance_rad2, off))
+def error_deg(fit: LitBody, truth: Float, index: int = 0) -> float:
+    return math.degrees(angle_between(fit.to_lights_marker[index], truth))
 
 
 @pytest.mark.parametrize("azimuth_deg", [20.0, 110.0, 200.0, 290.0])
@@ -73,15 +75,9 @@ def test_the_fast_preset_knows_the_plain_families(name: str) -> None:
 
 
 def test_a_family_is_not_tried_without_the_one_that_it_grows_from() -> None:
-    orphaned = FitPreset(32, ("frustum", "ell"), (1.0,), 8, 1, 0.0)
+    orphaned = FitPreset(32, ("frustum", "ell"), 8, 0.0)
     with pytest.raises(ValueError, match="ell grows from box"):
         fitted(render(BODIES["box"](), [LIGHT], VIEW), orphaned)
-
-
-def test_the_accurate_preset_tries_every_family() -> None:
-    fit = fitted(render(BODIES["bottle"](), [LIGHT], VIEW), ACCURATE)
-    assert error_deg(fit, LIGHT) < 1.0
-    assert len(fit.residual_px_by_family) == len(ACCURATE.families)
 
 
 def test_soft_masks_are_measured_below_a_pixel() -> None:
@@ -89,8 +85,8 @@ def test_soft_masks_are_measured_below_a_pixel() -> None:
     fine = render(BODIES["box"](), [LIGHT], VIEW, (1280, 960))
     soft = [cv2.resize(mask.astype(np.float64), (320, 240), interpolation=cv2.INTER_AREA) for mask in
             (fine.body, *fine.shadows)]  # fmt: skip
-    fit = fit_light(Masks(soft[0], soft[1:], scene.camera, VIEW, None, 0.2))
-    assert isinstance(fit, Fit)
+    fit = best_of(Masks(soft[0], soft[1:], Sight(scene.camera, VIEW), None, 0.2))
+    assert isinstance(fit, LitBody)
     assert error_deg(fit, LIGHT) < 1.5
 
 
@@ -102,10 +98,9 @@ def test_two_shadows_share_one_body() -> None:
 
 def test_the_proxy_is_the_body() -> None:
     fit = fitted(render(BODIES["cylinder"](), [LIGHT], VIEW))
-    points = fit.proxy.points_marker()
+    points = fit.body.proxy.points_marker()
     assert np.allclose(points.min(axis=0), (0.07, -0.01, 0.0), atol=0.003)
     assert np.allclose(points.max(axis=0), (0.13, 0.05, 0.1), atol=0.003)
-    assert fit.residual_px < 0.3
 
 
 # Laws
@@ -114,11 +109,10 @@ def test_the_proxy_is_the_body() -> None:
 def test_turning_the_marker_turns_the_answer() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     quarter = rigid([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], np.zeros(3))
-    first = fitted(scene).lights[0]
+    first = fitted(scene)
     turned_pose = MaskedScene(scene.camera, VIEW @ quarter, scene.body, scene.shadows)
-    second = fitted(turned_pose).lights[0]
-    assert np.allclose(quarter[:3, :3] @ second.to_light_marker, first.to_light_marker, atol=1e-3)
-    assert np.allclose(second.covariance_rad2, first.covariance_rad2, rtol=0.2, atol=1e-6)
+    second = fitted(turned_pose)
+    assert np.allclose(quarter[:3, :3] @ second.to_lights_marker[0], first.to_lights_marker[0], atol=1e-3)
 
 
 def test_a_larger_marker_leaves_the_direction() -> None:
@@ -126,34 +120,24 @@ def test_a_larger_marker_leaves_the_direction() -> None:
     far = VIEW.copy()
     far[:3, 3] *= 40.0
     first, second = fitted(scene), fitted(MaskedScene(scene.camera, far, scene.body, scene.shadows))
-    assert np.allclose(second.lights[0].to_light_marker, first.lights[0].to_light_marker, atol=1e-6)
-    assert np.allclose(second.proxy.spheroids_marker, 40 * first.proxy.spheroids_marker, atol=1e-4)
+    assert np.allclose(second.to_lights_marker, first.to_lights_marker, atol=1e-6)
+    assert np.allclose(second.body.proxy.spheroids_marker, 40 * first.body.proxy.spheroids_marker, atol=1e-4)
 
 
 def test_a_mirrored_scene_has_the_mirrored_light() -> None:
     mirror = np.array([-1.0, 1.0, 1.0])
     view = camera_towards((0.0, 0.0), 0.5, 35.0)
     parts = [part - (0.1, 0.0, 0.0) for part in BODIES["box"]()]
-    straight = fitted(render(parts, [LIGHT], view)).lights[0].to_light_marker
-    mirrored = fitted(render([part * mirror for part in parts], [LIGHT * mirror], view)).lights[0].to_light_marker
+    straight = fitted(render(parts, [LIGHT], view)).to_lights_marker[0]
+    mirrored = fitted(render([part * mirror for part in parts], [LIGHT * mirror], view)).to_lights_marker[0]
     assert math.degrees(angle_between(straight * mirror, mirrored)) < 0.5
 
 
 def test_the_same_masks_give_the_same_bits() -> None:
     scene = render(BODIES["ell"](), [LIGHT], VIEW)
     first, second = fitted(scene), fitted(scene)
-    assert first.lights[0].to_light_marker.tobytes() == second.lights[0].to_light_marker.tobytes()
-    assert first.lights[0].covariance_rad2.tobytes() == second.lights[0].covariance_rad2.tobytes()
-
-
-def test_doubtful_edges_widen_the_covariance() -> None:
-    scene = render(BODIES["box"](), [LIGHT], VIEW)
-    areas = []
-    for edge_sigma_px in (0.2, 0.5, 1.0, 2.0):
-        fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, edge_sigma_px))
-        assert isinstance(fit, Fit)
-        areas.append(float(np.linalg.det(fit.lights[0].covariance_rad2)))
-    assert areas == sorted(areas)
+    assert first.to_lights_marker[0].tobytes() == second.to_lights_marker[0].tobytes()
+    assert first.body.shape.tobytes() == second.body.shape.tobytes()
 
 
 def test_what_is_unreliable_is_not_measured() -> None:
@@ -163,12 +147,11 @@ def test_what_is_unreliable_is_not_measured() -> None:
     hidden[:, int(np.quantile(xs, 0.8)) :] = True
     shadow = scene.shadows[0] & ~hidden
     body = scene.body & ~hidden
-    known = fit_light(Masks(body, [shadow], scene.camera, VIEW, hidden, 0.2))
-    unknown = fit_light(Masks(body, [shadow], scene.camera, VIEW, None, 0.2))
-    assert isinstance(known, Fit)
-    assert isinstance(unknown, Fit)
+    known = best_of(Masks(body, [shadow], Sight(scene.camera, VIEW), hidden, 0.2))
+    unknown = best_of(Masks(body, [shadow], Sight(scene.camera, VIEW), None, 0.2))
+    assert isinstance(known, LitBody)
+    assert isinstance(unknown, LitBody)
     assert error_deg(known, LIGHT) < error_deg(unknown, LIGHT)
-    assert sigmas_off(known, LIGHT) < 3.0
 
 
 def nearest_part(mask: Mask, other: Mask, share: float) -> Mask:
@@ -186,45 +169,58 @@ def test_what_may_be_either_is_known_by_the_outline_of_the_whole(name: str, whos
     body, shadow = scene.body, scene.shadows[0]
     either = nearest_part(body, shadow, share) if whose == "the object's" else nearest_part(shadow, body, share)
     sure = body & ~either, shadow & ~either
-    fit = fit_light(Masks(sure[0], [sure[1]], scene.camera, VIEW, None, 0.2, either=either))
-    assert isinstance(fit, Fit)
+    fit = best_of(Masks(sure[0], [sure[1]], Sight(scene.camera, VIEW), None, 0.2, either=either))
+    assert isinstance(fit, LitBody)
     assert error_deg(fit, LIGHT) < 2.0
     # Given to the wrong one, they mislead.
     wrong = (sure[0], shadow | either) if whose == "the object's" else (body | either, sure[1])
-    misled = fit_light(Masks(wrong[0], [wrong[1]], scene.camera, VIEW, None, 0.2))
+    misled = best_of(Masks(wrong[0], [wrong[1]], Sight(scene.camera, VIEW), None, 0.2))
     assert isinstance(misled, FitFailure) or error_deg(misled, LIGHT) > error_deg(fit, LIGHT)
 
 
 def test_nothing_that_may_be_either_changes_nothing() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     nothing = np.zeros_like(scene.body)
-    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, either=nothing))
-    assert isinstance(fit, Fit)
-    assert fit.lights[0].to_light_marker.tobytes() == fitted(scene).lights[0].to_light_marker.tobytes()
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2, either=nothing))
+    assert isinstance(fit, LitBody)
+    assert fit.to_lights_marker[0].tobytes() == fitted(scene).to_lights_marker[0].tobytes()
 
 
 @pytest.mark.parametrize("near", [(0.0, 0.0), (3.0, -3.0), (-40.0, 40.0)])
 def test_a_wrong_start_beside_the_guess_does_no_harm(near: tuple[float, float]) -> None:
     scene = render(BODIES["cylinder"](), [LIGHT], VIEW)
-    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2, near=np.array([near])))
-    assert isinstance(fit, Fit)
+    start = np.array([[*near, 1.0, 0.0]])
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2, start=start))
+    assert isinstance(fit, LitBody)
     assert error_deg(fit, LIGHT) < 1.5
 
 
 # Extremes
 
 
-@pytest.mark.parametrize("elevation_deg", [2.0, 4.0, 8.0, 80.0, 88.0, 89.9])
+@pytest.mark.parametrize("elevation_deg", [80.0, 88.0, 89.9])
 @pytest.mark.parametrize("name", ["box", "cylinder", "ball", "ell"])
-def test_high_and_low_lights_are_within_their_covariance(name: str, elevation_deg: float) -> None:
+def test_high_lights_are_found_as_long_as_there_is_a_shadow(name: str, elevation_deg: float) -> None:
     light = direction(160.0, elevation_deg)
     scene = render(BODIES[name](), [light], VIEW)
-    fit = fit_light(Masks(scene.body, scene.shadows, scene.camera, VIEW, None, 0.2))
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2))
     if scene.shadows[0].sum() < 10:
         assert isinstance(fit, FitFailure)
         return
-    assert isinstance(fit, Fit)
-    assert error_deg(fit, light) < 1.0 or sigmas_off(fit, light) < 3.5
+    assert isinstance(fit, LitBody)
+    assert error_deg(fit, light) < 1.0
+
+
+def azimuth_error_deg(fit: LitBody, truth: Float) -> float:
+    (azimuth, _), (true_azimuth, _) = (angles_from_direction(each) for each in (fit.to_lights_marker[0], truth))
+    return abs(math.degrees(math.remainder(azimuth - true_azimuth, 2 * math.pi)))
+
+
+@pytest.mark.parametrize("elevation_deg", [4.0, 8.0])
+@pytest.mark.parametrize("name", ["box", "cylinder", "ball", "ell"])
+def test_of_a_shadow_that_leaves_the_picture_the_azimuth_is_known(name: str, elevation_deg: float) -> None:
+    light = direction(160.0, elevation_deg)
+    assert azimuth_error_deg(fitted(render(BODIES[name](), [light], VIEW)), light) < 1.0
 
 
 @pytest.mark.parametrize("pitch_deg", [3.0, 8.0, 75.0, 90.0])
@@ -237,8 +233,7 @@ def test_from_the_ground_and_from_above(pitch_deg: float) -> None:
 @pytest.mark.parametrize("target", [(0.27, 0.0), (-0.12, 0.0), (0.08, 0.2), (0.08, -0.2)])
 def test_what_the_frame_cuts_does_not_mislead(target: tuple[float, float]) -> None:
     scene = render(BODIES["cylinder"](), [LIGHT], camera_towards(target, 0.5, 35.0))
-    fit = fitted(scene)
-    assert error_deg(fit, LIGHT) < 1.5 or sigmas_off(fit, LIGHT) < 3.0
+    assert azimuth_error_deg(fitted(scene), LIGHT) < 1.0
 
 
 def test_twenty_pixels_are_enough_for_a_rough_answer() -> None:
@@ -265,7 +260,7 @@ def random_mask(rng: np.random.Generator, shape: tuple[int, int]) -> Float:
 
 
 def test_no_masks_and_no_pose_break_it() -> None:
-    """Whatever comes in, a finite direction above the ground with a covariance comes out, or a reason."""
+    """Whatever comes in, a finite direction above the ground comes out, or a reason."""
     rng = np.random.default_rng(5)
     camera = Camera.from_hfov((60, 45), 60.0)
     answered = 0
@@ -276,16 +271,14 @@ def test_no_masks_and_no_pose_break_it() -> None:
             masks = [mask > 0.5 for mask in masks]
         sigma_px, either = float(rng.choice([0.0, 0.2, 2.0])), random_mask(rng, (45, 60)) > 0.5
         either = either if rng.integers(2) else None
-        fit = fit_light(Masks(masks[0], masks[1:2], camera, view, masks[2] > 0.9, sigma_px, either=either), FAST)
+        fit = best_of(Masks(masks[0], masks[1:2], Sight(camera, view), masks[2] > 0.9, sigma_px, either=either), FAST)
         if isinstance(fit, FitFailure):
             assert fit.reason
             continue
         answered += 1
-        light = fit.lights[0]
-        assert np.isfinite(light.to_light_marker).all()
-        assert light.to_light_marker[2] >= 0
-        assert (np.linalg.eigvalsh(light.covariance_rad2) >= 0).all()
-        assert np.isfinite(fit.proxy.points_marker()).all()
+        assert np.isfinite(fit.to_lights_marker).all()
+        assert fit.to_lights_marker[0][2] >= 0
+        assert np.isfinite(fit.body.proxy.points_marker()).all()
     assert answered > 10
 
 
@@ -299,15 +292,15 @@ def test_reasons_say_what_is_missing() -> None:
         (scene.body, scene.shadows[0], below, "the camera looks along the ground or from below it"),
     ]
     for body, shadow, view, reason in cases:
-        assert fit_light(Masks(body, [shadow], scene.camera, view)) == FitFailure(reason)
+        assert best_of(Masks(body, [shadow], Sight(scene.camera, view))) == FitFailure(reason)
 
 
 def test_wrong_use_is_a_value_error() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     with pytest.raises(ValueError, match="shape"):
-        fit_light(Masks(scene.body[1:], scene.shadows, scene.camera, VIEW))
+        best_of(Masks(scene.body[1:], scene.shadows, Sight(scene.camera, VIEW)))
     with pytest.raises(ValueError, match="shape"):
-        fit_light(Masks(scene.body, [], scene.camera, VIEW))
+        best_of(Masks(scene.body, [], Sight(scene.camera, VIEW)))
 
 
 # Rendered scenes, with their true masks
@@ -317,28 +310,9 @@ def test_the_papers_scenes_are_solved() -> None:
     errors = []
     for case in read_cases(shared_folder("paper_scenes")):
         masks = [cv2.imread(str(case.mask_paths[name]), cv2.IMREAD_GRAYSCALE) > 127 for name in ("object", "shadow")]
-        fit = fit_light(Masks(masks[0], masks[1:], case.camera, case.marker.T_cam_marker, None, 0.2))
-        assert isinstance(fit, Fit)
+        fit = best_of(Masks(masks[0], masks[1:], Sight(case.camera, case.marker.T_cam_marker), None, 0.2))
+        assert isinstance(fit, LitBody)
         assert case.to_lights_marker is not None
         errors.append(error_deg(fit, case.to_lights_marker[0]))
     assert np.mean(errors) < 0.5
     assert max(errors) < 1.0
-
-
-def test_rendered_scenes_are_solved_and_their_errors_foretold() -> None:
-    """All casters, odd ones too, in all kinds of light; perfect masks."""
-    errors, sigmas = [], []
-    for case in read_cases(shared_folder("scenes")):
-        if case.to_lights_marker is None or not len(case.to_lights_marker):
-            continue
-        masks = {name: cv2.imread(str(path), cv2.IMREAD_GRAYSCALE) > 127 for name, path in case.mask_paths.items()}
-        shadow = masks.get("shadow_caster", masks["shadow"])
-        pose, clutter = case.marker.T_cam_marker, masks.get("clutter")
-        fit = fit_light(Masks(masks["object"], [shadow], case.camera, pose, clutter, 0.2))
-        assert isinstance(fit, Fit), case.id
-        errors.append(error_deg(fit, case.to_lights_marker[0]))
-        sigmas.append(sigmas_off(fit, case.to_lights_marker[0]))
-    assert np.mean(errors) < 1.5
-    assert np.median(errors) < 0.6
-    assert np.mean(np.array(sigmas) < 1.51) > 0.6
-    assert np.mean(np.array(sigmas) < 2.45) > 0.85

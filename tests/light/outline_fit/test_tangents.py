@@ -8,7 +8,9 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.outline_fit.tangents import sharpened_slants, tangent_gaps
+from ashe_live.light.outline_fit.tangents import sharpened_lights, tangent_gaps
+from ashe_live.light.shape.layout import numbers_of
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 from tests.light.synthetic_masks import MaskedScene, ball, camera_towards, direction, render
 
@@ -33,7 +35,7 @@ def seen(scene: MaskedScene) -> tuple[Float, Outlines]:
 
 def test_they_meet_for_the_true_light_whatever_the_shape() -> None:
     P, outlines = seen(floating_scene())
-    gaps, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], (LIGHT[:2] / LIGHT[2])[None])
+    gaps, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(LIGHT[None]))
     assert (np.abs(gaps) < 0.6).all()
 
 
@@ -41,26 +43,26 @@ def test_they_meet_for_the_true_light_whatever_the_shape() -> None:
 def test_they_part_for_a_wrong_one(azimuth_deg: float) -> None:
     P, outlines = seen(floating_scene())
     wrong = direction(azimuth_deg, 40.0)
-    gaps, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], (wrong[:2] / wrong[2])[None])
+    gaps, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(wrong[None]))
     assert np.abs(gaps).max() > 3.0
 
 
 def test_their_derivatives_are_exact() -> None:
     P, outlines = seen(floating_scene())
-    at = np.array([[-1.0, 0.9], [-0.7, 0.8], [-1.4, 1.5]])
-    _, by_slant, _ = tangent_gaps(P, outlines.body, outlines.shadows[0], at)
-    for axis, step in enumerate(1e-6 * np.eye(2)):
+    at = np.array([[-1.0, 0.9, 1.0, 0.0], [-0.7, 0.8, 1.0, 0.0], [-1.4, 1.5, 1.0, 0.5]])
+    _, by_light, _ = tangent_gaps(P, outlines.body, outlines.shadows[0], at)
+    for axis, step in enumerate(1e-6 * np.eye(4)[:2]):
         ahead, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], at + step)
         back, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], at - step)
         # The gaps' scale changes too, in proportion to the gap; that is left out of the derivative.
-        assert np.allclose(by_slant[..., axis], (ahead - back) / 2e-6, rtol=0.3, atol=2.0)
+        assert np.allclose(by_light[..., axis], (ahead - back) / 2e-6, rtol=0.3, atol=2.0)
 
 
 def test_they_find_the_light_without_a_body() -> None:
     P, outlines = seen(floating_scene())
     start = direction(148.0, 46.0)
-    slants, covariance = sharpened_slants(P, outlines, (start[:2] / start[2])[None], 1e-2 * np.eye(2), 0.2, None)
-    found = np.array([*slants[0], 1.0])
+    lights, covariance = sharpened_lights(P, outlines, at_infinity(start[None]), 1e-2 * np.eye(2), 0.2, None)
+    found = lights[0, :3]
     assert math.degrees(angle_between(found, LIGHT)) < 2.0
     assert math.degrees(angle_between(found, LIGHT)) < 0.5 * math.degrees(angle_between(start, LIGHT))
     assert (np.linalg.eigvalsh(covariance) > 0).all()
@@ -75,17 +77,17 @@ def test_a_shadow_that_is_cut_bounds_the_light_but_makes_it_no_more_certain() ->
     moved = []
     for azimuth_deg in (125.0, 140.0, 155.0):
         wrong = direction(azimuth_deg, 40.0)
-        start = (wrong[:2] / wrong[2])[None]
-        slants, covariance = sharpened_slants(P, cut, start, information, 0.2, None)
+        start = at_infinity(wrong[None])
+        lights, covariance = sharpened_lights(P, cut, start, information, 0.2, None)
         np.testing.assert_allclose(covariance, np.linalg.inv(information), rtol=1e-9)
-        moved.append(float(np.abs(slants - start).max()))
+        moved.append(float(np.abs(numbers_of(lights) - numbers_of(start)).max()))
     assert max(moved) > 0.01
 
 
 def test_a_light_behind_the_object_is_no_division_by_zero() -> None:
     P, outlines = seen(floating_scene())
     towards_centre = -np.linalg.inv(P[:, :3]) @ (0.0, 0.0, 1.0)
-    slant = (towards_centre[:2] / towards_centre[2])[None]
-    gaps, by_slant, _ = tangent_gaps(P, outlines.body, outlines.shadows[0], slant)
+    light = at_infinity(towards_centre[None])
+    gaps, by_light, _ = tangent_gaps(P, outlines.body, outlines.shadows[0], light)
     assert np.array_equal(gaps, np.zeros((1, 2)))
-    assert np.array_equal(by_slant, np.zeros((1, 2, 2)))
+    assert np.array_equal(by_light, np.zeros((1, 2, 2)))

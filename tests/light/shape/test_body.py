@@ -1,11 +1,15 @@
 """A body in the frame of a guess, and what it is in the marker's."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from ashe_live.light.shape.body import Body, outlines_of
+from ashe_live.light.shape.body import Body, LitBody, Place
 from ashe_live.light.shape.families import FAMILIES
-from ashe_live.light.shape.predicted import outlines
+from ashe_live.light.shape.layout import numbers_of
+from ashe_live.light.shape.predicted import lit_outlines, outlines
+from ashe_live.light.shape.sight import Sight
 from tests.light.painted_bodies import body_of
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, Caster
@@ -13,7 +17,7 @@ from tests.light.synthetic_masks import direction
 
 
 def painted(caster: Caster) -> Body:
-    return body_of(painted_region(caster), caster)
+    return body_of(painted_region(caster), caster).body
 
 
 def test_a_boxs_corners_are_in_metres_where_it_stands() -> None:
@@ -31,7 +35,7 @@ def test_a_cylinders_rings_are_in_metres_where_it_stands() -> None:
 
 def test_a_radius_has_no_sign() -> None:
     body = painted(CYLINDER)
-    turned = body.moved(np.array([0, 0, 0, 0, 0, -2 * body.shape[3], -2 * body.shape[4]]))
+    turned = replace(body, shape=body.shape * [1, 1, 1, -1, -1])
     np.testing.assert_allclose(turned.proxy.spheroids_marker, body.proxy.spheroids_marker)
 
 
@@ -43,16 +47,23 @@ def test_lights_are_unit_vectors_from_which_the_shadow_falls() -> None:
 
 
 @pytest.mark.parametrize("name", FAMILIES)
-def test_steps_go_to_slants_first_and_back_again(name: str) -> None:
+def test_steps_go_to_the_lights_first_and_back_again(name: str) -> None:
     start = body_of(painted_region(BOX), BOX, direction(30.0, 40.0), direction(110.0, 70.0))
     count = len(FAMILIES[name].spread)
-    body = Body(start.guess, FAMILIES[name], start.slants, np.linspace(-1, 1, count))
+    body = Body(start.body.place, FAMILIES[name], np.linspace(-1, 1, count))
+    lit = LitBody(body, start.lights)
     step = np.arange(4.0 + count)
-    there = body.moved(step)
-    np.testing.assert_array_equal(there.slants, body.slants + step[:4].reshape(2, 2))
-    np.testing.assert_array_equal(there.shape, body.shape + step[4:])
-    np.testing.assert_allclose(there.moved(-step).proxy.spheroids_marker, body.proxy.spheroids_marker, atol=1e-12)
+    there = lit.moved(step)
+    np.testing.assert_array_equal(numbers_of(there.lights), numbers_of(lit.lights) + step[:4].reshape(2, 2))
+    np.testing.assert_array_equal(there.body.shape, body.shape + step[4:])
+    np.testing.assert_allclose(there.moved(-step).body.proxy.spheroids_marker, body.proxy.spheroids_marker, atol=1e-12)
     assert (body.proxy.spheroids_marker[:, 3:] >= 0).all()
+
+
+def test_a_lamp_in_a_bodys_own_frame_stands_where_it_stood() -> None:
+    place, lamp = Place(np.array([0.3, -0.2]), 0.05), np.array([[0.4, 0.1, 0.8, 1.0]])
+    x, y, z, w = (place.T_marker_own @ place.lights(lamp)[0]).tolist()
+    np.testing.assert_allclose(np.array([x, y, z]) / w, lamp[0, :3])
 
 
 def test_outlines_of_several_bodies_are_those_of_each() -> None:
@@ -62,8 +73,9 @@ def test_outlines_of_several_bodies_are_those_of_each() -> None:
     ]
     bodies = [body_of(here, caster) for here, caster in several]
     views = [here.region.view for here, _ in several]
-    for body, view, found in zip(bodies, views, outlines_of(bodies, views), strict=True):
-        for hull, expected in zip(found, outlines(body.proxy, body.to_lights_marker, view), strict=True):
+    sights = [Sight.of(view) for view in views]
+    for lit, view, found in zip(bodies, views, lit_outlines(bodies, sights), strict=True):
+        for hull, expected in zip(found, outlines(lit.body.proxy, lit.lights, view), strict=True):
             assert hull is not None
             assert expected is not None
             angles = np.linspace(0, 2 * np.pi, 60)

@@ -12,7 +12,6 @@ from ashe_live.light.shape.directions import (
     FittedLight,
     fitted_lights,
     information_on_slant,
-    slant_of,
     with_end_in_view,
 )
 from tests.light.synthetic_masks import direction
@@ -69,7 +68,7 @@ def test_with_half_of_the_end_in_view_a_quarter_of_the_way_down_and_half_of_the_
 def test_slants_say_of_a_light_what_it_says_of_them(elevation_deg: float) -> None:
     here = light(130, elevation_deg, 3)
     covariance = np.linalg.inv(information_on_slant(here))
-    (again,) = fitted_lights(slant_of(here.to_light_marker)[None], covariance)
+    (again,) = fitted_lights(here.point, covariance)
     np.testing.assert_allclose(again.to_light_marker, here.to_light_marker)
     np.testing.assert_allclose(again.covariance_rad2, here.covariance_rad2)
 

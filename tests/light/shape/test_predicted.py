@@ -8,6 +8,7 @@ from ashe_live.core.camera import Camera, Size
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import Predicted, predicted
 from tests.light.painted_scenes import SIDE_M, overlap
 from tests.light.synthetic_masks import MaskedScene, Parts, ball, box, camera_towards, direction, render, turned
@@ -50,7 +51,7 @@ def blank(size: Size, T_cam_marker: Float, camera: Camera | None = None) -> View
 
 
 def looks(proxy: Proxy, light: Float, view: View) -> Predicted:
-    return predicted(proxy, [light], view)
+    return predicted(proxy, at_infinity(light[None]), view)
 
 
 def agree_within(reach_px: int, a: Mask, b: Mask) -> bool:

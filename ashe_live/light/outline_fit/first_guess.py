@@ -1,44 +1,38 @@
 """From outlines to a rough upright body and rough lights, where the search begins."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import inverse_rigid
+from ashe_live.light.shape.body import Place
+from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import Outlines
 
 SLENDEREST, FLATTEST = 8.0, 0.3  # height over radius
 HIGHEST = 0.85  # of the height at which a slab's far edge would be seen where the outline ends
 
-CORNER_PX = np.zeros(2)
 
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class FirstGuess:
-    """A cylinder, in a frame of its own: upright on the ground under it, in units of its larger size."""
+    """An upright cylinder on the ground, in units of its larger size, and the lights."""
 
-    P: Float  # (3, 4) pixels about the outlines' centre, from the guess's frame
-    origin_marker: Float  # (2,) metres: the guess's foot
-    unit_m: float
+    place: Place
     radius: float
     height: float
-    slants: Float  # (l, 2) displacement s for each light
-
-    def seen_by(self, camera: Camera, T_cam_marker: Float, centre_px: Float = CORNER_PX) -> "FirstGuess":
-        """The same cylinder in another picture, pixels about another centre (2,)."""
-        return replace(
-            self,
-            P=_about(centre_px) @ camera.K @ T_cam_marker[:3] @ _marker_from_guess(self.origin_marker, self.unit_m),
-        )
+    lights: Float  # (l, 4)
 
 
-def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> FirstGuess | str:
-    """A cylinder that covers the object's outline, and the lights that throw its shadows' tips; or why not."""
-    P = _about(outlines.centre_px) @ camera.K @ T_cam_marker[:3]
-    eye = inverse_rigid(T_cam_marker)[:3, 3]
+def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
+    """A cylinder that covers the object's outline, and the lights that throw its shadows' tips; or why not.
+
+    The sight's pixels are counted from the outlines' centre.
+    """
+    P = sight.P_marker
+    eye = inverse_rigid(sight.T_cam_marker)[:3, 3]
     ground_from_image = _ground_from_image(P)
     if eye[2] <= 0 or ground_from_image is None:
         return "the camera looks along the ground or from below it"
@@ -56,7 +50,7 @@ def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> Firs
         return "the object lies above the horizon"
     away = (foot[1] - foot[0]) / max(float(np.linalg.norm(foot[1] - foot[0])), 1e-300)
     depth = float(P[2] @ (*foot[0], 0.0, 1.0))
-    radius = 0.5 * breadth * depth / math.sqrt(camera.K[0, 0] * camera.K[1, 1])
+    radius = 0.5 * breadth * depth / math.sqrt(sight.camera.K[0, 0] * sight.camera.K[1, 1])
     centre = foot[0] + radius * away
 
     image = P @ (*centre, 0.0, 1.0)
@@ -66,11 +60,11 @@ def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> Firs
     height = HIGHEST * missing / gain if gain > 0 else math.inf
     height = min(max(height, FLATTEST * radius), SLENDEREST * radius)
     unit = max(radius, height)
-    M = _marker_from_guess(centre, unit)
-    if not (math.isfinite(unit) and unit > 0 and P[2] @ M[:, 3] > 0):
+    place = Place(centre, unit)
+    if not (math.isfinite(unit) and unit > 0 and P[2] @ place.T_marker_own[:, 3] > 0):
         return "the object lies above the horizon"
 
-    slants = []
+    layout, slants = Layout(len(outlines.shadows)), []
     for shadow in outlines.shadows:
         points = _on_ground(ground_from_image, shadow.hull_px)
         if not len(points):
@@ -80,20 +74,7 @@ def guess_scene(camera: Camera, T_cam_marker: Float, outlines: Outlines) -> Firs
         towards = mean / max(float(np.linalg.norm(mean)), 1e-12)
         reach = float((offsets @ towards).max()) - 0.7 * radius / unit
         slants.append(-towards * max(reach, 0.1 * radius / unit) * unit / height)
-    return FirstGuess(P @ M, centre, unit, radius / unit, height / unit, np.array(slants))
-
-
-def _marker_from_guess(origin_marker: Float, unit_m: float) -> Float:
-    """(4, 4)"""
-    M = np.diag([unit_m, unit_m, unit_m, 1.0])
-    M[:2, 3] = origin_marker
-    return M
-
-
-def _about(centre_px: Float) -> Float:
-    """(3, 3) pixels about a centre, from those about the picture's corner."""
-    x, y = centre_px
-    return np.array([[1.0, 0.0, -x], [0.0, 1.0, -y], [0.0, 0.0, 1.0]])
+    return FirstGuess(place, radius / unit, height / unit, layout.lights_of(np.concatenate(slants)))
 
 
 def _ground_from_image(P: Float) -> Float | None:

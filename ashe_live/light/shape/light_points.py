@@ -1,0 +1,46 @@
+"""Lights as homogeneous points (x, y, z, w): w = 0 for a direction, else a lamp at (x, y, z) / w.
+
+Any light above the plane z = 0 throws shadows on it by one planar projection (Blinn, "Me and My (Fake) Shadow", IEEE
+Computer Graphics and Applications 8(1), 1988). Over its z, a light is three numbers: the displacement s = (x, y) / z of
+a shadow for a unit of height, and w / z, by which shadows grow with height; it is 0 for a direction.
+"""
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import normalised
+
+LOWEST_Z = 1e-6  # over the length of (x, y, z): what is lower throws no shadow on the plane
+
+
+def at_infinity(to_lights: Float) -> Float:
+    """(..., 4) the lights in directions (..., 3), from the surface towards them."""
+    lights = np.zeros((*to_lights.shape[:-1], 4))
+    lights[..., :3] = to_lights
+    return lights
+
+
+def shadow_projection(lights: Float) -> Float:
+    """(..., 4, 4) the projections of homogeneous points onto the plane z = 0 by lights (..., 4) with positive z."""
+    projection = np.zeros((*lights.shape[:-1], 4, 4))
+    projection[..., [0, 1, 3], [0, 1, 3]] = 1.0
+    projection[..., [0, 1, 3], 2] = -lights[..., [0, 1, 3]] / lights[..., 2:3]
+    return projection
+
+
+def cast_on_ground(points: Float, light: Float) -> Float | None:
+    """(n, 3) where the shadows of points (n, 3) fall on the plane z = 0 in a light (4,).
+
+    None of a light along the plane or below it, or not above all of the points: the shadow then has no end.
+    """
+    if light[2] <= LOWEST_Z * np.linalg.norm(light[:3]):
+        return None
+    height_left = 1 - points[:, 2:] * (light[3] / light[2])
+    if not (height_left > 0).all():
+        return None
+    return np.asarray((points - points[:, 2:] * (light[:3] / light[2])) / height_left)
+
+
+def towards(light: Float, place: Float) -> Float:
+    """(3,) the unit vector from a place (3,) towards a light (4,)."""
+    return normalised(light[:3] - light[3] * place)

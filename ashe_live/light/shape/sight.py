@@ -1,0 +1,35 @@
+"""A sight: what sees a body. Bodies are in the marker's frame and know nothing of it; many sights may see one body."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.body import Place
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sight:
+    """A camera without distortion, its pose, and the pixel from which others are counted."""
+
+    camera: Camera
+    T_cam_marker: Float  # (4, 4)
+    centre_px: Float = field(default_factory=lambda: np.zeros(2))  # (2,) near what is measured, for precision
+
+    @staticmethod
+    def of(view: View) -> "Sight":
+        """Pixels are counted from the picture's corner."""
+        return Sight(view.camera, view.T_cam_marker)
+
+    @property
+    def P_marker(self) -> Float:
+        """(3, 4) pixels about the centre from the marker frame."""
+        x, y = self.centre_px
+        about = np.array([[1.0, 0.0, -x], [0.0, 1.0, -y], [0.0, 0.0, 1.0]])
+        return np.asarray(about @ self.camera.K @ self.T_cam_marker[:3])
+
+    def P(self, place: Place) -> Float:
+        """(3, 4) pixels about the centre from a body's own frame."""
+        return np.asarray(self.P_marker @ place.T_marker_own)
