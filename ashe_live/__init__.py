@@ -6,13 +6,12 @@ the package, which every start of the command line does, loads neither OpenCV no
 
 TYPE_CHECKING = False  # as `typing` has it, which would be loaded at every start
 if TYPE_CHECKING:
-    from ashe_live.api import Renderer, Tracker, estimate_light, read_photo
+    from ashe_live.api import Renderer, Tracker, estimate_light, make_estimator, read_photo
     from ashe_live.capture.snapshot import write_png
     from ashe_live.capture.sources import open_source
     from ashe_live.core.camera import Camera, read_camera_file
     from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose, TrackedFrame
     from ashe_live.errors import UserError
-    from ashe_live.light.estimators.estimator import make_estimator
     from ashe_live.models.catalogue import model_names
 
 __version__ = "0.1.0"
@@ -47,7 +46,7 @@ _HOMES = {
     "Tracker": "api",
     "UserError": "errors",
     "estimate_light": "api",
-    "make_estimator": "light.estimators.estimator",
+    "make_estimator": "api",
     "model_names": "models.catalogue",
     "open_source": "capture.sources",
     "read_camera_file": "core.camera",

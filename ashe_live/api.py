@@ -1,15 +1,19 @@
 """For programs that embed this one: plain pictures in, poses, light and pictures out (docs/api.md)."""
 
+import os
+import threading
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from ashe_live.capture.photo import PhotoSource
+from ashe_live.core import arguments
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.quality import QUALITIES, Quality
+from ashe_live.core.ranges import DRAWN, MARKER_SIDE, Range
 from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
-from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.light.estimators import estimator as estimators
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
 from ashe_live.tracking import tracker
@@ -18,6 +22,7 @@ from ashe_live.tracking.layout import parse_target
 MARKER = "aruco:4x4_50:0"
 SIDE_M = 0.08
 ASSUMED_FPS = 30.0
+TIME = Range(-1e9, 1e9, "s")
 
 
 def read_photo(path: str | Path) -> Image:
@@ -25,7 +30,7 @@ def read_photo(path: str | Path) -> Image:
 
     Raises UserError when the file is missing, damaged, too large or of an unknown format.
     """
-    with PhotoSource(path) as source:
+    with PhotoSource(arguments.path(path, "path")) as source:
         frame = source.read()
     assert frame is not None
     return frame.image_bgr
@@ -45,10 +50,34 @@ def estimate_light(
     estimate has no lights and says why. Raises UserError when the marker's name or file cannot be used, or the camera
     is of another shape; ValueError for wrong use.
     """
-    tracked = Tracker(camera, marker, side_m, quality).track(image_bgr)
-    if tracked.marker is None:
-        return LightEstimate(estimator, tracked.frame.index, (), "no marker found")
-    return make_estimator(estimator, _quality(quality).name).estimate(tracked)
+    chosen = make_estimator(estimator, quality)
+    return chosen.estimate(Tracker(camera, marker, side_m, quality).track(image_bgr))
+
+
+def make_estimator(name: str = "proxy", quality: str = "balanced") -> "LightEstimator":
+    """An estimator for one frame after another, which `estimate_light` makes anew each time.
+
+    Raises UserError for an estimator that is not there, ValueError for such a quality.
+    """
+    return LightEstimator(arguments.text(name, "name"), _quality(quality).name)
+
+
+class LightEstimator:
+    """Where the light is in tracked frames. For use by one thread at a time."""
+
+    def __init__(self, name: str, quality: str) -> None:
+        """As `make_estimator`."""
+        self._estimator = estimators.make_estimator(name, quality)
+
+    @property
+    def name(self) -> str:
+        return self._estimator.name
+
+    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
+        """In the frame of the marker. Without one, or without a light, there are no lights and `reason` says why."""
+        if arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
+            return LightEstimate(self.name, tracked.frame.index, (), "no marker found")
+        return self._estimator.estimate(tracked)
 
 
 class Tracker:
@@ -56,9 +85,10 @@ class Tracker:
 
     def __init__(self, camera: Camera, marker: str = MARKER, side_m: float = SIDE_M, quality: str = "balanced") -> None:
         """As `estimate_light`."""
-        if not side_m > 0:
-            raise ValueError(f"a marker's side of {side_m} m is not positive")
-        self._tracker = tracker.Tracker(parse_target(marker), camera, side_m, _quality(quality).tracking)
+        MARKER_SIDE.checked(side_m, "side_m")
+        arguments.instance(camera, Camera, "camera")
+        target = parse_target(arguments.text(marker, "marker"))
+        self._tracker = tracker.Tracker(target, camera, side_m, _quality(quality).tracking)
         self._next_index = 0
         self._time_s = -1 / ASSUMED_FPS
 
@@ -68,7 +98,8 @@ class Tracker:
         `time_s` counts from the first picture; by default it is a thirtieth of a second after the one before. Until
         the next call the picture must stay as it is.
         """
-        self._time_s = self._time_s + 1 / ASSUMED_FPS if time_s is None else time_s
+        arguments.picture(image_bgr, "image_bgr")
+        self._time_s = self._time_s + 1 / ASSUMED_FPS if time_s is None else TIME.checked(time_s, "time_s")
         tracked = self._tracker.track(Frame(image_bgr, self._next_index, self._time_s))
         self._next_index += 1
         return tracked
@@ -79,7 +110,10 @@ class Tracker:
 
 
 class Renderer:
-    """Draws models into pictures, without a window. For use by the thread that made it; a context manager."""
+    """Draws models into pictures, without a window. For use by the thread that made it; a context manager.
+
+    Elsewhere, in a forked process, and after `release`, its methods raise ValueError: OpenGL would hang or crash there.
+    """
 
     def __init__(self, size: Size, quality: str = "balanced") -> None:
         """`size` is the width and height of the pictures to come, into which the video's are fitted.
@@ -90,9 +124,11 @@ class Renderer:
         from ashe_live.render.offscreen import offscreen_context
         from ashe_live.render.renderer import SceneRenderer
 
-        if min(size) < 1:
-            raise ValueError(f"a picture of {size} pixels is empty")
+        size = arguments.picture_size(size, "size")
+        DRAWN.checked(size[0] * size[1], "the number of pixels in size")
         preset = _quality(quality).render
+        self._maker = os.getpid(), threading.get_ident()
+        self._is_released = False
         self._context = offscreen_context()
         with self._context:
             self._renderer = SceneRenderer(self._context, preset, size)
@@ -110,6 +146,11 @@ class Renderer:
         """
         from ashe_live.render.scene import Scene
 
+        self._check_usable()
+        arguments.instance(tracked, TrackedFrame, "tracked")
+        arguments.text(model, "model")
+        if illumination is not None:
+            arguments.instance(illumination, Illumination, "illumination")
         placed = None if tracked.marker is None else self._model(model, tracked.marker.side_m)
         scene = Scene(tracked, placed, illumination or Illumination(), shows_light)
         with self._context:
@@ -117,7 +158,11 @@ class Renderer:
             return self._renderer.read_bgr()
 
     def release(self) -> None:
-        """Gives everything back to OpenGL; the renderer is of no use afterwards."""
+        """Gives everything back to OpenGL; the renderer is of no use afterwards. May be called twice."""
+        if self._is_released:
+            return
+        self._check_usable()
+        self._is_released = True
         with self._context:
             self._renderer.release()
         self._context.release()
@@ -128,6 +173,12 @@ class Renderer:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.release()
 
+    def _check_usable(self) -> None:
+        if self._is_released:
+            raise ValueError("this renderer has been released: make a new one")
+        if self._maker != (os.getpid(), threading.get_ident()):
+            raise ValueError("a renderer is for the process and thread that made it: make one there")
+
     def _model(self, name: str, side_m: float) -> PlacedModel:
         """The same object again for the same name: it is uploaded once."""
         if (name, side_m) not in self._placed:
@@ -136,6 +187,4 @@ class Renderer:
 
 
 def _quality(name: str) -> Quality:
-    if name not in QUALITIES:
-        raise ValueError(f"quality {name!r} is not one of {', '.join(QUALITIES)}")
-    return QUALITIES[name]
+    return QUALITIES[arguments.one_of(name, QUALITIES, "quality")]

@@ -1,9 +1,11 @@
 """The programming interface: docs/api.md runs as written; what it promises is kept; importing it is cheap."""
 
+import os
 import re
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import cv2
@@ -81,17 +83,107 @@ def test_two_renderers_do_not_disturb_each_other():
             assert second.render(bright, "cube").mean() == pytest.approx(220)
 
 
-def test_wrong_use_is_a_value_error():
-    camera = al.Camera.from_hfov((64, 48), 60)
-    grey = np.full((48, 64, 3), 140, np.uint8)
-    for wrong in (
-        lambda: al.Tracker(camera, side_m=0),
-        lambda: al.Tracker(camera, quality="best"),
-        lambda: al.Tracker(camera).track(grey[:, :, 0]),
-        lambda: al.Renderer((0, 48)),
-    ):
-        with pytest.raises(ValueError, match=r"not|empty"):
-            wrong()
+CAMERA = al.Camera.from_hfov((64, 48), 60)
+GREY = np.full((48, 64, 3), 140, np.uint8)
+TRACKED = al.Tracker(CAMERA).track(GREY)
+
+# What the arguments must not be.
+NO_PATHS = (None, 7, b"a.png", "a\0b", ["a.png"])
+NO_NAMES = (None, 7, b"a", "a\0b", ["a"])
+NO_QUALITIES = (*NO_NAMES, "best", "")
+NO_PICTURES = (None, "a", GREY[:, :, 0], GREY.astype(float), GREY[:0], GREY.tolist())
+NO_SIZES = (None, 7, "64x48", (64,), (0, 48), (64, -1), (64.5, 48), (True, 48), (10**9, 48), (64, float("nan")))
+NO_LENGTHS = (None, "a", 0, -1, float("nan"), float("inf"), 1e300, True, [1])
+NO_ANGLES = (None, "a", 0, 180, -5, float("nan"), 1e300)
+NO_DIRECTIONS = (None, "abc", (0, 0, 0), (1, 2), (1, 2, float("nan")), (1, 2, float("inf")), {})
+A_LIGHT = al.DirectionalLight((0, 0, 1))
+WRONG = {
+    ("path", "read_photo"): (al.read_photo, NO_PATHS),
+    ("path", "open_source"): (al.open_source, NO_PATHS),
+    ("path", "read_camera_file"): (al.read_camera_file, NO_PATHS),
+    ("path", "write_png"): (lambda value: al.write_png(value, GREY), NO_PATHS),
+    ("image_bgr", "write_png"): (lambda value: al.write_png("never-written.png", value), NO_PICTURES),
+    ("image_bgr", "estimate_light"): (lambda value: al.estimate_light(value, CAMERA), NO_PICTURES),
+    ("image_bgr", "track"): (lambda value: al.Tracker(CAMERA).track(value), NO_PICTURES),
+    ("time_s", "track"): (lambda value: al.Tracker(CAMERA).track(GREY, value), ("a", float("nan"), 1e300, True)),
+    ("camera", "Tracker"): (al.Tracker, (None, 60, "a", np.eye(3))),
+    ("camera", "estimate_light"): (lambda value: al.estimate_light(GREY, value), (None, 60, "a")),
+    ("marker", "Tracker"): (lambda value: al.Tracker(CAMERA, value), NO_NAMES),
+    ("side_m", "Tracker"): (lambda value: al.Tracker(CAMERA, side_m=value), NO_LENGTHS),
+    ("quality", "Tracker"): (lambda value: al.Tracker(CAMERA, quality=value), NO_QUALITIES),
+    ("quality", "make_estimator"): (lambda value: al.make_estimator("proxy", value), NO_QUALITIES),
+    ("name", "make_estimator"): (al.make_estimator, NO_NAMES),
+    ("tracked", "estimate"): (lambda value: al.make_estimator().estimate(value), (None, "a", GREY)),
+    ("quality", "Renderer"): (lambda value: al.Renderer((64, 48), value), NO_QUALITIES),
+    ("size", "Renderer"): (al.Renderer, (*NO_SIZES, (16384, 16384))),
+    ("size", "from_hfov"): (lambda value: al.Camera.from_hfov(value, 60), NO_SIZES),
+    ("hfov_deg", "from_hfov"): (lambda value: al.Camera.from_hfov((64, 48), value), NO_ANGLES),
+    ("focal_px", "from_focal"): (lambda value: al.Camera.from_focal((64, 48), value), NO_LENGTHS),
+    ("K", "Camera"): (
+        lambda value: al.Camera((64, 48), value, np.zeros(5), "file"),
+        (None, "a", np.eye(2), -np.eye(3)),
+    ),
+    ("dist", "Camera"): (
+        lambda value: al.Camera((64, 48), CAMERA.K, value, "file"),
+        (None, "a", [1, 2], [1e300] * 5),
+    ),
+    ("to_light_marker", "DirectionalLight"): (al.DirectionalLight, NO_DIRECTIONS),
+    ("confidence", "DirectionalLight"): (
+        lambda value: al.DirectionalLight((0, 0, 1), confidence=value),
+        ("a", -1, 2, float("nan")),
+    ),
+    ("lights", "Illumination"): (al.Illumination, (None, "a", (1,), [A_LIGHT])),
+    ("ground_rgb", "Illumination"): (lambda value: al.Illumination(ground_rgb=value), ("abc", (1, 2), {})),
+    ("camera", "TrackedFrame"): (lambda value: al.TrackedFrame(TRACKED.frame, value, None), (None, 60)),
+    ("marker", "TrackedFrame"): (lambda value: al.TrackedFrame(TRACKED.frame, CAMERA, value), ("a", np.eye(4))),
+}
+
+
+@pytest.mark.parametrize(("argument", "function"), WRONG)
+def test_wrong_use_names_the_argument(argument, function, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    call, values = WRONG[argument, function]
+    for value in values:
+        with pytest.raises((TypeError, ValueError), match=rf"\b{argument}\b"):
+            call(value)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("argument", "values"),
+    [("tracked", (None, "a", GREY)), ("model", (None, 7, "a\0b")), ("illumination", ("a", A_LIGHT))],
+)
+def test_wrong_use_of_a_renderer_names_the_argument(argument, values):
+    right = {"tracked": TRACKED, "model": "cube"}
+    with al.Renderer((64, 48)) as renderer:
+        for value in values:
+            with pytest.raises((TypeError, ValueError), match=rf"\b{argument}\b"):
+                renderer.render(**{**right, argument: value})
+        assert renderer.render(**right).shape == (48, 64, 3), "nothing of it is left"
+
+
+def test_a_renderer_is_for_its_own_thread_and_process_and_until_it_is_released():
+    renderer = al.Renderer((64, 48))
+    with ThreadPoolExecutor(1) as others, pytest.raises(ValueError, match="thread"):
+        others.submit(renderer.render, TRACKED, "cube").result()
+    child = os.fork()
+    if child == 0:
+        try:
+            renderer.render(TRACKED, "cube")
+        except ValueError:
+            os._exit(0)
+        finally:
+            os._exit(1)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
+    assert renderer.render(TRACKED, "cube").shape == (48, 64, 3)
+    for _ in range(2):
+        renderer.release()
+    with pytest.raises(ValueError, match="released"):
+        renderer.render(TRACKED, "cube")
+
+
+def test_what_a_person_can_mend_is_a_user_error():
+    camera, grey = CAMERA, GREY
     with pytest.raises(al.UserError):
         al.estimate_light(grey, camera, marker="qr:7")
     with pytest.raises(al.UserError):

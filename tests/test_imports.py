@@ -46,7 +46,7 @@ ROOMS: dict[str, set[str]] = {
     },
     "api": {"core", "models", "capture", "tracking", "light.estimators", "render"},
     "": {"core", "errors", "models", "capture", "light.estimators", "api"},  # `import ashe_live` itself
-    "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer"},
+    "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer", "process"},
     "bench.light": {"core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit", "bench"},
     "bench.track": {"core", "errors", "files", "capture", "tracking", "bench"},
     "bench.render": {"core", "files", "models", "capture", "tracking", "render", "viewer", "bench"},

@@ -3,13 +3,15 @@
 from rich.console import Console
 from rich.table import Table
 
+from ashe_live.process.console import TerminalConsole
+
 PIPE_WIDTH = 120
 
 
 def bench_console() -> Console:
     """As wide as the terminal; in a file or a pipe, wide enough for the tables."""
-    console = Console()
-    return console if console.is_terminal else Console(width=PIPE_WIDTH)
+    console = TerminalConsole()
+    return console if console.is_terminal else TerminalConsole(width=PIPE_WIDTH)
 
 
 def figures_table(title: str, what: str, *figures: str) -> Table:

@@ -7,6 +7,7 @@ import numpy as np
 import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
+from ashe_live.core import arguments
 from ashe_live.core.arrays import Image
 from ashe_live.files.writing import written_whole
 
@@ -15,15 +16,23 @@ COMPRESSION = 1
 
 
 def write_png(
-    path: str | Path, image_bgr: Image, overwrite: bool = False, texts: Mapping[str, str] | None = None
-) -> None:
-    """Writes (h, w, 3) uint8, with `texts` by keyword in chunks of the kind iTXt (PNG specification, 11.3.3.4).
+    path: str | Path,
+    image_bgr: Image,
+    overwrite: bool = False,
+    texts: Mapping[str, str] | None = None,
+    beside: bool = False,
+) -> Path:
+    """Writes (h, w, 3) uint8, and returns where it is: `beside` a file that has appeared at `path` meanwhile.
 
-    Raises UserError when `path` exists (without `overwrite`) or cannot be written.
+    `texts` stand in it by keyword, in chunks of the kind iTXt (PNG specification, 11.3.3.4). Raises UserError when
+    `path` exists (without `overwrite`) or cannot be written.
     """
+    target = arguments.path(path, "path")
+    arguments.picture(image_bgr, "image_bgr")
     info = PngInfo()
     for keyword, text in (texts or {}).items():
         info.add_itxt(keyword, text)
     picture = PIL.Image.fromarray(np.ascontiguousarray(image_bgr[:, :, ::-1]))
-    with written_whole(Path(path), overwrite) as file:
+    with written_whole(target, overwrite, beside) as file:
         picture.save(file.stream, format="PNG", pnginfo=info, compress_level=COMPRESSION)
+    return file.path

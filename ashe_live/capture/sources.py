@@ -4,6 +4,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self, runtime_checkable
 
+from ashe_live.core import arguments
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
 
@@ -65,7 +66,7 @@ def open_source(path: str | Path) -> Source:
     # Each kind loads a library of its own, which the other does not need.
     from ashe_live.capture.photo import PhotoSource, looks_like_photo
 
-    path = Path(path)
+    path = arguments.path(path, "path")
     if looks_like_photo(path):
         return PhotoSource(path)
     from ashe_live.capture.clip import ClipSource

@@ -9,7 +9,6 @@ from typing import Protocol
 
 import cv2
 import numpy as np
-from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Table
 
@@ -18,6 +17,7 @@ from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.types import Frame
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, write_json
+from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import tell
 from ashe_live.tracking.calibration import Calibration
 from ashe_live.tracking.calibration_board import BoardView, CalibrationBoard
@@ -105,7 +105,7 @@ class _Lines:
 @contextlib.contextmanager
 def _lines() -> Iterator[Guidance]:
     columns = (BarColumn(), TextColumn("{task.fields[views]} views  {task.description}"))
-    with Progress(*columns, console=Console(stderr=True, highlight=False)) as progress:
+    with Progress(*columns, console=TerminalConsole(stderr=True)) as progress:
         yield _Lines(progress)
 
 
@@ -120,7 +120,7 @@ def _window(source: Source) -> Iterator[Guidance]:
 
 
 def _print_result(calibration: Calibration, kept: list[KeptView], path: Path) -> None:
-    console = Console(highlight=False)
+    console = TerminalConsole()
     table = Table("view", "frame", "corners", "error, px", "")
     for number, (view, rms_px, used) in enumerate(
         zip(kept, calibration.view_rms_px, calibration.used, strict=True), start=1

@@ -2,11 +2,12 @@
 
 import argparse
 
-from rich.console import Console
 from rich.table import Table
 
 from ashe_live.capture.cameras import Mode, connected, modes_of
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.process.console import TerminalConsole
+from ashe_live.process.messages import printable
 
 
 def run(options: argparse.Namespace) -> int:
@@ -16,8 +17,8 @@ def run(options: argparse.Namespace) -> int:
     table = Table("--camera", "name", *([] if options.fast else ["modes"]))
     for device in devices:
         modes = [] if options.fast else ["\n".join(map(_mode_line, modes_of(device.number))) or "in use, or forbidden"]
-        table.add_row(str(device.number), device.name, *modes)
-    Console(highlight=False).print(table)
+        table.add_row(str(device.number), printable(device.name), *modes)
+    TerminalConsole().print(table)
     return ExitStatus.ANSWERED
 
 

@@ -48,7 +48,7 @@ def _into_files(setup: ViewerSetup) -> int:
         return display.scene(session, setup.size, options.quality, now_s)
 
     status = show_without_window(setup, scene, thumbnails.add)
-    write_png(sheet, contact_sheet(*thumbnails.spread()))
+    sheet = write_png(sheet, contact_sheet(*thumbnails.spread()), beside=True)
     say(f"see {options.out} and {sheet}")
     return status
 

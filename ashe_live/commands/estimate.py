@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 
-from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -24,6 +23,7 @@ from ashe_live.drawing.steps import debug_pictures
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, make_folder, unused_name
 from ashe_live.light.estimators.estimator import Estimator, make_estimator
+from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.steadiness import Steadiness
@@ -68,7 +68,7 @@ def _watched(paths: Sequence[Path]) -> Iterator[Path]:
         BarColumn(),
         MofNCompleteColumn(),
         TimeRemainingColumn(),
-        console=Console(stderr=True),
+        console=TerminalConsole(stderr=True),
         transient=True,
         disable=len(paths) < 2 or not sys.stderr.isatty(),
         # Lines for a person go above the bar; those for a file or another program go there, as they are.
@@ -77,7 +77,7 @@ def _watched(paths: Sequence[Path]) -> Iterator[Path]:
     with progress:
         task = progress.add_task("", total=len(paths))
         for path in paths:
-            progress.update(task, description=escape(path.name))
+            progress.update(task, description=escape(printable(path.name, 60)))
             yield path
             progress.advance(task)
 
@@ -150,8 +150,7 @@ def _write_steps(folder: Path, file: Path, tracked: TrackedFrame, estimate: Ligh
         [picture.image_bgr for picture in pictures], [picture.title for picture in pictures], 4, STEP_WIDTH_PX
     )
     path = unused_name(folder, file.stem, ".png", datetime.now())
-    write_png(path, sheet)
-    return path
+    return write_png(path, sheet, beside=True)
 
 
 def _timed(

@@ -15,10 +15,13 @@ def frozen_floats(values: ArrayLike, shape: tuple[int, ...], name: str) -> Float
     """A read-only float64 copy of `values`; -1 in `shape` allows any length.
 
     An array that this function has returned before is given back as it is, so that whoever knows it by identity knows
-    it again. Raises ValueError when the shape differs or a value is not finite.
+    it again. Raises TypeError for what is no number, ValueError when the shape differs or a value is not finite.
     """
     is_frozen = isinstance(values, np.ndarray) and values.base is None and not values.flags.writeable
-    array = np.asarray(values, dtype=np.float64) if is_frozen else np.array(values, dtype=np.float64)
+    try:
+        array = np.asarray(values, dtype=np.float64) if is_frozen else np.array(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{name} must be numbers of the shape {shape} ({error})") from None
     if array.ndim != len(shape) or any(want not in (-1, got) for want, got in zip(shape, array.shape, strict=True)):
         raise ValueError(f"{name} has shape {array.shape}, not {shape}")
     if not np.isfinite(array).all():

@@ -8,8 +8,9 @@ from typing import Literal
 
 import numpy as np
 
+from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
-from ashe_live.core.ranges import DISTORTION, DRAWN, FOCAL, PIXEL, SIDE
+from ashe_live.core.ranges import DISTORTION, DRAWN, FIELD_OF_VIEW, FOCAL, PIXEL
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 
@@ -32,8 +33,7 @@ class Camera:
 
     def __post_init__(self) -> None:
         set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(self.dist, (-1,), "dist"))
-        for side in self.size:
-            SIDE.checked(side, "a side of the camera's pictures")
+        set_frozen(self, size=arguments.picture_size(self.size, "size"))
         if not np.array_equal(self.K[2], (0, 0, 1)):
             raise ValueError("K needs the last row 0 0 1")
         for name, value, allowed in (
@@ -53,16 +53,17 @@ class Camera:
         cls, size: Size, focal_px: float, source: CameraSource = "flag", focal_sigma_px: float | None = None
     ) -> "Camera":
         """Square pixels, principal point at the image's centre, no distortion."""
-        width, height = size
+        width, height = arguments.picture_size(size, "size")
+        FOCAL.checked(focal_px, "focal_px")
         K = [[focal_px, 0, (width - 1) / 2], [0, focal_px, (height - 1) / 2], [0, 0, 1]]
         return cls(size, np.array(K, dtype=np.float64), np.zeros(5), source, focal_sigma_px)
 
     @classmethod
     def from_hfov(cls, size: Size, hfov_deg: float, source: CameraSource = "flag") -> "Camera":
         """Square pixels whose `size[0]` columns together span `hfov_deg`."""
-        if not 0 < hfov_deg < 180:
-            raise ValueError(f"a field of view of {hfov_deg} degrees is not between 0 and 180")
-        return cls.from_focal(size, size[0] / 2 / math.tan(math.radians(hfov_deg) / 2), source)
+        FIELD_OF_VIEW.checked(hfov_deg, "hfov_deg")
+        width, _ = arguments.picture_size(size, "size")
+        return cls.from_focal(size, width / 2 / math.tan(math.radians(hfov_deg) / 2), source)
 
     @property
     def hfov_deg(self) -> float:
@@ -101,8 +102,9 @@ def drawn_size(size: Size) -> Size:
 def read_camera_file(path: str | Path) -> Camera:
     """Reads `{"size": [w, h], "K": 3x3, "dist": [...]}`; raises UserError when that is not what it holds."""
     remedy = 'it needs {"size": [width, height], "K": 3x3 numbers, "dist": [k1, k2, p1, p2, k3]}'
+    path = arguments.path(path, "path")
     try:
-        content = read_json(Path(path))
+        content = read_json(path)
         width, height = (_whole_number(value) for value in content["size"])
         dist: Sequence[float] = content.get("dist") or [0.0] * 5
         return Camera((width, height), content["K"], np.array(dist, dtype=np.float64), "file")

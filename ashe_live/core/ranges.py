@@ -1,6 +1,7 @@
 """Which numbers make sense: what the command line, settings, camera files and the Python API are held to alike."""
 
 import math
+import numbers
 from dataclasses import dataclass
 
 
@@ -19,8 +20,10 @@ class Range:
         return f"from {self.low:g} to {self.high:g}{self.unit and ' '}{self.unit}"
 
     def checked(self, value: float, name: str) -> float:
-        """`value`. Raises ValueError, which names it, when it lies outside or is not a number at all."""
-        if isinstance(value, bool) or not isinstance(value, int | float) or value not in self:
+        """`value`. Raises TypeError or ValueError, which name it, when it is no number or lies outside."""
+        if isinstance(value, bool) or not isinstance(value, numbers.Real):
+            raise TypeError(f"{name} must be a number {self}, and is a {type(value).__name__}")
+        if value not in self:
             raise ValueError(f"{name} must be a number {self}, and is {_shown(value)}")
         return value
 
@@ -34,6 +37,8 @@ FIELD_OF_VIEW = Range(1.0, 179.0, "degrees")
 SIDE = Range(1, 16384, "px")  # of a picture: what graphics cards draw
 DRAWN = Range(1, 4096**2, "px")  # in a picture that is drawn: all that is kept for each takes up to 75 bytes
 COUNT = Range(1, 1e9)
+SHARE = Range(0.0, 1.0)
+ANGLE = Range(0.0, 6.2832, "rad")
 INDEX = Range(0, 1e9)
 CAMERA_NUMBER = Range(0, 65535)
 

@@ -4,11 +4,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-
+from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.ranges import ANGLE, MARKER_SIDE, SHARE
 from ashe_live.core.transforms import angles_from_direction, normalised
 
 
@@ -21,9 +21,7 @@ class Frame:
     time_s: float  # since the source's first frame, at capture
 
     def __post_init__(self) -> None:
-        if self.image_bgr.ndim != 3 or self.image_bgr.shape[2] != 3 or self.image_bgr.dtype != np.uint8:
-            raise ValueError(f"a frame is (h, w, 3) uint8, not {self.image_bgr.shape} {self.image_bgr.dtype}")
-        set_frozen(self, image_bgr=frozen_view(self.image_bgr))
+        set_frozen(self, image_bgr=frozen_view(arguments.picture(self.image_bgr, "image_bgr")))
 
     @property
     def size(self) -> tuple[int, int]:
@@ -53,8 +51,7 @@ class MarkerPose:
             value = getattr(self, name)
             if value is not None:
                 set_frozen(self, **{name: frozen_floats(value, shape, name)})
-        if not (math.isfinite(self.side_m) and self.side_m > 0):
-            raise ValueError(f"a marker's side of {self.side_m} m is not positive")
+        MARKER_SIDE.checked(self.side_m, "side_m")
 
     @property
     def measured_T_cam_marker(self) -> Float:
@@ -73,6 +70,10 @@ class TrackedFrame:
     note: str | None = None  # for a person, e.g. that two equal markers are in view
 
     def __post_init__(self) -> None:
+        arguments.instance(self.frame, Frame, "frame")
+        arguments.instance(self.camera, Camera, "camera")
+        if self.marker is not None:
+            arguments.instance(self.marker, MarkerPose, "marker")
         if self.camera.size != self.frame.size:
             raise ValueError(f"a camera for {self.camera.size} cannot explain a frame of {self.frame.size}")
 
@@ -89,7 +90,13 @@ class DirectionalLight:
     shadow_rgb_ratio: Float | None = None  # (3,) linear RGB, shadowed over lit ground
 
     def __post_init__(self) -> None:
-        set_frozen(self, to_light_marker=frozen_floats(normalised(self.to_light_marker), (3,), "to_light_marker"))
+        direction = frozen_floats(self.to_light_marker, (3,), "to_light_marker")
+        if not direction.any():
+            raise ValueError("to_light_marker has no direction")
+        set_frozen(self, to_light_marker=frozen_floats(normalised(direction), (3,), "to_light_marker"))
+        for name, allowed in (("sigma_rad", ANGLE), ("confidence", SHARE), ("angular_size_rad", ANGLE)):
+            if getattr(self, name) is not None:
+                allowed.checked(getattr(self, name), name)
         if self.covariance_rad2 is not None:
             set_frozen(self, covariance_rad2=frozen_floats(self.covariance_rad2, (2, 2), "covariance_rad2"))
         if self.shadow_rgb_ratio is not None:
@@ -123,10 +130,15 @@ class Illumination:
     seen_in: TrackedFrame | None = None
 
     def __post_init__(self) -> None:
+        _check_lights(self.lights)
         for name in ("ambient_rgb_ratio", "ground_rgb"):
             colour = getattr(self, name)
             if colour is not None:
                 set_frozen(self, **{name: frozen_floats(colour, (3,), name)})
+        if self.real_object is not None:
+            arguments.instance(self.real_object, Proxy, "real_object")
+        if self.seen_in is not None:
+            arguments.instance(self.seen_in, TrackedFrame, "seen_in")
         if self.seen_in is not None and self.seen_in.marker is None:
             raise ValueError("without a marker in it, a frame does not show where the ground is")
 
@@ -156,6 +168,7 @@ class LightEstimate:
             colour = getattr(self, name)
             if colour is not None:
                 set_frozen(self, **{name: frozen_floats(colour, (3,), name)})
+        _check_lights(self.lights)
         if not self.lights and not self.reason:
             raise ValueError("an estimate without a light needs a reason")
 
@@ -173,3 +186,8 @@ class LightEstimate:
             self.caster,
             seen_in if seen_in is not None and seen_in.marker is not None else None,
         )
+
+
+def _check_lights(lights: tuple[DirectionalLight, ...]) -> None:
+    for light in arguments.instance(lights, tuple, "lights"):
+        arguments.instance(light, DirectionalLight, "each of lights")

@@ -47,7 +47,7 @@ class Keeper:
             light = light_by_hand_json(hand.light, hand.frame_index)
         known = snapshot_json(session.tracked, session.model_name, light, hand.placement.marker_from_placed)
         try:
-            write_png(path, self._picture(preset), texts={SNAPSHOT_KEYWORD: json.dumps(known)})
+            path = write_png(path, self._picture(preset), texts={SNAPSHOT_KEYWORD: json.dumps(known)}, beside=True)
             self._tell(f"saved {path}", now_s)
         except UserError as error:
             self._tell(str(error), now_s)

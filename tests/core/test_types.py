@@ -35,7 +35,7 @@ def test_a_value_keeps_its_own_copy_of_small_arrays() -> None:
 
 @pytest.mark.parametrize("image", [np.zeros((3, 4), np.uint8), np.zeros((3, 4, 4), np.uint8), np.zeros((3, 4, 3))])
 def test_a_frame_is_8_bit_colour(image: np.ndarray) -> None:
-    with pytest.raises(ValueError, match="a frame is"):
+    with pytest.raises(ValueError, match="image_bgr must be"):
         Frame(image, 0, 0.0)
 
 

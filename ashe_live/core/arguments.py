@@ -1,0 +1,66 @@
+"""Wrong use from Python, in words that name the argument: TypeError for another kind, ValueError for another value.
+
+`name` is the argument's, as the caller wrote it.
+"""
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ashe_live.core.arrays import Image
+from ashe_live.core.ranges import SIDE
+
+Value = TypeVar("Value")
+
+
+def instance(value: Value, kind: type[Any], name: str) -> Value:
+    """`value`, which must be of that class."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} must be a {kind.__name__}, and is a {type(value).__name__}")
+    return value
+
+
+def text(value: str, name: str) -> str:
+    """`value`, which must be a str, without NUL."""
+    instance(value, str, name)
+    if "\0" in value:
+        raise ValueError(f"{name} has a NUL in it")
+    return value
+
+
+def path(value: str | os.PathLike[str], name: str) -> Path:
+    """A str or a path, as a Path."""
+    if not isinstance(value, str | os.PathLike) or isinstance(os.fspath(value), bytes):
+        raise TypeError(f"{name} must be a str or a Path, and is a {type(value).__name__}")
+    return Path(text(os.fspath(value), name))
+
+
+def one_of(value: str, choices: Iterable[str], name: str) -> str:
+    """`value`, which must be among `choices`."""
+    known = list(choices)
+    if text(value, name) not in known:
+        raise ValueError(f"{name} {value!r} is not one of {', '.join(known)}")
+    return value
+
+
+def picture(value: Image, name: str) -> Image:
+    """`value`, which must be an array (h, w, 3) uint8 with at least one pixel."""
+    if not isinstance(value, np.ndarray):
+        raise TypeError(f"{name} must be a NumPy array, and is a {type(value).__name__}")
+    if value.ndim != 3 or value.shape[2] != 3 or value.dtype != np.uint8 or value.size == 0:
+        raise ValueError(f"{name} must be (h, w, 3) uint8, and is {value.shape} {value.dtype}")
+    return value
+
+
+def picture_size(value: tuple[int, int], name: str) -> tuple[int, int]:
+    """(width, height) in whole pixels."""
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise TypeError(f"{name} must be (width, height), and is {value!r:.40}")
+    for side in value:
+        if isinstance(side, bool) or not isinstance(side, int | np.integer):
+            raise TypeError(f"{name} must be two whole numbers, and has a {type(side).__name__}")
+        SIDE.checked(int(side), f"a side of {name}")
+    return int(value[0]), int(value[1])
