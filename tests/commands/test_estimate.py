@@ -217,3 +217,17 @@ def test_a_sheet_is_not_overwritten_unasked(run, files, tmp_path):
     assert sheet.read_text() == "mine"
     assert run("estimate", *KNOWN, "--sheet", sheet, "--overwrite", files["photo"]).status == 0
     assert "<figure>" in sheet.read_text(encoding="utf-8")
+
+
+def test_a_pattern_ends_where_links_lead_back_to_their_folder(run, tmp_path, monkeypatch):
+    """Two such links make as many paths as there are ways to alternate between them."""
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "photos"
+    folder.mkdir()
+    for name in ("a", "b"):
+        (folder / name).symlink_to(".")
+    (folder / "note.txt").write_text("no picture")
+    (folder / ".hidden.txt").write_text("no picture")
+    outcome = run("estimate", "photos/**/*.txt")
+    (line,) = outcome.out
+    assert line.startswith("photos/note.txt is not a clip")
