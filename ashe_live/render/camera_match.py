@@ -1,4 +1,4 @@
-"""Makes the model look as if the video's camera had filmed it: as blurred, as coarse and as noisy."""
+"""Gives the rendered model the blur, the resolution and the noise of the video's camera."""
 
 import math
 
@@ -16,7 +16,7 @@ LEAST_NOISE = 0.25 / 255
 
 
 class CameraMatch:
-    """Works on a finished picture whose alpha tells the model from the video."""
+    """Works on a finished picture whose alpha channel is 1 where the video is and 0 where the model is."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx

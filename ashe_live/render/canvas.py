@@ -1,4 +1,4 @@
-"""A texture that is drawn or copied into, of whatever size is needed now."""
+"""A texture to draw or copy into, reallocated when another size is needed."""
 
 import moderngl
 
@@ -6,7 +6,7 @@ from ashe_live.core.camera import Size
 
 
 class Canvas:
-    """Made when its size is first known, and anew for another size; keeps its content in between."""
+    """Allocated when its size is first known and whenever that changes; keeps its content in between."""
 
     def __init__(self, ctx: moderngl.Context, components: int = 4, dtype: str = "f1") -> None:
         self._ctx = ctx

@@ -1,4 +1,4 @@
-"""How much of the sky the model hides from the ground around it: what there is to see without any sun.
+"""Contact shadow: the share of the sky that the model hides from the ground around it, seen even without any sun.
 
 Ambient occlusion by its definition: the mean of the shadows that many lights spread over the sky would cast, each
 with the weight of its cosine (Langer and Buelthoff, "Depth discrimination from shading under diffuse lighting", 2000).
@@ -24,7 +24,7 @@ from ashe_live.render.texture_units import UNIT_OF
 DIRECTIONS = 24
 DEPTHS = replace(FAST.render, shadow_map_size=128, soft_on_model=False, pcf_radius=1)
 PATCH_SIZE = 64  # texels a side
-BLUR_TEXELS = 1.5  # what separates the directions' single shadows is smoothed away
+BLUR_TEXELS = 1.5  # of a Gaussian that merges the single directions' shadows
 REACH_HEIGHTS = 0.5  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
 NO_LIGHT = (0.0, 0.0, 0.0)
@@ -54,7 +54,7 @@ class ContactPatch:
         for direction in sky_directions(DIRECTIONS):
             self._depth_map.render((self._model,), (Sun(direction, NO_LIGHT, NO_LIGHT, 0.0),))
             self._depth_map.bind(self._program)
-            # The program is everyone's: between two steps another patch may have used it.
+            # All patches share one program: another may have used it between two steps.
             set_uniforms(self._program, weight=1.0 / DIRECTIONS, patch_bounds=tuple(self.bounds.ravel()))
             self._framebuffer.use()
             self._ctx.enable_only(moderngl.BLEND)

@@ -1,4 +1,4 @@
-"""The surroundings as textures: what polished surfaces mirror."""
+"""The environment maps that polished surfaces mirror, as textures."""
 
 import moderngl
 import numpy as np
@@ -13,7 +13,7 @@ from ashe_live.render.texture_units import UNIT_OF
 
 
 class Environment:
-    """Two maps of `size` texels a side, a power of two; made anew only for another picture."""
+    """Two maps of `size` texels a side, a power of two; refilled only when what they show has changed."""
 
     def __init__(self, ctx: moderngl.Context, size: int) -> None:
         self._size = size
@@ -22,7 +22,7 @@ class Environment:
         self._shown: tuple[TrackedFrame | None, Float | None, RGB | None] | None = None
 
     def show(self, illumination: Illumination, white_rgb: RGB) -> None:
-        """What the illumination was seen in; even ground where that is not known.
+        """Fills the maps from the frame that the illumination was seen in, or with even ground where there is none.
 
         `white_rgb`: of a fully lit white surface in the video, linear.
         """

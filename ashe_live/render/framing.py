@@ -1,4 +1,4 @@
-"""Which part of the framebuffer shows what: the video's viewport, and the camera's clip space for what stands in it."""
+"""The video's viewport in the framebuffer, and the projection of the marker frame into it."""
 
 import itertools
 import math
@@ -39,7 +39,7 @@ def letterbox(video: Size, framebuffer: Size) -> Rectangle:
 
 
 def framing(camera: Camera, T_cam_marker: Float, points_marker: Float, viewport: Rectangle) -> Framing | None:
-    """Near and far so that they enclose `points_marker` (n, 3); None when the camera sees none of them."""
+    """With near and far planes that enclose `points_marker` (n, 3); None when the camera sees none of them."""
     depths = transform_points(T_cam_marker, points_marker)[:, 2]
     far = 1.1 * float(depths.max())
     if far <= 0:

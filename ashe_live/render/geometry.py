@@ -1,4 +1,4 @@
-"""A model on the graphics card, brought there in steps that are small enough for one picture each."""
+"""A model on the graphics card, uploaded in steps small enough for one picture each."""
 
 import itertools
 from collections.abc import Iterator
@@ -14,11 +14,11 @@ from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.texture_units import UNIT_OF
 
 GL_RGBA8, GL_SRGB8_ALPHA8 = 0x8058, 0x8C43
-STEP_BYTES = 1 << 20  # about what a software rasteriser's memory takes in a millisecond
+STEP_BYTES = 1 << 20  # about what a software rasteriser uploads in a millisecond
 
 
 class GpuPart:
-    """One mesh in pieces of position 3f, normal 3f, and where it has them uv 2f and colour 4f."""
+    """One mesh, in buffers of position 3f, normal 3f and, where it has them, uv 2f and colour 4f."""
 
     def __init__(self, ctx: moderngl.Context, mesh: Mesh) -> None:
         self.mesh = mesh
@@ -37,7 +37,7 @@ class GpuPart:
         self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}
 
     def upload(self) -> Iterator[None]:
-        """One step of about STEP_BYTES at most at a time: a driver may clear memory before it lends it."""
+        """In steps of about STEP_BYTES at most: a driver may clear memory before it hands it out."""
         row_bytes = 4 * sum(values.shape[1] for values in self._columns.values())
         triangles_at_once = max(1, STEP_BYTES // (3 * row_bytes))
         triangles = self.mesh.triangles
@@ -51,7 +51,7 @@ class GpuPart:
             yield
 
     def draw(self, program: moderngl.Program) -> None:
-        """Gives `program` what it reads of a vertex; its uniforms are the caller's."""
+        """Draws with the vertex attributes that `program` reads; its uniforms are set by the caller."""
         if program not in self._arrays:
             self._arrays[program] = [self._array(program, *piece) for piece in self._pieces]
         for array in self._arrays[program]:
@@ -68,7 +68,7 @@ class GpuPart:
     def _array(
         self, program: moderngl.Program, vertices: moderngl.Buffer, indices: moderngl.Buffer
     ) -> moderngl.VertexArray:
-        # What a program does not read is skipped over.
+        # Attributes that the program does not read are skipped.
         names, formats = [], []
         for name, values in self._columns.items():
             is_read = isinstance(program.get(name, None), moderngl.Attribute)
@@ -78,7 +78,7 @@ class GpuPart:
 
 
 class GpuModel:
-    """A placed model's buffers and textures; of no use before every step of `upload` was taken."""
+    """A placed model's buffers and textures; it can be drawn once every step of `upload` has been taken."""
 
     def __init__(self, ctx: moderngl.Context, placed: PlacedModel, programs: Programs) -> None:
         self.placed = placed
@@ -103,7 +103,7 @@ class GpuModel:
                 part.maps[name] = self._textures[key]
 
     def render_depth(self, clip_from_marker: Float) -> None:
-        """Into the depth buffer that is bound; where a surface has holes or lets light through, in part."""
+        """Draws into the depth buffer that is bound; surfaces with holes or partial transparency only in part."""
         for part in self.parts:
             material = part.material
             constants = {}

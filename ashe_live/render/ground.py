@@ -1,4 +1,4 @@
-"""The shadow catcher: the part of the marker plane where the model takes light away from the video."""
+"""The shadow catcher: the part of the marker plane that the model's shadow can darken."""
 
 import math
 
@@ -31,7 +31,7 @@ class ShadowCatcher:
         self.polygon: Float = np.zeros((0, 3))  # (n, 3) convex, metres, marker frame
 
     def fit(self, model: StandingModel, lighting: Lighting, shadows: ShadowMaps) -> None:
-        """Finds the convex polygon of the plane that can be darkened, unless it is known."""
+        """Computes the convex polygon of the plane that can be darkened, unless nothing has changed."""
         if self._outline is not None and self._outline[0] is model and self._outline[1] is lighting:
             return
         blur_m = shadows.blur_texels * shadows.texel_m
@@ -79,7 +79,7 @@ class ShadowCatcher:
         self._ctx.polygon_offset = 0.0, 0.0
 
     def forget(self) -> None:
-        """Drops the outline, and with it the reference to the model."""
+        """Drops the polygon, and with it the reference to the model."""
         self._outline = None
         if self._fan is not None:
             self._fan[1].release()
@@ -96,7 +96,7 @@ class ShadowCatcher:
 
 
 def _shadow_points(points: Float, sun: Sun, blur_m: float) -> Float:
-    """(n, 2) where points (n, 3) cast their shadows, wider by the filter's blur and by the penumbra."""
+    """(n, 2) hull of the shadows that points (n, 3) cast, widened by the filter's blur and by the penumbra."""
     to_light = sun.to_light
     flat = math.hypot(to_light[0], to_light[1])
     slope = min(flat / to_light[2], MAX_SHADOW_HEIGHTS) / flat if flat > 0 else 0.0

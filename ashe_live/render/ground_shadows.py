@@ -1,4 +1,4 @@
-"""The shadows on the ground, filtered once: they depend on casters and suns alone, so a frame only looks them up.
+"""The shadows on the ground, filtered once: they depend on casters and suns only, so that a frame just looks them up.
 
 Each caster and light has a tile that shows the ground as that light sees it: as fine as its depth map where the ground
 is seen at a grazing angle, too.
@@ -35,7 +35,7 @@ class GroundShadows:
         self._uniforms: dict[str, Float] = {}
 
     def render(self, shadows: ShadowMaps, suns: tuple[Sun, ...]) -> None:
-        """Filters the depth maps, unless that is done."""
+        """Filters the depth maps, unless these have not changed."""
         if self._drawn == shadows.renders or not suns:
             return
         self._drawn = shadows.renders

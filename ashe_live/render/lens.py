@@ -1,4 +1,4 @@
-"""Bends what was drawn for a pinhole camera as the camera's lens bends, onto the frame as it came."""
+"""Applies the lens's distortion to what was drawn for a pinhole camera, and puts it onto the original frame."""
 
 import cv2
 import moderngl
@@ -16,7 +16,7 @@ GRID_PX = 8  # of the video, between places where the lens is computed exactly
 
 
 class Lens:
-    """The last step of a picture whose camera has distortion."""
+    """The last pass for cameras with distortion."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
@@ -35,7 +35,7 @@ class Lens:
         return self._pinhole[1]
 
     def keep_bare(self, target: moderngl.Framebuffer) -> None:
-        """Remembers the pinhole picture before anything is drawn on it."""
+        """Keeps a copy of the pinhole picture before anything is drawn on it."""
         _, framebuffer = self._bare.of_size(target.size)
         self._ctx.copy_framebuffer(framebuffer, target)
 
@@ -106,9 +106,9 @@ def wide_pinhole(camera: Camera) -> Camera:
 
 
 def straight_from_bent(camera: Camera, pinhole: Camera) -> Float:
-    """(rows, columns, 2): where `pinhole` has what the lens puts on an even grid.
+    """(rows, columns, 2): where `pinhole` sees what the lens maps to the nodes of a regular grid.
 
-    Both in shares of the picture, from its lower left corner, over all of it.
+    Both in fractions of the picture, from its lower left corner.
     """
     width, height = camera.size
     across, up = np.meshgrid(

@@ -1,4 +1,4 @@
-"""How a light estimate shades: sky and suns, balanced as the real shadows were measured."""
+"""Sky and sun irradiances for shading, from the measured ratios of the real shadows."""
 
 import math
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from ashe_live.core.types import DirectionalLight
 RGB = tuple[float, float, float]
 
 MAX_LIGHTS = 4
-# Shadowed over lit ground where it was not measured: a clear noon's sky gives about this share.
+# Of shadowed over lit ground where it was not measured: about the share of a clear sky at noon.
 ASSUMED_SHADOW_RATIO = 0.4
 SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
-# A sun this low lights level ground too little to be balanced by its strength alone.
+# Below this sine of the elevation a sun's irradiance is no longer raised to match its share on level ground.
 MIN_BALANCED_SINE = 0.2
 LEAST_REST = 0.5  # of the product of the shadows' ratios
 LEAST_NEARER = 0.4  # of the light's elevation above its own radius; lower lights' penumbrae are cut off
-# What ordinary ground sends back of the light that falls on it, and what any ground may.
+# The albedo of ground whose colour is not known, and the largest that is accepted.
 GROUND_ALBEDO = 0.35
 MAX_ALBEDO = 0.9
 
@@ -28,12 +28,12 @@ class Sun:
     """One directional light. Units as in Lighting."""
 
     to_light: Float  # (3,) unit, marker frame, above the horizon
-    ground_share: RGB  # of the light on level ground: what its shadow takes away
-    irradiance: RGB  # across its direction
+    ground_share: RGB  # share of the light on level ground, which its shadow takes away
+    irradiance: RGB  # on a surface that faces it
     angular_size_rad: float  # diameter
 
     def penumbra_m(self, height_m: float) -> float:
-        """How far to the outside the ground's penumbra of a point `height_m` above it reaches; across the light."""
+        """Width, across the light, of the outer half of the penumbra on the ground of a point `height_m` above it."""
         sine = float(self.to_light[2])
         spread = math.tan(self.angular_size_rad / 2)
         # Outwards it falls on ground that is farther away; under a light that reaches down to the horizon, for ever.
@@ -43,7 +43,7 @@ class Sun:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lighting:
-    """Irradiances over pi, in units of what fully lit level ground gets: white there has radiance 1."""
+    """Irradiances over pi, in units in which fully lit level ground receives 1, so that white ground has radiance 1."""
 
     suns: tuple[Sun, ...]  # strongest first, MAX_LIGHTS at most
     sky: RGB  # on level ground; with the suns' shares it makes 1
@@ -51,12 +51,12 @@ class Lighting:
 
     @property
     def irradiances(self) -> Float:
-        """(n, 3) of the suns, each across its direction."""
+        """(n, 3) of the suns, on surfaces that face them."""
         return np.array([sun.irradiance for sun in self.suns])
 
     @property
     def ground_shares(self) -> Float:
-        """(n, 3) of the light on level ground, each sun's."""
+        """(n, 3) shares of the suns in the light on level ground."""
         return np.array([sun.ground_share for sun in self.suns])
 
 
@@ -77,7 +77,7 @@ def lighting_of(
         return Lighting((), (1.0, 1.0, 1.0), _rgb(albedo))
     shares = np.array([_ground_share(light, len(lights)) for light in lights])
     total = shares.sum(axis=0)
-    # Shares that make more than all were measured wrongly; what the shadows leave of each other's remainder bounds it.
+    # Shares that sum to more than 1 were measured wrongly; the product of the shadows' ratios bounds what is left.
     rest = np.maximum(1 - total, LEAST_REST * (1 - shares).prod(axis=0))
     sky = np.clip(rest if ambient_rgb_ratio is None else ambient_rgb_ratio, 0.0, 1.0)
     shares *= np.divide(1 - sky, total, out=np.zeros(3), where=total > 0)
@@ -92,7 +92,7 @@ def lighting_of(
 
 
 def _ground_share(light: DirectionalLight, count: int) -> Float:
-    """(3,) of the light on level ground that one of `count` lights gives."""
+    """(3,) share of one of `count` lights in the light on level ground."""
     if light.shadow_rgb_ratio is None:
         return np.full(3, (1 - ASSUMED_SHADOW_RATIO) / count)
     return 1 - np.clip(light.shadow_rgb_ratio, 0.0, 1.0)

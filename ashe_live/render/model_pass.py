@@ -1,4 +1,4 @@
-"""The model itself, each part by the shader variant that computes what its material has and nothing else."""
+"""Draws the model, each part with the shader variant that computes only what its material needs."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,22 +20,22 @@ from ashe_live.render.standing import StandingModel
 from ashe_live.render.texture_units import UNIT_OF
 
 NOWHERE: Float = np.zeros((4, 4))
-# A lobe narrower than this is a point that flickers between pixels.
+# A narrower specular lobe would be a point that flickers between pixels.
 MIN_ROUGHNESS = 0.06
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LookedUp:
-    """What surfaces look up besides their own maps."""
+    """The textures that surfaces sample besides their own maps."""
 
     shadows: ShadowMaps
-    ground_shadows: GroundShadows  # in what they mirror
+    ground_shadows: GroundShadows  # on the ground that they mirror
     environment: Environment
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShadingInputs:
-    """What every part of the model is seen with."""
+    """What the shading of every part depends on besides its material."""
 
     framing: Framing
     lighting: Lighting
@@ -61,14 +61,14 @@ class ModelPass:
             yield
 
     def draw_opaque(self, standing: StandingModel, inputs: ShadingInputs) -> None:
-        """Whatever hides what is behind it."""
+        """Draws opaque and cut-out parts."""
         for part in standing.model.parts:
             if part.material.alpha is not Alpha.BLEND:
                 self._ctx.enable_only(gl_flags(part.material))
                 self._draw(part, standing, inputs)
 
     def draw_blended(self, standing: StandingModel, inputs: ShadingInputs) -> None:
-        """What lets through what is behind it, after all of that is drawn: far before near, backs before fronts."""
+        """Draws blended parts, after everything behind them: far before near, back faces before front faces."""
         blended = [part for part in standing.model.parts if part.material.alpha is Alpha.BLEND]
         if not blended:
             return
@@ -108,7 +108,7 @@ class ModelPass:
         part.draw(program)
 
     def _bound_program(self, part: GpuPart, looked_up: LookedUp) -> moderngl.Program:
-        """The part's shader variant with all that it samples: a driver may compile anew for another kind of texture."""
+        """The part's shader variant with all its textures bound: a driver may recompile for another kind of texture."""
         program = self._programs.get(
             "model", min_roughness=MIN_ROUGHNESS, **shading_constants(part), **looked_up.shadows.constants
         )
@@ -122,7 +122,7 @@ class ModelPass:
 
 
 def gl_flags(material: Material) -> int:
-    """Of OpenGL, to draw such a surface. A blended one is drawn by the side."""
+    """The OpenGL state for such a surface; the faces of a blended one are drawn in two passes."""
     if material.alpha is Alpha.BLEND:
         return moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND
     return moderngl.DEPTH_TEST | (0 if material.double_sided else moderngl.CULL_FACE)

@@ -1,4 +1,4 @@
-"""Pictures on top of everything: the heads-up display and the estimator's masks."""
+"""Draws pictures on top of everything: the heads-up display and the estimate's inset."""
 
 import moderngl
 import numpy as np
@@ -18,7 +18,7 @@ class OverlayPass:
         self._ctx = ctx
         self._program = build_program(ctx, "screen")
         self._rectangle = ctx.vertex_array(self._program, [])
-        # The picture stays referenced beside its texture, so that its id is not given to another one.
+        # A reference to the picture is kept with its texture, so that its id is not reused.
         self._textures: dict[int, tuple[Image, moderngl.Texture]] = {}
 
     def draw(self, overlays: tuple[Overlay, ...], size: Size) -> None:

@@ -1,4 +1,4 @@
-"""How bright what is: the scene's light and the video's look, measured anew only when they may have changed."""
+"""The scene's irradiances and the video's exposure, blur and noise, measured again only when they may have changed."""
 
 import math
 from dataclasses import replace
@@ -13,7 +13,7 @@ LOOK_HELD_S = 0.2  # of the video's time
 
 
 class Photometry:
-    """For scenes whose frames have a marker."""
+    """A cache of both; every frame must have a marker."""
 
     def __init__(self, preset: RenderPreset) -> None:
         self._preset = preset
@@ -21,7 +21,7 @@ class Photometry:
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
 
     def lighting(self, of: Illumination) -> Lighting:
-        """The same object for the same light."""
+        """The irradiances; the same object for the same illumination."""
         known = (*of.lights, of.ambient_rgb_ratio, of.ground_rgb, of.seen_in)
         if self._lighting is None or not same_objects(self._lighting[0], known):
             albedo = None
@@ -31,14 +31,14 @@ class Photometry:
         return self._lighting[1]
 
     def look(self, tracked: TrackedFrame) -> VideoLook:
-        """What the preset matches of it. Exposure and white balance follow the camera's, a few times a second."""
+        """What the preset matches of the video. Exposure and white balance follow the camera's a few times a second."""
         if self._look is not None:
             measured_in, look = self._look
             if measured_in is tracked or 0 < tracked.frame.time_s - measured_in.frame.time_s < LOOK_HELD_S:
                 return look
         look = look_of(tracked, self._preset.matches_blur, self._preset.matches_noise)
         if self._preset.matches_lens and tracked.camera.is_distorted:
-            # Bending interpolates, and that blurs as well.
+            # The lens pass interpolates, which blurs as well.
             variance = max(0.0, look.blur_sigma_px**2 - INTERPOLATION_VARIANCE_PX2)
             look = replace(look, blur_sigma_px=math.sqrt(variance))
         self._look = tracked, look

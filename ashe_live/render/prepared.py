@@ -1,6 +1,6 @@
-"""A model made ready to be drawn: uploaded, its contact with the ground drawn, its shaders built.
+"""Prepares a model for drawing: uploads it, draws its contact shadow and compiles its shaders.
 
-All of it takes several pictures' time, so that it is done a little with each while the model before is still shown.
+That takes longer than one picture, so it is done in small steps while the former model is still shown.
 """
 
 import itertools
@@ -15,7 +15,7 @@ from ashe_live.render.geometry import GpuModel
 from ashe_live.render.programs import Programs
 from ashe_live.render.standing import StandingModel
 
-# Of each picture's time; a step that was begun is finished, and takes a few more.
+# Of each picture's time; a step that has begun is finished, which may take a few milliseconds more.
 BUDGET_S = 0.003
 
 
@@ -23,7 +23,7 @@ LastSteps = Callable[[GpuModel], Iterator[None]]
 
 
 class PreparedModel:
-    """Of no use before `advance` or `finish` said so."""
+    """Can be drawn once `advance` has returned True, or after `finish`."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs, placed: PlacedModel, last_steps: LastSteps) -> None:
         self.placed = placed
@@ -34,22 +34,22 @@ class PreparedModel:
         self._steps = itertools.chain(self.model.upload(), self.contact.draw(), last_steps(self.model))
 
     def advance(self) -> bool:
-        """Goes on for about BUDGET_S; True when the model can be drawn."""
+        """Continues for about BUDGET_S; returns whether the model can be drawn."""
         begun_s = time.perf_counter()
         for _ in self._steps:
-            # What is only queued would all fall into one picture's time.
+            # Queued commands would otherwise all be executed during one picture.
             self._ctx.finish()
             if time.perf_counter() - begun_s > BUDGET_S:
                 return False
         return True
 
     def finish(self) -> None:
-        """All at once."""
+        """Takes all remaining steps."""
         for _ in self._steps:
             pass
 
     def standing(self, placement: Placement) -> StandingModel:
-        """The same object for the same placement: what depends on it is then not drawn anew."""
+        """The same object for the same placement, so that what depends on it is not drawn again."""
         if self._standing is None or self._standing.placement != placement:
             self._standing = StandingModel(self.model, self.contact, placement)
         return self._standing
@@ -60,7 +60,7 @@ class PreparedModel:
 
 
 class ModelSwitch:
-    """The model that is shown, and the one that will be."""
+    """The model that is shown, and the one being prepared to replace it."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs, last_steps: LastSteps, at_once: bool) -> None:
         self.shown: PreparedModel | None = None

@@ -12,14 +12,14 @@ from ashe_live.render.texture_units import UNIT_OF
 
 
 class Programs:
-    """Each variant of a program, built when it is first asked for: what a picture does not need is not in it."""
+    """A cache of program variants, each built when it is first asked for."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
         self._built: dict[tuple[str, tuple[tuple[str, float], ...]], moderngl.Program] = {}
 
     def get(self, name: str, **constants: float) -> moderngl.Program:
-        """As build_program; the same program for the same constants."""
+        """As `build_program`; the same program for the same constants."""
         key = name, tuple(sorted(constants.items()))
         if key not in self._built:
             self._built[key] = build_program(self._ctx, name, **constants)
@@ -59,8 +59,8 @@ def shader_source(file_name: str, defines: str = "") -> str:
 def set_uniforms(program: moderngl.Program, **values: Any) -> None:
     """Sets uniforms by name: numbers, tuples, matrices ([n,] 4, 4) for column vectors, other arrays as they are.
 
-    What a compiler has found to be unused, an array's end too, is left out, as each driver decides that for itself.
-    Names that the program's files do not declare, and uniforms that nobody sets, are errors in the tests.
+    Uniforms that the compiler has removed as unused, or the end of an array, are skipped, as that differs by driver.
+    Names that the program's files do not declare, and uniforms that are never set, are errors in the tests.
     """
     for name, value in values.items():
         uniform = program.get(name, None)

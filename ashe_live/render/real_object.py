@@ -1,4 +1,4 @@
-"""The real object in the scene: hides what is behind it, casts its shadow, takes the model's shadow."""
+"""The real object's proxy: it occludes what is behind it, casts its shadow, and receives the model's."""
 
 import moderngl
 import numpy as np
@@ -32,7 +32,7 @@ class RealObject:
         self._array(program).render()
 
     def draw(self, framing: Framing, video: Video, lighting: Lighting, shadows: ShadowMaps) -> None:
-        """Its depth, and in its place the video, darker where the model keeps a sun from it."""
+        """Draws its depth and, where the model shades it, the video multiplied by what is left of the light."""
         program = self._programs.get("depth")
         if shadows.model_shades_real:
             program = self._programs.get("real_object", **shadows.constants | {"casters": 1})

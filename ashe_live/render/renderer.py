@@ -1,4 +1,4 @@
-"""Draws a scene: video, model, the shadow it casts on the video, the light's arrow, overlays."""
+"""Draws a scene: the video, the model and its shadow on the video, the light's arrow, and overlays."""
 
 from collections.abc import Iterator
 
@@ -42,7 +42,7 @@ class SceneRenderer:
     """
 
     def __init__(self, ctx: moderngl.Context, preset: RenderPreset, size: Size, switches_at_once: bool = True) -> None:
-        """`switches_at_once`: a new model is in the very next picture, however long that takes; else soon."""
+        """`switches_at_once`: a new model is in the very next picture, however long that takes; else when ready."""
         self._ctx = ctx
         self._preset = preset
         self.video = Video(ctx)
@@ -71,7 +71,7 @@ class SceneRenderer:
 
     @property
     def switches_at_once(self) -> bool:
-        """Whether a new model is in the very next picture, however long that takes; else it is there soon."""
+        """Whether a new model is shown in the very next picture, however long that takes, or when it is ready."""
         return self._models.at_once
 
     @switches_at_once.setter
@@ -178,7 +178,7 @@ class SceneRenderer:
             held.release()
 
     def _draw_model(self, model: StandingModel, scene: Scene, camera: Camera) -> Rectangle:
-        """As a pinhole camera sees it; returns the part of the picture that it may have changed."""
+        """For a pinhole camera; returns the part of the picture that it may have changed."""
         assert scene.tracked is not None
         assert scene.tracked.marker is not None
         lighting = self._photometry.lighting(scene.illumination)
@@ -234,7 +234,7 @@ class SceneRenderer:
                 holder.forget()
 
     def _build_shaders(self, model: GpuModel) -> Iterator[None]:
-        """As far as they can be known before the model is drawn."""
+        """In steps, with the variants that are known before the model is drawn."""
         building = self._model_pass.build_for(model, self._looked_up)
         while True:
             with self._surface.drawing((0, 0, 1, 1)):

@@ -1,4 +1,4 @@
-"""What one picture shows: the only thing that the viewer hands to the renderer."""
+"""What one picture shows: the only value that the viewer hands to the renderer."""
 
 from dataclasses import dataclass
 
@@ -33,7 +33,7 @@ class Overlay:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Everything in one picture. The same objects again cost nothing to upload."""
+    """Everything in one picture. Objects that were in the last one as well are not uploaded again."""
 
     tracked: TrackedFrame | None = None  # video, camera and pose; None: black
     model: PlacedModel | None = None  # drawn where there is a marker

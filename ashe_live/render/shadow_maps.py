@@ -1,4 +1,4 @@
-"""Depth as the suns see it: one map for each caster and light, drawn anew only when one of them changes.
+"""Shadow maps: depth as the suns see it, one map for each caster and light, redrawn only when one of them changes.
 
 Lance Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978. A map's frustum encloses its caster alone
 and depends on caster and light alone: it is as tight as can be, and the shadow's edges stand still on the ground while
@@ -19,14 +19,14 @@ from ashe_live.render.lighting import Sun
 from ashe_live.render.programs import set_uniforms
 from ashe_live.render.texture_units import UNIT_OF
 
-# A side never narrower than this share of the longest: a flat model seen edge on still has a map.
+# No side is shorter than this share of the longest: a flat model seen edge on still has a map.
 MIN_EXTENT_RATIO = 1e-3
 CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
 UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))
 
 
 class Caster(Protocol):
-    """What casts shadows; the same object casts the same ones."""
+    """Whatever casts shadows; the same object always casts the same ones."""
 
     @property
     def points(self) -> Float: ...  # (n, 3) metres, marker frame; its hull encloses the caster
@@ -51,7 +51,7 @@ class ShadowMaps:
         self.texel_m = 0.0  # the largest side of a texel across a light, metres
         self.boxes: tuple[LightBox, ...] = ()
         self.caster_count = 0
-        # Whether it can be, by the boxes around model and real object.
+        # Conservative, by the bounding boxes of model and real object.
         self.shadows_meet = self.real_shades_model = self.model_shades_real = False
         self._ctx = ctx
         self._preset = preset

@@ -1,4 +1,4 @@
-"""A model on the graphics card where it stands in the marker frame: moved by a matrix, and never uploaded anew."""
+"""A model on the graphics card at its place in the marker frame: moving it changes a matrix and uploads nothing."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from ashe_live.render.geometry import GpuModel
 
 
 class StandingModel:
-    """Casts shadows as a Caster; another object for another placement."""
+    """A Caster; another object for another placement."""
 
     def __init__(self, model: GpuModel, contact: ContactPatch, placement: Placement) -> None:
         self.model = model

@@ -1,4 +1,4 @@
-"""The renderer's own framebuffer, with several samples a pixel only where something stands."""
+"""The renderer's own framebuffer, multisampled only where something is drawn."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -50,7 +50,7 @@ class Surface:
 
     def read_bgr(self) -> Image:
         """(h, w, 3) uint8 sRGB in OpenCV's order, top row first; waits for what is being drawn."""
-        # New memory costs more than the conversion: only what is handed over is new.
+        # Fresh memory costs more than the conversion: only the result is newly allocated.
         self.colour.read_into(self._rgba, components=4)
         cv2.cvtColor(self._rgba, cv2.COLOR_RGBA2BGR, dst=self._bgr)
         return np.asarray(cv2.flip(self._bgr, 0), dtype=np.uint8)

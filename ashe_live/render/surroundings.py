@@ -1,7 +1,7 @@
-"""What a mirror standing on the marker would see, told from one picture: the ground as it is, the sky as it may be.
+"""What a mirror standing on the marker would see, from one picture: the ground as it is, and a plausible sky.
 
-The ground is known wherever the camera sees it. Of what is above, only what the ground gets from it is known; its
-pattern is the picture's own, much blurred and wrapped around the hemisphere (Khan, Reinhard, Fleming, Buelthoff,
+The ground is known wherever the camera sees it. Of the sky only the light that it sends to the ground is known; its
+pattern is the picture's own, strongly blurred and wrapped around the hemisphere (Khan, Reinhard, Fleming, Buelthoff,
 "Image-based material editing", SIGGRAPH 2006: the eye accepts it), under the CIE's overcast gradient.
 """
 
@@ -22,7 +22,7 @@ LinearPicture = NDArray[np.float32]
 # The ground's map reaches to the horizon: half of its radius is this many sides of the marker.
 HALF_RADIUS_SIDES = 2.0
 FARTHEST = 0.97  # of the map's radius
-FEATHER = 0.1  # share of the picture along which its ground passes into the mean colour
+FEATHER = 0.1  # share of the picture's size along which its ground fades into the mean colour
 READ_WIDTH_PX = 320  # the picture is reduced to about that before it is read
 PATTERN_SIZE = (12, 9)  # texels of the blurred picture that the sky's pattern is made of
 PATTERN_STRENGTH = 0.6  # 0: an even sky
@@ -84,7 +84,7 @@ def _sky(tracked: TrackedFrame, linear: LinearPicture, size: int) -> LinearPictu
     assert tracked.marker is not None
     directions, _ = _hemisphere(size)
     seen_from_camera = directions @ tracked.marker.T_cam_marker[:3, :3].T
-    # What lies behind the camera is taken to look like what lies before it.
+    # What lies behind the camera is assumed to look like what lies in front of it.
     x, y, z = np.moveaxis(seen_from_camera, 2, 0)
     wrapped = 0.5 + 0.5 * np.dstack([x, y]) / (1 + np.abs(z))[..., None]
     pattern = np.asarray(cv2.resize(linear, PATTERN_SIZE, interpolation=cv2.INTER_AREA), dtype=np.float32)

@@ -1,4 +1,4 @@
-"""The video behind everything: uploaded once a frame, copied where it fits, scaled where it does not."""
+"""The video in the background: uploaded once a frame, copied where the size fits, drawn scaled where it does not."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ WHOLE_VIEWPORT = (-1.0, -1.0, 1.0, 1.0)
 
 
 class Video:
-    """The latest frame as a texture, bottom row first, free of the lens's distortion."""
+    """The latest frame as a texture, bottom row first, with the lens's distortion removed."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self.uploads = 0

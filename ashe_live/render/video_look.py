@@ -1,4 +1,4 @@
-"""How the video renders the world: what the model must look like to have been filmed by the same camera.
+"""The video's exposure, blur and noise, which the model must have to look as if the same camera had filmed it.
 
 Everything is measured at the printed marker, of one frame: white paper around a black square with sharp edges.
 """
@@ -30,7 +30,7 @@ NOISE_WINDOW_PX = 160
 
 @dataclass(frozen=True, slots=True)
 class VideoLook:
-    """What one frame shows."""
+    """Measured in one frame."""
 
     white_rgb: RGB  # linear RGB in the picture of a fully lit, level, perfectly white surface
     blur_sigma_px: float  # of the lens and the processing, beyond the pixel's own area; pixels of the video
@@ -49,7 +49,7 @@ def white_of(tracked: TrackedFrame) -> RGB:
     if len(paper) < AROUND or len(ink) < AROUND:
         return grey
     brightness = paper @ REC709_LUMINANCE
-    # Part of the paper may lie in a shadow.
+    # Some of the paper may lie in a shadow.
     lit = paper[brightness >= np.quantile(brightness, 0.6)]
     if np.median(brightness) < max(MIN_CONTRAST * np.median(ink @ REC709_LUMINANCE), MIN_PAPER):
         return grey
@@ -102,7 +102,7 @@ def edge_blur_px(grey: Image, corners_px: Float) -> float:
         return 0.0
     columns = middles[near, None] + np.arange(-reach, reach + 1)
     step = np.take_along_axis(steps[near], columns, axis=1).mean(axis=0)
-    # Over half a pixel to both sides: what noise is left does not make the steepest slope steeper.
+    # Over half a pixel to both sides, so that noise does not steepen the slope.
     wide = int(0.5 / STEP_PX)
     slope = float((step[2 * wide :] - step[: -2 * wide]).max()) / (2 * wide * STEP_PX)
     variance = 1 / (2 * math.pi * max(slope, 1e-3) ** 2) - 4 * wide**2 * STEP_PX**2 / 12

@@ -7,15 +7,15 @@ from ashe_live.core.quality import QUALITIES, Quality
 
 LADDER = tuple(QUALITIES.values())
 WINDOW_FRAMES = 60
-TOO_SLOW = 0.9  # of the frame's interval: step down before frames are lost
-AMPLE = 0.35  # of the frame's interval: the next preset, at about twice the cost, would still fit
-CALM_WINDOWS = 3  # that many ample windows in a row before a step up
+TOO_SLOW = 0.9  # of the display's interval: step down before frames are dropped
+AMPLE = 0.35  # of the display's interval: the next preset, at about twice the cost, would still fit
+CALM_WINDOWS = 3  # windows in a row below AMPLE before a step up
 
 
 class AutoQuality:
-    """Steps between the presets by the median of the last frames' times; up slowly, down at once.
+    """Chooses a preset by the median time of the last frames: steps up slowly and down at once.
 
-    A step up that had to be taken back is not tried again, so that it does not swing for ever.
+    A step up that had to be taken back is not tried again, so that the quality does not oscillate.
     """
 
     def __init__(self, interval_ms: float, start: Quality) -> None:
@@ -26,7 +26,7 @@ class AutoQuality:
         self._highest = len(LADDER) - 1
 
     def add(self, work_ms: float) -> bool:
-        """Takes in how long a frame's own work took; True when `quality` has changed."""
+        """Adds how long one frame took to track or draw, in milliseconds; returns whether `quality` has changed."""
         self._times_ms.append(work_ms)
         if len(self._times_ms) < WINDOW_FRAMES:
             return False

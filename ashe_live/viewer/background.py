@@ -1,4 +1,4 @@
-"""Work that nobody waits for: done in a thread that does not keep the viewer from ending."""
+"""Work in the background: in a daemon thread, so that it never keeps the viewer from ending."""
 
 from collections.abc import Callable
 from concurrent.futures import Future

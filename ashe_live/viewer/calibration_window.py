@@ -18,7 +18,7 @@ from ashe_live.viewer.picture_window import PictureWindow
 # Okabe and Ito's orange and bluish green.
 CORNER_BGR = (0, 159, 230)
 KEPT_BGR = (115, 158, 0)
-UNSEEN = 0.55  # how bright the cells stay that have not seen the board yet
+UNSEEN = 0.55  # brightness factor of the cells in which the board has not been seen yet
 
 
 class CalibrationWindow:
@@ -28,7 +28,7 @@ class CalibrationWindow:
         self._screen = PictureWindow(f"ashe-live: calibrate {name}", size)
 
     def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
-        """False when the person closes the window or presses Esc."""
+        """Shows one frame; returns False when the window is closed or Esc is pressed."""
         window = self._screen.window
         if min(window.framebuffer_size) > 0:
             hint = (said,) if said else ()

@@ -1,7 +1,7 @@
-"""What the capture thread does: it reads a frame, tracks the marker in it, and hands both over as one value.
+"""The capture thread's own loop: it reads a frame, tracks the marker in it, and hands both over as one value.
 
-The thread that shows the frames asks by one value, a Wish, and hears by one value, a State: neither is ever half
-changed, and no lock is held while anything is read or tracked.
+The main thread asks for everything by one immutable value, a Wish, and reads one immutable value, the State. So neither
+is ever seen half changed, and no lock is held while a frame is read or tracked.
 """
 
 import time
@@ -18,7 +18,7 @@ from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.pace import Pace
 
 RECONNECT_EVERY_S = 0.5
-# Nobody waits without a timeout; a wish or the end is heard at once all the same.
+# No wait is without a timeout; a new wish, or the end, interrupts it at once.
 LONGEST_WAIT_S = 1.0
 
 
@@ -35,15 +35,15 @@ FIRST_FRAME = Place(0.0, 0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Jump:
-    """Where to go on from; known by its identity, as the same place may be asked for twice."""
+    """A request to continue elsewhere. Compared by identity, because the same place may be asked for twice."""
 
     place: Place
-    rewinds: bool = False  # to the first frame, and nothing that was tracked before counts
+    rewinds: bool = False  # to the first frame, with the tracker reset
 
 
 @dataclass(frozen=True, slots=True)
 class Wish:
-    """All that is asked of the capture thread; a new wish replaces the one before, obeyed or not."""
+    """Everything that is asked of the capture thread. A new wish replaces the one before, obeyed or not."""
 
     loop: bool
     paused: bool = False
@@ -54,18 +54,18 @@ class Wish:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """Where the capture thread is. It alone replaces it."""
+    """Where the capture thread is; only that thread replaces it."""
 
-    shown: Place = FIRST_FRAME  # handed over last
-    at: Place = FIRST_FRAME  # the same, or what is on its way
+    shown: Place = FIRST_FRAME  # the last frame that was handed over
+    at: Place = FIRST_FRAME  # the same, or the frame that a jump leads to
     obeyed: Jump | None = None  # the latest jump that has begun
-    has_ended: bool = False  # stands at a clip's end
+    has_ended: bool = False  # a clip has been played to its end
     status: str | None = None  # what a person should know of the source
-    asked_s: float | None = None  # monotonic clock, since when the source has been asked for a frame; None: it is not
+    asked_s: float | None = None  # when the read that is under way began, monotonic clock; None: none is under way
 
 
 class CaptureLoop:
-    """Belongs to the capture thread but for `state`, which any thread may read."""
+    """Used by the capture thread only, except for `state`, which any thread may read."""
 
     def __init__(
         self,
@@ -84,7 +84,7 @@ class CaptureLoop:
         self._frames = frames
         self._period_s = 1 / (source.fps or 30.0)
         self._pace = Pace()
-        self._flaw: str | None = None  # of a clip that goes round: what its end has told
+        self._flaw: str | None = None  # of a looped clip: the note that its source had at the end
         self._left_out: Frame | None = None  # the last frame, if it came too late
 
     def run(self) -> None:
@@ -100,7 +100,7 @@ class CaptureLoop:
             self._source.close()
 
     def step(self) -> None:
-        """One frame, or whatever comes in its place. Raises Closed at the end."""
+        """Reads one frame and hands it over when it is due, or handles the source's end or loss. Raises Closed."""
         self._take_wish(0.0)
         if self._wish.paused:
             self._wait(lambda: not self._wish.paused)
@@ -121,7 +121,7 @@ class CaptureLoop:
 
     @property
     def _is_sent(self) -> bool:
-        """Whether a jump is wanted that has not begun."""
+        """Whether there is a jump that has not begun."""
         return self._wish.jump is not self.state.obeyed
 
     def _publish(self, **changes: Any) -> None:
@@ -137,7 +137,7 @@ class CaptureLoop:
             self._tracker.preset = wish.tracking
 
     def _wait(self, until: Callable[[], bool], timeout_s: float | None = None) -> None:
-        """Until that holds, a jump is wanted or the time is over. Raises Closed at the end."""
+        """Waits until the condition holds, there is a jump, or the time is over. Raises Closed when asked to end."""
         end_s = None if timeout_s is None else time.monotonic() + timeout_s
         while not (self._is_sent or until()):
             left_s = LONGEST_WAIT_S if end_s is None else end_s - time.monotonic()
@@ -159,7 +159,7 @@ class CaptureLoop:
             self._rewind()
             self._pace.go_round(self._period_s)
             return
-        if self._left_out is not None:  # it stays on screen, so it counts
+        if self._left_out is not None:  # it stays on the screen, so it must be shown
             self._hand_over(self._left_out)
             self._left_out = None
         if not self._source.is_photo:
@@ -179,7 +179,8 @@ class CaptureLoop:
         except SourceLost as lost:
             self._publish(asked_s=None, status=f"{lost.message}: waiting for it to come back")
             while not self._source.reopen():
-                self._publish(obeyed=self._wish.jump)  # a camera has no start, and the wait must not end for it at once
+                # A camera cannot jump, and a pending jump would end the wait at once.
+                self._publish(obeyed=self._wish.jump)
                 self._wait(lambda: False, RECONNECT_EVERY_S)
             self._tracker.reset()
             return None
@@ -194,7 +195,7 @@ class CaptureLoop:
         return due.is_shown
 
     def _go_where_sent(self) -> None:
-        """The next frame in a row is tracked from the one before; anything else is a cut."""
+        """Carries out a pending jump. Only the very next frame is tracked from the last one; any other is a cut."""
         jump, before = self._wish.jump, self.state.at
         if jump is None or not self._is_sent:
             return

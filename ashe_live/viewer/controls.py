@@ -1,4 +1,4 @@
-"""The one table of keys and of what the mouse does: what the window obeys and what the help shows."""
+"""The table of all key and mouse bindings, from which the window acts and the help is written."""
 
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -43,7 +43,7 @@ class Drag:
         float, float
     ]  # from the left and top edges; of the framebuffer, and for whom it moves, of the video
     now_px: tuple[float, float]
-    is_first: bool  # of the moves since the button went down
+    is_first: bool  # this is the first move since the button went down
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Who gets the processor's cores."""
+"""Keeps OpenCV's thread pool from competing with the renderer for the processor's cores."""
 
 import cv2
 

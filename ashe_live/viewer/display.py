@@ -13,7 +13,8 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
 from ashe_live.viewer.time_bar import Moment, TimeBar, bar_at
 
-# Numbers that change with every frame stay that long: to be read, and as drawing text takes as long as tracking.
+# Numbers that change with every frame are updated this often: to be legible, and because drawing text takes as long as
+# tracking does.
 READINGS_SHOWN_FOR_S = 0.5
 
 
@@ -29,7 +30,7 @@ def bare_scene(session: Session) -> Scene:
 
 
 class Display:
-    """Keeps what has not changed, so that it is neither drawn nor uploaded again."""
+    """Composes scenes, and caches what has not changed, so that it is neither drawn nor uploaded again."""
 
     def __init__(self) -> None:
         self._hud = Hud()
@@ -62,7 +63,7 @@ class Display:
         bar: tuple[Overlay, ...] = ()
         if moment is not None and session.show_hud:
             bar = self._time_bar.overlays(moment, size, content_scale)
-            size = size[0], max(1, size[1] - bar_at(size, content_scale).height)  # what else there is stands above it
+            size = size[0], max(1, size[1] - bar_at(size, content_scale).height)  # everything else stands above it
         masks = self._masks(session, size)
         free_width = min((mask.left_px for mask in masks), default=size[0])
         overlays = (*masks, *self._hud.overlays(text, size, content_scale, free_width), *bar)
@@ -71,7 +72,7 @@ class Display:
     def _steady_readings(
         self, fps: float | None, tracked: TrackedFrame | None, now_s: float
     ) -> tuple[float | None, TrackedFrame | None]:
-        """The rate and the tracked frame to show the numbers of; a marker lost or found is shown at once."""
+        """The frame rate and the tracked frame whose numbers are shown; a marker lost or found is shown at once."""
         fps_read, marker_read = self._readings
         is_current = 0 <= now_s - self._read_s < READINGS_SHOWN_FOR_S and (fps_read is None) == (fps is None)
         if not is_current or _has_marker(marker_read) != _has_marker(tracked):

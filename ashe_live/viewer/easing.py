@@ -1,4 +1,4 @@
-"""Lets the virtual light move over to a new illumination as real light would, instead of jumping."""
+"""Interpolates between illuminations, so that a new estimate does not make the virtual light jump."""
 
 import math
 from collections.abc import Iterator
@@ -12,19 +12,19 @@ from ashe_live.core.types import DirectionalLight, Illumination
 from ashe_live.render.lighting import ASSUMED_SHADOW_RATIO
 
 EASED_OVER_S = 0.3
-# A light that is farther from all others than this does not swing there: one goes out while the other comes up.
+# A light farther than this from every former one does not move there: the old one fades out and the new one in.
 SAME_LIGHT_COSINE = math.cos(math.radians(60))
 
 
 class LightEasing:
-    """Between what was shown when the illumination changed, and what it has changed to."""
+    """Interpolates from what was shown when the target changed to the new target."""
 
     def __init__(self) -> None:
         self._target = self._shown = self._from = Illumination()
         self._begun_s = -math.inf
 
     def at(self, target: Illumination, now_s: float) -> Illumination:
-        """What to show now; `target` itself once it is reached, so that nothing is drawn anew from then on."""
+        """What to show at `now_s`; once it is reached `target` itself, so that the renderer sees no more changes."""
         if target is not self._target:
             self._target, self._from, self._begun_s = target, self._shown, now_s
         share = (now_s - self._begun_s) / EASED_OVER_S
@@ -39,7 +39,7 @@ class LightEasing:
 
 
 def _between(start: Illumination, end: Illumination, share: float) -> Illumination:
-    """`start` at share 0, `end` at 1; slow at both ends."""
+    """`start` at share 0, `end` at share 1, by a smoothstep."""
     eased = share * share * (3 - 2 * share)
     lights = tuple(_lights_between(start.lights, end.lights, eased))
     ambient_of_start, ambient_of_end = _ambient(start), _ambient(end)
@@ -50,7 +50,7 @@ def _between(start: Illumination, end: Illumination, share: float) -> Illuminati
 
 
 def _ambient(illumination: Illumination) -> Float | None:
-    """(3,) without lights the sky gives all; None where it was not measured."""
+    """(3,) ambient ratio: 1 without lights, as the sky then gives all light; None where it was not measured."""
     return illumination.ambient_rgb_ratio if illumination.lights else np.ones(3)
 
 
@@ -72,7 +72,7 @@ def _lights_between(
 
 
 def _dimmed(light: DirectionalLight, share: float) -> DirectionalLight:
-    """With that share of its strength."""
+    """The light at `share` of its strength."""
     return replace(light, shadow_rgb_ratio=1 - share * (1 - _ratio(light)))
 
 

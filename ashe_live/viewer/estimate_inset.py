@@ -1,4 +1,4 @@
-"""What the estimator saw and found, small and bottom right: the frozen frame with masks and body, the light rose."""
+"""An estimate, shown at the bottom right: the frozen frame with masks and fitted body, and the light rose."""
 
 import cv2
 import numpy as np
@@ -14,7 +14,7 @@ from ashe_live.render.scene import Overlay
 
 WIDTH = 0.32  # of the window's
 MARGIN_PX = 8
-# Else a picture of the video on the video cannot be told from it.
+# Sets the inset apart from the video around it.
 BORDER_PX = 2
 BORDER_BGR = (242, 246, 246)
 ROSE_HEIGHT = 0.8  # of the frozen frame's

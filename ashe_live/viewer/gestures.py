@@ -1,16 +1,16 @@
-"""Makes requests of what the mouse does: drags, double clicks, the wheel."""
+"""Recognises drags, double clicks and turns of the wheel, and turns them into requests."""
 
 import math
 
 from ashe_live.viewer.controls import COMMAND_BY_GESTURE, Drag, Gesture, MouseAction, MouseEvent, Request
 
 DOUBLE_CLICK_S = 0.35
-# A hand that clicks moves the mouse a little: so far it is no drag.
+# A click may move the mouse by this much before it counts as a drag.
 CLICK_SLACK_PX = 4.0
 
 
 class Gestures:
-    """Takes the mouse's events in their order."""
+    """A recogniser, fed with the mouse's events in order."""
 
     def __init__(self, content_scale: float = 1.0) -> None:
         self._slack_px = CLICK_SLACK_PX * content_scale
@@ -19,7 +19,7 @@ class Gestures:
         self._clicked: tuple[MouseEvent, float] | None = None
 
     def add(self, event: MouseEvent, now_s: float) -> Request | None:
-        """What is asked for by `event` and those before; a drag begins where the button was pressed."""
+        """The request that `event` completes, if any; a drag begins where the button was pressed."""
         match event.action:
             case MouseAction.PRESSED:
                 return self._press(event, now_s)

@@ -1,4 +1,4 @@
-"""The window on the screen: GLFW's, with an OpenGL 3.3 core context, which gives requests instead of key events."""
+"""The window on the screen, by GLFW, with an OpenGL 3.3 core context; it turns key events into requests."""
 
 from dataclasses import replace
 from types import TracebackType
@@ -25,7 +25,7 @@ from ashe_live.viewer.controls import (
 from ashe_live.viewer.window import Presentable
 
 BOUND_NAMES = {key.rpartition("+")[2] for key in REQUEST_BY_KEY}
-# What has no such number stands on a key in some layouts only, and is known by that.
+# Names without a GLFW key code are printed on a key in some layouts only, and are recognised by the label.
 NAME_BY_GLFW_KEY = {getattr(glfw, f"KEY_{name}"): name for name in BOUND_NAMES if hasattr(glfw, f"KEY_{name}")}
 # Cmd as well, as macOS keeps some of Ctrl's keys to itself.
 MODIFIERS = (glfw.MOD_CONTROL | glfw.MOD_SUPER, glfw.MOD_ALT, glfw.MOD_SHIFT)
@@ -36,7 +36,7 @@ class GlfwWindow:
 
     def __init__(self, title: str, size: Size) -> None:
         """Raises UserError when there is no display or no OpenGL 3.3."""
-        # Errors come back as return values here; as warnings they would say the same once more.
+        # Errors are read from return values; as warnings they would be printed a second time.
         glfw.ERROR_REPORTING = "ignore"
         if not glfw.init():
             raise UserError(f"cannot open a window ({_last_error()})", "start it on a screen, or with --headless")
@@ -73,7 +73,7 @@ class GlfwWindow:
 
     @property
     def framebuffer_size(self) -> Size:
-        """On a dense screen more than the window's own units."""
+        """In pixels, of which a high-density screen has several for each of the window's own units."""
         width, height = glfw.get_framebuffer_size(self._window)
         return int(width), int(height)
 
@@ -164,7 +164,7 @@ class GlfwWindow:
             self._mouse.append(self._mouse_event(kind))
 
     def _on_scroll(self, _window: object, x: float, y: float) -> None:
-        # GLFW says no modifiers here; and with Shift macOS scrolls sideways.
+        # GLFW reports no modifiers here; and with Shift macOS scrolls sideways.
         keys = (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
         self._shift = any(glfw.get_key(self._window, key) == glfw.PRESS for key in keys)
         event = self._mouse_event(MouseAction.SCROLLED)
@@ -174,7 +174,7 @@ class GlfwWindow:
         self._requests.append(Request(COMMAND_BY_GESTURE[Gesture.DROP], Files(tuple(paths))))
 
     def _mouse_event(self, action: MouseAction) -> MouseEvent:
-        """Where the mouse was then: what GLFW tells when it is asked is where it is now."""
+        """With the position of the last move event: GLFW, when asked, reports where the pointer is now."""
         x, y = self._cursor
         (width, height), (width_px, height_px) = glfw.get_window_size(self._window), self.framebuffer_size
         return MouseEvent(action, x * width_px / max(1, width), y * height_px / max(1, height), self._shift)

@@ -1,4 +1,4 @@
-"""The light and the model as a person sets them, in place of what was estimated."""
+"""Light and model set by hand, in place of the estimate."""
 
 import math
 from dataclasses import dataclass, replace
@@ -12,14 +12,14 @@ from ashe_live.models.placement import UNMOVED, PlacedModel
 from ashe_live.viewer.controls import Command, Drag, Request
 from ashe_live.viewer.pointing import Pixel, ground_at, picture_axes, pixel_of
 
-# What a key's press or a notch of the wheel does.
+# Of one key press, or one notch of the wheel.
 LIGHT_STEP_RAD = math.radians(2)
 TURN_STEP_RAD = math.radians(5)
 SCALE_STEP = 1.1
 MOVE_STEP_SIDES = 0.05
-# As far as it goes; keys stop before the zenith, where the azimuth would be lost.
+# Limits of the elevation: keys stop before the zenith, where the azimuth would be undefined.
 LOWEST_RAD, HIGHEST_RAD = math.radians(5), math.radians(89)
-SMALLEST, LARGEST = 0.1, 5.0  # larger, and a camera at arm's length is inside
+SMALLEST, LARGEST = 0.1, 5.0  # if it were larger, a camera at arm's length would be inside the model
 MOST_NOTCHES = 20.0
 FARTHEST_SIDES = 50.0
 # Where nothing was estimated, the light comes from the left in the picture.
@@ -30,7 +30,7 @@ NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 
 @dataclass(frozen=True, slots=True)
 class HandContext:
-    """What a person sees, and by what it is lit and stood on."""
+    """What a request by hand refers to: the frame that is shown, the estimated light and the model."""
 
     tracked: TrackedFrame | None
     illumination: Illumination  # as estimated
@@ -38,20 +38,20 @@ class HandContext:
 
 
 class Hand:
-    """`light` is None while the estimate holds."""
+    """The state that drags and keys change; `light` is None while the estimate is in force."""
 
     def __init__(self) -> None:
         self.light: Illumination | None = None
         self.frame_index = 0  # of the frame in which `light` was set last
         self.placement = UNMOVED
-        self._shadow_end_px: Pixel = (0.0, 0.0)  # when the drag of the light began; of the video
-        self._held: tuple[Float, Float] | None = None  # the plane's point that a drag took hold of, and the shift then
+        self._shadow_end_px: Pixel = (0.0, 0.0)  # in the video, when the drag of the light began
+        self._held: tuple[Float, Float] | None = None  # the plane's point that a drag grabbed, and the shift then
 
     def reset(self) -> None:
         self.light, self.placement, self._held = None, UNMOVED, None
 
     def obey(self, request: Request, context: HandContext) -> str | None:
-        """Does what the request asks of light or model; what stands against it is said."""
+        """Changes light or model as the request asks; returns a message when that is not possible."""
         match request:
             case Request(Command.SCALE_MODEL, int() | float() as notches):
                 return self._scale(notches)
@@ -103,7 +103,7 @@ class Hand:
         self._set_light(tracked, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
 
     def _drag_light(self, tracked: TrackedFrame, context: HandContext, drag: Drag) -> None:
-        """The end of the model's shadow goes with the mouse; one that the picture does not show comes to it first."""
+        """The end of the model's shadow follows the mouse; if it is outside the picture it jumps to the mouse first."""
         assert tracked.marker is not None
         base = self._light_to_move(tracked, context)
         foot = np.array(self.placement.shift_m)
@@ -123,7 +123,7 @@ class Hand:
         self._set_light(tracked, base, np.array((*slope, 1.0)))
 
     def _light_to_move(self, tracked: TrackedFrame, context: HandContext) -> Illumination:
-        """As it was set last, else as estimated, else a first one."""
+        """The illumination as it was set last, else as estimated, else a default."""
         if self.light is not None:
             return self.light
         if context.illumination.lights:
@@ -133,7 +133,7 @@ class Hand:
         return Illumination((DirectionalLight(first),), seen_in=context.illumination.seen_in)
 
     def _set_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
-        """Of several lights the strongest; measured colours stay, what was known of the direction does not."""
+        """Turns the strongest light of `base`; measured colours are kept, the uncertainty of the direction is not."""
         moved, *others = base.lights
         light = DirectionalLight(
             to_light, angular_size_rad=moved.angular_size_rad, shadow_rgb_ratio=moved.shadow_rgb_ratio
@@ -142,6 +142,6 @@ class Hand:
 
 
 def _brought(drag: Drag, pixel: Pixel) -> Pixel:
-    """Where a drag has brought what was at `pixel` when it began."""
+    """`pixel`, moved by as much as the mouse since the drag began."""
     (x0, y0), (x, y) = drag.begin_px, drag.now_px
     return pixel[0] + x - x0, pixel[1] + y - y0

@@ -1,4 +1,4 @@
-"""Playback without a window: every frame, and every requested estimate waited for, so that it is reproducible."""
+"""Playback without a window: all frames in order, waiting for every requested estimate, so that it is reproducible."""
 
 import time
 from collections.abc import Callable
@@ -19,7 +19,7 @@ LONGEST_ESTIMATE_S = 300.0
 
 @dataclass(frozen=True, slots=True)
 class HeadlessRun:
-    """How far, and what becomes of the pictures."""
+    """What a run shows, how long it is, and who gets the pictures."""
 
     scene: Callable[[Session], Scene]  # what of the session is shown
     frame_limit: int | None = None

@@ -1,4 +1,4 @@
-"""What is kept of what is shown, without text and at the video's own size: snapshots and a recording."""
+"""Snapshots and recordings: what is shown, without text and at the video's own size."""
 
 import json
 from collections.abc import Callable
@@ -19,12 +19,12 @@ from ashe_live.viewer.session import Session
 
 
 class Keeper:
-    """Draws only what is asked for."""
+    """Takes snapshots and recordings; it renders nothing while neither is asked for."""
 
     def __init__(
         self, shown: SceneRenderer, session: Session, tell: Callable[[str, float], None], recording: Recording | None
     ) -> None:
-        """`shown` draws for the window; `tell` says a line at a time in seconds; `recording` has begun already."""
+        """`shown` is the window's renderer, `tell` shows a line at a time in seconds, `recording` has begun already."""
         self._shown = shown
         self._session = session
         self._tell = tell
@@ -36,7 +36,7 @@ class Keeper:
         return self._recording is not None
 
     def snapshot(self, preset: RenderPreset, now_s: float) -> None:
-        """With the estimate in it, into the current folder. There is nothing to keep before the first frame."""
+        """Writes a PNG that carries the estimate into the current folder; does nothing before the first frame."""
         session = self._session
         if session.tracked is None:
             return
@@ -53,7 +53,7 @@ class Keeper:
             self._tell(str(error), now_s)
 
     def record(self, fps: float, now_s: float) -> None:
-        """Begins a recording in the current folder, or ends the one that there is."""
+        """Begins a recording in the current folder, or ends the one under way."""
         if self._recording is not None:
             self.finish(now_s)
             return
@@ -67,10 +67,10 @@ class Keeper:
             self._tell(str(error), now_s)
 
     def take(self, preset: RenderPreset, is_new: bool, now_s: float) -> None:
-        """Records what is shown; `is_new`: with a frame of the source that was not shown before."""
+        """Adds what is shown to the recording. `is_new`: it has a frame of the source that was not shown before."""
         if self._recording is None or self._session.tracked is None:
             return
-        # A clip has one size: with another source the recording is over.
+        # All frames of a clip have one size, so another source ends the recording.
         if self._recording.size == drawn_size(self._session.tracked.frame.size):
             self._recording.take(lambda: self._picture(preset), is_new, now_s)
             if self._recording.failure is None:
@@ -92,7 +92,7 @@ class Keeper:
         if self._renderer.size != size:
             self._renderer.resize(size)
         self._renderer.preset = preset
-        # A snapshot shows what is chosen; a recording must not stall the window.
+        # A snapshot must show the model that was chosen; a recording must not stall the window.
         self._renderer.switches_at_once = self._recording is None
         self._renderer.render(bare_scene(self._session))
         return self._renderer.read_bgr()

@@ -1,4 +1,4 @@
-"""The loop on the main thread: keys in, the latest tracked frame in, a picture out at the display's own rate."""
+"""The main thread's loop: takes keys and the latest tracked frame, and draws a picture at the display's own rate."""
 
 import time
 from collections import deque
@@ -31,7 +31,7 @@ FPS_OVER_FRAMES = 30
 
 
 class LiveViewer:
-    """Everything that needs the window: drawing, recording, and the requests that the session cannot obey alone."""
+    """Everything that needs the window: drawing, recording, and the requests that the session does not handle."""
 
     def __init__(
         self,
@@ -69,7 +69,7 @@ class LiveViewer:
         }
 
     def run(self, frame_limit: int | None = None, end_if_asked: Callable[[], None] = lambda: None) -> None:
-        """Until the window is closed, Esc, or `frame_limit` frames of the source; finishes a recording always.
+        """Runs until the window is closed, Esc, or `frame_limit` frames of the source; always finishes a recording.
 
         `end_if_asked`: called before each picture; what it raises ends the viewer.
         """
@@ -101,13 +101,13 @@ class LiveViewer:
             self._pipeline.close()
 
     def _idle_until(self, due_s: float) -> None:
-        """A display without vertical sync (and a virtual one) would otherwise be drawn as fast as it goes."""
+        """Waits for the next picture: without vertical sync, as on a virtual display, `swap` does not."""
         while (left_s := due_s - time.monotonic()) > 0 and not self._window.is_closing:
             for request in self._window.take_requests(left_s):
                 self._obey(request, time.monotonic())
 
     def _take_frame(self, now_s: float) -> bool:
-        """True when there is a new frame; a source that fails in mid-run keeps its last picture."""
+        """Returns whether there is a new frame; when the source fails later on, its last picture stays."""
         if self._source_error is not None:
             return False
         try:
@@ -127,7 +127,7 @@ class LiveViewer:
 
     def _draw(self, now_s: float) -> None:
         fusion = self._session.fusion
-        # One line a light, not one an estimate that agrees with those before.
+        # An estimate that agrees with those before it is not printed again.
         if self._session.poll(now_s) is not None and (fusion is None or fusion.is_new):
             say(light_line(self._session))
         size = self._window.framebuffer_size
@@ -154,7 +154,7 @@ class LiveViewer:
         """Tracking and drawing run side by side, so the slower one counts."""
         if self._auto is None:
             return
-        # What is only queued has not cost anything yet.
+        # Commands that are only queued have cost nothing yet.
         self._renderer.finish()
         draw_ms = (time.monotonic() - begun_s) * 1e3
         detect_ms = self._session.tracked.detect_ms if self._session.tracked is not None else 0.0
@@ -189,7 +189,7 @@ class LiveViewer:
             self._session.say(f"opening {Path(source).name}", now_s)
 
     def _take_opened(self, now_s: float) -> bool:
-        """True when another source is shown from now on; a recording ends with the one before."""
+        """Switches to a source that was opened; returns whether there was one. A recording ends with the old one."""
         try:
             opened = None if self._opening is None else self._opening.take()
         except UserError as error:
@@ -217,7 +217,7 @@ class LiveViewer:
         self._quality_name = name
         start = QUALITIES.get(name, QUALITIES["balanced"])
         self._auto = AutoQuality(self._interval_s * 1e3, start) if name == AUTO else None
-        # The light has a process of its own: it need not step down when drawing does.
+        # The estimator has a process of its own: its preset need not step down when the renderer's does.
         self._session.light_preset = start.name
         self._apply(start)
 
@@ -228,6 +228,6 @@ class LiveViewer:
         self._quality_shown = quality.name if self._auto is None else f"{AUTO} ({quality.name})"
 
     def _tell(self, text: str, now_s: float) -> None:
-        """On the screen and, to be found when it has gone from there, in the terminal."""
+        """Shows a line in the window for a while, and prints it for good."""
         self._session.say(text, now_s)
         say(text)

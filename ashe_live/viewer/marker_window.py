@@ -1,4 +1,4 @@
-"""The window of `ashe-live marker --show`: the marker on a screen, for those who have no printer at hand."""
+"""The window of `ashe-live marker --show`: the marker on a screen, where there is no printer."""
 
 import cv2
 import numpy as np

@@ -1,4 +1,4 @@
-"""A file that was dropped on the window, opened off the main thread: what cannot be shown changes nothing."""
+"""Opens a dropped file off the main thread; a file that cannot be shown changes nothing."""
 
 import mimetypes
 from collections.abc import Callable, Sequence
@@ -13,7 +13,7 @@ from ashe_live.models.loading import SUFFIXES
 from ashe_live.viewer.background import begun
 from ashe_live.viewer.pipeline import Pipeline
 
-# Of a disk that must wake up, or of a network's; what takes longer is given up.
+# Allows for a disk that must spin up, or a network.
 LONGEST_S = 20.0
 
 
@@ -31,7 +31,7 @@ Opener = Callable[[Path], Pipeline]
 
 
 class Opening:
-    """Of several files that are dropped one after the other, the last counts. Used by the main thread only."""
+    """Opens one file at a time: a later one replaces an earlier one. Used by the main thread only."""
 
     def __init__(self, opener: Opener) -> None:
         self._opener = opener
@@ -46,14 +46,14 @@ class Opening:
         )
 
     def take(self) -> Opened | None:
-        """What has been opened, once. Raises UserError, once, when it cannot be."""
+        """The file that has been opened, once, else None. Raises UserError, once, when it cannot be opened."""
         if self._coming is None or not self._coming.done():
             return None
         coming, self._coming = self._coming, None
         return coming.result()
 
     def close(self) -> None:
-        """What is on its way is not wanted any more."""
+        """Abandons the file that is being opened."""
         if self._coming is not None:
             self._coming.add_done_callback(_close_pipeline)
             self._coming = None
@@ -76,7 +76,7 @@ def _close_pipeline(coming: "Future[Opened]") -> None:
 
 
 def paths_in(text: str) -> tuple[str, ...]:
-    """The files that a copied text names, a line each: as file managers and shells write paths."""
+    """The files named in copied text, one a line, as file managers and shells write paths."""
     lines = (line.strip().strip("\"'") for line in text.splitlines())
     return tuple(_path_of_uri(line) if line.startswith("file://") else line for line in lines if line)
 

@@ -1,4 +1,4 @@
-"""The capture thread as the thread that shows its frames sees it: what can be asked of it, and what it says."""
+"""The capture thread as the main thread sees it: what can be asked of it, and what it reports."""
 
 import threading
 import time
@@ -39,7 +39,7 @@ class Pipeline:
 
     @property
     def is_clip(self) -> bool:
-        """Whether one can go to and fro in it."""
+        """Whether it can be sought in."""
         return isinstance(self._source, Seekable)
 
     @property
@@ -48,22 +48,22 @@ class Pipeline:
 
     @property
     def duration_s(self) -> float | None:
-        """Of a clip from its first frame to its last, where it is known."""
+        """From a clip's first frame to its last; None where that is not known, and for anything but a clip."""
         return self._source.duration_s if isinstance(self._source, Seekable) else None
 
     @property
     def status(self) -> str | None:
-        """What a person should know of the source."""
+        """A message about the source: the end of the clip, a lost camera, a damaged file; None when there is none."""
         return self._capture.state.status
 
     @property
     def has_ended(self) -> bool:
-        """Whether a clip stands at its end."""
+        """Whether a clip has been played to its end."""
         return self._capture.state.has_ended
 
     @property
     def stall(self) -> str | None:
-        """What to say of a source that neither gives a frame nor fails: a network that hangs, a driver."""
+        """A message when a read has hung for long, in a driver or a network; else None."""
         asked_s = self._capture.state.asked_s
         if asked_s is None or time.monotonic() - asked_s < STALLED_AFTER_S:
             return None
@@ -76,29 +76,29 @@ class Pipeline:
         self._ask(paused=paused)
 
     def restart(self) -> None:
-        """From the first frame; also at the end of the clip, and while paused (which it stays)."""
+        """Plays from the first frame, also from the clip's end; while paused it shows that frame and stays paused."""
         self._ask(jump=Jump(FIRST_FRAME, rewinds=True))
 
     def play(self, speed: float, loop: bool) -> None:
-        """From now on at `speed` times a clip's own pace, and again and again or once."""
+        """Plays at `speed` times the clip's own rate, in a loop or once."""
         self._ask(speed=speed, loop=loop)
 
     def track_with(self, preset: TrackingPreset) -> None:
-        """From the next frame on."""
+        """Has the tracker use `preset` from the next frame on."""
         self._ask(tracking=preset)
 
     def seek(self, time_s: float) -> None:
-        """Goes on from what a clip shows then; while paused it shows that frame."""
+        """Continues from what a clip shows at `time_s`; while paused it shows that frame. For clips only."""
         if self.is_clip:
             last_s = self.duration_s
             self._ask(jump=Jump(Place(max(0.0, time_s if last_s is None else min(time_s, last_s)))))
 
     def seek_by(self, seconds: float) -> None:
-        """From where it is, or will be once it has gone where it was sent last."""
+        """Seeks by an amount of time, counted from a jump that is pending if there is one."""
         self.seek(self._bound_for.time_s + seconds)
 
     def step(self, frames: int) -> None:
-        """Pauses at the frame that comes so many after the one that is shown, or before it; at the ends it stays."""
+        """Pauses `frames` after the frame that is shown (before it if negative), and not beyond the clip's ends."""
         if not self.is_clip:
             return
         place, jump = self._bound_for, self._wish.jump
@@ -115,11 +115,11 @@ class Pipeline:
 
     @property
     def _bound_for(self) -> Place:
-        """Where it is, or where it was sent last if it has not gone there yet."""
+        """Where a pending jump leads, else where the capture thread is."""
         state, jump = self._capture.state, self._wish.jump
         return state.at if jump is None or jump is state.obeyed else jump.place
 
     def _ask(self, **changes: Any) -> None:
         self._wish = replace(self._wish, **changes)
-        if not self._wishes.is_closed:  # the thread itself never closes it
+        if not self._wishes.is_closed:  # only `close` closes it, in this thread
             self._wishes.put(self._wish)

@@ -1,4 +1,4 @@
-"""How a clip is gone through by keys and on the time bar; and why photos and cameras are not."""
+"""Playback controls by keys and on the time bar: pause, step, seek, speed and loop; clips only."""
 
 import math
 
@@ -10,14 +10,14 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.time_bar import Moment, bar_at
 
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0)
-# The bar stays so long after the pointer has moved near it, and after a key has gone through the clip.
+# How long the bar stays after the pointer has moved near it, or a key has sought or stepped.
 BAR_SHOWN_S = 2.0
 A_PHOTO = "a photo is one moment: keys that go through time are for clips"
 A_CAMERA = "a camera shows what is there now: keys that go through time are for clips (V records one)"
 
 
 class Playback:
-    """Pause, place, speed and loop of what is played. Used by the main thread only."""
+    """Passes playback requests on to the pipeline. Used by the main thread only."""
 
     def __init__(self, pipeline: Pipeline, session: Session, loop: bool = False) -> None:
         self._pipeline = pipeline
@@ -29,7 +29,7 @@ class Playback:
         self._bar_until_s = -math.inf
 
     def handle(self, request: Request, now_s: float) -> bool:
-        """Obeys a request about time; False for any other."""
+        """Handles a playback request; returns False for any other."""
         match request.command:
             case Command.PAUSE if not self._pipeline.is_photo:
                 self._pause(now_s)
@@ -57,7 +57,7 @@ class Playback:
         return True
 
     def take_mouse(self, event: MouseEvent, size: Size, content_scale: float, now_s: float) -> bool:
-        """Shows the bar near the pointer and goes where it is dragged to; False when the event is not the bar's."""
+        """Shows the bar when the pointer is near, and seeks where it is dragged; False for events beside the bar."""
         duration_s = self._pipeline.duration_s
         if duration_s is None or not self._session.show_hud:
             return False
@@ -95,7 +95,7 @@ class Playback:
 
     @property
     def pace_shown(self) -> str:
-        """Empty at a clip's own pace."""
+        """ "paused" or the speed; empty at a clip's own rate."""
         if self._paused:
             return "paused"
         return "" if self._speed == 1 else f"{self._speed:g}x"

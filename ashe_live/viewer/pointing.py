@@ -1,4 +1,4 @@
-"""Where on the table somebody points in the picture."""
+"""Converts between places in the window, pixels of the video and points of the marker plane."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def source_pixel(at_px: Pixel, framebuffer: Size, video: Size) -> Pixel:
 
 
 def in_video(request: Request, framebuffer: Size, shown: TrackedFrame | None) -> Request:
-    """The same, with a drag in the framebuffer as one in the video that is fitted into it."""
+    """`request` with a drag in the framebuffer converted to one in the video that is fitted into it."""
     drag = request.argument
     if not isinstance(drag, Drag) or shown is None or min(framebuffer) < 1:
         return request

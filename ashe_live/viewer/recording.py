@@ -1,4 +1,4 @@
-"""A recording in the making: which pictures it takes, and at which times, so that it has the source's own rate."""
+"""A recording under way: which pictures it takes and at which times, so that it has the source's own frame rate."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +10,7 @@ from ashe_live.errors import UserError
 
 
 class Slots:
-    """The places on a clip's grid of even times.
+    """Assigns pictures to the evenly spaced frame times of a clip.
 
     A display shows each of the source's pictures up to one interval late; a picture takes the next slot all the same,
     unless that is a whole period off.
@@ -22,7 +22,7 @@ class Slots:
         self._last = -1
 
     def time_s(self, now_s: float, is_new: bool) -> float | None:
-        """Since the first picture; None for a picture too many.
+        """The frame time of a picture at `now_s`, since the first one; None for a picture that is not needed.
 
         Without a new picture from the source (paused, a photo) the last one is taken again when a slot is overdue.
         """
@@ -47,7 +47,7 @@ class Recording:
         self._slots = Slots(fps)
 
     def take(self, picture: Callable[[], Image], is_new: bool, now_s: float) -> None:
-        """`picture` is asked only for a picture that is wanted, (h, w, 3) uint8 BGR."""
+        """Adds a picture if one is due; only then is `picture` called, for (h, w, 3) uint8 BGR."""
         time_s = None if self.failure is not None else self._slots.time_s(now_s, is_new)
         if time_s is None:
             return

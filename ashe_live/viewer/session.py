@@ -1,4 +1,4 @@
-"""What the viewer knows and shows, without a window: the same for the screen, a video file and the tests."""
+"""The viewer's state without its window: the same on the screen, for a video file and in the tests."""
 
 import math
 from dataclasses import dataclass
@@ -17,14 +17,14 @@ from ashe_live.viewer.hand import Hand, HandContext
 from ashe_live.viewer.shelf import Shelf
 
 NOTICE_S = 4.0
-# Between two automatic requests: while the answer still changes, and once more of the same would not change it.
+# Between two automatic estimates: while the fused answer still changes, and once it has settled.
 AUTO_EVERY_S = 0.4
 AUTO_SETTLED_EVERY_S = 1.5
 
 
 @dataclass(frozen=True, slots=True)
 class EstimatePolicy:
-    """When the light is estimated without being asked."""
+    """When the light is estimated without a request."""
 
     on_first_steady: bool = False
     at_frame: int | None = None
@@ -37,7 +37,7 @@ class EstimatePolicy:
 
 
 class Session:
-    """Takes tracked frames and requests in; keeps the light, the model and the overlays that follow from them."""
+    """Takes tracked frames and requests; holds the light, the model and what is shown of them."""
 
     def __init__(
         self,
@@ -78,17 +78,17 @@ class Session:
 
     @property
     def model_name(self) -> str:
-        """As it is shown: of a file its name, without the folders."""
+        """As it is shown: of a file its name without the folders."""
         return Path(self._shelf.chosen_name).name
 
     @property
     def model_progress(self) -> str | None:
-        """What is said while a model is awaited."""
+        """A message while a model is being loaded."""
         return self._shelf.progress
 
     @property
     def lit_by(self) -> Illumination:
-        """As a person has set it, else as it was estimated."""
+        """The illumination set by hand, else the estimated one."""
         return self._estimated if self.hand.light is None else self.hand.light
 
     @property
@@ -96,26 +96,26 @@ class Session:
         return self._worker.busy
 
     def notice(self, now_s: float) -> str | None:
-        """What was last said, for a few seconds."""
+        """The last message, for a few seconds."""
         if self._notice is None or now_s > self._notice[1]:
             return None
         return self._notice[0]
 
     @property
     def last_notice(self) -> str | None:
-        """What was last said, however long ago."""
+        """The last message, however old."""
         return None if self._notice is None else self._notice[0]
 
     @property
     def awaits_steady(self) -> bool:
-        """Whether an estimate will be made unasked once the marker is steady."""
+        """Whether an estimate will be made without a request once the marker is steady."""
         return self._policy.on_first_steady and self._policy.at_frame is None and not self._policy_is_done
 
     def say(self, text: str, now_s: float) -> None:
         self._notice = text, now_s + NOTICE_S
 
     def take(self, tracked: TrackedFrame, now_s: float) -> None:
-        """Shows `tracked` from now on; estimates from it when the policy wants that."""
+        """Shows `tracked` from now on, and requests an estimate from it when the policy says so."""
         if tracked.note is not None and (self.tracked is None or self.tracked.note != tracked.note):
             self.say(tracked.note, now_s)
         self.tracked = tracked
@@ -129,7 +129,7 @@ class Session:
             self.request_estimate(now_s)
 
     def begin_anew(self, steadiness: Steadiness) -> None:
-        """For another source, which is no camera: another light, another marker, perhaps another table."""
+        """Resets everything for another clip or photo, which has another light and another marker."""
         self.tracked = self.estimate = self.estimated_from = self._frozen = None
         self.true_to_light_marker = None
         self._estimated = Illumination()
@@ -145,7 +145,7 @@ class Session:
         self._shelf.add(path)
 
     def request_estimate(self, now_s: float) -> bool:
-        """Hands the current frame to the worker; says so when there is nothing to hand over."""
+        """Hands the current frame to the worker and returns True; shows a message when that is not possible."""
         if self.tracked is None or self.tracked.marker is None:
             self.say("no marker in view: point the camera at it, then press Space", now_s)
         elif not self._worker.request(self.tracked, self.light_preset):
@@ -156,14 +156,14 @@ class Session:
         return False
 
     def poll(self, now_s: float) -> LightEstimate | None:
-        """Takes what the worker and the model loader have finished, and moves the light that is shown.
+        """Takes what the worker and the model loader have finished, and advances the easing of the light.
 
         Returns a new estimate, once.
         """
         if (error := self._shelf.take_error()) is not None:
             self.say(str(error), now_s)
         outcome = self._accept(self._worker.poll(), now_s)
-        # What follows the mouse must not lag behind it.
+        # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
         return outcome
@@ -175,7 +175,7 @@ class Session:
         return outcome
 
     def handle(self, request: Request, now_s: float) -> bool:
-        """Obeys a request that needs neither window nor source; False for any other."""
+        """Handles a request that needs neither window nor source; returns False for any other."""
         match request.command:
             case Command.CHOOSE_MODEL:
                 if not self._shelf.choose(request.number):
@@ -218,7 +218,7 @@ class Session:
         if answer is not None:
             self._estimated = answer.illumination(self._frozen)
         self.estimate, self.estimated_from = answer, self._frozen
-        # One that was asked for before the light was set by hand is not what ends that.
+        # An estimate that was requested before the light was set by hand does not replace it.
         if self.hand.light is not None and self._asked_s >= self._by_hand_s:
             if outcome.light is None:
                 self.say(f"no clear light: {outcome.reason}; it stays as set by hand", now_s)

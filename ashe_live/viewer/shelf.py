@@ -10,7 +10,7 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
 from ashe_live.viewer.background import begun
 
-# A line that comes and goes faster than it can be read only flickers.
+# A line that is gone before it can be read would only flicker.
 SILENT_S = 0.3
 
 
@@ -34,7 +34,7 @@ class Shelf:
         self._error: UserError | None = None
 
     def choose(self, index: int) -> bool:
-        """False when there is no such model."""
+        """Chooses a model by its place; returns False when there is none."""
         if not 0 <= index < len(self.names):
             return False
         self._chosen = index
@@ -77,7 +77,7 @@ class Shelf:
 
     @property
     def progress(self) -> str | None:
-        """What a person waits for, if that takes long enough to be said."""
+        """A message while the chosen model is loading, if that takes long."""
         loading = self._loading.get(self.chosen_name)
         if loading is None or loading.done():
             return None

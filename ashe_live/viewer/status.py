@@ -1,4 +1,4 @@
-"""What the heads-up display says, line by line."""
+"""The text of the heads-up display."""
 
 import math
 
@@ -17,7 +17,7 @@ NO_MARKER = (
 
 
 def light_line(session: Session) -> str:
-    """The light's state; an estimate under way does not hide the last answer."""
+    """The state of the light; an estimate under way does not hide the last answer."""
     light, estimate = session.lit_by.light, session.estimate
     if light is None and estimate is None:
         if session.is_estimating:
@@ -47,7 +47,7 @@ def marker_line(tracked: TrackedFrame | None) -> str:
 
 
 def camera_line(tracked: TrackedFrame | None) -> str | None:
-    """What is known of the camera that nobody calibrated; None for one that is given."""
+    """What is known of an uncalibrated camera; None for a calibrated one."""
     if tracked is None or tracked.camera.source not in ("assumed", "estimated"):
         return None
     camera = tracked.camera
@@ -57,7 +57,7 @@ def camera_line(tracked: TrackedFrame | None) -> str | None:
 
 
 def status_lines(session: Session, fps: float | None, quality: str, measured: TrackedFrame | None = None) -> list[str]:
-    """Top to bottom; without `fps` where there is no display to have a rate.
+    """The lines at the top left; `fps` is None where there is no display.
 
     The marker's numbers are those of `measured`, or else of the current frame.
     """
@@ -72,13 +72,13 @@ def status_lines(session: Session, fps: float | None, quality: str, measured: Tr
 
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:
-    """What the source and the last command have to say, and what to do next."""
+    """The lines at the bottom left: guidance, the source's status and the last message."""
     said = (*guidance(session), source_status, session.model_progress, session.notice(now_s))
     return [text for text in said if text]
 
 
 def guidance(session: Session) -> tuple[str, ...]:
-    """How to get on from where nothing is known yet."""
+    """What to do when no marker or no light has been found yet."""
     if session.tracked is not None and session.lit_by.seen_in is None:  # no marker in any frame so far
         return NO_MARKER
     if session.estimate is not None and session.lit_by.light is None and not session.is_estimating:

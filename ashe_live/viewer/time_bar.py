@@ -1,4 +1,4 @@
-"""The time bar at the window's bottom: where in a clip the picture is, and where a click would go."""
+"""The time bar at the window's bottom: the position in a clip, and where a click seeks to."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +14,7 @@ from ashe_live.render.scene import Overlay
 
 # In points: a display's pixels are `content_scale` times as many.
 HEIGHT_PT, LINE_PT, KNOB_PT, FONT_PT, GAP_PT = 26, 4, 12, 13, 10
-# How far above the bar the pointer brings it up, and a press is still meant for it.
+# Above the bar: within this the pointer makes it appear, and a press counts as one on the bar.
 NEAR_PT = 14
 # A narrower window has room for the line and the time alone.
 WIDE_PT = 460
@@ -24,7 +24,7 @@ SUPERSAMPLING = 4
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """What the bar says."""
+    """What the bar shows."""
 
     time_s: float
     duration_s: float
@@ -35,7 +35,7 @@ class Moment:
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """Where the bar's parts are, in pixels of the framebuffer."""
+    """The bar's layout, in pixels of the framebuffer."""
 
     size: Size  # of the framebuffer
     height: int
@@ -47,7 +47,7 @@ class Bar:
         return self.near_from <= y_px <= self.size[1]
 
     def share_at(self, x_px: float) -> float:
-        """0 at the clip's start, 1 at its end, and beyond both."""
+        """The position in the clip at a place on the line: 0 at its start and before, 1 at its end and beyond."""
         return min(1.0, max(0.0, (x_px - self.left) / max(1, self.right - self.left)))
 
 
@@ -61,7 +61,7 @@ def bar_at(size: Size, content_scale: float) -> Bar:
 
 
 class TimeBar:
-    """Draws the bar; what has not changed is not uploaded again."""
+    """Draws the bar; parts that have not changed are not uploaded again."""
 
     def __init__(self) -> None:
         self._plate, self._rest, self._played = (
@@ -93,7 +93,7 @@ class TimeBar:
 
 
 def text_of(moment: Moment, is_wide: bool) -> str:
-    """Tenths of seconds while it stands still; in a wide window also the frame, the speed and the loop."""
+    """The position, with tenths of seconds while it stands still; in a wide window also frame, speed and loop."""
     still = moment.frame is not None
     parts = [f"{clock(moment.time_s, still)} / {clock(moment.duration_s, still)}"]
     if is_wide:
@@ -103,7 +103,7 @@ def text_of(moment: Moment, is_wide: bool) -> str:
 
 
 def clock(time_s: float, with_tenths: bool) -> str:
-    """Minutes and seconds, never rounded up to what is not reached yet."""
+    """Minutes and seconds, rounded down."""
     tenths = int(time_s * 10 + 1e-6)
     minutes, seconds = divmod(tenths // 10, 60)
     return f"{minutes}:{seconds:02d}" + (f".{tenths % 10}" if with_tenths else "")

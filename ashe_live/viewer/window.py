@@ -1,4 +1,4 @@
-"""What the viewer's loop asks of its window: the one on the screen, the bench's without a screen, and the tests'."""
+"""The window as the viewer's loop uses it: GLFW's on the screen, the bench's without a screen, and the tests'."""
 
 from typing import Protocol
 
@@ -8,7 +8,7 @@ from ashe_live.viewer.controls import MouseEvent, Request
 
 
 class Presentable(Protocol):
-    """What has drawn a picture of the window's size."""
+    """A renderer that has drawn a picture of the window's size."""
 
     def present(self, target: Framebuffer) -> None:
         """Copies the picture to `target`."""
@@ -56,7 +56,7 @@ class Window(Protocol):
         ...
 
     def toggle_fullscreen(self) -> None:
-        """All of the screen, or as before; `framebuffer_size` says what has come of it."""
+        """Switches between the whole screen and the former size; `framebuffer_size` follows."""
         ...
 
     def present(self, picture: Presentable) -> None:
