@@ -38,7 +38,7 @@ ROOMS: dict[str, set[str]] = {
         "light.paper",
     },
     "light.live": {"core", "light.estimators", "process"},
-    "drawing": {"core", "light.pixels", "light.ground", "light.shape"},
+    "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},
     "render": {"core", "errors", "files", "models", "process"},
     "viewer": {
         "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators", "light.live",
