@@ -7,11 +7,11 @@ from typing import Self
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
+from ashe_live.quality import QUALITIES, Quality
 from ashe_live.tracking import tracker
 from ashe_live.tracking.layout import parse_target
 

@@ -18,11 +18,13 @@ from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import draw_outline, enlarged, tinted, with_body, with_masks
 from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 
+RIM_PX = 2  # of an unlit area, where colours mix
 REACH_SHARE = 0.08  # of the picture's width: from how far around unlit areas are painted over
 
 
@@ -67,13 +69,15 @@ def _traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
     ground, unlit, coarse = trace.ground, trace.unlit, trace.view
     if ground is None or unlit is None:
         return []
-    lit = lit_ground_rgb(coarse.image_bgr, ground, coarse.is_ground & ~unlit)
+    lit = lit_ground_rgb(coarse.image_bgr, ground, coarse.is_ground & ~grown(unlit, RIM_PX))
     ratio = LINEAR_FROM_SRGB_8BIT[coarse.image_bgr[:, :, ::-1]] / lit
     pictures = [DebugPicture("lit ground", _encoded(lit)), DebugPicture("ratio to lit ground", _encoded(ratio))]
     looked_at = view.image_bgr
     for region in trace.regions:
         looked_at = tinted(looked_at, enlarged(region.in_frame(region.unlit), looked_at.shape), UNEXPLAINED_BGR)
-    pictures.append(DebugPicture(f"looked at: {len(trace.regions)}, of which {len(trace.proposals)} splits", looked_at))
+    pictures.append(
+        DebugPicture(f"looked at: regions {len(trace.regions)}, splits fitted {len(trace.proposals)}", looked_at)
+    )
     if trace.refined:
         likely = sorted(zip(trace.probabilities(), trace.refined, strict=True), key=itemgetter(0))
         weighed = view.image_bgr
