@@ -10,12 +10,12 @@ from ashe_live.capture.photo import PhotoSource
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.core.ranges import DRAWN, MARKER_SIDE, Range
 from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator as estimators
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
+from ashe_live.quality import QUALITIES, Quality
 from ashe_live.tracking import tracker
 from ashe_live.tracking.layout import parse_target
 

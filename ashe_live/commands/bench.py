@@ -3,8 +3,8 @@
 import argparse
 
 from ashe_live.commands.parser import DEFAULT_ESTIMATOR
-from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.errors import ExitStatus, UserError
+from ashe_live.quality import QUALITIES, Quality
 
 
 def run(options: argparse.Namespace) -> int:

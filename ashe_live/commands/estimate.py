@@ -19,10 +19,10 @@ from ashe_live.commands.named_files import named_files
 from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
 from ashe_live.core.contract import FileRecord
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.drawing.steps import debug_pictures
+from ashe_live.drawing.steps import DebugPicture, debug_pictures
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, make_folder, unused_name
-from ashe_live.light.estimators.estimator import Estimator, make_estimator
+from ashe_live.light.estimators.estimator import Estimator, TracingEstimator, make_estimator
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
 from ashe_live.tracking.focal_tracker import FocalTracker
@@ -102,7 +102,10 @@ def _answer(
         return dataclasses.replace(record, timing_ms={"detect": tracked.detect_ms, "total": tracked.detect_ms}), tracked
     estimate, timing_ms = _timed(tracker, tracked, estimator, options.repeat)
     if options.debug is not None:
-        sheet = _write_steps(options.debug, path, tracked, estimate)
+        trace = None
+        if isinstance(estimator, TracingEstimator):
+            estimate, trace = estimator.traced(tracked)
+        sheet = _write_steps(options.debug, path, debug_pictures(tracked, estimate, trace))
         tell(f"{path}: steps in {sheet}")
     return dataclasses.replace(record, estimate=estimate, timing_ms=timing_ms), tracked
 
@@ -143,9 +146,8 @@ def usable_frame(source: Source, tracker: Tracker, estimate_at: int | None) -> T
     return answer
 
 
-def _write_steps(folder: Path, file: Path, tracked: TrackedFrame, estimate: LightEstimate) -> Path:
+def _write_steps(folder: Path, file: Path, pictures: Sequence[DebugPicture]) -> Path:
     """One sheet with all steps of an estimate, under a name that is not taken yet. Raises UserError."""
-    pictures = debug_pictures(tracked, estimate)
     sheet = contact_sheet(
         [picture.image_bgr for picture in pictures], [picture.title for picture in pictures], 4, STEP_WIDTH_PX
     )

@@ -4,9 +4,9 @@ import argparse
 from collections.abc import Callable
 
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
-from ashe_live.core.quality import BALANCED, QUALITIES, Quality
 from ashe_live.errors import UserError
 from ashe_live.process.messages import tell
+from ashe_live.quality import BALANCED, QUALITIES, Quality
 from ashe_live.tracking.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.layout import parse_target

@@ -1,9 +1,10 @@
 """An estimate step by step, as pictures for a person: what the estimator took for what, and how well it explains that.
 
-Nothing here is needed to estimate; what an estimate does not carry is computed once more by the estimator's stages.
+Nothing here is needed to estimate, and nothing is computed once more: it is drawn from the estimator's own trace.
 """
 
 from dataclasses import dataclass
+from operator import itemgetter
 
 import cv2
 import numpy as np
@@ -11,18 +12,19 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR, UNSEEN_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import draw_outline, enlarged, tinted, with_body, with_masks
-from ashe_live.light.ground.lit_ground import GroundSteps, LitGround, fit_lit_ground
+from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 
-COARSE_WIDTH_PX = 320
-SURPRISING = 12.0  # squared Mahalanobis distance from the lit ground's colours
+RIM_PX = 2  # of an unlit area, where colours mix
 REACH_SHARE = 0.08  # of the picture's width: from how far around unlit areas are painted over
 
 
@@ -34,16 +36,19 @@ class DebugPicture:
     image_bgr: Image  # (h, w, 3)
 
 
-def debug_pictures(tracked: TrackedFrame, estimate: LightEstimate, width_px: int = 640) -> list[DebugPicture]:
-    """The steps of `estimate`, made from `tracked`, in the order in which they are taken; what was not made is missing.
+def debug_pictures(
+    tracked: TrackedFrame, estimate: LightEstimate, trace: Trace | None = None, width_px: int = 640
+) -> list[DebugPicture]:
+    """The steps of `estimate`, made from `tracked`, in the order in which they were taken; one not taken is missing.
 
-    Raises ValueError when the frame has no marker.
+    `trace`: of this estimate; without it, only what the estimate itself carries is drawn. Raises ValueError when the
+    frame has no marker.
     """
     if tracked.marker is None:
         raise ValueError("a frame without a marker has no marker frame to answer in")
     view = View.of(tracked, width_px)
     photo, camera, T_cam_marker = view.image_bgr, view.camera, view.T_cam_marker
-    pictures = [DebugPicture("photo", photo), *_ground_pictures(tracked, estimate)]
+    pictures = [DebugPicture("photo", photo), *([] if trace is None else _traced_pictures(view, trace))]
     if estimate.object_mask is not None or estimate.shadow_mask is not None:
         pictures.append(DebugPicture("object and shadow", with_masks(photo, estimate)))
         pictures.append(DebugPicture("their outlines and hulls", _with_hulls(photo, estimate)))
@@ -59,21 +64,34 @@ def debug_pictures(tracked: TrackedFrame, estimate: LightEstimate, width_px: int
     return pictures
 
 
-def _ground_pictures(tracked: TrackedFrame, estimate: LightEstimate) -> list[DebugPicture]:
-    """The lit ground as the estimator modelled it, which is at the masks' size, and how the picture differs."""
-    masks = [mask for mask in (estimate.object_mask, estimate.shadow_mask) if mask is not None]
-    view = View.of(tracked, masks[0].shape[1] if masks else COARSE_WIDTH_PX)
-    ground = fit_lit_ground(view.image_bgr, view.is_ground, GroundSteps())
-    if ground is None:
+def _traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
+    """The ground as the estimator modelled it, the regions that it looked at, and the explanations that it weighed."""
+    ground, unlit, coarse = trace.ground, trace.unlit, trace.view
+    if ground is None or unlit is None:
         return []
-    lit = lit_ground_rgb(view.image_bgr, ground, view.is_ground)
-    ratio = LINEAR_FROM_SRGB_8BIT[view.image_bgr[:, :, ::-1]] / lit
-    return [DebugPicture("lit ground", _encoded(lit)), DebugPicture("ratio to lit ground", _encoded(ratio))]
+    lit = lit_ground_rgb(coarse.image_bgr, ground, coarse.is_ground & ~grown(unlit, RIM_PX))
+    ratio = LINEAR_FROM_SRGB_8BIT[coarse.image_bgr[:, :, ::-1]] / lit
+    pictures = [DebugPicture("lit ground", _encoded(lit)), DebugPicture("ratio to lit ground", _encoded(ratio))]
+    looked_at = view.image_bgr
+    for region in trace.regions:
+        looked_at = tinted(looked_at, enlarged(region.in_frame(region.unlit), looked_at.shape), UNEXPLAINED_BGR)
+    pictures.append(
+        DebugPicture(f"looked at: regions {len(trace.regions)}, splits fitted {len(trace.proposals)}", looked_at)
+    )
+    if trace.refined:
+        likely = sorted(zip(trace.probabilities(), trace.refined, strict=True), key=itemgetter(0))
+        weighed = view.image_bgr
+        for _, each in likely:  # the likeliest on top
+            lights = [DirectionalLight(light.to_light_marker) for light in each.lights]
+            weighed = with_body(weighed, view.camera, view.T_cam_marker, each.proxy, lights)
+        odds = ", ".join(f"{100 * probability:.0f} %" for probability, _ in likely[::-1])
+        pictures.append(DebugPicture(f"weighed: {odds}", weighed))
+    return pictures
 
 
-def lit_ground_rgb(image_bgr: Image, ground: LitGround, is_ground: Mask) -> Float:
+def lit_ground_rgb(image_bgr: Image, ground: LitGround, is_lit_ground: Mask) -> Float:
     """(h, w, 3) linear RGB: the picture as if nothing stood or fell on the ground, painted over from what is lit."""
-    is_lit = (is_ground & (ground.surprise < SURPRISING)).astype(np.float32)[:, :, None]
+    is_lit = is_lit_ground.astype(np.float32)[:, :, None]
     reach = (0, 0), REACH_SHARE * image_bgr.shape[1]
     near = cv2.GaussianBlur(np.concatenate([ground.colours * is_lit, is_lit], axis=2), *reach)
     around = near[:, :, :3] / np.maximum(near[:, :, 3:], 1e-6)

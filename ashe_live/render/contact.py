@@ -14,15 +14,15 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.quality import FAST
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.lighting import Sun
+from ashe_live.render.preset import FAST
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
 from ashe_live.render.texture_units import UNIT_OF
 
 DIRECTIONS = 24
-DEPTHS = replace(FAST.render, shadow_map_size=128, soft_on_model=False, pcf_radius=1)
+DEPTHS = replace(FAST, shadow_map_size=128, soft_on_model=False, pcf_radius=1)
 PATCH_SIZE = 64  # texels a side
 BLUR_TEXELS = 1.5  # of a Gaussian that merges the single directions' shadows
 REACH_HEIGHTS = 0.5  # how far the patch goes beyond the model's bounds, in heights of the model

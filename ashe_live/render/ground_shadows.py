@@ -8,10 +8,10 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import translated_and_scaled
 from ashe_live.render.canvas import Canvas
 from ashe_live.render.lighting import Sun
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps, tile_corners
 from ashe_live.render.texture_units import UNIT_OF

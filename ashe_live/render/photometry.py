@@ -3,9 +3,9 @@
 import math
 from dataclasses import replace
 
-from ashe_live.core.quality import RenderPreset
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.lighting import Lighting, lighting_of
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.shadow_maps import same_objects
 from ashe_live.render.video_look import INTERPOLATION_VARIANCE_PX2, VideoLook, look_of, white_of
 

@@ -8,7 +8,6 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.quality import RenderPreset
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.camera_match import CameraMatch
@@ -24,6 +23,7 @@ from ashe_live.render.offscreen import check_graphics
 from ashe_live.render.overlays import OverlayPass
 from ashe_live.render.photometry import Photometry
 from ashe_live.render.prepared import ModelSwitch
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.programs import Programs
 from ashe_live.render.real_object import RealObject
 from ashe_live.render.scene import Scene

@@ -13,9 +13,9 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import light_view, orthographic, transform_points, translated_and_scaled
 from ashe_live.render.lighting import Sun
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.programs import set_uniforms
 from ashe_live.render.texture_units import UNIT_OF
 

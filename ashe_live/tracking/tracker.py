@@ -9,7 +9,6 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.quality import TrackingPreset
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
@@ -20,6 +19,7 @@ from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.markers import Marker
 from ashe_live.tracking.pose import Sighting, pose_of_squares
 from ashe_live.tracking.pose_filter import PoseFilter
+from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import along_edges, anywhere, nearby, refined
 
 # After so long without the marker, its last pose says nothing about the next one.

@@ -3,7 +3,7 @@
 from collections import deque
 from statistics import median
 
-from ashe_live.core.quality import QUALITIES, Quality
+from ashe_live.quality import QUALITIES, Quality
 
 LADDER = tuple(QUALITIES.values())
 WINDOW_FRAMES = 60

@@ -11,9 +11,9 @@ from typing import Any
 
 from ashe_live.capture.sources import Seekable, Source, SourceLost
 from ashe_live.core.mailbox import Closed, LatestMailbox
-from ashe_live.core.quality import TrackingPreset
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.pace import Pace
 

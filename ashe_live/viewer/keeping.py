@@ -9,9 +9,9 @@ from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import drawn_size
 from ashe_live.core.contract import SNAPSHOT_KEYWORD, estimated_light_json, light_by_hand_json, snapshot_json
-from ashe_live.core.quality import RenderPreset
 from ashe_live.errors import UserError
 from ashe_live.files.writing import unused_name
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.recording import Recording

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ashe_live.core.mailbox import Closed
-from ashe_live.core.quality import QUALITIES, Quality
 from ashe_live.errors import UserError
 from ashe_live.process.messages import say, tell
+from ashe_live.quality import QUALITIES, Quality
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.auto_quality import AutoQuality

@@ -5,8 +5,8 @@ from typing import Self
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size
-from ashe_live.core.quality import FAST
 from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.quality import FAST
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene

@@ -7,8 +7,8 @@ from typing import Any
 
 from ashe_live.capture.sources import Seekable, Source
 from ashe_live.core.mailbox import LatestMailbox
-from ashe_live.core.quality import TrackingPreset
 from ashe_live.core.types import TrackedFrame
+from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.capture_loop import FIRST_FRAME, CaptureLoop, Jump, Place, Wish
 

@@ -14,9 +14,9 @@ from PIL import Image
 import ashe_live as al
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import shipped_clip
-from ashe_live.core.quality import QUALITIES
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
+from ashe_live.quality import QUALITIES
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer

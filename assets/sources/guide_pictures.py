@@ -18,12 +18,12 @@ from PIL import Image, ImageDraw, ImageFont
 import ashe_live as al
 from ashe_live.commands.light_page import picture_of
 from ashe_live.core.colour import srgb_from_linear
-from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import angle_between, direction_from_angles, project, rigid
 from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
+from ashe_live.quality import QUALITIES
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene

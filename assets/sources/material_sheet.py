@@ -16,12 +16,12 @@ import numpy as np
 
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
+from ashe_live.quality import QUALITIES
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene

@@ -16,11 +16,11 @@ import numpy as np
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.core.types import DirectionalLight, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
+from ashe_live.quality import QUALITIES
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene

@@ -14,6 +14,7 @@ from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR, UNEXPLAINED_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body
 from ashe_live.drawing.steps import debug_pictures
+from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outline, shadow_outline
 from tests.light.synthetic_masks import camera_towards
@@ -56,8 +57,10 @@ def has(picture, colour):
 
 
 def test_all_steps_have_one_size_and_the_light_is_said_last(tracked, estimate):
-    pictures = debug_pictures(tracked, estimate)
-    assert len(pictures) == 8
+    traced, trace = ProxyEstimator().traced(tracked)
+    assert traced.light is not None
+    pictures = debug_pictures(tracked, estimate, trace)
+    assert len(pictures) == 10
     assert {picture.image_bgr.shape for picture in pictures} == {(240, 320, 3)}
     assert pictures[-1].title == "azimuth 30°, elevation 45° ± 4.0°, 90 % sure"
 
@@ -65,7 +68,7 @@ def test_all_steps_have_one_size_and_the_light_is_said_last(tracked, estimate):
 def test_without_an_answer_the_reason_stands_in_its_place(tracked):
     pictures = debug_pictures(tracked, LightEstimate("proxy", 0, (), "no shadow found"))
     assert pictures[-1].title == "none: no shadow found"
-    assert len(pictures) == 4
+    assert len(pictures) == 2
 
 
 def test_without_a_marker_there_is_nothing_to_show(tracked, estimate):
@@ -74,7 +77,9 @@ def test_without_a_marker_there_is_nothing_to_show(tracked, estimate):
 
 
 def test_the_ratio_is_one_on_lit_ground_and_the_shadows_in_the_shadow(tracked, estimate):
-    ratio = next(picture for picture in debug_pictures(tracked, estimate) if picture.title == "ratio to lit ground")
+    _, trace = ProxyEstimator().traced(tracked)
+    pictures = debug_pictures(tracked, estimate, trace)
+    ratio = next(picture for picture in pictures if picture.title == "ratio to lit ground")
     lit = ratio.image_bgr[200:, :60].astype(float)
     inner = cv2.erode(estimate.shadow_mask.astype(np.uint8), np.ones((5, 5), np.uint8)).astype(bool)
     assert lit.mean() > 247
@@ -146,3 +151,13 @@ def test_the_ellipse_is_long_where_the_covariance_is():
     assert along_x > 4 * across
     across, along_y = extent(np.diag([1e-2, 1e-4]))
     assert along_y > 4 * across
+
+
+def test_a_trace_holds_what_the_answer_came_from_and_changes_no_bit_of_it(tracked):
+    answer, trace = ProxyEstimator().traced(tracked)
+    again = ProxyEstimator().estimate(tracked)
+    assert answer.light.to_light_marker.tobytes() == again.light.to_light_marker.tobytes()
+    assert len(trace.rough) <= len(trace.proposals)
+    best = max(zip(trace.probabilities(), trace.refined, strict=True), key=lambda pair: pair[0])[1]
+    np.testing.assert_array_equal(best.lights[0].to_light_marker, answer.light.to_light_marker)
+    assert best.proxy.family == answer.caster.family

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import FAST, RenderPreset
 from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
+from ashe_live.quality import FAST
 from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from tests.render.uniform_audit import UniformAudit, begin_audit
 

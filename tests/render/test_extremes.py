@@ -9,10 +9,10 @@ import moderngl
 import numpy as np
 import pytest
 
-from ashe_live.core.quality import BALANCED, QUALITIES
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
+from ashe_live.quality import BALANCED, QUALITIES
 from ashe_live.render.scene import Scene
 
 GREEN = (0.0, 1.0, 0.0, 1.0)
@@ -115,7 +115,7 @@ def test_opengl_3_3_is_enough() -> None:
     """A driver that has no more than it: every preset draws what the newest one draws."""
     code = """
 import numpy as np
-from ashe_live.core.quality import QUALITIES
+from ashe_live.quality import QUALITIES
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.bench.render.cost import lights_around, orbit, round_model
 from ashe_live.render.renderer import SceneRenderer

@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import BALANCED
 from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
+from ashe_live.quality import BALANCED
 from ashe_live.render.framing import box_corners
 from ashe_live.render.lens import straight_from_bent, wide_pinhole
 from ashe_live.render.scene import Scene

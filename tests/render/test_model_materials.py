@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
-from ashe_live.core.quality import FAST, QUALITIES
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
+from ashe_live.quality import FAST, QUALITIES
 from ashe_live.render.lighting import GROUND_ALBEDO, lighting_of
 from ashe_live.render.scene import Scene
 from ashe_live.render.video_look import ASSUMED_WHITE

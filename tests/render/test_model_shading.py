@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import srgb_from_linear
-from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import box
+from ashe_live.quality import QUALITIES
 from ashe_live.render.lighting import GROUND_ALBEDO, MIN_BALANCED_SINE, lighting_of
 from ashe_live.render.scene import Scene
 from ashe_live.render.video_look import ASSUMED_WHITE as EXPOSURE

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.quality import BALANCED, FAST, QUALITIES
 from ashe_live.core.transforms import direction_from_angles, raycast_to_plane
 from ashe_live.core.types import Illumination
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
+from ashe_live.quality import BALANCED, FAST, QUALITIES
 from ashe_live.render.offscreen import live_gl_objects
 from ashe_live.render.scene import Scene
 

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from ashe_live.core.quality import FAST
 from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
+from ashe_live.quality import FAST
 from ashe_live.render import prepared
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene

@@ -5,10 +5,10 @@ import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
+from ashe_live.quality import QUALITIES
 from ashe_live.render.lighting import lighting_of
 from ashe_live.render.scene import Scene
 from ashe_live.render.video_look import ASSUMED_WHITE

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import ACCURATE, BALANCED, FAST
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.primitives import box
+from ashe_live.quality import ACCURATE, BALANCED, FAST
 from ashe_live.render.offscreen import graphics_failures_told, live_gl_objects
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.render.surface import supported_samples

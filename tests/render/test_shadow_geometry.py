@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import DirectionalLight, Illumination
 from ashe_live.models.primitives import box, revolved
+from ashe_live.quality import QUALITIES
 from ashe_live.render.framing import box_corners
 from ashe_live.render.scene import Scene
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.core.quality import QUALITIES
 from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import DirectionalLight, Illumination
 from ashe_live.models.primitives import box
+from ashe_live.quality import QUALITIES
 from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD, lighting_of
 from ashe_live.render.scene import Scene
 

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
-from ashe_live.core.quality import BALANCED, FAST
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
+from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.scene import Scene
 from ashe_live.render.video_look import ASSUMED_WHITE, PAPER_ALBEDO, edge_blur_px, look_of, white_of
 

@@ -8,9 +8,9 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import BALANCED
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.quality import BALANCED
 from ashe_live.tracking.focal import KNOWN_SIGMA, FocalEstimate, FocalEstimator
 from ashe_live.tracking.focal_model import SQUARE
 from ashe_live.tracking.markers import parse_marker

@@ -9,9 +9,9 @@ import pytest
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import BALANCED
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.quality import BALANCED
 from ashe_live.tracking.focal import FocalEstimate
 from ashe_live.tracking.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker

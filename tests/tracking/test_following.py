@@ -7,9 +7,9 @@ import pytest
 from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, painted
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import BALANCED
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose, TrackedFrame
+from ashe_live.quality import BALANCED
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import square_corners
 from ashe_live.tracking.tracker import BRIDGED_FRAMES, Tracker

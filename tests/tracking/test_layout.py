@@ -6,8 +6,8 @@ import pytest
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import BALANCED
 from ashe_live.errors import UserError
+from ashe_live.quality import BALANCED
 from ashe_live.tracking.layout import Layout, parse_target
 from ashe_live.tracking.printing import write_marker_sheet
 from ashe_live.tracking.tracker import Tracker

@@ -8,8 +8,8 @@ import PIL.Image
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import BALANCED
 from ashe_live.errors import UserError
+from ashe_live.quality import BALANCED
 from ashe_live.tracking.markers import Marker, parse_marker
 from ashe_live.tracking.printing import write_marker_sheet
 from ashe_live.tracking.tracker import Tracker

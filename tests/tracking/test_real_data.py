@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import BALANCED, FAST
 from ashe_live.core.types import TrackedFrame
+from ashe_live.quality import BALANCED, FAST
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.tracker import Tracker
 from tests.tracking.conftest import frame

@@ -8,10 +8,10 @@ import pytest
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.quality import BALANCED, FAST, QUALITIES, Quality
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose
 from ashe_live.errors import UserError
+from ashe_live.quality import BALANCED, FAST, QUALITIES, Quality
 from ashe_live.tracking.markers import Marker, parse_marker
 from ashe_live.tracking.pose import square_corners
 from ashe_live.tracking.tracker import Tracker

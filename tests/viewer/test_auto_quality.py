@@ -2,7 +2,7 @@
 
 import pytest
 
-from ashe_live.core.quality import ACCURATE, BALANCED, FAST, Quality
+from ashe_live.quality import ACCURATE, BALANCED, FAST, Quality
 from ashe_live.viewer.auto_quality import CALM_WINDOWS, WINDOW_FRAMES, AutoQuality
 
 INTERVAL_MS = 1000 / 60

@@ -13,9 +13,9 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.mailbox import LatestMailbox
-from ashe_live.core.quality import FAST
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.quality import FAST
 from ashe_live.render.offscreen import graphics_failures_told
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer import keeping

@@ -3,8 +3,8 @@
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import BALANCED
 from ashe_live.core.types import Frame
+from ashe_live.quality import BALANCED
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.tracker import Tracker
 from ashe_live.viewer.marker_window import on_white

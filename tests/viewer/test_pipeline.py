@@ -10,9 +10,9 @@ import pytest
 
 from ashe_live.capture.sources import SourceLost
 from ashe_live.core.mailbox import Closed
-from ashe_live.core.quality import ACCURATE, FAST
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.quality import ACCURATE, FAST
 from ashe_live.viewer import capture_loop
 from ashe_live.viewer import pipeline as pipeline_module
 from ashe_live.viewer.pipeline import Pipeline

@@ -20,10 +20,10 @@ from ashe_live.bench.light.truth import error_on_true_labels_deg, mask_overlaps
 from ashe_live.bench.machine import measured_with
 from ashe_live.bench.plots import SUFFIXES, draw_trade, points_of
 from ashe_live.core.contract import Json
-from ashe_live.core.quality import QUALITIES
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator, make_estimator
 from ashe_live.light.estimators.steps import PRESETS, ProxySteps
+from ashe_live.quality import QUALITIES
 
 QUICK_PRESETS = ("balanced",)
 QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4

@@ -13,12 +13,12 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import read_known_clip
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import BALANCED
 from ashe_live.core.transforms import normalised
 from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.quality import BALANCED
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.tracker import Tracker
 

@@ -20,12 +20,13 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.quality import BALANCED, FAST, QUALITIES, RenderPreset
 from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.files.resources import resource
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
+from ashe_live.quality import BALANCED, FAST, QUALITIES
 from ashe_live.render.offscreen import Context, offscreen_context
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker

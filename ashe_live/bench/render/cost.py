@@ -9,12 +9,12 @@ import numpy as np
 
 from ashe_live.bench.resources_held import resident_mib
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.offscreen import Context, live_gl_objects
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 

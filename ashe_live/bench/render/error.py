@@ -14,12 +14,12 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.contract import Json
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.quality import RenderPreset
 from ashe_live.core.transforms import direction_from_angles, project, rigid
 from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import Context
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.pose import square_corners

@@ -16,9 +16,9 @@ from ashe_live.bench.soak.time_code import TimeCodeCamera
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.contract import Json
-from ashe_live.core.quality import Quality
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.live.worker import LightWorker
+from ashe_live.quality import Quality
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.markers import parse_marker

@@ -27,7 +27,8 @@ from ashe_live.bench.track.tables import Figure, print_clips, print_figures
 from ashe_live.bench.track.takes import HD, LENS, Take, at_rest, roaming, scattered, sliding
 from ashe_live.bench.track.trade import COST, SETTLED_FRAMES, print_trade, sweep
 from ashe_live.core.contract import Json
-from ashe_live.core.quality import BALANCED, TrackingPreset
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.preset import TrackingPreset
 
 TRADE = "trade"
 QUICK_SHARE = 6

@@ -12,7 +12,8 @@ from ashe_live.bench.tables import figures_table
 from ashe_live.bench.track.contenders import Answer, Ours, answers
 from ashe_live.bench.track.measures import corner_jitter_px, lag_ms, rotation_errors_deg
 from ashe_live.bench.track.takes import SMALL, at_rest, roaming, scattered, sliding
-from ashe_live.core.quality import BALANCED, QUALITIES, TrackingPreset
+from ashe_live.quality import BALANCED, QUALITIES
+from ashe_live.tracking.preset import TrackingPreset
 
 ERROR, JITTER, LAG = "median rotation error, 53 px at 45° (degrees)", "jitter at rest (px)", "lag at 3 cm/s (ms)"
 COST = "processor time a frame: 9 followed, 1 searched anew (ms)"

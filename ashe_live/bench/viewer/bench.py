@@ -17,10 +17,10 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.quality import Quality
 from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.live.worker import LightWorker
+from ashe_live.quality import Quality
 from ashe_live.render.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene

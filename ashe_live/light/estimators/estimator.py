@@ -1,10 +1,13 @@
 """What an estimator of the light is, and the names by which one is chosen."""
 
 from collections.abc import Callable, Mapping
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.errors import UserError
+
+if TYPE_CHECKING:
+    from ashe_live.light.estimators.trace import Trace
 
 
 class Estimator(Protocol):
@@ -18,6 +21,15 @@ class Estimator(Protocol):
 
         Raises ValueError when the frame has no marker: without one there is no frame to answer in.
         """
+        ...
+
+
+@runtime_checkable
+class TracingEstimator(Estimator, Protocol):
+    """One that can also tell what led to its answer."""
+
+    def traced(self, tracked: TrackedFrame) -> "tuple[LightEstimate, Trace]":
+        """As `estimate`, and the trace of it."""
         ...
 
 

@@ -14,6 +14,7 @@ from ashe_live.core.stages import StageClock
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, worth_a_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
+from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
 from ashe_live.light.explanation.explain import are_alike, explained, finer, sharpened
 from ashe_live.light.explanation.judge import LEAST_CONFIDENCE, best_of, lights_of, likeliest, log_odds
@@ -46,23 +47,29 @@ class ProxyEstimator:
 
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
         """As Estimator.estimate; the masks have the size at which the explained region was looked at."""
+        estimate, _ = self.traced(tracked)
+        return estimate
+
+    def traced(self, tracked: TrackedFrame) -> tuple[LightEstimate, Trace]:
+        """As `estimate`, and what led to the answer: some megabytes that refer to the picture."""
         if tracked.marker is None:
             raise ValueError("a frame without a marker has no marker frame to answer in")
         clock = StageClock()
         steps = self._steps
         fine = View.of(tracked, steps.fine_width_px)
         coarse = fine.scaled(steps.coarse_width_px)
+        trace = Trace(coarse)
 
-        def none(reason: str, body: Mask | None = None, shadow: Mask | None = None) -> LightEstimate:
+        def none(reason: str, body: Mask | None = None, shadow: Mask | None = None) -> tuple[LightEstimate, Trace]:
             reason = fault_of_exposure(coarse) or reason
-            return LightEstimate(self.name, tracked.frame.index, (), reason, body, shadow, clock.timing_ms())
+            return LightEstimate(self.name, tracked.frame.index, (), reason, body, shadow, clock.timing_ms()), trace
 
-        ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
+        trace.ground = ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
         if ground is None:
             clock.end("segment")
             return none(TOO_LITTLE_GROUND)
-        unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
-        regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
+        trace.unlit = unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
+        trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
         clock.end("segment")
         if not regions:
             return none(NOTHING_THERE)
@@ -71,11 +78,12 @@ class ProxyEstimator:
         paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
         proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired)]
         clock.end("associate")
-        rough = [each for each in explained(worth_a_fit(proposals, steps.tried), FIRST_FIT) if each]
+        trace.proposals = worth_a_fit(proposals, steps.tried)
+        trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
         refined = distinct(sorted(rough, key=log_odds, reverse=True), are_alike, steps.refined)
         refined = finer(refined, steps.fine_fit)
         refined = with_their_lights(refined, rough, fine, coarse, ground, steps.region_px)
-        refined = [sharpened(explanation) for explanation in refined]
+        trace.refined = refined = [sharpened(explanation) for explanation in refined]
         clock.end("fit")
         if not refined:
             return none(NO_SHADOW)
@@ -90,7 +98,7 @@ class ProxyEstimator:
         lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
         if len(lights) == 1:
             lights = [replace(lights[0], angular_size_rad=_angular_size(best))]
-        return LightEstimate(
+        estimate = LightEstimate(
             self.name,
             tracked.frame.index,
             tuple(lights),
@@ -101,6 +109,7 @@ class ProxyEstimator:
             ambient_rgb_ratio=ratios[-1],
             ground_rgb=lit_rgb(ground),
         )
+        return estimate, trace
 
 
 def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:

@@ -5,11 +5,11 @@ import pytest
 from ashe_live.bench.render.bench import RenderBench
 from ashe_live.bench.render.cost import cost_of, lights_around, memory_growth, orbit, round_model, sweeps
 from ashe_live.capture.known_clip import shipped_clip
-from ashe_live.core.quality import BALANCED, FAST
 from ashe_live.errors import UserError
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.primitives import box
+from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.offscreen import offscreen_context
 
 SIZE = (160, 120)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ashe_live.bench.render.error import picture_error, read_references
-from ashe_live.core.quality import BALANCED, FAST
+from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.offscreen import offscreen_context
 
 REFERENCES = read_references(Path(__file__).resolve().parents[3] / "assets" / "reference")

@@ -16,9 +16,9 @@ from ashe_live.bench.soak.run import drift_json
 from ashe_live.bench.soak.time_code import BITS, TimeCodeCamera, paint_number, read_number
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import FAST
 from ashe_live.core.types import LightEstimate
 from ashe_live.errors import UserError
+from ashe_live.quality import FAST
 
 FRAMES = 24
 SAMPLED_AT = list(range(500, 100_001, 500))

@@ -16,9 +16,9 @@ from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import FPS, SIDE_M, SMALL, pose_at, scattered, sliding
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.core.quality import BALANCED
 from ashe_live.core.transforms import project, rigid
 from ashe_live.errors import UserError
+from ashe_live.quality import BALANCED
 from ashe_live.tracking.pose import square_corners
 
 BLACK = np.zeros((1, 1), np.uint8)

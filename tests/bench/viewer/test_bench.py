@@ -13,10 +13,10 @@ from ashe_live.bench.viewer.bench import ViewerBench
 from ashe_live.capture.known_clip import KnownClip, read_known_clip
 from ashe_live.capture.recorder import Recorder
 from ashe_live.core.camera import Camera
-from ashe_live.core.quality import FAST
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import LightEstimate
 from ashe_live.errors import UserError
+from ashe_live.quality import FAST
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import square_corners
 

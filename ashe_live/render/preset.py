@@ -1,0 +1,61 @@
+"""The renderer's presets: frozen records of counts and sizes that its passes read, whatever they are called."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class RenderPreset:
+    """How much work the renderer spends on a frame."""
+
+    shadow_map_size: int  # texels a side of a depth map, for each caster and light
+    ground_shadow_size: int  # texels a side of its shadow on the ground
+    blocker_taps: int  # to find how wide a penumbra is
+    soft_taps: int  # over the penumbra
+    soft_on_model: bool  # False: shadows on model and real object have one softness, of (2 r + 1)^2 taps
+    pcf_radius: int  # that r
+    msaa_samples: int  # 0: none
+    matches_blur: bool  # the model is blurred as the video is
+    matches_noise: bool  # and gets its noise
+    matches_lens: bool  # and bends as its lens does; False: the lens is taken off the video
+    environment_size: int  # texels a side of what polished surfaces mirror, a power of two
+
+
+FAST = RenderPreset(
+    shadow_map_size=512,
+    ground_shadow_size=256,
+    blocker_taps=8,
+    soft_taps=16,
+    soft_on_model=False,
+    pcf_radius=1,
+    msaa_samples=0,
+    matches_blur=False,
+    matches_noise=False,
+    matches_lens=True,
+    environment_size=32,
+)
+BALANCED = RenderPreset(
+    shadow_map_size=1024,
+    ground_shadow_size=512,
+    blocker_taps=12,
+    soft_taps=24,
+    soft_on_model=True,
+    pcf_radius=1,
+    msaa_samples=4,
+    matches_blur=True,
+    matches_noise=True,
+    matches_lens=True,
+    environment_size=64,
+)
+ACCURATE = RenderPreset(
+    shadow_map_size=2048,
+    ground_shadow_size=1024,
+    blocker_taps=16,
+    soft_taps=48,
+    soft_on_model=True,
+    pcf_radius=2,
+    msaa_samples=8,
+    matches_blur=True,
+    matches_noise=True,
+    matches_lens=True,
+    environment_size=128,
+)
