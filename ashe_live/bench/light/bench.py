@@ -36,7 +36,7 @@ FROM_LABELS = {"proxy": PRESETS}
 class LightBench(Bench):
     """What is measured: `presets` of `estimator` on the folders `scenes`, which count as one set."""
 
-    SCHEMA: ClassVar[int] = 2
+    SCHEMA: ClassVar[int] = 3
 
     scenes: Sequence[Path]
     estimator: str = "proxy"

@@ -43,7 +43,7 @@ class CaseResult:
     confidence: float | None
     object_iou: float | None
     shadow_iou: float | None
-    true_masks_deg: float | None  # error of the fit alone, on the true masks
+    true_labels_deg: float | None  # error of what follows from the true labels
     wall_ms: Mapping[str, float]  # by stage, with "total"
     cpu_ms: float  # of all threads, of all stages
 
@@ -68,7 +68,7 @@ def case_result(
     estimate: LightEstimate,
     cpu_ms: float,
     overlaps: tuple[float | None, float | None] = (None, None),
-    true_masks_deg: float | None = None,
+    true_labels_deg: float | None = None,
 ) -> CaseResult:
     """`estimate` of `case`, compared with its truth. Raises ValueError when that is not known."""
     truths = case.to_lights_marker
@@ -98,7 +98,7 @@ def case_result(
         off,
         None if light is None else light.confidence,
         *overlaps,
-        true_masks_deg,
+        true_labels_deg,
         dict(estimate.timing_ms),
         cpu_ms,
     )
@@ -124,9 +124,9 @@ class Summary:
     bad_share: float | None  # of all cases: CaseResult.is_bad
     object_iou: float | None  # medians
     shadow_iou: float | None
-    true_masks_mean_deg: float | None
-    true_masks_median_deg: float | None
-    true_masks_max_deg: float | None
+    true_labels_mean_deg: float | None
+    true_labels_median_deg: float | None
+    true_labels_max_deg: float | None
     median_ms: float | None
     p95_ms: float | None
     median_cpu_ms: float | None
@@ -140,7 +140,7 @@ def summarise(results: Sequence[CaseResult]) -> Summary:
     sigmas = [(r.error_deg, r.sigma_deg) for r in lit if r.error_deg is not None and r.sigma_deg is not None]
     ellipses = [result.squared_sigmas for result in lit if result.squared_sigmas is not None]
     sure = [(r.confidence, r.error_deg) for r in results if r.confidence is not None]
-    true_masks = [result.true_masks_deg for result in lit if result.true_masks_deg is not None]
+    true_labels = [result.true_labels_deg for result in lit if result.true_labels_deg is not None]
     wall_ms, cpu_ms = [result.wall_ms["total"] for result in results], [result.cpu_ms for result in results]
     return Summary(
         attempted=len(results),
@@ -162,9 +162,9 @@ def summarise(results: Sequence[CaseResult]) -> Summary:
         bad_share=share([result.is_bad for result in results]),
         object_iou=_of(np.median, [result.object_iou for result in results if result.object_iou is not None]),
         shadow_iou=_of(np.median, [result.shadow_iou for result in results if result.shadow_iou is not None]),
-        true_masks_mean_deg=_of(np.mean, true_masks),
-        true_masks_median_deg=_of(np.median, true_masks),
-        true_masks_max_deg=_of(np.max, true_masks),
+        true_labels_mean_deg=_of(np.mean, true_labels),
+        true_labels_median_deg=_of(np.median, true_labels),
+        true_labels_max_deg=_of(np.max, true_labels),
         median_ms=_of(np.median, wall_ms),
         p95_ms=_percentile(wall_ms, 95),
         median_cpu_ms=_of(np.median, cpu_ms),

@@ -59,11 +59,11 @@ def _errors(name: str, summaries: Mapping[str, Summary]) -> Table:
 
 
 def _shares_of_stages(name: str, summaries: Mapping[str, Summary]) -> Table:
-    """Segmentation: how well its masks overlap with the true ones. Geometry: what the fit makes of the true ones."""
-    columns = ("IoU object", "IoU shadow", "mean", "fit on true masks: mean", "median", "max")
+    """Segmentation: how well its masks overlap with the true ones. Geometry: what follows from the true ones."""
+    columns = ("IoU object", "IoU shadow", "mean", "from true labels: mean", "median", "max")
     table = _table(f"{name}: segmentation's share and geometry's (medians of IoU)", ("category",), columns)
     for category, summary in summaries.items():
-        alone = (summary.true_masks_mean_deg, summary.true_masks_median_deg, summary.true_masks_max_deg)
+        alone = (summary.true_labels_mean_deg, summary.true_labels_median_deg, summary.true_labels_max_deg)
         overlaps = map(_fraction, (summary.object_iou, summary.shadow_iou))
         table.add_row(category, *overlaps, *map(_degrees, (summary.mean_deg, *alone)))
     return table
@@ -89,10 +89,10 @@ def _times(name: str, stages: Mapping[str, Mapping[str, float]], everything: Sum
 
 def _targets(name: str, verdicts: Iterable[Verdict]) -> Table:
     """The target beside each figure, and for a miss the stage that alone misses it too."""
-    table = _table(f"{name}: targets", ("data", "figure"), ("measured", "target", "on true masks", "", "missed by"))
+    table = _table(f"{name}: targets", ("data", "figure"), ("measured", "target", "from true labels", "", "missed by"))
     for verdict in verdicts:
         measured = "-" if verdict.value is None else _value(verdict.value, verdict.unit)
-        alone = "" if verdict.on_true_masks is None else _value(verdict.on_true_masks, verdict.unit)
+        alone = "" if verdict.on_true_labels is None else _value(verdict.on_true_labels, verdict.unit)
         mark = "[green]met[/]" if verdict.is_met else "[red]missed[/]"
         by = verdict.missed_by or ""
         table.add_row(verdict.group, verdict.figure, measured, _bounds(verdict), alone, mark, by)
@@ -101,13 +101,13 @@ def _targets(name: str, verdicts: Iterable[Verdict]) -> Table:
 
 def _worst(name: str, results: Sequence[CaseResult]) -> Table:
     """Where to look first."""
-    columns = ("error", "σ", "confidence", "on true masks", "IoU object", "IoU shadow")
+    columns = ("error", "σ", "confidence", "from true labels", "IoU object", "IoU shadow")
     table = _table(f"{name}: the largest errors", ("case", "caster"), columns)
     wrong = [result for result in results if result.error_deg is not None]
     for result in sorted(wrong, key=lambda result: -(result.error_deg or 0.0))[:WORST]:
         degrees = (_degrees(value) for value in (result.error_deg, result.sigma_deg))
         overlaps = map(_fraction, (result.object_iou, result.shadow_iou))
-        confidence, alone = _fraction(result.confidence), _degrees(result.true_masks_deg)
+        confidence, alone = _fraction(result.confidence), _degrees(result.true_labels_deg)
         table.add_row(f"{result.folder}/{result.case}", result.caster or "-", *degrees, confidence, alone, *overlaps)
     return table
 

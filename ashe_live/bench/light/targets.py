@@ -20,7 +20,7 @@ class Target:
     unit: str
     value: Callable[[Summary], float | None]
     bounds: Bounds
-    on_true_masks: Callable[[Summary], float | None] | None = None  # the same figure of the fit alone
+    on_true_labels: Callable[[Summary], float | None] | None = None  # the same figure from true labels
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +34,7 @@ class Verdict:
     value: float | None
     least: float
     most: float
-    on_true_masks: float | None = None
+    on_true_labels: float | None = None
 
     @property
     def is_met(self) -> bool:
@@ -42,10 +42,10 @@ class Verdict:
 
     @property
     def missed_by(self) -> str | None:
-        """The stage that alone misses the target: geometry, if the fit does so on true masks, or else segmentation."""
-        if self.is_met or self.on_true_masks is None:
+        """The stage that misses the target: geometry, if it does so from true labels, or else segmentation."""
+        if self.is_met or self.on_true_labels is None:
             return None
-        return "segmentation" if self.on_true_masks <= self.most else "geometry"
+        return "segmentation" if self.on_true_labels <= self.most else "geometry"
 
 
 def _most(balanced: float, accurate: float) -> Bounds:
@@ -57,12 +57,12 @@ def _least(balanced: float, accurate: float) -> Bounds:
 
 
 def _mean(group: str, balanced: float, accurate: float) -> Target:
-    return Target(group, "mean", DEG, lambda s: s.mean_deg, _most(balanced, accurate), lambda s: s.true_masks_mean_deg)
+    return Target(group, "mean", DEG, lambda s: s.mean_deg, _most(balanced, accurate), lambda s: s.true_labels_mean_deg)
 
 
 def _median(group: str, balanced: float, accurate: float) -> Target:
     return Target(
-        group, "median", DEG, lambda s: s.median_deg, _most(balanced, accurate), lambda s: s.true_masks_median_deg
+        group, "median", DEG, lambda s: s.median_deg, _most(balanced, accurate), lambda s: s.true_labels_median_deg
     )
 
 
@@ -99,7 +99,7 @@ def verdicts(
     for target in targets:
         summary = summaries.get(target.group)
         if summary is not None and preset in target.bounds:
-            alone = None if target.on_true_masks is None else target.on_true_masks(summary)
+            alone = None if target.on_true_labels is None else target.on_true_labels(summary)
             least, most = target.bounds[preset]
             value = target.value(summary)
             found.append(Verdict(preset, target.group, target.figure, target.unit, value, least, most, alone))

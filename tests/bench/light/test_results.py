@@ -37,10 +37,10 @@ def off_by(degrees, from_=SUN, sigma_deg=3.0, confidence=0.9):
     )
 
 
-def answered(of, *lights, ms=10.0, true_masks_deg=None):
+def answered(of, *lights, ms=10.0, true_labels_deg=None):
     reason = None if lights else "no shadow"
     estimate = LightEstimate("e", 0, lights, reason, timing_ms={"fit": ms / 2, "total": ms})
-    return case_result("balanced", of, estimate, 2 * ms, (0.5, 0.25), true_masks_deg)
+    return case_result("balanced", of, estimate, 2 * ms, (0.5, 0.25), true_labels_deg)
 
 
 def test_errors_are_those_of_the_answers_and_shares_are_of_all():
@@ -128,14 +128,14 @@ def verdict_of(group, results, figure="median", preset="balanced"):
 
 def test_a_miss_is_laid_at_the_door_of_the_stage_that_misses_alone():
     near, far = off_by(1), off_by(6)
-    assert verdict_of("clean", [answered(case(), near, true_masks_deg=0.1)]).is_met
-    blamed = [verdict_of("clean", [answered(case(), far, true_masks_deg=alone)]).missed_by for alone in (0.5, 5.0)]
+    assert verdict_of("clean", [answered(case(), near, true_labels_deg=0.1)]).is_met
+    blamed = [verdict_of("clean", [answered(case(), far, true_labels_deg=alone)]).missed_by for alone in (0.5, 5.0)]
     assert blamed == ["segmentation", "geometry"]
-    assert verdict_of("clean", [answered(case(), near, true_masks_deg=5.0)]).missed_by is None
+    assert verdict_of("clean", [answered(case(), near, true_labels_deg=5.0)]).missed_by is None
 
 
 def test_nothing_answered_meets_no_target_of_errors():
-    verdict = verdict_of("clean", [answered(case(), true_masks_deg=0.1)])
+    verdict = verdict_of("clean", [answered(case(), true_labels_deg=0.1)])
     assert verdict.value is None
     assert not verdict.is_met
 
