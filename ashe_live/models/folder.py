@@ -10,6 +10,7 @@ from PIL import Image as PillowImage
 
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes
+from ashe_live.models.limits import MAX_NAMED_FILES
 from ashe_live.models.obj_text import as_utf8
 
 MATERIALS = ".mtl"
@@ -24,6 +25,7 @@ class FolderResolver(trimesh.resolvers.Resolver):
         self._model = model
         self._folder = model.parent.resolve()
         self._bytes_left = most_bytes
+        self._named = 0
 
     def get(self, name: str) -> bytes:
         try:
@@ -34,6 +36,11 @@ class FolderResolver(trimesh.resolvers.Resolver):
             raise
 
     def _get(self, name: str) -> bytes:
+        self._named += 1
+        if self._named > MAX_NAMED_FILES:
+            raise UserError(
+                f"the model file {self._model} names files more than {MAX_NAMED_FILES:,} times", "export it with fewer"
+            )
         relative = unquote(name.strip()).replace("\\", "/")
         # Before it is looked at: on Windows that of another machine would be asked for.
         is_elsewhere = bool(PureWindowsPath(relative).anchor) or "\0" in relative

@@ -85,6 +85,7 @@ def read_gltf(path: Path, content: bytes) -> GltfFile:
         ]
         for primitive in mesh["primitives"]:
             _lead_trimesh(primitive)
+    _take_primitives_apart(header)
     for texture in header.get("textures", []):
         texture.update(texture.pop("extensions", {}).get("EXT_texture_webp", {}))
     for material in header.get("materials", []):
@@ -104,6 +105,24 @@ def _lead_trimesh(primitive: dict[str, Any]) -> None:
     if primitive.get("mode") == FAN:
         primitive["mode"] = STRIP
         attributes[FAN_MARK] = attributes["POSITION"]
+
+
+def _take_primitives_apart(header: dict[str, Any]) -> None:
+    """One primitive a mesh. Of more trimesh gives each a random name of six digits, and loses those that are alike."""
+    meshes: list[dict[str, Any]] = []
+    places = []
+    for mesh in header.get("meshes", []):
+        places.append(range(len(meshes), len(meshes) + len(mesh["primitives"])))
+        meshes += [{"primitives": [primitive]} for primitive in mesh["primitives"]]
+    nodes = header.get("nodes", [])
+    for node in list(nodes):
+        own = places[node.pop("mesh")] if "mesh" in node else range(0)
+        if len(own) == 1:
+            node["mesh"] = own[0]
+        elif own:
+            node["children"] = [*node.get("children", []), *range(len(nodes), len(nodes) + len(own))]
+            nodes += [{"mesh": place} for place in own]
+    header["meshes"] = meshes
 
 
 def _split(path: Path, content: bytes) -> tuple[dict[str, Any], bytes | None]:

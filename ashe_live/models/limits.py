@@ -9,12 +9,15 @@ from ashe_live.errors import UserError
 from ashe_live.models.gltf_amounts import GltfAmounts
 
 MAX_FILE_BYTES = 200_000_000  # of the model's file, and of all others that it names together
+MAX_NAMED_FILES = 1_000
 MAX_TRIANGLES = 2_000_000
 MAX_VERTICES = 3 * MAX_TRIANGLES
 MAX_PARTS = 10_000  # meshes, as often as they are drawn
+MAX_SURFACES = 1_000  # each is a call of the driver in every pass of every frame
 MAX_GROUPS = 1_000  # an OBJ's materials, a text STL's solids: each is looked for among all others
 MAX_LINES = 4 * MAX_TRIANGLES  # of a text PLY
 MAX_NODES = 20_000  # of a scene
+MAX_OBJ_LINES = 3 * MAX_VERTICES + MAX_TRIANGLES  # places, texture coordinates, normals, faces
 MAX_DEPTH = 200  # of nodes within nodes
 MAX_TEXTURE_PX = 2048  # a side; larger pictures are reduced to it
 MAX_PICTURE_TEXELS = 8192 * 8192  # of one picture in the file
@@ -44,6 +47,7 @@ def check_text(path: Path, content: bytes) -> None:
         if b"ascii" in header:
             _check(path, sum(content.count(end) for end in LINE_ENDS), MAX_LINES, "lines")
     elif suffix == ".obj":
+        _check(path, content.count(b"\n"), MAX_OBJ_LINES, "lines")
         check_triangles(path, _obj_triangles(content))
         _check(path, len(set(OBJ_MATERIALS.findall(content))), MAX_GROUPS, "materials")
     elif content.lstrip().startswith(b"solid") and b"facet" in header:
@@ -64,6 +68,11 @@ def _obj_triangles(content: bytes) -> int:
 
 def check_triangles(path: Path, triangles: int) -> None:
     _check(path, triangles, MAX_TRIANGLES, "triangles")
+
+
+def check_surfaces(path: Path, surfaces: int) -> None:
+    """Meshes of different materials, and blended ones."""
+    _check(path, surfaces, MAX_SURFACES, "surfaces of different materials")
 
 
 def check_gltf(path: Path, amounts: GltfAmounts) -> None:

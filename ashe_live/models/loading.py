@@ -14,8 +14,9 @@ from ashe_live.files.reading import read_bytes
 from ashe_live.models.folder import FolderResolver
 from ashe_live.models.geometry import placed_mesh
 from ashe_live.models.gltf_header import read_gltf
-from ashe_live.models.limits import MAX_FILE_BYTES, check_text, check_triangles
+from ashe_live.models.limits import MAX_FILE_BYTES, check_surfaces, check_text, check_triangles
 from ashe_live.models.malformed import MalformedError
+from ashe_live.models.merging import merged
 from ashe_live.models.mesh import Model
 from ashe_live.models.obj_text import drawn_lines
 from ashe_live.models.surfaces import Surfaces
@@ -85,10 +86,11 @@ def _converted(path: Path, scene: Any, surfaces: Surfaces, up: Float) -> Model:
     instances = [(up @ np.asarray(T, dtype=np.float64), scene.geometry[name]) for T, name in nodes]
     meshes = [(T, mesh) for T, mesh in instances if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
     check_triangles(path, sum(len(mesh.faces) for _, mesh in meshes))
-    parts = [part for T, mesh in meshes if (part := placed_mesh(mesh, T, surfaces)) is not None]
+    parts = merged(part for T, mesh in meshes if (part := placed_mesh(mesh, T, surfaces)) is not None)
     if not parts:
         raise UserError(f"the model file {path} holds no triangles", "export it as a mesh")
-    model = Model(path.stem, tuple(parts))
+    check_surfaces(path, len(parts))
+    model = Model(path.stem, parts)
     lower, upper = model.bounds
     if not (np.isfinite(upper - lower).all() and (upper - lower).max() > 0):
         raise UserError(f"the model file {path} has no extent", "export a model that is larger than a point")

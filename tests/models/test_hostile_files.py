@@ -214,6 +214,7 @@ TEXTS: dict[str, tuple[str, str, Callable[[], bytes]]] = {
     "a number of 9,000 digits": ("gltf", "without an end", lambda: b'{"scene": ' + b"9" * 9000 + b"}"),
     "a header that breaks off": ("glb", "within its first chunk", lambda: b"glTF\2\0\0\0"),
     "an older binary": ("glb", "is glTF 1: export", lambda: b"glTF\1" + bytes(40)),
+    "empty lines": ("obj", "lines", lambda: b"\n" * (limits.MAX_OBJ_LINES + 1)),
     "a corner that is not there": ("obj", "malformed", lambda: TRIANGLE + b"f 1 2 99999999999\n"),
     "a solid for each face": ("stl", "solids", lambda: b"solid a\n" + (FACET + b"endsolid\nsolid\n") * 1001),
     "text of many facets": ("stl", "triangles", lambda: b"solid a\n" + FACET + b"vertex 0 0 0\n" * 6_000_000),
@@ -369,6 +370,14 @@ def _of_pictures(*pictures: bytes) -> Document:
     material = {key: document.embedded(picture) for key, picture in zip(keys, pictures, strict=False)}
     document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
     return document
+
+
+def test_a_file_is_not_named_without_end(tmp_path: Path) -> None:
+    (tmp_path / "a.png").write_bytes(png(RED))
+    (tmp_path / "a.mtl").write_bytes(b"".join(b"newmtl %d\nmap_Kd a.png\n" % at for at in range(1001)))
+    (tmp_path / "a.obj").write_bytes(b"mtllib a.mtl\nusemtl 1\n" + TRIANGLE + b"f 1 2 3\n")
+    with pytest.raises(UserError, match="names files more than 1,000 times"):
+        load_model_file(tmp_path / "a.obj")
 
 
 LITTLE = Limits(niceness=10, memory_bytes=700_000_000, processor_s=8, silent=True)

@@ -1,0 +1,40 @@
+"""Meshes of one surface made one: what is drawn costs as many calls as there are surfaces, however many nodes."""
+
+from collections.abc import Hashable, Iterable
+from dataclasses import fields
+
+import numpy as np
+
+from ashe_live.models.material import MAPS, Alpha, Material
+from ashe_live.models.mesh import Mesh
+
+
+def merged(parts: Iterable[Mesh]) -> tuple[Mesh, ...]:
+    """In the order of their first. Blended ones stay apart, as they are drawn from the farthest to the nearest."""
+    alike: dict[Hashable, list[Mesh]] = {}
+    for number, part in enumerate(parts):
+        is_blended = part.material.alpha is Alpha.BLEND
+        key = part.uvs is None, part.colours is None, number if is_blended else _surface(part.material)
+        alike.setdefault(key, []).append(part)
+    return tuple(_joined(group) if len(group) > 1 else group[0] for group in alike.values())
+
+
+def _surface(material: Material) -> Hashable:
+    """Equal for materials that look alike: by their numbers, and by where their maps' texels lie."""
+    maps = [(name, texels.ctypes.data, texels.shape) for name, texels in material.maps.items()]
+    numbers = [getattr(material, field.name) for field in fields(material) if field.name not in MAPS]
+    return tuple(maps), tuple(numbers)
+
+
+def _joined(group: list[Mesh]) -> Mesh:
+    firsts = np.cumsum([0, *(len(part.vertices) for part in group[:-1])])
+    uvs = [part.uvs for part in group if part.uvs is not None]
+    colours = [part.colours for part in group if part.colours is not None]
+    return Mesh(
+        vertices=np.concatenate([part.vertices for part in group]),
+        normals=np.concatenate([part.normals for part in group]),
+        triangles=np.concatenate([part.triangles + first for part, first in zip(group, firsts, strict=True)]),
+        uvs=np.concatenate(uvs) if uvs else None,
+        colours=np.concatenate(colours) if colours else None,
+        material=group[0].material,
+    )
