@@ -184,6 +184,7 @@ class Server:
         self._connection = connection
         self._listener = socket.create_server(("127.0.0.1", 0), backlog=64)
         self._listener.setblocking(False)
+        self._connections = 0
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
     def serve(self) -> None:
@@ -200,7 +201,7 @@ class Server:
         if any("terminal" in (start["stdout"], start["stderr"], start["stdin"]) for start in asked["starts"]):
             master, slave = os.openpty()
             terminal = os.ttyname(slave)
-        begun = time.monotonic()
+        begun, self._connections = time.monotonic(), 0
         starts = sorted(((start["after_s"], at) for at, start in enumerate(asked["starts"])), reverse=True)
         signals = sorted(((after_s, number, group) for after_s, number, group in asked["signals"]), reverse=True)
         pids: dict[int, int] = {}
@@ -232,6 +233,7 @@ class Server:
                         with contextlib.suppress(ProcessLookupError):
                             os.kill(each, signal.SIGKILL)
         survivors = _survivors()
+        self._hang_up()
         if master is not None:
             _drain(master, shown)
             os.close(master)
@@ -240,7 +242,7 @@ class Server:
             "ended": [ended[at] for at in range(len(ended))],
             "hangs": hangs,
             "survivors": survivors,
-            "connections": self._connections(),
+            "connections": self._connections,
             "shown": shown.decode("latin-1"),
             "largest_bytes": max([largest, *(how["largest_bytes"] for how in ended.values())]),
         }
@@ -258,24 +260,25 @@ class Server:
         return pid
 
     def _await_change(self, living: list[int], master: int | None, shown: bytearray, at_most_s: float) -> None:
-        """Until one of the processes ends, the terminal has something, or the time is over."""
+        """Until one of the processes ends or calls, the terminal has something, or the time is over."""
         watched = []
         for pid in living:
             with contextlib.suppress(OSError):
                 watched.append(os.pidfd_open(pid))
-        ready, _, _ = select.select([*watched, *([] if master is None else [master])], [], [], at_most_s)
+        others = [self._listener.fileno(), *([] if master is None else [master])]
+        ready, _, _ = select.select([*watched, *others], [], [], at_most_s)
+        self._hang_up()
         if master is not None and master in ready:
             _drain(master, shown)
         for descriptor in watched:
             os.close(descriptor)
 
-    def _connections(self) -> int:
-        count = 0
+    def _hang_up(self) -> None:
+        """Counts who calls, and lets nobody wait."""
         with contextlib.suppress(BlockingIOError):
             while True:
                 self._listener.accept()[0].close()
-                count += 1
-        return count
+                self._connections += 1
 
 
 def _ended(pid: int) -> dict[str, Any] | None:

@@ -107,7 +107,7 @@ def _of_errors(case: Case, ended: Ended) -> Iterator[Broken]:
         is_said_elsewhere = case.stderr != "file" or not {"estimate", "doctor"}.isdisjoint(case.arguments)
         if not errors and not is_said_elsewhere:
             yield Broken("one line about an error", "says nothing", _shortened(ended.out))
-    elif len(errors) > MOST_NOTES:
+    elif len(errors) > MOST_NOTES and not foreign:
         yield Broken("few notes", "many notes", _shortened(ended.err))
 
 

@@ -322,7 +322,7 @@ def _small(words: Words) -> None:
 
 def _bench(words: Words) -> None:
     """Only such as cannot begin: those that do take minutes."""
-    what = words.draw(st.sampled_from(["track", "light", "viewer"]))
+    what = words.draw(st.sampled_from(["light", "viewer"]))
     words.words += ["bench", what]
     if what == "track":
         words.words += ["--quick", "--real", words.draw(st.sampled_from(["nowhere", "clip.mp4", "\udcff", "fifo"]))]
