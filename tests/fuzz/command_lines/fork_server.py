@@ -1,6 +1,6 @@
 """A process that has loaded the program already and forks for each start of it: a tenth of what a fresh start costs.
 
-Run as a script with the number of a connected socket; a line of JSON asks, a line of JSON answers. It imports nothing of
+Run as a script with the number of a connected socket and the program's script; a line of JSON asks, a line of JSON answers. It imports nothing of
 the tests, and is what all started processes descend from: whoever loses its parent becomes its child, so that nobody
 survives unseen.
 """
@@ -34,7 +34,6 @@ SURVIVES_FOR_S = 3.0  # children notice that their parent has ended; under load 
 WATCH_EVERY_S = 0.25
 COULD_NOT_PREPARE = 97
 STOPPED_AT_BYTES = 4 << 30  # twice of what is allowed: before the machine suffers
-SCRIPT = str(Path(sys.executable).with_name("ashe-live"))
 
 
 def load_program() -> None:
@@ -102,7 +101,7 @@ def python_streams(environment: dict[str, str]) -> None:
         setattr(sys, f"__{name}__", stream)
 
 
-def become(start: dict[str, Any], terminal: str | None) -> NoReturn:
+def become(start: dict[str, Any], script: str, terminal: str | None) -> NoReturn:
     """In the forked child: takes on folder, streams, limits and environment, runs the program and ends as Python does."""
     os.setsid()
     for number in (signal.SIGTERM, signal.SIGHUP):
@@ -126,16 +125,16 @@ def become(start: dict[str, Any], terminal: str | None) -> NoReturn:
     if start["how"] != "forked":
         signal.signal(signal.SIGINT, signal.SIG_DFL)
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
-        command = [SCRIPT] if start["how"] == "script" else [sys.executable, "-m", "ashe_live"]
+        command = [script] if start["how"] == "script" else [sys.executable, "-m", "ashe_live"]
         os.execve(command[0], [*command, *argv], environment)
     signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.clear()
     os.environ.update(environment)
     python_streams(environment)
-    sys.argv = [SCRIPT, *argv]
-    sys.path[0:0] = [str(Path(SCRIPT).parent)]
+    sys.argv = [script, *argv]
+    sys.path[0:0] = [str(Path(script).parent)]
     _forget_folder()
-    os._exit(_status_of_script())
+    os._exit(_status_of(script))
 
 
 def _forget_folder() -> None:
@@ -147,11 +146,11 @@ def _forget_folder() -> None:
         process.ORIGINAL_DIR = None  # type: ignore[attr-defined]
 
 
-def _status_of_script() -> int:
+def _status_of(script: str) -> int:
     """What Python's own end does, without taking its modules apart, which would copy every page."""
     status = 0
     try:
-        runpy.run_path(SCRIPT, run_name="__main__")
+        runpy.run_path(script, run_name="__main__")
     except SystemExit as end:
         status = end.code if isinstance(end.code, int) else 0 if end.code is None else 1
         if isinstance(end.code, str):
@@ -180,8 +179,8 @@ def _status_of_script() -> int:
 class Server:
     """Runs one case at a time."""
 
-    def __init__(self, connection: socket.socket) -> None:
-        self._connection = connection
+    def __init__(self, connection: socket.socket, script: str) -> None:
+        self._connection, self._script = connection, script
         self._listener = socket.create_server(("127.0.0.1", 0), backlog=64)
         self._listener.setblocking(False)
         self._connections = 0
@@ -251,7 +250,7 @@ class Server:
         pid = os.fork()
         if pid == 0:
             try:
-                become(start, terminal)
+                become(start, self._script, terminal)
             except BaseException:
                 with contextlib.suppress(OSError):
                     Path(f"{start['records']}.harness").write_text(traceback.format_exc())
@@ -343,4 +342,4 @@ def _resident(pid: int) -> int:
 if __name__ == "__main__":
     del sys.path[0]  # this folder: nobody is to import from it
     load_program()
-    Server(socket.socket(fileno=int(sys.argv[1]))).serve()
+    Server(socket.socket(fileno=int(sys.argv[1])), sys.argv[2]).serve()

@@ -19,6 +19,7 @@ from tests.fuzz.command_lines.case import HOME, TEMPORARY, Case
 from tests.fuzz.command_lines.sandbox import Entry, Sandbox
 
 CHECKOUT = Path(__file__).parents[3]
+SCRIPT = Path(sys.executable).with_name("ashe-live")
 SERVER = Path(__file__).with_name("fork_server.py")
 # Far beyond what any case needs; a crowded machine waits for its processor.
 LONGEST_S = 60.0
@@ -48,19 +49,26 @@ class Outcome:
     ran_code: tuple[str, ...]
     before: Mapping[str, Entry]
     after: Mapping[str, Entry]
-    sandbox: Sandbox
+    sandbox: Sandbox  # removed where the outcome, as a context manager, ends
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.sandbox.remove()
 
 
 class Runner:
     """A fork server and a folder for sandboxes; a context manager."""
 
-    def __init__(self, materials: Mapping[str, Path]) -> None:
+    def __init__(self, materials: Mapping[str, Path], script: Path = SCRIPT) -> None:
+        """`script` is what is fuzzed."""
         self._materials = materials
         self._folder = Path(tempfile.mkdtemp(prefix="ashe-live-fuzz-"))
         self._numbers = count()
         ours, theirs = socket.socketpair()
         self._server = subprocess.Popen(
-            [sys.executable, str(SERVER), str(theirs.fileno())],
+            [sys.executable, str(SERVER), str(theirs.fileno()), str(script)],
             pass_fds=[theirs.fileno()],
             cwd=self._folder,
             env={**os.environ, "PYTHONPATH": str(CHECKOUT)},
@@ -72,12 +80,13 @@ class Runner:
         ours.close()
         self.port: int = json.loads(self._lines.readline())["port"]
 
-    def run(self, case: Case) -> Outcome:
-        """Raises RuntimeError when the harness itself fails."""
-        sandbox = Sandbox(self._folder / str(next(self._numbers)), case, self._materials, self.port)
-        starts = [self._start(sandbox, 0, 0.0)]
+    def run(self, case: Case, sandbox: Sandbox | None = None) -> Outcome:
+        """In a new sandbox, or in one that an earlier case has left. Raises RuntimeError when the harness itself fails."""
+        if sandbox is None:
+            sandbox = Sandbox(self._folder / str(next(self._numbers)), case, self._materials, self.port)
+        starts = [self._start(case, sandbox, 0, 0.0)]
         if case.second_after_ms is not None:
-            starts.append(self._start(sandbox, 1, case.second_after_ms / 1000))
+            starts.append(self._start(case, sandbox, 1, case.second_after_ms / 1000))
         before = sandbox.snapshot()
         signals = [(after_ms / 1000, number, group) for after_ms, number, group in case.signals]
         answer = self._ask({"starts": starts, "signals": signals, "within_s": LONGEST_S})
@@ -109,8 +118,8 @@ class Runner:
             raise RuntimeError(f"the fork server ended with status {self._server.wait()}")
         return json.loads(answer)
 
-    def _start(self, sandbox: Sandbox, number: int, after_s: float) -> dict[str, Any]:
-        case, folder = sandbox.case, sandbox.base / sandbox.filled(sandbox.case.folder)
+    def _start(self, case: Case, sandbox: Sandbox, number: int, after_s: float) -> dict[str, Any]:
+        folder = sandbox.base / sandbox.filled(case.folder)
         if case.folder == "deleted":
             folder = sandbox.base / f"deleted-{number}"
             folder.mkdir()
