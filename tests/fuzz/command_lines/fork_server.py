@@ -155,12 +155,10 @@ def _status_of(script: str) -> int:
         status = end.code if isinstance(end.code, int) else 0 if end.code is None else 1
         if isinstance(end.code, str):
             print(end.code, file=sys.stderr)
-    except KeyboardInterrupt:
-        traceback.print_exc()
-        status = 128 + signal.SIGINT
-    except BaseException:
-        traceback.print_exc()
-        status = 1
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            traceback.print_exc()
+        status = 128 + signal.SIGINT if isinstance(error, KeyboardInterrupt) else 1
     with contextlib.suppress(Exception):
         threading._shutdown()  # type: ignore[attr-defined]
     with contextlib.suppress(Exception):
