@@ -19,14 +19,16 @@ FEW = settings(max_examples=60, derandomize=True, deadline=None, database=None, 
 @pytest.mark.parametrize("name", KEPT)
 def test_what_once_broke_a_promise_breaks_none(runner, name):
     with runner.run(KEPT[name]) as outcome:
-        assert broken_promises(KEPT[name], outcome) == []
+        broken = broken_promises(KEPT[name], outcome)
+        assert not broken, "\n".join(map(str, broken))
 
 
 @FEW
 @given(case=cases())
 def test_no_command_line_breaks_a_promise(runner, case):
     with runner.run(case) as outcome:
-        assert broken_promises(case, outcome) == []
+        broken = broken_promises(case, outcome)
+        assert not broken, "\n".join(map(str, broken))
 
 
 def test_no_command_line_of_very_many_breaks_a_promise(runner, capsys, pytestconfig):

@@ -151,6 +151,10 @@ def _of_files(case: Case, outcome: Outcome) -> Iterator[Broken]:
         elif now is not None and is_target and now != entry and now.kind == "file" and (why := _defect(outcome, path)):
             yield Broken("outputs are whole", f"not whole: {PurePosixPath(path).suffix}", f"{path!r}: {why}")
     answered = [ended for ended in outcome.ended if ended.status in ANSWERS]
+    if len(answered) > 1 and not case.overwrites and any(output.lower().endswith(".mp4") for output in outputs):
+        clips = [path for path, entry in after.items() if path not in before and entry.kind == "file" and path[-4:].lower() == ".mp4"]
+        if len(clips) < len(answered):
+            yield Broken("no recording is lost", "recording lost", f"{clips!r} of {len(answered)}")
     for path, entry in after.items():
         if path in before or entry.kind == "folder" and _is_output(path, outputs):
             continue
@@ -195,7 +199,9 @@ def _may_appear(path: str, case: Case, outputs: set[str]) -> bool:
     # What a full disk leaves of a recording stays.
     if "RLIMIT_FSIZE" in case.limits and name.startswith(".") and name.endswith(".mp4"):
         return True
-    return any(path == output or path.startswith(f"{output}/") for output in outputs)
+    # Of two at once the later one takes the next name.
+    first = re.sub(r"-[2-9](\.\w+)$", r"\1", path) if case.second_after_ms is not None else path
+    return any(first == output or path.startswith(f"{output}/") for output in outputs)
 
 
 def _normal(path: str) -> str:

@@ -78,7 +78,17 @@ def _partial(name: str, what: tuple[Kind, str]) -> Planted:
 
 others_partials = st.builds(
     _partial,
-    st.sampled_from([".r.partial.mp4", ".movie.partial.mp4", ".report.partial.json", ".a.partial.MP4", ".r.finished.mp4"]),
+    st.sampled_from(
+        [
+            ".r.partial.mp4",
+            ".r.01234567.partial.mp4",
+            ".movie.89abcdef.partial.mp4",
+            ".A.89abcdef.partial.MP4",
+            ".report.partial.json",
+            ".report.01234567.partial.json",
+            ".r.finished.mp4",
+        ]
+    ),
     st.sampled_from(
         [
             ("text", "another program's"),
