@@ -1,8 +1,8 @@
 """Fuzzing the command line: what cases are made of, and the switches for long runs.
 
-    pytest tests/fuzz/test_command_line.py --fuzz-cases 20000 --fuzz-seed 1 --fuzz-summary summary.json
-    pytest tests/fuzz/test_recordings_survive.py --fuzz-signals 500
-    pytest tests/fuzz/test_scarce_resources.py --fuzz-disks 60
+pytest tests/fuzz/test_command_line.py --fuzz-cases 20000 --fuzz-seed 1 --fuzz-summary summary.json
+pytest tests/fuzz/test_recordings_survive.py --fuzz-signals 500
+pytest tests/fuzz/test_scarce_resources.py --fuzz-disks 60
 """
 
 import sys
@@ -15,9 +15,15 @@ import pytest
 def pytest_addoption(parser: pytest.Parser) -> None:
     group = parser.getgroup("fuzz", "long runs of tests/fuzz")
     group.addoption("--fuzz-cases", type=int, metavar="N", help="also try N random command lines")
-    group.addoption("--fuzz-seed", type=int, default=1, metavar="N", help="another seed, other command lines and moments")
-    group.addoption("--fuzz-summary", type=Path, metavar="FILE.json", help="where the counts and what broke are written")
-    group.addoption("--fuzz-signals", type=int, metavar="N", help="runs of signals at random moments, kill -9 and restart")
+    group.addoption(
+        "--fuzz-seed", type=int, default=1, metavar="N", help="another seed, other command lines and moments"
+    )
+    group.addoption(
+        "--fuzz-summary", type=Path, metavar="FILE.json", help="where the counts and what broke are written"
+    )
+    group.addoption(
+        "--fuzz-signals", type=int, metavar="N", help="runs of signals at random moments, kill -9 and restart"
+    )
     group.addoption("--fuzz-disks", type=int, metavar="N", help="sizes at which the disk is full")
 
 

@@ -111,5 +111,8 @@ def test_very_many_recordings_that_are_ended_at_random(runner, capsys, pytestcon
         broken[kind] += broken_run(runner, kind, chance)
         if (at + 1) % 20 == 0:
             with capsys.disabled():
-                print(f"{at + 1} of {count} runs, broken: { {kind: len(each) for kind, each in broken.items()} }", flush=True)
+                print(
+                    f"{at + 1} of {count} runs, broken: { {kind: len(each) for kind, each in broken.items()} }",
+                    flush=True,
+                )
     assert not any(broken.values()), "\n".join(f"{kind}: {each}" for kind in KINDS for each in broken[kind])

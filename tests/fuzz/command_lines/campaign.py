@@ -46,7 +46,9 @@ class Campaign:
             batch += 1
             self._batch(min(BATCH, count - len(self._walls_s)), first_seed * 1_000_000 + batch)
             took_s = time.monotonic() - begun
-            self._tell(f"{len(self._walls_s)} of {count} cases in {took_s:.0f} s, {len(self._known)} causes of broken promises")
+            self._tell(
+                f"{len(self._walls_s)} of {count} cases in {took_s:.0f} s, {len(self._known)} causes of broken promises"
+            )
 
     def summary(self) -> dict[str, Any]:
         """For JSON; `broken` by cause, the most frequent first."""

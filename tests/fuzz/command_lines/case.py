@@ -71,4 +71,6 @@ def case_from(described: Mapping[str, Any]) -> Case:
 
 def read_cases(folder: Path) -> dict[str, Case]:
     """The kept cases by their files' names."""
-    return {path.stem: case_from(json.loads(path.read_text(encoding="utf-8"))) for path in sorted(folder.glob("*.json"))}
+    return {
+        path.stem: case_from(json.loads(path.read_text(encoding="utf-8"))) for path in sorted(folder.glob("*.json"))
+    }

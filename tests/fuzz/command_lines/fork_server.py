@@ -104,8 +104,6 @@ def python_streams(environment: dict[str, str]) -> None:
 def become(start: dict[str, Any], script: str, terminal: str | None) -> NoReturn:
     """In the forked child: takes on folder, streams, limits and environment, runs the program and ends as Python does."""
     os.setsid()
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
     streams = [
         opened_stream(start[name], f"{start['records']}.{name}", terminal, name != "stdin")
         for name in ("stdin", "stdout", "stderr")
@@ -123,17 +121,16 @@ def become(start: dict[str, Any], script: str, terminal: str | None) -> NoReturn
         resource.setrlimit(number, (value, value))
     argv, environment = start["argv"], start["environment"]
     if start["how"] != "forked":
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
         signal.signal(signal.SIGPIPE, signal.SIG_DFL)
         command = [script] if start["how"] == "script" else [sys.executable, "-m", "ashe_live"]
         os.execve(command[0], [*command, *argv], environment)
-    signal.signal(signal.SIGINT, signal.default_int_handler)
     os.environ.clear()
     os.environ.update(environment)
     python_streams(environment)
     sys.argv = [script, *argv]
     sys.path[0:0] = [str(Path(script).parent)]
     _forget_folder()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     os._exit(_status_of(script))
 
 
@@ -183,6 +180,10 @@ class Server:
         self._listener.setblocking(False)
         self._connections = 0
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+        # As a program finds them that is started by hand, whatever those ignore who run the tests; until it begins, a
+        # signal simply ends it.
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, signal.SIG_DFL)
 
     def serve(self) -> None:
         with self._connection.makefile("rw", encoding="ascii") as lines:

@@ -115,19 +115,54 @@ SHAPES = (
     "/proc/self/mem",
     "/proc/self/fd/0",
 )
-SUFFIXES = ("", ".mp4", ".MP4", ".mkv", ".png", ".jpg", ".json", ".html", ".pdf", ".toml", ".glb", ".gltf", ".obj", ".patt")
+SUFFIXES = (
+    "",
+    ".mp4",
+    ".MP4",
+    ".mkv",
+    ".png",
+    ".jpg",
+    ".json",
+    ".html",
+    ".pdf",
+    ".toml",
+    ".glb",
+    ".gltf",
+    ".obj",
+    ".patt",
+)
 LETTERS = st.one_of(
     st.characters(codec="utf-8", exclude_characters="\0/"),
     st.sampled_from([chr(0xDC00 + byte) for byte in (0x80, 0xC3, 0xE2, 0xFF)]),  # bytes that are no UTF-8
     st.sampled_from("\x1b\x07\r\n\t\x9b\x85\u202e\u2028[]{}%:|,;@~*?!-\\'\" "),
 )
 
-free_names = st.builds(lambda stem, suffix: stem + suffix, st.text(LETTERS, max_size=12), st.sampled_from(SUFFIXES)).filter(
+free_names = st.builds(
+    lambda stem, suffix: stem + suffix, st.text(LETTERS, max_size=12), st.sampled_from(SUFFIXES)
+).filter(
     lambda name: name not in ("", ".", "..") and len(name.encode("utf-8", "surrogateescape")) <= LONGEST_NAME_BYTES
 )
 hostile_names = st.one_of(*map(st.sampled_from, (ADDRESSES, PROTOCOLS, RAW, SHELL, MARKUP, SHAPES)), free_names)
 
-INTEGERS = ("0", "1", "2", "-1", "00", "+1", "1_0", " 5", "5 ", "1.5", "1e3", "", "nan", "²", "１２", "9" * 30, "9" * 5000)
+INTEGERS = (
+    "0",
+    "1",
+    "2",
+    "-1",
+    "00",
+    "+1",
+    "1_0",
+    " 5",
+    "5 ",
+    "1.5",
+    "1e3",
+    "",
+    "nan",
+    "²",
+    "１２",
+    "9" * 30,
+    "9" * 5000,
+)
 LARGE = ("2147483647", "2147483648", "4294967296", "9223372036854775808", "1" + "0" * 400)
 FLOATS = (
     "0",
@@ -148,7 +183,23 @@ FLOATS = (
     "1,5",
     "",
 )
-SIZES = ("64x48", "64x48", "1x1", "2x2", "3x1", "1x4096", "16384x1", "0x5", "-1x5", "x", "1x", "²x²", "1e3x5", "99999x9", "")
+SIZES = (
+    "64x48",
+    "64x48",
+    "1x1",
+    "2x2",
+    "3x1",
+    "1x4096",
+    "16384x1",
+    "0x5",
+    "-1x5",
+    "x",
+    "1x",
+    "²x²",
+    "1e3x5",
+    "99999x9",
+    "",
+)
 MARKERS = (
     "aruco:4x4_50:0",
     "aruco:4x4_50:1",

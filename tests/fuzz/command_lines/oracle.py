@@ -99,7 +99,9 @@ def _of_errors(case: Case, ended: Ended) -> Iterator[Broken]:
     if foreign:
         yield Broken("only lines of its own on stderr", f"stderr: {_culprit(ended.err)}", _shortened(ended.err))
     elif any(len(line) > LONGEST_LINE for line in lines):
-        yield Broken("lines of a bounded length", "long line: " + _plain(lines[0]), f"{max(map(len, lines))} characters")
+        yield Broken(
+            "lines of a bounded length", "long line: " + _plain(lines[0]), f"{max(map(len, lines))} characters"
+        )
     errors = [line for line in lines if not NOTE.match(line)]
     if ended.status == WRONG_USE and not foreign:
         if len(errors) > 1:
@@ -152,7 +154,11 @@ def _of_files(case: Case, outcome: Outcome) -> Iterator[Broken]:
             yield Broken("outputs are whole", f"not whole: {PurePosixPath(path).suffix}", f"{path!r}: {why}")
     answered = [ended for ended in outcome.ended if ended.status in ANSWERS]
     if len(answered) > 1 and not case.overwrites and any(output.lower().endswith(".mp4") for output in outputs):
-        clips = [path for path, entry in after.items() if path not in before and entry.kind == "file" and path[-4:].lower() == ".mp4"]
+        clips = [
+            path
+            for path, entry in after.items()
+            if path not in before and entry.kind == "file" and path[-4:].lower() == ".mp4"
+        ]
         if len(clips) < len(answered):
             yield Broken("no recording is lost", "recording lost", f"{clips!r} of {len(answered)}")
     for path, entry in after.items():
@@ -160,7 +166,7 @@ def _of_files(case: Case, outcome: Outcome) -> Iterator[Broken]:
             continue
         if not _may_appear(path, case, outputs):
             yield Broken("nothing is left over", f"left: {_pattern(path)}", f"{path!r}, {entry.byte_count} bytes")
-        elif entry.kind == "file" and (why := _defect(outcome, path)) is not None:
+        elif entry.kind == "file" and not _is_abandoned(path, case) and (why := _defect(outcome, path)) is not None:
             yield Broken("outputs are whole", f"not whole: {PurePosixPath(path).suffix}", f"{path!r}: {why}")
     if answered and len(outcome.ended) == 1 and "bench" not in case.arguments and "-h" not in case.arguments:
         written = {path for path in outputs if path in after and (path not in before or case.overwrites)}
@@ -190,9 +196,8 @@ def _may_appear(path: str, case: Case, outputs: set[str]) -> bool:
     name = PurePosixPath(path).name
     if path.startswith(OWN_PLACES):
         return True
-    # A killed process leaves what it had in the making.
-    if signal.SIGKILL in {number for _, number, _ in case.signals}:
-        return path.startswith((WORK, TEMPORARY, case.folder))
+    if _is_abandoned(path, case):
+        return True
     folder = str(PurePosixPath(path).parent)
     if any(fnmatch(name, pattern) for pattern in DEMO_FILES):
         return folder in {case.folder, *(str(PurePosixPath(output).parent) for output in outputs)}
@@ -202,6 +207,12 @@ def _may_appear(path: str, case: Case, outputs: set[str]) -> bool:
     # Of two at once the later one takes the next name.
     first = re.sub(r"-[2-9](\.\w+)$", r"\1", path) if case.second_after_ms is not None else path
     return any(first == output or path.startswith(f"{output}/") for output in outputs)
+
+
+def _is_abandoned(path: str, case: Case) -> bool:
+    """What a killed process had in the making."""
+    is_killed = signal.SIGKILL in {number for _, number, _ in case.signals}
+    return is_killed and (path.startswith(TEMPORARY) or PurePosixPath(path).name.startswith("."))
 
 
 def _normal(path: str) -> str:

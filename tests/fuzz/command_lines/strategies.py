@@ -24,7 +24,20 @@ MODELS = ("model.gltf", "model.obj", "wordy.gltf")
 LONG = ("deep", "long", "digits", "name")
 OUTPUTS = ("r.mp4", "report.json", "sheet.html", "marker.png", "marker.pdf", "R.MP4", "steps")
 # As modules of the standard library and of ours are called.
-CODE = ("pickle", "signal", "selectors", "json", "numpy", "cv2", "av", "ashe_live", "sitecustomize", "__main__", "random")
+ENOUGH_FOR_MESSAGES = 4096  # bytes: what is written to stderr is a file, too
+CODE = (
+    "pickle",
+    "signal",
+    "selectors",
+    "json",
+    "numpy",
+    "cv2",
+    "av",
+    "ashe_live",
+    "sitecustomize",
+    "__main__",
+    "random",
+)
 CONFIG = f"{HOME}/.config/ashe-live/settings.toml"
 SETTINGS = (
     'quality = "fast"\n',
@@ -186,8 +199,12 @@ permissions = st.dictionaries(
 )
 written = st.sampled_from(["file"] * 6 + ["closed", "full", "broken pipe", "terminal"])
 resource_limits = st.dictionaries(
-    st.sampled_from(["RLIMIT_FSIZE", "RLIMIT_NOFILE"]), st.sampled_from([0, 20, 64, 4096, 20_000]), max_size=2
-).map(lambda limits: {name: max(20, value) if name == "RLIMIT_NOFILE" else value for name, value in limits.items()})
+    st.sampled_from(["RLIMIT_FSIZE", "RLIMIT_NOFILE"]), st.sampled_from([20, 64, 4096, 20_000]), max_size=2
+).map(
+    lambda limits: {
+        name: max(ENOUGH_FOR_MESSAGES, value) if "FSIZE" in name else value for name, value in limits.items()
+    }
+)
 signals = st.lists(
     st.tuples(st.integers(0, 700), st.sampled_from([1, 2, 15]), st.booleans()), min_size=1, max_size=2
 ).map(tuple)
@@ -235,7 +252,9 @@ class Words:
                 st.sampled_from(plain),
                 free_names.map(lambda name: name + suffix),
                 hostile_names.map(lambda name: name + suffix),
-                st.sampled_from([f"missing/x{suffix}", f"clip.mp4/x{suffix}", f"{'a' * 245}{suffix}", "photo.png", "clip.mp4"]),
+                st.sampled_from(
+                    [f"missing/x{suffix}", f"clip.mp4/x{suffix}", f"{'a' * 245}{suffix}", "photo.png", "clip.mp4"]
+                ),
             ).filter(lambda name: not name.startswith("/") and ".." not in name.split("/"))
         )
         self.words += [f"{option}={name}"] if self.draw(st.booleans()) else [option, name]
@@ -245,7 +264,9 @@ class Words:
 def _scene(words: Words) -> None:
     words.maybe("--marker", st.one_of(st.sampled_from(MARKERS), hostile_names))
     words.maybe("--marker-size", floats, 10)
-    names = st.one_of(st.sampled_from(["odd.json", "huge.json", "fifo", "zero", "photo.png", "settings.toml"]), hostile_names)
+    names = st.one_of(
+        st.sampled_from(["odd.json", "huge.json", "fifo", "zero", "photo.png", "settings.toml"]), hostile_names
+    )
     words.maybe("--camera-file", names)
     words.maybe("--focal-px", floats, 10)
     words.maybe("--hfov", floats, 8)
