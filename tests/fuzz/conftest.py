@@ -6,7 +6,7 @@ pytest tests/fuzz/test_scarce_resources.py --fuzz-disks 60
 """
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest

@@ -12,12 +12,12 @@ import pytest
 from tests.fuzz.command_lines.case import HOME, WORK, Case, Planted
 from tests.fuzz.command_lines.oracle import broken_promises
 from tests.fuzz.command_lines.outputs import defect, picture_count
-from tests.fuzz.command_lines.strategies import ENOUGH_FOR_MESSAGES
+from tests.fuzz.command_lines.surroundings import ENOUGH_FOR_MESSAGES
 
 FRAMES = 150
 RECORDING = Case(
-    ("play", "clip.mp4", "--headless", "--loop", "--frames", str(FRAMES), "--quality", "fast", "--estimate-at", "999999",
-     "--out", "walk.mp4", "--report", "walk.json"),
+    ("play", "clip.mp4", "--headless", "--loop", "--frames", str(FRAMES), "--quality", "fast",
+     "--estimate-at", "999999", "--out", "walk.mp4", "--report", "walk.json"),
     (Planted(f"{WORK}/clip.mp4", "material", "clip.mp4"),),
     ("walk.mp4", "walk.json"),
 )  # fmt: skip

@@ -19,13 +19,13 @@ BATCH = 500
 SLOW_S = 5.0
 
 
-class BrokenPromise(AssertionError):
+class BrokenPromiseError(AssertionError):
     """Of one cause: a subclass for each, as Hypothesis tells faults apart by their types."""
 
 
 @cache
-def _broken_promise(cause: str) -> type[BrokenPromise]:
-    return type(cause, (BrokenPromise,), {})
+def _broken_promise(cause: str) -> type[BrokenPromiseError]:
+    return type(cause, (BrokenPromiseError,), {})
 
 
 class Campaign:
@@ -98,7 +98,7 @@ class Campaign:
         self._walls_s.append(time.monotonic() - begun)
         self._statuses.update(str(ended.status) for ended in outcome.ended)
         self._commands[next(iter(case.arguments), "")[:12]] += 1
-        self._counts.update(broken)
+        self._counts.update(broken.keys())
         for cause, each in broken.items():
             if cause not in self._known or _size(case) < _size(self._known[cause][1]):
                 self._known[cause] = each, case
@@ -112,4 +112,4 @@ def _size(case: Case) -> int:
 def _is_about_a_promise(error: BaseException) -> bool:
     """Hypothesis raises it alone, several in a group, or one that did not happen again as FlakyFailure."""
     inner = error.exceptions if isinstance(error, BaseExceptionGroup) else (error,)
-    return all(isinstance(each, BrokenPromise) or type(each).__name__.startswith("Flaky") for each in inner)
+    return all(isinstance(each, BrokenPromiseError) or type(each).__name__.startswith("Flaky") for each in inner)

@@ -21,15 +21,15 @@ class Planted:
 
     path: str  # from the sandbox's folder on; file names with bytes that are no UTF-8 as Python has them (PEP 383)
     kind: Kind = "text"
-    # The text; the link's target; which material (materials.py); a sparse file's length; a node's minor number (3: null,
-    # 5: zero). Code needs none: it says that it ran.
+    # The text; the link's target; which material (materials.py); a sparse file's length; a node's minor number (3:
+    # null, 5: zero). Code needs none: it says that it ran.
     content: str = ""
     is_old: bool = False  # last written to in 1970
 
 
 @dataclass(frozen=True)
 class Case:
-    """`{port}` and `{base}` in arguments, paths, contents and environment stand for the listener's port, the sandbox."""
+    """`{port}` and `{base}` in arguments, paths, contents and environment: the listener's port, the sandbox."""
 
     arguments: tuple[str, ...]
     planted: tuple[Planted, ...] = ()

@@ -15,6 +15,10 @@ from ashe_live.core.arrays import Image
 
 FPS = 30
 FRAMES = 6
+PICTURES = (
+    *("clip.mp4", "blank.mp4", "jumps-back.ts", "grows.mkv", "cut.mp4", "foreign.mp4"),
+    *("photo.png", "photo.jpg", "blank.png", "dot.png"),
+)
 GLTF = {
     "asset": {"version": "2.0"},
     "scene": 0,
@@ -49,8 +53,7 @@ def write_materials(folder: Path, film: Path, camera_file: Path) -> dict[str, Pa
     blank = np.full((48, 64, 3), 90, np.uint8)
     materials = {
         name: folder / name
-        for name in ("clip.mp4", "blank.mp4", "jumps-back.ts", "grows.mkv", "cut.mp4", "foreign.mp4", "photo.png")
-        + ("photo.jpg", "blank.png", "dot.png", "model.gltf", "model.obj", "wordy.gltf", "camera.json", "settings.toml")
+        for name in (*PICTURES, "model.gltf", "model.obj", "wordy.gltf", "camera.json", "settings.toml")
     }
     for name, pictures in (("clip.mp4", frames), ("blank.mp4", [blank] * 3)):
         with Recorder(materials[name], pictures[0].shape[1::-1], FPS) as recorder:

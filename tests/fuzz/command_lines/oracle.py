@@ -10,7 +10,7 @@ from pathlib import PurePosixPath
 
 import jsonschema
 
-from tests.fuzz.command_lines.case import HOME, TEMPORARY, WORK, Case
+from tests.fuzz.command_lines.case import HOME, TEMPORARY, Case
 from tests.fuzz.command_lines.names import SEQUENCE
 from tests.fuzz.command_lines.outputs import SCHEMA, defect
 from tests.fuzz.command_lines.runner import Ended, Outcome
@@ -162,7 +162,7 @@ def _of_files(case: Case, outcome: Outcome) -> Iterator[Broken]:
         if len(clips) < len(answered):
             yield Broken("no recording is lost", "recording lost", f"{clips!r} of {len(answered)}")
     for path, entry in after.items():
-        if path in before or entry.kind == "folder" and _is_output(path, outputs):
+        if path in before or (entry.kind == "folder" and _is_output(path, outputs)):
             continue
         if not _may_appear(path, case, outputs):
             yield Broken("nothing is left over", f"left: {_pattern(path)}", f"{path!r}, {entry.byte_count} bytes")
@@ -223,7 +223,8 @@ def _normal(path: str) -> str:
 def _pattern(path: str) -> str:
     """Hidden or not, and the suffix: without the name, which is the case's."""
     place = PurePosixPath(path)
-    return f"{place.parts[0]}/{'.' if place.name.startswith('.') else ''}*{'.partial' if '.partial' in place.name else ''}{place.suffix[:8]}"
+    hidden, partial = "." if place.name.startswith(".") else "", ".partial" if ".partial" in place.name else ""
+    return f"{place.parts[0]}/{hidden}*{partial}{place.suffix[:8]}"
 
 
 def _kind(path: str, entry: Entry) -> str:

@@ -81,7 +81,10 @@ class Runner:
         self.port: int = json.loads(self._lines.readline())["port"]
 
     def run(self, case: Case, sandbox: Sandbox | None = None) -> Outcome:
-        """In a new sandbox, or in one that an earlier case has left. Raises RuntimeError when the harness itself fails."""
+        """In a new sandbox, or in one that an earlier case has left.
+
+        Raises RuntimeError when the harness itself fails.
+        """
         if sandbox is None:
             sandbox = Sandbox(self._folder / str(next(self._numbers)), case, self._materials, self.port)
         starts = [self._start(case, sandbox, 0, 0.0)]

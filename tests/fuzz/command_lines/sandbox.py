@@ -111,7 +111,7 @@ class Sandbox:
             status = place.stat(follow_symlinks=False)
             kind, content = "other", f"{status.st_rdev}"
             if place.is_symlink():
-                kind, content = "link", os.readlink(place.path)
+                kind, content = "link", str(Path(place.path).readlink())
             elif place.is_dir(follow_symlinks=False):
                 found[name] = Entry("folder", status.st_mode, "", status.st_ino, 0)
                 self._look_into(Path(place.path), f"{name}/", found)
