@@ -41,8 +41,10 @@ def test_no_command_line_of_very_many_breaks_a_promise(runner, capsys, pytestcon
             print(line, flush=True)
 
     campaign = Campaign(runner, tell)
-    campaign.run(count, pytestconfig.getoption("fuzz_seed"))
-    summary = campaign.summary()
-    if (path := pytestconfig.getoption("fuzz_summary")) is not None:
-        path.write_text(json.dumps(summary, indent=1), encoding="utf-8")
+    try:
+        campaign.run(count, pytestconfig.getoption("fuzz_seed"))
+    finally:
+        summary = campaign.summary()
+        if (path := pytestconfig.getoption("fuzz_summary")) is not None:
+            path.write_text(json.dumps(summary, indent=1), encoding="utf-8")
     assert summary["broken"] == {}, "\n".join(summary["broken"])

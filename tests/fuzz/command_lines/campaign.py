@@ -16,7 +16,7 @@ from tests.fuzz.command_lines.strategies import cases
 # Hypothesis stops soon after it has found something; a new batch goes on without looking at that again.
 BATCH = 500
 # What takes its time to show itself, or shows itself by chance, is kept as it was found.
-SLOW_S = 5.0
+SLOW_S = 1.0
 
 
 class BrokenPromiseError(AssertionError):
@@ -52,9 +52,9 @@ class Campaign:
 
     def summary(self) -> dict[str, Any]:
         """For JSON; `broken` by cause, the most frequent first."""
-        walls_s = sorted(self._walls_s)
+        walls_s = sorted(self._walls_s) or [0.0]
         return {
-            "cases": len(walls_s),
+            "cases": len(self._walls_s),
             "median_s": walls_s[len(walls_s) // 2],
             "mean_s": sum(walls_s) / len(walls_s),
             "longest_s": walls_s[-1],
@@ -100,6 +100,8 @@ class Campaign:
         self._commands[next(iter(case.arguments), "")[:12]] += 1
         self._counts.update(broken.keys())
         for cause, each in broken.items():
+            if cause not in self._known:
+                self._tell(f"new: {cause}: {each.detail[:300]}: {case.arguments}")
             if cause not in self._known or _size(case) < _size(self._known[cause][1]):
                 self._known[cause] = each, case
         return sorted(broken)

@@ -61,9 +61,9 @@ class Outcome:
 class Runner:
     """A fork server and a folder for sandboxes; a context manager."""
 
-    def __init__(self, materials: Mapping[str, Path], script: Path = SCRIPT) -> None:
-        """`script` is what is fuzzed."""
-        self._materials = materials
+    def __init__(self, materials: Mapping[str, Path], script: Path = SCRIPT, longest_s: float = LONGEST_S) -> None:
+        """`script` is what is fuzzed; after `longest_s` it counts as hanging."""
+        self._materials, self._longest_s = materials, longest_s
         self._folder = Path(tempfile.mkdtemp(prefix="ashe-live-fuzz-"))
         self._numbers = count()
         ours, theirs = socket.socketpair()
@@ -92,7 +92,7 @@ class Runner:
             starts.append(self._start(case, sandbox, 1, case.second_after_ms / 1000))
         before = sandbox.snapshot()
         signals = [(after_ms / 1000, number, group) for after_ms, number, group in case.signals]
-        answer = self._ask({"starts": starts, "signals": signals, "within_s": LONGEST_S})
+        answer = self._ask({"starts": starts, "signals": signals, "within_s": self._longest_s})
         sandbox.permit_all()
         for record in sandbox.records.glob("*.harness"):
             raise RuntimeError(record.read_text())

@@ -25,8 +25,8 @@ def cases(draw: st.DrawFn) -> Case:
     draw(st.sampled_from(COMMANDS))(words)
     modes = draw(rarely(permissions, {}, 8))
     has_code = any(each.kind == "code" for each in planted)
-    second_after_ms = draw(rarely(st.integers(0, 300), None, 25))
-    start = draw(st.sampled_from(["forked"] * 22 + ["script", "script", "module"]))
+    second_after_ms = draw(rarely(st.integers(0, 300), None, 40))
+    start = draw(st.sampled_from(["forked"] * 38 + ["script", "module"]))
     return Case(
         tuple(word.replace("\0", "") for word in words.words),
         planted,
@@ -41,5 +41,5 @@ def cases(draw: st.DrawFn) -> Case:
         # Python itself puts the folder in which -m is given before all others.
         "script" if start == "module" and has_code else start,
         second_after_ms,
-        draw(rarely(signals, (), 15)),
+        draw(rarely(signals, (), 25)),
     )
