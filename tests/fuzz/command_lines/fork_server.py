@@ -33,8 +33,9 @@ STOPPED_AT_BYTES = 4 << 30  # twice of what is allowed: before the machine suffe
 
 def load_program() -> None:
     """All its modules, as they are loaded lazily otherwise; but nothing that has threads or a graphics context."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     package = importlib.import_module("ashe_live")
+    # What the program sets before it loads libraries, as some read it then.
+    os.environ.update(importlib.import_module("ashe_live.cli").ENVIRONMENT)
     for module in pkgutil.walk_packages(package.__path__, "ashe_live."):
         if not module.name.startswith(("ashe_live.bench", "ashe_live.__main__")):
             importlib.import_module(module.name)
