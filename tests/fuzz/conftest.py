@@ -29,7 +29,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.fixture(scope="session")
 def materials(tmp_path_factory: pytest.TempPathFactory, film) -> Mapping[str, Path]:
-    from tests.fuzz.command_lines.materials import write_materials
+    from tests.fuzz.materials import write_materials
 
     return write_materials(tmp_path_factory.mktemp("materials"), film.path, film.camera_file)
 

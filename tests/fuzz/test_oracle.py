@@ -33,7 +33,7 @@ SINS = {
     "hang": "it ends",
     "none": None,
 }
-SINNER = Path(__file__).parent / "command_lines" / "sinner.py"
+SINNER = Path(__file__).with_name("sinner.py")
 LONGEST_S = 2.0
 
 

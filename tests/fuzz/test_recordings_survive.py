@@ -12,8 +12,8 @@ import av
 import pytest
 
 from tests.fuzz.command_lines.case import WORK, Case, Planted
+from tests.fuzz.command_lines.files import picture_count
 from tests.fuzz.command_lines.oracle import broken_promises
-from tests.fuzz.command_lines.outputs import picture_count
 
 KINDS = ("signal", "Ctrl-C in the first second", "two instances", "kill -9 and restart")
 FEW = 2  # of each kind in every run of the tests; --fuzz-signals hunts

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from tests.fuzz.command_lines.case import HOME, WORK, Case, Planted
+from tests.fuzz.command_lines.files import defect, picture_count
 from tests.fuzz.command_lines.oracle import broken_promises
-from tests.fuzz.command_lines.outputs import defect, picture_count
 from tests.fuzz.command_lines.surroundings import ENOUGH_FOR_MESSAGES
 
 FRAMES = 150

@@ -9,7 +9,8 @@ from typing import Any
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from tests.fuzz.command_lines.case import Case
-from tests.fuzz.command_lines.oracle import Broken, broken_promises, by_cause
+from tests.fuzz.command_lines.oracle import broken_promises
+from tests.fuzz.command_lines.promises import Broken, by_cause
 from tests.fuzz.command_lines.runner import Runner
 from tests.fuzz.command_lines.strategies import cases
 

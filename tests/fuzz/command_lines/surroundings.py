@@ -176,7 +176,6 @@ environments = st.fixed_dictionaries(
         "TMPDIR": st.sampled_from(["{base}/missing", "", f"{{base}}/{OUTSIDE}/thesis.txt"]),
         "COLUMNS": st.sampled_from(["1", "0", "-5", "99999999", "x"]),
         "TERM": st.sampled_from(["dumb", "xterm-256color", "", "\x1b"]),
-        "FORCE_COLOR": st.just("1"),
         "DISPLAY": st.sampled_from([":77", "", "127.0.0.1:{port}", "\udcff"]),
         "WAYLAND_DISPLAY": st.just("nothing-0"),
     },
