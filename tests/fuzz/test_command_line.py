@@ -40,11 +40,10 @@ def test_no_command_line_of_very_many_breaks_a_promise(runner, capsys, pytestcon
         with capsys.disabled():
             print(line, flush=True)
 
+    path = pytestconfig.getoption("fuzz_summary")
     campaign = Campaign(runner, tell)
-    try:
-        campaign.run(count, pytestconfig.getoption("fuzz_seed"))
-    finally:
+    for _ in campaign.batches(count, pytestconfig.getoption("fuzz_seed")):
         summary = campaign.summary()
-        if (path := pytestconfig.getoption("fuzz_summary")) is not None:
+        if path is not None:
             path.write_text(json.dumps(summary, indent=1), encoding="utf-8")
     assert summary["broken"] == {}, "\n".join(summary["broken"])

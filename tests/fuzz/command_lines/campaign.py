@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any
 
@@ -40,16 +40,15 @@ class Campaign:
         self._commands: Counter[str] = Counter()
         self._walls_s: list[float] = []
 
-    def run(self, count: int, first_seed: int) -> None:
-        """At least `count` cases, also where finding and shrinking takes some more."""
+    def batches(self, count: int, first_seed: int) -> Iterator[None]:
+        """Tries `count` cases, with those that shrinking takes, and hands over now and then."""
         begun, batch = time.monotonic(), 0
         while len(self._walls_s) < count:
             batch += 1
             self._batch(min(BATCH, count - len(self._walls_s)), first_seed * 1_000_000 + batch)
             took_s = time.monotonic() - begun
-            self._tell(
-                f"{len(self._walls_s)} of {count} cases in {took_s:.0f} s, {len(self._known)} causes of broken promises"
-            )
+            self._tell(f"{len(self._walls_s)} of {count} cases in {took_s:.0f} s, {len(self._known)} causes")
+            yield
 
     def summary(self) -> dict[str, Any]:
         """For JSON; `broken` by cause, the most frequent first."""
