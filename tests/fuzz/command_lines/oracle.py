@@ -16,7 +16,7 @@ from tests.fuzz.command_lines.runner import Ended, Outcome
 
 WRONG_USE = 2
 MOST_BYTES = 2 << 30
-LONGEST_LINE = 4000
+LONGEST_LINE = 650  # 600 characters of a message, and the program's name
 MOST_NOTES = 6
 # What may stand on stderr beside the one line of an error: each says something that a person should know.
 NOTES = (
