@@ -34,6 +34,8 @@ NOTES = (
 PROGRAM_LINE = re.compile("|".join([*NOTES, "ashe-live: "]))
 NOTE = re.compile("|".join(NOTES))
 CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+# Python itself is still starting, or pip's script imports what it needs: nothing of ours can hear Ctrl-C yet.
+BEFORE_OUR_FIRST_LINE = "KeyboardInterrupt in Python"
 BEFORE_HANDLERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -78,6 +80,8 @@ def _of_errors(case: Case, ended: Ended) -> Iterator[Broken]:
     if case.environment.get("PYTHONIOENCODING") == "utf-16":
         return
     yield from _of_characters(text, "stderr")
+    if any(number == signal.SIGINT for _, number, _ in case.signals) and culprit(ended.err) == BEFORE_OUR_FIRST_LINE:
+        return
     lines = [line for line in text.split("\n") if line.strip()]
     foreign = [line for line in lines if not PROGRAM_LINE.match(line)]
     if foreign:
