@@ -220,7 +220,7 @@ class FullDisk(Recorder):
 
     def write(self, image_bgr, time_s=None) -> None:
         if self.frame_count == 2:
-            self._container.mux(self._stream.encode(None))
+            self._written.container.mux(self._stream.encode(None))
             self._save_and_raise(OSError(errno.ENOSPC, "No space left on device"))
         super().write(image_bgr, time_s)
 
