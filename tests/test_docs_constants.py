@@ -1,0 +1,111 @@
+"""Constants that the pages state are those of the code: each sentence here has its numbers filled in from there.
+
+Whoever changes a constant finds here where it is written, and whoever rewords a sentence which constant it states.
+"""
+
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from ashe_live.core.quality import BALANCED, FAST
+from ashe_live.files.resources import resource
+from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
+from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD
+from ashe_live.render.photometry import LOOK_HELD_S
+from ashe_live.render.surroundings import HALF_RADIUS_SIDES, PATTERN_SIZE
+from ashe_live.render.video_look import ASSUMED_WHITE, PAPER_ALBEDO
+from ashe_live.tracking.cells import MIN_CORRELATION, MIN_LEAD
+from ashe_live.tracking.search import LARGEST_PX, SMALLEST_PX
+from ashe_live.viewer.auto_quality import AMPLE, CALM_WINDOWS, TOO_SLOW, WINDOW_FRAMES
+from ashe_live.viewer.hand import LARGEST, SMALLEST
+from ashe_live.viewer.playback import SPEEDS
+
+CHECKOUT = Path(__file__).parents[1]
+
+
+def in_shader(pattern: str, name: str) -> float:
+    """The one number that `pattern` finds in a shader."""
+    (found,) = set(re.findall(pattern, resource("shaders", name).read_text(encoding="utf-8")))
+    return float(found)
+
+
+STATED = {
+    "the ground's map": (
+        "docs/maths.md",
+        "the map holds g at g / (|g| + {:g} sides of the marker)",
+        (HALF_RADIUS_SIDES,),
+    ),
+    "the sky's pattern": ("docs/maths.md", "the picture, blurred to {} x {} texels", PATTERN_SIZE),
+    "what mirrors": (
+        "docs/maths.md",
+        "Dielectrics rougher than {:g} take A instead, and those rougher than {:g} mirror nothing",
+        (MIRROR_ROUGHNESS, MATT_ROUGHNESS),
+    ),
+    "dielectrics": (
+        "docs/maths.md",
+        "F0 = mix({:g}, c, m)",
+        (in_shader(r"mix\(vec3\((0\.\d+)\), base", "model.frag"),),
+    ),
+    "the sun": (
+        "docs/rendering.md",
+        "half the light's angular diameter; {:g} degrees unless it was measured",
+        (round(math.degrees(SUN_ANGULAR_SIZE_RAD), 6),),
+    ),
+    "exposure": (
+        "docs/rendering.md",
+        "divided by paper's albedo of {:g} and measured every {:g} s of the video",
+        (PAPER_ALBEDO, LOOK_HELD_S),
+    ),
+    "exposure without paper": ("docs/rendering.md", "Where no paper can be recognised, w is {:g}", (ASSUMED_WHITE,)),
+    "the real shadow's rim": (
+        "docs/rendering.md",
+        "Within {:g} pixels of the real shadow's outline",
+        (in_shader(r"RIM_PX = ([\d.]+)", "catcher.frag"),),
+    ),
+    "the fixed filter": (
+        "docs/rendering.md",
+        "a fixed filter of {0} x {0} texels",
+        (2 * FAST.render.pcf_radius + 1,),
+    ),
+    "the bias": (
+        "docs/rendering.md",
+        "evaluated {0:g} (r + 1) texels times sin(theta) along the normal",
+        (in_shader(r"float reach = ([\d.]+) \* (?:float|texel)", "shadow.glsl"),),
+    ),
+    "auto's way down": (
+        "docs/rendering.md",
+        "when frames take more than {:g} of the display's interval",
+        (TOO_SLOW,),
+    ),
+    "auto's way up": (
+        "docs/rendering.md",
+        "up after {} windows of {} frames that took less than {:g} of it",
+        (CALM_WINDOWS, WINDOW_FRAMES, AMPLE),
+    ),
+    "the detector's region": (
+        "docs/tracking.md",
+        "so that the marker has {:g} to {:g} px there",
+        (SMALLEST_PX, LARGEST_PX),
+    ),
+    "what a marker looks like": (
+        "docs/tracking.md",
+        "the marker must correlate with {:g} or more and lead by {:g} before any other",
+        (MIN_CORRELATION, MIN_LEAD),
+    ),
+    "the pose filter's gate": (
+        "docs/tracking.md",
+        "{:g} σ holds 0.005 px with room",
+        (BALANCED.tracking.filter_gate,),
+    ),
+    "size by hand": ("README.md", "from {:.0f} % to {:.0f} % of its size", (100 * SMALLEST, 100 * LARGEST)),
+    "speed": ("README.md", "slower, faster: {:g} to {:g} times", (min(SPEEDS), max(SPEEDS))),
+}
+
+
+@pytest.mark.parametrize("name", STATED)
+def test_a_page_states_the_constants_of_the_code(name: str) -> None:
+    page, sentence, values = STATED[name]
+    text = " ".join((CHECKOUT / page).read_text(encoding="utf-8").split())
+    assert sentence.format(*values) in text
