@@ -8,10 +8,10 @@ import re
 from pathlib import Path
 
 import pytest
-from ashe_live.core.quality import BALANCED, FAST
 
 from ashe_live.files.resources import resource
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
+from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD
 from ashe_live.render.photometry import LOOK_HELD_S
 from ashe_live.render.surroundings import HALF_RADIUS_SIDES, PATTERN_SIZE
