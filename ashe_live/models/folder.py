@@ -10,7 +10,7 @@ from PIL import Image as PillowImage
 
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes
-from ashe_live.models.limits import MAX_NAMED_FILES
+from ashe_live.models.limits import MAX_MATERIALS, MAX_NAMED_FILES
 from ashe_live.models.obj_text import as_utf8
 
 MATERIALS = ".mtl"
@@ -59,6 +59,8 @@ class FolderResolver(trimesh.resolvers.Resolver):
         content = read_bytes(path, self._bytes_left)
         self._bytes_left -= len(content)
         if is_materials:
+            if content.count(b"newmtl") > MAX_MATERIALS:
+                raise UserError(f"{path} holds more than {MAX_MATERIALS:,} materials", "export it with fewer")
             return as_utf8(content)
         if self._model.suffix.lower() in WITH_PICTURES_ONLY:
             self._check_picture(name, content)

@@ -17,6 +17,7 @@ MAX_SURFACES = 1_000  # each is a call of the driver in every pass of every fram
 MAX_GROUPS = 1_000  # an OBJ's materials, a text STL's solids: each is looked for among all others
 MAX_LINES = 4 * MAX_TRIANGLES  # of a text PLY
 MAX_NODES = 20_000  # of a scene
+MAX_MATERIALS = 10_000  # in an MTL file, which several models may share
 MAX_OBJ_LINES = 3 * MAX_VERTICES + MAX_TRIANGLES  # places, texture coordinates, normals, faces
 MAX_DEPTH = 200  # of nodes within nodes
 MAX_TEXTURE_PX = 2048  # a side; larger pictures are reduced to it

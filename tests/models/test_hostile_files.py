@@ -380,6 +380,13 @@ def test_a_file_is_not_named_without_end(tmp_path: Path) -> None:
         load_model_file(tmp_path / "a.obj")
 
 
+def test_materials_without_end_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.mtl").write_bytes(b"newmtl a\n" * (limits.MAX_MATERIALS + 1))
+    (tmp_path / "a.obj").write_bytes(b"mtllib a.mtl\nusemtl a\n" + TRIANGLE + b"f 1 2 3\n")
+    with pytest.raises(UserError, match=r"a\.mtl holds more than 10,000 materials"):
+        load_model_file(tmp_path / "a.obj")
+
+
 LITTLE = Limits(niceness=10, memory_bytes=700_000_000, processor_s=8, silent=True)
 
 
