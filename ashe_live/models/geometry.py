@@ -38,6 +38,9 @@ def placed_mesh(mesh: Any, T: Float, surfaces: Surfaces) -> Mesh | None:
     if is_mirrored:
         triangles = triangles[:, ::-1]
     attributes = _attributes(mesh, surfaces)
+    for name, values in attributes.items():
+        if not np.isfinite(values).all():
+            raise MalformedError(f"{name} hold a value that is not finite")
     normals = _file_normals(mesh, T)
     if normals is None:
         if is_inside_out(vertices, triangles):

@@ -58,6 +58,12 @@ def test_vertices_that_are_no_numbers_are_said(tmp_path: Path, value: str) -> No
         load_model_file(tmp_path / "a.ply")
 
 
+def test_texture_coordinates_that_are_no_numbers_are_said(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1e41 0\nvt 0 1\nf 1/1 2/2 3/3\n")
+    with pytest.raises(UserError, match="uvs hold a value that is not finite"):
+        load_model_file(tmp_path / "a.obj")
+
+
 def test_normals_that_are_no_directions_are_computed_anew(tmp_path: Path) -> None:
     ball = trimesh.creation.icosphere(subdivisions=2)
     for broken in (np.zeros((1, 3)), np.full((1, 3), np.nan)):
