@@ -1,6 +1,15 @@
-"""`ashe-live` and `python -m ashe_live`."""
+"""`ashe-live` and `python -m ashe_live`. What comes first here comes before anything else is imported."""
 
 import os
+import sys
+
+try:
+    current_folder = os.getcwd()  # noqa: PTH109 - pathlib would have to be imported
+except OSError:  # it has been deleted
+    current_folder = ""
+if sys.path[0] in ("", current_folder) and os.path.dirname(os.path.dirname(__file__)) != sys.path[0]:  # noqa: PTH120
+    del sys.path[0]  # where `python -m` looks for modules first
+
 import signal
 
 if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # not so under nohup

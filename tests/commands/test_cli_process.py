@@ -70,7 +70,9 @@ sys.meta_path.insert(0, Interrupting())
     assert done.stdout + done.stderr == ""
 
 
-@pytest.mark.parametrize("name", ["platformdirs", "numpy", "rich", "argparse", "tomllib"])
+@pytest.mark.parametrize(
+    "name", ["platformdirs", "numpy", "rich", "argparse", "tomllib", "signal", "sysconfig", "pathlib"]
+)
 def test_what_lies_in_the_current_folder_is_not_imported(name: str, tmp_path: Path) -> None:
     """Not by `python -m` either, which puts that folder first, once the program itself has begun."""
     (tmp_path / f"{name}.py").write_text(f"open({str(tmp_path / 'canary')!r}, 'w')")
