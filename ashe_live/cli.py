@@ -76,6 +76,14 @@ def run(arguments: Sequence[str], begins: Callable[[], None] | None = None) -> i
     except UnicodeError as error:
         tell(f"a name or a text cannot be encoded ({error}): rename or convert it")
     except OSError as error:
-        named = f" ({error.filename})" if error.filename is not None else ""
-        tell(f"the system refuses: {error.strerror or error}{named}: check the files, folders and space that it needs")
+        tell(_refusal(error))
     return ExitStatus.WRONG_USE
+
+
+def _refusal(error: OSError) -> str:
+    try:
+        os.getcwd()  # noqa: PTH109
+    except OSError:
+        return "the current folder has been deleted: change to one that is there"
+    named = f" ({error.filename})" if error.filename is not None else ""
+    return f"the system refuses: {error.strerror or error}{named}: check the files, folders and space that it needs"
