@@ -10,6 +10,7 @@ from ashe_live.bench.cases import read_cases
 from ashe_live.core.transforms import angle_between
 from ashe_live.errors import UserError
 from tests.shared_data import shared_folder
+from tests.shipped_scenes import CASES
 
 
 def scene(**changes):
@@ -85,6 +86,15 @@ def test_the_shared_sets_explain_their_corners(folder):
         assert all(path.exists() for path in case.mask_paths.values())
         # Stated poses explain stated corners to their rounding; corners of photos were clicked on curled paper.
         assert case.marker.reprojection_rms_px < (3.0 if folder == "real" else 0.01)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_shipped_scenes_explain_their_corners_and_have_their_masks(name):
+    case = CASES[name]
+    assert case.marker.reprojection_rms_px < 0.01
+    masks = [case.mask(mask) for mask in case.mask_paths]
+    assert masks
+    assert all(mask.shape == case.camera.size[::-1] and mask.any() for mask in masks)
 
 
 def test_two_photos_of_one_cup_see_the_sun_from_the_same_side():

@@ -26,6 +26,7 @@ from tests.light.synthetic_masks import (
     turned,
 )
 from tests.shared_data import shared_folder
+from tests.shipped_scenes import CASES, LIT
 
 BODIES: dict[str, Callable[[], Parts]] = {
     "box": lambda: box(0.1, 0.02, (0.06, 0.04, 0.08), 25.0),
@@ -316,3 +317,15 @@ def test_the_papers_scenes_are_solved() -> None:
         errors.append(error_deg(fit, case.to_lights_marker[0]))
     assert np.mean(errors) < 0.5
     assert max(errors) < 1.0
+
+
+@pytest.mark.parametrize("name", [name for name in LIT if CASES[name].category in ("clean", "texture", "low")])
+def test_shipped_scenes_are_solved(name: str) -> None:
+    case = CASES[name]
+    body, shadow = case.mask("object"), case.mask("shadow")
+    assert body is not None
+    assert shadow is not None
+    assert case.to_lights_marker is not None
+    fit = best_of(Masks(body, [shadow], Sight(case.camera, case.marker.T_cam_marker), None, 0.2))
+    assert isinstance(fit, LitBody)
+    assert error_deg(fit, case.to_lights_marker[0]) < 2
