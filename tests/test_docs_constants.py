@@ -10,6 +10,9 @@ from pathlib import Path
 import pytest
 
 from ashe_live.files.resources import resource
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
+from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
+from ashe_live.light.explanation.explain import BORDERS_PER_SAMPLE, WRONG_BODY_SHARE
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD
@@ -48,6 +51,10 @@ STATED = {
         "F0 = mix({:g}, c, m)",
         (in_shader(r"mix\(vec3\((0\.\d+)\), base", "model.frag"),),
     ),
+    "a picture's effective sample size": ("docs/maths.md", "the {:g} px (`PIXELS_PER_SAMPLE`)", (PIXELS_PER_SAMPLE,)),
+    "borders' effective sample size": ("docs/maths.md", "{:g} of them (`BORDERS_PER_SAMPLE`)", (BORDERS_PER_SAMPLE,)),
+    "a wrong body": ("docs/maths.md", "{:.1f} % of the object's size (`WRONG_BODY_SHARE`)", (100 * WRONG_BODY_SHARE,)),
+    "what a parameter costs": ("docs/maths.md", "(15) + {:g} q", (COST_PER_PARAMETER,)),
     "the sun": (
         "docs/rendering.md",
         "half the light's angular diameter; {:g} degrees unless it was measured",

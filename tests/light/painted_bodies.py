@@ -64,6 +64,6 @@ def explanation_of(here: PaintedRegion, caster: Caster = BOX, **changed: Any) ->
         Split(here.body, here.shadow),
         alignment_of(here, caster),
         (FittedLight(here.scene.to_light, np.eye(2) * 1e-4),),
-        costs_of(here).own,
+        costs_of(here).as_object,
     )
     return replace(explanation, **changed)

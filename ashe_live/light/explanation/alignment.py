@@ -125,7 +125,7 @@ def _placed(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[Placed]:
     outlines = lit_outlines([lit for lit, _, _ in several], [Sight.of(costs.region.view) for _, _, costs in several])
     found = []
     for (lit, sight, costs), hulls in zip(several, outlines, strict=True):
-        predicted = painted(hulls, costs.own.shape)
+        predicted = painted(hulls, costs.as_object.shape)
         found.append(Placed(lit, sight, costs, hulls, predicted, costs.of(predicted)))
     return found
 

@@ -15,7 +15,7 @@ PLACES = 48  # of an outline at which its border is looked for
 STEPS = 33  # from as far inside of a place as is looked, to as far outside
 BENT_PX = 0.01  # a corner that stands out less than this from an edge lies on it
 EXPECTED_SHARE = 0.6  # of the reach: how far off a border is expected to be
-CORRELATED_PX = 2.0  # of a picture that tell what one independent pixel would: it is blurred, and so are its costs
+PIXELS_PER_SAMPLE = 2.0  # a picture is blurred, and so are its costs: pixels over their effective sample size
 LEAST_VARIANCE = 0.35**2
 AT_THE_END = 0.2  # weight of a border that may be farther off than it was looked for
 CLEAR = 4.0  # cost of taking both sides for the same material at which a border is clear
@@ -78,7 +78,7 @@ def borders_at(places: Places, sides: Sequence[Side], reach_px: Float) -> Border
     gain = sampled([np.where(side.trusted, side.gain, np.float32(0)) for side in sides], cv2.INTER_LINEAR)
     # Between any two steps may be the border: what lies within it is inside, the rest outside.
     cost = np.zeros((*gain.shape[:2], STEPS + 1))
-    cost[..., 1:] = -gain.cumsum(axis=2) * (step_px / CORRELATED_PX)[..., None]
+    cost[..., 1:] = -gain.cumsum(axis=2) * (step_px / PIXELS_PER_SAMPLE)[..., None]
     ends = np.append(steps, steps[:, -1:] + step_px, axis=1) - step_px / 2
     total = cost + (ends / (EXPECTED_SHARE * reach_px[:, None]))[:, None] ** 2
     best = total.argmin(axis=2)[..., None]

@@ -35,7 +35,7 @@ class Explanation:
     split: Split
     alignment: Alignment
     lights: tuple[FittedLight, ...]
-    own: Float32  # (h, w) cost of the object's colours
+    as_object: Float32  # (h, w) unary cost of the object's colours
 
     @property
     def predicted(self) -> Predicted:

@@ -33,11 +33,11 @@ EDGE_SIGMA_PX = 0.7
 DIRECTIONS = 16  # in which outlines are looked at for their tangents alone
 LOWEST_Z = 0.03  # of a direction whose displacement can be started from
 FEW_PX = 20
-# Errors of neighbouring borders go together: so many of them tell what one independent measurement would. A body that
-# misses them by this share of its size is so wrong that its errors are as large as theirs. Both measured, so that 68 %
-# of the errors lie within sigma (docs/accuracy.md).
-CORRELATED, WRONG_BODY_SHARE = 2.3, 0.007
-END_IN_VIEW = 0.5  # share of its far end that must be in the picture for a shadow's length to be known
+# Errors of neighbouring borders are correlated: the number of borders over their effective sample size. And the misfit,
+# as a share of the object's size, at which a body's own model error doubles the variance of its borders. Both measured,
+# so that 68 % of the errors lie within sigma (docs/accuracy.md).
+BORDERS_PER_SAMPLE, WRONG_BODY_SHARE = 2.3, 0.007
+END_IN_VIEW = 0.5  # share of a shadow's far end that must be in the picture for its length to be known
 # Share of its pixels in which an explanation must differ from another to be worth more work.
 DIFFERING_SHARE = 0.04
 
@@ -50,7 +50,7 @@ class Proposal:
     materials: Materials
     split: Split
     start: Float | None = None  # (l, 4) lights from which a fit may begin as well
-    own: Float32 | None = None  # (h, w) cost of the object's colours, where more is known of them
+    as_object: Float32 | None = None  # (h, w) unary cost of the object's colours, where they are known better
 
     def is_like(self, other: "Proposal") -> bool:
         """Whether both split one region in nearly the same way."""
@@ -66,7 +66,7 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
             Sight.of(proposal.region.view),
             proposal.region.unreliable,
             EDGE_SIGMA_PX,
-            proposal.split.either,
+            proposal.split.undecided,
             proposal.start,
         )
         for proposal in proposals
@@ -103,7 +103,9 @@ def sharpened(explanation: Explanation) -> Explanation:
     if len(explanation.lights) > 1 or alignment.ends_in_view[0] < END_IN_VIEW:
         return explanation
     view, unreliable = explanation.region.view, explanation.region.unreliable
-    outlines = observe_outlines(split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.either)
+    outlines = observe_outlines(
+        split.object_mask, split.shadows, unreliable, DIRECTIONS, EDGE_SIGMA_PX, split.undecided
+    )
     if isinstance(outlines, str):
         return explanation
     body = alignment.placed.lit.body
@@ -117,8 +119,8 @@ def sharpened(explanation: Explanation) -> Explanation:
 
 
 def price(explanation: Explanation) -> float:
-    """What the region costs by the explanation's own account, and what the numbers of its body do."""
-    costs = Costs(explanation.region, explanation.materials, explanation.own)
+    """The explanation's criterion under its own unary costs: those of the region's pixels, and of its parameters."""
+    costs = Costs(explanation.region, explanation.materials, explanation.as_object)
     return criterion(replace(explanation.alignment.placed, cost=costs.of(explanation.predicted)))
 
 
@@ -138,17 +140,17 @@ def _better(rough: Explanation, fine: Explanation) -> Explanation:
 
 def _relabelled(last: Explanation) -> Proposal | None:
     """What a body makes of the labels that led to it; None where two lights' shadows have become one."""
-    split = relabelled(last.region, last.materials, last.own, last.predicted)
+    split = relabelled(last.region, last.materials, last.as_object, last.predicted)
     if last.materials.lights == 2 and not are_two(split.parts):
         return None
     lit = last.alignment.placed.lit
     start = lit.lights if min(towards[2] for towards in lit.to_lights_marker) > LOWEST_Z else None
-    return Proposal(last.region, last.materials, split, start, last.own)
+    return Proposal(last.region, last.materials, split, start, last.as_object)
 
 
 def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:
     """What pixels cost before the alignment."""
-    region, own = proposal.region, proposal.own
+    region, own = proposal.region, proposal.as_object
     if own is None:
         seen = predicted(likeliest.body.proxy, likeliest.lights, region.view)
         own = _cost_of_object(region, seen.body & region.unlit, proposal.split)
@@ -179,7 +181,7 @@ def _information(alignment: Alignment) -> Float:
     """(split, split) on the lights: little where the body is a wrong one."""
     lit = alignment.placed.lit
     information = information_on_lights(alignment.normal, lit.layout)
-    return above_the_ground(information / (CORRELATED * (1 + _wrongness(alignment) ** 2)), lit.lights)
+    return above_the_ground(information / (BORDERS_PER_SAMPLE * (1 + _wrongness(alignment) ** 2)), lit.lights)
 
 
 def _wrongness(alignment: Alignment) -> float:

@@ -15,7 +15,8 @@ from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials
 from ashe_live.light.shape.predicted import Predicted
 
-# Below this, fewer than two in five would be right: as wrong ones count more in the fit, 0.4 are even chances.
+# Below this confidence no answer is given: fewer than two in five such answers would be right. (The calibration weighs
+# wrong explanations 1.5 times, so that a stated confidence of 0.4 is a true probability of one half.)
 LEAST_CONFIDENCE = 0.3
 GOOD_RAD = math.radians(10)
 # A sample of a round normal distribution is beyond r times its 68 % radius with probability exp(RAYLEIGH_68 r^2).
@@ -33,7 +34,7 @@ CONTEST_WEIGHTS = np.array([1.02, 0.87, 0.58])
 
 def promise(region: Region, materials: Materials, split: Split) -> float:
     """What the look of a split alone promises: the larger, the likelier it is that the right light follows from it."""
-    doubtful = split.shadow_mask if split.either is None else split.shadow_mask | split.either
+    doubtful = split.shadow_mask if split.undecided is None else split.shadow_mask | split.undecided
     return float(PROMISE @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
 
 

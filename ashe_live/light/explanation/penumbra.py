@@ -25,7 +25,7 @@ FEWEST_EDGES = 12
 # The penumbra's part of the widest edges' variance, over the blur's, below which it cannot be told from blur.
 VISIBLE = 0.5
 SURELY = 3.0  # its standard errors
-CORRELATED = 6.0  # neighbouring places on an edge: so many tell what one would
+PLACES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their number over the effective sample size
 LARGEST_RAD = math.radians(20)
 ROBUST_ROUNDS = 6
 
@@ -49,7 +49,7 @@ def angular_size(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Pr
         scale = 1.48 * float(np.median(np.abs(rest))) + 1e-3
         weights = 1 / np.sqrt(1 + (rest / (2 * scale)) ** 2)
     information = (design * weights[:, None]).T @ (design * weights[:, None])
-    error = scale * math.sqrt(CORRELATED * float(np.linalg.inv(information)[1, 1]))
+    error = scale * math.sqrt(PLACES_PER_SAMPLE * float(np.linalg.inv(information)[1, 1]))
     if squared <= SURELY * error or squared * np.percentile(spreads, 90) ** 2 < VISIBLE * max(blur, 0.25):
         return None
     size = math.sqrt(squared)

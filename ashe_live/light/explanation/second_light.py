@@ -1,7 +1,7 @@
 """A second light, once a body and a first one are known: tried where else the body may throw a shadow.
 
-It is believed where the picture costs less with it, by more than its numbers are worth, and where its shadow has
-borders of its own that are seen (docs/maths.md).
+It is accepted where the picture's unary costs fall by more than the penalty for its parameters, and where its shadow
+has borders of its own that are seen (docs/maths.md).
 """
 
 import math

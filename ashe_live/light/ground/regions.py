@@ -17,7 +17,7 @@ APART_PX = 3  # of the coarse picture: nearer areas belong together
 MARGIN_PX = 10
 UNRELIABLE_PX = 2
 # Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
-SURPRISING, MOST_SURPRISING = 7.0, 60.0
+UNLIT_DISTANCE, MOST_DISTANCE = 7.0, 60.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,5 +78,5 @@ def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shap
 
 def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> Mask:
     squared = nearest_squared_distance(colours.reshape(-1, 3), ground.palette).reshape(area.shape)
-    surprising = cv2.GaussianBlur(np.minimum(squared, MOST_SURPRISING), (0, 0), 0.8) > SURPRISING
+    surprising = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8) > UNLIT_DISTANCE
     return majority((surprising & grown(area, 2) & is_ground) | shrunk(area, 1))

@@ -13,7 +13,7 @@ from ashe_live.light.pixels.mixtures import Mixture, nearest_centres
 
 STEEPEST = 0.05  # change of log brightness per pixel
 BRIGHTER = 0.03  # in log brightness, than the ground's nearest colour
-SURPRISING = 5.0  # squared distance to the ground's palette
+BRIGHT_DISTANCE = 5.0  # squared distance to the ground's palette
 LEAST_PX = 30
 LEAST_SHARE = 0.02  # of the picture, of an even area of lit ground that a sheen begins in
 LIT_SHARE_AROUND = 0.45
@@ -27,8 +27,8 @@ def sheen_on(colours: Float32, surprise: Float32, is_ground: Mask, palette: Mixt
     brightness = cv2.GaussianBlur(colours[..., 0], (0, 0), 1.0)
     slopes = [cv2.Sobel(brightness, cv2.CV_32F, dx, 1 - dx, scale=1 / 8) for dx in (0, 1)]
     even = is_ground & (cv2.magnitude(*slopes) < STEEPEST)
-    lit = is_ground & (surprise <= SURPRISING)
-    bright = even & (surprise > SURPRISING)
+    lit = is_ground & (surprise <= BRIGHT_DISTANCE)
+    bright = even & (surprise > BRIGHT_DISTANCE)
     own = brightness[bright]
     bright[bright] = own > palette.centres[nearest_centres(colours[bright], palette.centres), 0] + BRIGHTER
     sheen = np.zeros_like(is_ground)

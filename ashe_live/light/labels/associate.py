@@ -43,11 +43,11 @@ SURELY_SHADOW = 0.6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Split:
-    """One explanation of an unlit area: an object, the shadow that touches it, and what may be part of either."""
+    """One explanation of an unlit area: an object, the shadow that touches it, and what may be part of undecided."""
 
     object_mask: Mask  # (h, w)
     shadow_mask: Mask  # (h, w)
-    either: Mask | None = None  # (h, w)
+    undecided: Mask | None = None  # (h, w)
     parts: tuple[Mask, ...] = ()  # (h, w) each light's shadow, where there are several
 
     @property
@@ -57,7 +57,7 @@ class Split:
     @property
     def whole(self) -> Mask:
         taken = self.object_mask | self.shadow_mask
-        return taken if self.either is None else taken | self.either
+        return taken if self.undecided is None else taken | self.undecided
 
     @property
     def is_large_enough(self) -> bool:
@@ -68,7 +68,7 @@ class Split:
 
     def is_like(self, other: "Split") -> bool:
         """Whether few pixels are explained otherwise. Both are of one region."""
-        if (self.either is None) != (other.either is None):
+        if (self.undecided is None) != (other.undecided is None):
             return False
         differing = (self.object_mask != other.object_mask) | (self.shadow_mask != other.shadow_mask)
         return bool(np.count_nonzero(differing) < SAME_SHARE * np.count_nonzero(self.whole))

@@ -26,11 +26,11 @@ class Side:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Costs:
-    """What each pixel of a region costs as ground, shadow and object."""
+    """The unary costs of a region: what each pixel costs as lit ground, shadow and object."""
 
     region: Region
     materials: Materials
-    own: Float32  # (h, w) as the object
+    as_object: Float32  # (h, w) unary cost of taking a pixel for the object
     trusted: Mask = field(init=False)  # (h, w)
 
     def __post_init__(self) -> None:
@@ -39,7 +39,7 @@ class Costs:
     def of(self, masks: Predicted) -> float:
         """Of all the ground in the region, each pixel taken for what the masks say."""
         cost = np.where(masks.shadow, self._shaded(masks), self.materials.lit)
-        np.copyto(cost, self.own, where=masks.body)
+        np.copyto(cost, self.as_object, where=masks.body)
         return float(np.vdot(cost, self.region.is_ground))
 
     def sides(self, masks: Predicted, reach_px: float) -> Iterator[Side]:
@@ -47,7 +47,7 @@ class Costs:
         lit, layers = self.materials.lit, self.materials.layers
         beside_shadow = grown(masks.shadow, math.ceil(reach_px))
         outside = np.where(beside_shadow, np.minimum(lit, self.materials.contact), lit)
-        yield Side(outside - self.own, self.trusted, np.ones_like(self.trusted))
+        yield Side(outside - self.as_object, self.trusted, np.ones_like(self.trusted))
         visible = ~grown(masks.body, BESIDE_BODY_PX)  # shadows go on behind the body
         if not layers:
             yield Side(lit - self.materials.contact, self.trusted, visible)

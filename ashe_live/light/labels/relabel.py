@@ -15,16 +15,16 @@ from ashe_live.light.shape.predicted import Predicted
 # How far from a predicted outline colours alone decide; beyond, each pixel farther costs more, up to a most.
 FREE_PX, FREE_SHARE = 2.0, 0.06
 COST_PER_PX, COSTLY_PX = 4.0, 8.0
-# A difference in cost below which a pixel may belong to either, if such pixels are more than a seam between the two.
+# A difference in cost below which a pixel may belong to undecided, if such pixels are more than a seam between the two.
 UNDECIDED = 4.0
 SEAM_PX = 5
 LEAST_DOUBT = 0.02
 
 
-def relabelled(region: Region, materials: Materials, own: Float32, fitted: Predicted) -> Split:
-    """The region's pixels given to object, shadow, either or neither. `own`: (h, w) cost of the object."""
+def relabelled(region: Region, materials: Materials, object_cost: Float32, fitted: Predicted) -> Split:
+    """The region's pixels given to object, shadow, one of the two or neither. object_cost: (h, w) its unary cost."""
     free_px = max(FREE_PX, FREE_SHARE * math.sqrt(max(int(np.count_nonzero(fitted.body)), 1)))
-    as_object = own + _penalty(fitted.body, free_px)
+    as_object = object_cost + _penalty(fitted.body, free_px)
     as_shadow = materials.contact + _penalty(fitted.shadow, free_px)
     unlit = (np.minimum(as_object, as_shadow) < materials.lit) & region.is_ground
     whole = overlapping(cleaned(unlit), fitted.whole, 0.3)
@@ -35,8 +35,8 @@ def relabelled(region: Region, materials: Materials, own: Float32, fitted: Predi
     narrow = doubtful & ~broad
     body = filled(overlapping(cleaned(body | (narrow & (as_object < as_shadow))), fitted.body, 0.3))
     shadow = large_areas(cleaned((shadow | (narrow & (as_shadow <= as_object))) & ~body), LEAST_SHADOW_PX)
-    either = broad & ~body & ~shadow
-    doubt = either if np.count_nonzero(either) > LEAST_DOUBT * np.count_nonzero(whole) else None
+    undecided = broad & ~body & ~shadow
+    doubt = undecided if np.count_nonzero(undecided) > LEAST_DOUBT * np.count_nonzero(whole) else None
     return Split(body, shadow, doubt, parted(materials, shadow, fitted))
 
 

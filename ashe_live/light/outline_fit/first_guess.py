@@ -90,6 +90,6 @@ def _ground_from_image(P: Float) -> Float | None:
 def _on_ground(ground_from_image: Float, pixels: Float) -> Float:
     """(m, 2) ground points of those pixels (n, 2) that show the ground before the camera."""
     points = np.column_stack([pixels, np.ones(len(pixels))]) @ ground_from_image.T
-    # The horizon is where the last coordinate passes 0; what is nearly there is of no use either.
+    # The horizon is where the last coordinate passes 0; what is nearly there is of no use undecided.
     seen = points[points[:, 2] > 1e-4 * np.abs(ground_from_image[2, 2])]
     return np.asarray(seen[:, :2] / seen[:, 2:])

@@ -22,8 +22,8 @@ from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 
-# Errors in neighbouring directions go together: this many of them tell what one independent measurement would.
-CORRELATED = 4.0
+# Errors in neighbouring directions are correlated: their number over the effective sample size.
+DIRECTIONS_PER_SAMPLE = 4.0
 # Cauchy's scale: errors beyond this share of the object's size are outliers (a handle, a hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
 ENOUGH_SHARE = 0.005  # of the object's size: small objects look alike, and need all families
@@ -63,12 +63,12 @@ class Masks:
     sight: Sight
     unreliable: Mask | None = None  # pixels of which nothing is known (the marker's print, other objects)
     edge_sigma_px: float = 0.5  # how far the edges typically are from the truth; 0.2 for perfect masks
-    either: Mask | None = None  # pixels outside the masks that belong to the object or to a shadow
+    undecided: Mask | None = None  # pixels outside the masks that belong to the object or to a shadow
     start: Float | None = None  # (l, 4) lights to start from as well
 
     def __post_init__(self) -> None:
         shape = self.sight.camera.size[::-1]
-        masks = [mask for mask in (self.body, *self.shadows, self.unreliable, self.either) if mask is not None]
+        masks = [mask for mask in (self.body, *self.shadows, self.unreliable, self.undecided) if mask is not None]
         if not self.shadows or any(mask.shape != shape for mask in masks):
             shapes = [mask.shape for mask in masks]
             raise ValueError(f"a fit needs an object and shadows of shape {shape}, not {shapes}")
@@ -141,7 +141,7 @@ def _solved(several: Sequence[Masks], preset: FitPreset) -> "list[_Scene | FitFa
 
 def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
     outlines = observe_outlines(
-        masks.body, masks.shadows, masks.unreliable, preset.directions, masks.edge_sigma_px, masks.either
+        masks.body, masks.shadows, masks.unreliable, preset.directions, masks.edge_sigma_px, masks.undecided
     )
     if isinstance(outlines, str):
         return FitFailure(outlines)
@@ -193,8 +193,8 @@ def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
 
 
 def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:
-    """Bayes's: how badly the outlines are explained, and by how many numbers; the least is the best."""
+    """The Bayesian information criterion, with the effective sample size for n; the least is the best."""
     parameters = Layout(len(solution.lights)).split + solution.shape.size
-    measurements = max(solution.count / CORRELATED, parameters + 1.0)
+    measurements = max(solution.count / DIRECTIONS_PER_SAMPLE, parameters + 1.0)
     error = solution.mean_square + edge_sigma_px**2
     return measurements * math.log(error) + parameters * math.log(measurements)

@@ -56,13 +56,13 @@ def observe_outlines(
     unreliable: Mask | None,
     direction_count: int,
     edge_sigma_px: float = 0.0,
-    either: Mask | None = None,
+    undecided: Mask | None = None,
 ) -> Outlines | str:
     """Silhouettes from masks (h, w): bool, or the probability 0..1, then drawn at 0.5; or the reason why not.
 
     `unreliable`: pixels of which nothing is known, such as the marker's or other objects'. `edge_sigma_px`: how far
-    edges typically are from the truth, which may leave a gap between the object and its shadow. `either`: pixels that
-    belong to the object or to a shadow, no matter to which.
+    edges typically are from the truth, which may leave a gap between the object and its shadow. `undecided`: pixels
+    that belong to the object or to a shadow, no matter to which.
     """
     body_contour = contour_of(body)
     if body_contour is None:
@@ -71,9 +71,9 @@ def observe_outlines(
     if len(shadow_contours) < len(shadows):
         return "no shadow"
     whole_contour, really_unreliable = None, unreliable
-    if either is not None and either.any():
-        whole_contour = contour_of(np.logical_or.reduce([body > 0.5, either, *(shadow > 0.5 for shadow in shadows)]))
-        unreliable = either if unreliable is None else unreliable | either
+    if undecided is not None and undecided.any():
+        whole_contour = contour_of(np.logical_or.reduce([body > 0.5, undecided, *(shadow > 0.5 for shadow in shadows)]))
+        unreliable = undecided if unreliable is None else unreliable | undecided
     size = math.sqrt(max(cv2.contourArea(body_contour.hull_px.astype(np.float32)), 1.0))
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
     margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * edge_sigma_px

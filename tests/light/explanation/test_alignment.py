@@ -258,6 +258,6 @@ def test_tiny_regions_break_nothing(size: Size) -> None:
         each[window]
         for each in (here.materials.lit, here.materials.shaded, here.materials.contact, here.materials.share)
     )
-    costs = Costs(region, Materials((here.true_shift,), lit, shaded, contact, share), costs_of(here).own[window])
+    costs = Costs(region, Materials((here.true_shift,), lit, shaded, contact, share), costs_of(here).as_object[window])
     found = aligned([body_of(here, BOX)], costs)
     assert found is None or np.isfinite(found.normal).all()

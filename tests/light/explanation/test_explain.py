@@ -35,7 +35,7 @@ def seen_as(here: PaintedRegion, masks: Predicted) -> Explanation:
 
 def cost(explanation: Explanation, rough: Explanation) -> float:
     """By what the rough one says of the object's colours."""
-    return Costs(rough.region, rough.materials, rough.own).of(explanation.predicted)
+    return Costs(rough.region, rough.materials, rough.as_object).of(explanation.predicted)
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)

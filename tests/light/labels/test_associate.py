@@ -132,14 +132,14 @@ def test_doubt_takes_the_shadow_near_the_object_and_leaves_the_rest() -> None:
     body, shadow = halves()
     split = doubted(Split(body, shadow))
     assert split is not None
-    assert split.either is not None
+    assert split.undecided is not None
     np.testing.assert_array_equal(split.object_mask, body)
-    np.testing.assert_array_equal(split.shadow_mask | split.either, shadow)
-    assert not (split.shadow_mask & split.either).any()
+    np.testing.assert_array_equal(split.shadow_mask | split.undecided, shadow)
+    assert not (split.shadow_mask & split.undecided).any()
     _, sure = np.nonzero(split.shadow_mask)
-    _, doubtful = np.nonzero(split.either)
+    _, doubtful = np.nonzero(split.undecided)
     assert doubtful.max() < sure.min()
-    assert np.count_nonzero(split.either) > np.count_nonzero(split.shadow_mask)
+    assert np.count_nonzero(split.undecided) > np.count_nonzero(split.shadow_mask)
 
 
 def test_a_shadow_of_few_pixels_is_not_doubted() -> None:

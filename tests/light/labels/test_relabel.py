@@ -61,22 +61,22 @@ def test_no_pixel_is_given_twice_and_none_of_the_sheet_is_shadow() -> None:
     for caster in (BOX, LIKE_SHADOW, Caster(at=(0.08, 0.0))):
         here = painted_region(caster)
         split = corrected(here, here.body, here.shadow)
-        masks = [split.object_mask, split.shadow_mask, *([] if split.either is None else [split.either])]
+        masks = [split.object_mask, split.shadow_mask, *([] if split.undecided is None else [split.undecided])]
         assert np.sum(masks, axis=0).max() == 1
         assert not (split.shadow_mask & ~here.region.is_ground).any()
 
 
 def test_clear_colours_leave_no_doubt() -> None:
     here = painted_region(BOX)
-    assert corrected(here, here.body, here.shadow).either is None
+    assert corrected(here, here.body, here.shadow).undecided is None
 
 
 def test_an_object_coloured_like_its_shadow_is_told_apart_by_the_fit_or_left_in_doubt() -> None:
     """Its sides, some lit and some not, meet a shadow of the same colour; outline and doubt cover the whole."""
     here = painted_region(LIKE_SHADOW)
     split = corrected(here, here.body, here.shadow)
-    either = np.zeros_like(here.body) if split.either is None else split.either
-    assert overlap(split.object_mask | split.shadow_mask | either, here.body | here.shadow) > 0.85
+    undecided = np.zeros_like(here.body) if split.undecided is None else split.undecided
+    assert overlap(split.object_mask | split.shadow_mask | undecided, here.body | here.shadow) > 0.85
     # What is given to the wrong one is little; the doubt lies where they meet.
     wrong = (split.object_mask & here.shadow) | (split.shadow_mask & here.body)
     assert np.count_nonzero(wrong) < 0.1 * np.count_nonzero(here.body | here.shadow)

@@ -168,13 +168,13 @@ def test_what_may_be_either_is_known_by_the_outline_of_the_whole(name: str, whos
     """Nobody knows whose these pixels are; only that they are of one of the two."""
     scene = render(BODIES[name](), [LIGHT], VIEW)
     body, shadow = scene.body, scene.shadows[0]
-    either = nearest_part(body, shadow, share) if whose == "the object's" else nearest_part(shadow, body, share)
-    sure = body & ~either, shadow & ~either
-    fit = best_of(Masks(sure[0], [sure[1]], Sight(scene.camera, VIEW), None, 0.2, either=either))
+    undecided = nearest_part(body, shadow, share) if whose == "the object's" else nearest_part(shadow, body, share)
+    sure = body & ~undecided, shadow & ~undecided
+    fit = best_of(Masks(sure[0], [sure[1]], Sight(scene.camera, VIEW), None, 0.2, undecided=undecided))
     assert isinstance(fit, LitBody)
     assert error_deg(fit, LIGHT) < 2.0
     # Given to the wrong one, they mislead.
-    wrong = (sure[0], shadow | either) if whose == "the object's" else (body | either, sure[1])
+    wrong = (sure[0], shadow | undecided) if whose == "the object's" else (body | undecided, sure[1])
     misled = best_of(Masks(wrong[0], [wrong[1]], Sight(scene.camera, VIEW), None, 0.2))
     assert isinstance(misled, FitFailure) or error_deg(misled, LIGHT) > error_deg(fit, LIGHT)
 
@@ -182,7 +182,7 @@ def test_what_may_be_either_is_known_by_the_outline_of_the_whole(name: str, whos
 def test_nothing_that_may_be_either_changes_nothing() -> None:
     scene = render(BODIES["box"](), [LIGHT], VIEW)
     nothing = np.zeros_like(scene.body)
-    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2, either=nothing))
+    fit = best_of(Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2, undecided=nothing))
     assert isinstance(fit, LitBody)
     assert fit.to_lights_marker[0].tobytes() == fitted(scene).to_lights_marker[0].tobytes()
 
@@ -270,9 +270,11 @@ def test_no_masks_and_no_pose_break_it() -> None:
         masks = [random_mask(rng, (45, 60)) for _ in range(3)]
         if rng.integers(2):
             masks = [mask > 0.5 for mask in masks]
-        sigma_px, either = float(rng.choice([0.0, 0.2, 2.0])), random_mask(rng, (45, 60)) > 0.5
-        either = either if rng.integers(2) else None
-        fit = best_of(Masks(masks[0], masks[1:2], Sight(camera, view), masks[2] > 0.9, sigma_px, either=either), FAST)
+        sigma_px, undecided = float(rng.choice([0.0, 0.2, 2.0])), random_mask(rng, (45, 60)) > 0.5
+        undecided = undecided if rng.integers(2) else None
+        fit = best_of(
+            Masks(masks[0], masks[1:2], Sight(camera, view), masks[2] > 0.9, sigma_px, undecided=undecided), FAST
+        )
         if isinstance(fit, FitFailure):
             assert fit.reason
             continue

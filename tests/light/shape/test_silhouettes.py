@@ -16,8 +16,8 @@ def disc(x: float, y: float, radius: float, shape: tuple[int, int] = (120, 160))
     return np.asarray(np.hypot(columns - x, rows - y) <= radius)
 
 
-def outlines_of(body: Mask, shadow: Mask, unreliable: Mask | None = None, either: Mask | None = None) -> Outlines:
-    outlines = observe_outlines(body, [shadow], unreliable, 32, either=either)
+def outlines_of(body: Mask, shadow: Mask, unreliable: Mask | None = None, undecided: Mask | None = None) -> Outlines:
+    outlines = observe_outlines(body, [shadow], unreliable, 32, undecided=undecided)
     assert isinstance(outlines, Outlines)
     return outlines
 
@@ -96,24 +96,24 @@ BODY, SHADOW = disc(60, 60, 25), disc(90, 60, 25)
 
 
 def test_without_doubt_the_whole_bounds_nothing() -> None:
-    for either in (None, np.zeros_like(BODY)):
-        outlines = outlines_of(BODY, SHADOW & ~BODY, either=either)
+    for undecided in (None, np.zeros_like(BODY)):
+        outlines = outlines_of(BODY, SHADOW & ~BODY, undecided=undecided)
         assert outlines.least_px.shape == outlines.most_px.shape == (3, len(outlines.directions))
         assert (outlines.least_px[-1] == -math.inf).all()
         assert (outlines.most_px[-1] == math.inf).all()
 
 
 def test_where_either_may_reach_the_whole_is_measured() -> None:
-    """Between an object's left part and its shadow's right one, all may be either's."""
+    """Between an object's left part and its shadow's right one, all may be of one or the other."""
     whole = BODY | SHADOW
-    either = whole.copy()
-    either[:, :51] = either[:, 100:] = False
-    outlines = outlines_of(BODY & ~either, SHADOW & ~BODY & ~either, either=either)
+    undecided = whole.copy()
+    undecided[:, :51] = undecided[:, 100:] = False
+    outlines = outlines_of(BODY & ~undecided, SHADOW & ~BODY & ~undecided, undecided=undecided)
     reaches = np.array([(np.argwhere(whole)[:, ::-1] - outlines.centre_px) @ u for u in outlines.directions]).max(
         axis=1
     )
     seen = outlines.seen
-    # Up and down only either's pixels end; left the object's own and right the shadow's.
+    # Up and down only undecided pixels end; left the object's own and right the shadow's.
     for straight in (8, 24):
         assert list(seen[:, straight]) == [False, False, True]
         assert outlines.least_px[-1, straight] == pytest.approx(reaches[straight], abs=0.6)
@@ -130,6 +130,6 @@ def test_where_either_may_reach_the_whole_is_measured() -> None:
 
 def test_beyond_the_frame_the_whole_is_not_measured() -> None:
     body, shadow = disc(130, 60, 20), disc(155, 60, 20)
-    either = (body | shadow) & (np.indices(body.shape)[1] > 140)
-    outlines = outlines_of(body & ~either, disc(110, 70, 15) & ~body, either=either)
+    undecided = (body | shadow) & (np.indices(body.shape)[1] > 140)
+    outlines = outlines_of(body & ~undecided, disc(110, 70, 15) & ~body, undecided=undecided)
     assert not outlines.seen[-1, 0]
