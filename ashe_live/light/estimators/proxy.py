@@ -1,10 +1,10 @@
 """The estimator `proxy`: fits a simple body and a light to a real object and its shadow.
 
-segment -> associate -> fit -> judge, each of pure functions in files of their own: `ground` and `regions` find what the
-lit ground does not explain; `shift` and `associate` propose which of it is shadow of which object; `fit` finds bodies
-and lights that explain both outlines, `alignment` moves the likeliest to the picture's own borders, and `explain` goes
-round once more with the pixels labelled by it; `judge` says how far to believe the best explanation, or that there is
-nothing to believe.
+segment -> associate -> fit -> judge, each of pure functions in rooms of their own: `ground` finds what the lit ground
+does not explain and how shadows shift its colours; `labels` proposes which of it is shadow of which object;
+`outline_fit` finds bodies and lights that explain both outlines; `explanation` moves the likeliest to the picture's own
+borders, goes round once more with pixels relabelled by it, and judges how far to believe the best one, or that there
+is nothing to believe.
 """
 
 from dataclasses import replace
