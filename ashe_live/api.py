@@ -76,7 +76,7 @@ class LightEstimator:
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
         """In the frame of the marker. Without one, or without a light, there are no lights and `reason` says why."""
         if arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
-            return LightEstimate(self.name, tracked.frame.index, (), "no marker found")
+            return LightEstimate(self.name, tracked.frame.index, Illumination(), "no marker found")
         return self._estimator.estimate(tracked)
 
 

@@ -52,10 +52,10 @@ def debug_pictures(
     if estimate.object_mask is not None or estimate.shadow_mask is not None:
         pictures.append(DebugPicture("object and shadow", with_masks(photo, estimate)))
         pictures.append(DebugPicture("their outlines and hulls", _with_hulls(photo, estimate)))
-    if estimate.caster is not None:
-        fitted = with_body(photo, camera, T_cam_marker, estimate.caster, estimate.lights)
-        pictures.append(DebugPicture(f"fitted {estimate.caster.family} and its shadow", fitted))
-        rest = _with_residual(photo, view, estimate, estimate.caster)
+    if (body := estimate.illumination.real_object) is not None:
+        fitted = with_body(photo, camera, T_cam_marker, body, estimate.lights)
+        pictures.append(DebugPicture(f"fitted {body.family} and its shadow", fitted))
+        rest = _with_residual(photo, view, estimate, body)
         pictures.append(DebugPicture("red: not explained, green: not seen", rest))
     camera_marker = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
     rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_marker)

@@ -30,8 +30,8 @@ def inset_overlays(estimate: LightEstimate, frozen: TrackedFrame, size: Size) ->
     view = View.of(frozen, width)
     camera = view.camera.resized((width, max(1, round(width * view.size[1] / view.size[0]))))
     picture = with_masks(np.asarray(cv2.resize(view.image_bgr, camera.size), np.uint8), estimate)
-    if estimate.caster is not None:
-        picture = with_body(picture, camera, T_cam_marker, estimate.caster, estimate.lights)
+    if (body := estimate.illumination.real_object) is not None:
+        picture = with_body(picture, camera, T_cam_marker, body, estimate.lights)
     inset = _at_bottom_right(picture, size, 0)
     if not estimate.lights:
         return (inset,)

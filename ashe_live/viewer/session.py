@@ -216,7 +216,7 @@ class Session:
             return None
         answer = outcome if self.fusion is None else self.fusion.answer
         if answer is not None:
-            self._estimated = answer.illumination(self._frozen)
+            self._estimated = answer.illumination.as_seen_in(self._frozen)
         self.estimate, self.estimated_from = answer, self._frozen
         # An estimate that was requested before the light was set by hand does not replace it.
         if self.hand.light is not None and self._asked_s >= self._by_hand_s:

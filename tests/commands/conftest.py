@@ -12,7 +12,7 @@ import pytest
 from ashe_live import cli
 from ashe_live.commands import view
 from ashe_live.commands.parser import DEFAULT_ESTIMATOR
-from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
 
 
@@ -26,7 +26,9 @@ class InstantEstimator:
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
         lights = (DirectionalLight((0.0, 0.3, 1.0)),) if self.has_light else ()
         reason = None if self.has_light else "no shadow found beside the object"
-        return LightEstimate(self.name, tracked.frame.index, lights, reason, timing_ms={"fit": 1.0, "total": 1.0})
+        return LightEstimate(
+            self.name, tracked.frame.index, Illumination(lights), reason, timing_ms={"fit": 1.0, "total": 1.0}
+        )
 
 
 class InstantWorker:

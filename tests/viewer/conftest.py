@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.live.worker_process import WorkerFailure
 
 SIZE = (64, 48)
@@ -209,8 +209,8 @@ class Fakes:
         mask = np.zeros((24, 32), bool)
         mask[4:12, 8:16] = True
         if not with_light:
-            return LightEstimate("fake", frame_index, (), "no shadow found beside the object")
-        return LightEstimate("fake", frame_index, (light,), None, mask, ~mask, {"total": 12.0})
+            return LightEstimate("fake", frame_index, Illumination(), "no shadow found beside the object")
+        return LightEstimate("fake", frame_index, Illumination((light,)), None, mask, ~mask, {"total": 12.0})
 
 
 @pytest.fixture(scope="session")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import LightEstimate
+from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.viewer.estimate_inset import inset_overlays
 
@@ -29,7 +29,9 @@ def centre_x(overlay, colour_bgr):
 @pytest.fixture
 def estimate(fakes):
     """The light comes from the right, at 45 degrees; no masks."""
-    return replace(fakes.estimate(), object_mask=None, shadow_mask=None, caster=DISC)
+    found = fakes.estimate()
+    lit_by = replace(found.illumination, real_object=DISC)
+    return replace(found, illumination=lit_by, object_mask=None, shadow_mask=None)
 
 
 def test_body_and_shadow_are_outlined_where_they_are(fakes, estimate):
@@ -47,6 +49,6 @@ def test_the_rose_stands_above_the_picture(fakes, estimate):
 
 
 def test_without_a_light_there_is_only_the_picture(fakes):
-    none = LightEstimate("fake", 0, (), "no shadow found")
+    none = LightEstimate("fake", 0, Illumination(), "no shadow found")
     (inset,) = inset_overlays(none, fakes.tracked(), SIZE)
     assert not drawn(inset, OBJECT_BGR).any()

@@ -165,5 +165,6 @@ def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
 
 def _refrozen(estimate: LightEstimate) -> LightEstimate:
     """Arrays come out of a pickle writable: made again, they are checked and read-only as before."""
-    caster = estimate.caster and replace(estimate.caster)
-    return replace(estimate, lights=tuple(replace(light) for light in estimate.lights), caster=caster)
+    found = estimate.illumination
+    lights, body = tuple(replace(light) for light in found.lights), found.real_object and replace(found.real_object)
+    return replace(estimate, illumination=replace(found, lights=lights, real_object=body))
