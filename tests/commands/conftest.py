@@ -14,6 +14,7 @@ from ashe_live.commands import view
 from ashe_live.commands.parser import DEFAULT_ESTIMATOR
 from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
+from ashe_live.light.live.worker_process import Answer
 
 
 @dataclass(frozen=True)
@@ -41,13 +42,13 @@ class InstantWorker:
     def busy(self) -> bool:
         return self._asked is not None
 
-    def request(self, tracked: TrackedFrame, _preset: str) -> bool:
+    def request(self, tracked: TrackedFrame, _preset: str, with_trace: bool) -> bool:  # noqa: ARG002
         self._asked = tracked
         return True
 
-    def wait(self, _timeout_s: float = 0.0) -> LightEstimate | None:
+    def wait(self, _timeout_s: float = 0.0) -> Answer | None:
         asked, self._asked = self._asked, None
-        return None if asked is None else InstantEstimator().estimate(asked)
+        return None if asked is None else Answer(InstantEstimator().estimate(asked))
 
     def __enter__(self) -> "InstantWorker":
         return self

@@ -8,6 +8,10 @@ import pytest
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.pixels.view import View
 from ashe_live.viewer.estimate_inset import inset_overlays
 
 SIZE = (640, 480)
@@ -46,6 +50,22 @@ def test_the_rose_stands_above_the_picture(fakes, estimate):
     assert rose.shown_size[0] == rose.shown_size[1]
     assert rose.top_px + rose.shown_size[1] < inset.top_px
     assert rose.left_px + rose.shown_size[0] == inset.left_px + inset.shown_size[0]
+
+
+def test_a_trace_is_one_sheet_with_the_answer_in_it(fakes, estimate):
+    frozen = fakes.tracked()
+    trace = Trace(View.of(frozen, 64))
+    (answer,) = inset_overlays(estimate, frozen, SIZE, trace)
+    trace.ground = fit_lit_ground(trace.view.image_bgr, trace.view.is_ground, BALANCED.ground)
+    trace.unlit = np.zeros_like(trace.view.is_ground)
+    (steps,) = inset_overlays(estimate, frozen, SIZE, trace)
+    assert answer.shown_size[1] < steps.shown_size[1] <= SIZE[1]
+    assert drawn(steps, OBJECT_BGR).any()
+    for sheet in (answer, steps):
+        assert sheet.left_px >= SIZE[0] / 2
+        assert sheet.left_px + sheet.shown_size[0] <= SIZE[0]
+        assert sheet.top_px >= 0
+        assert sheet.top_px + sheet.shown_size[1] <= SIZE[1]
 
 
 def test_without_a_light_there_is_only_the_picture(fakes):
