@@ -88,7 +88,7 @@ class Tracker:
         MARKER_SIDE.checked(side_m, "side_m")
         arguments.instance(camera, Camera, "camera")
         target = parse_target(arguments.text(marker, "marker"))
-        self._tracker = tracker.Tracker(target, camera, side_m, _quality(quality).tracking)
+        self._tracker = tracker.MarkerTracker(target, camera, side_m, _quality(quality).tracking)
         self._next_index = 0
         self._time_s = -1 / ASSUMED_FPS
 
