@@ -76,7 +76,7 @@ class LightEstimator:
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
         """In the frame of the marker. Without one, or without a light, there are no lights and `reason` says why."""
         if arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
-            return LightEstimate(self.name, tracked.frame.index, (), "no marker found")
+            return LightEstimate(self.name, tracked.frame.index, Illumination(), "no marker found")
         return self._estimator.estimate(tracked)
 
 
@@ -88,7 +88,7 @@ class Tracker:
         MARKER_SIDE.checked(side_m, "side_m")
         arguments.instance(camera, Camera, "camera")
         target = parse_target(arguments.text(marker, "marker"))
-        self._tracker = tracker.Tracker(target, camera, side_m, _quality(quality).tracking)
+        self._tracker = tracker.MarkerTracker(target, camera, side_m, _quality(quality).tracking)
         self._next_index = 0
         self._time_s = -1 / ASSUMED_FPS
 

@@ -70,7 +70,7 @@ def test_a_picture_without_a_marker_is_answered_with_a_reason_and_drawn_as_it_is
     assert estimate.reason == "no marker found"
     with al.Renderer((128, 96)) as renderer:
         np.testing.assert_array_equal(
-            renderer.render(al.Tracker(camera).track(grey), "cube", estimate.illumination()), grey
+            renderer.render(al.Tracker(camera).track(grey), "cube", estimate.illumination), grey
         )
 
 
@@ -134,6 +134,7 @@ WRONG = {
     ),
     ("lights", "Illumination"): (al.Illumination, (None, "a", (1,), [A_LIGHT])),
     ("ground_rgb", "Illumination"): (lambda value: al.Illumination(ground_rgb=value), ("abc", (1, 2), {})),
+    ("tracked", "as_seen_in"): (al.Illumination().as_seen_in, ("a", np.eye(4))),
     ("camera", "TrackedFrame"): (lambda value: al.TrackedFrame(TRACKED.frame, value, None), (None, 60)),
     ("marker", "TrackedFrame"): (lambda value: al.TrackedFrame(TRACKED.frame, CAMERA, value), ("a", np.eye(4))),
 }

@@ -10,7 +10,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.pipeline import Pipeline
 
 # Shaders are compiled, textures made and the marker found; none of that is a frame's typical work.
@@ -43,7 +43,7 @@ class StageTimes:
 
 
 def time_unpaced(
-    source: Source, tracker: Tracker, renderer: SceneRenderer, scene: Callable[[TrackedFrame], Scene], frames: int
+    source: Source, tracker: MarkerTracker, renderer: SceneRenderer, scene: Callable[[TrackedFrame], Scene], frames: int
 ) -> StageTimes:
     """Stages `decode`, `track` and `render`, one after another, and their sum `whole`."""
     times = StageTimes()
@@ -61,7 +61,9 @@ def time_unpaced(
     return times
 
 
-def time_blit(source: Source, tracker: Tracker, renderer: SceneRenderer, camera: Camera, frames: int) -> StageTimes:
+def time_blit(
+    source: Source, tracker: MarkerTracker, renderer: SceneRenderer, camera: Camera, frames: int
+) -> StageTimes:
     """Stage `blit`: the bare video, by which the rest can be compared between machines."""
     times = StageTimes()
     for _ in range(frames):
@@ -73,7 +75,7 @@ def time_blit(source: Source, tracker: Tracker, renderer: SceneRenderer, camera:
     return times
 
 
-def _next_frame(source: Source, tracker: Tracker, times: StageTimes) -> Frame:
+def _next_frame(source: Source, tracker: MarkerTracker, times: StageTimes) -> Frame:
     """The clip starts again as often as needed; that is not counted."""
     times.start()
     frame = source.read()

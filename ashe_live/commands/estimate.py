@@ -27,7 +27,7 @@ from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.steadiness import Steadiness
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 
 STEP_WIDTH_PX = 480
 # Of a clip by an unknown camera: so much of it is watched for the focal length, before the frame is chosen.
@@ -85,7 +85,7 @@ def _watched(paths: Sequence[Path]) -> Iterator[Path]:
 
 
 def _answer(
-    path: Path, tracker: Tracker, estimator: Estimator, options: argparse.Namespace
+    path: Path, tracker: MarkerTracker, estimator: Estimator, options: argparse.Namespace
 ) -> tuple[FileRecord, TrackedFrame | None]:
     """What is said about a file, and the frame that was used, unless the file cannot be."""
     record = FileRecord(str(path), options.quality, options.estimator)
@@ -122,7 +122,7 @@ def learn_focal_length(source: Source, tracker: FocalTracker) -> None:
     tracker.reset()
 
 
-def usable_frame(source: Source, tracker: Tracker, estimate_at: int | None) -> TrackedFrame:
+def usable_frame(source: Source, tracker: MarkerTracker, estimate_at: int | None) -> TrackedFrame:
     """Frame `estimate_at`, or the first one with a steady marker, or else with a marker at all, or else the last.
 
     Raises UserError when the source ends before `estimate_at`.
@@ -158,7 +158,7 @@ def _write_steps(folder: Path, file: Path, pictures: Sequence[DebugPicture]) -> 
 
 
 def _timed(
-    tracker: Tracker, tracked: TrackedFrame, estimator: Estimator, repeat: int | None
+    tracker: MarkerTracker, tracked: TrackedFrame, estimator: Estimator, repeat: int | None
 ) -> tuple[LightEstimate, Mapping[str, float]]:
     """Once; or, after a warm-up, `repeat` times with the median time of every stage."""
     runs = []

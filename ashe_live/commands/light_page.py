@@ -73,8 +73,8 @@ def picture_of(tracked: TrackedFrame, estimate: LightEstimate | None) -> Image:
         return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
     view = View.of(tracked, WIDTH_PX)
     picture = with_masks(view.image_bgr, estimate)
-    if estimate.caster is not None:
-        picture = with_body(picture, view.camera, view.T_cam_marker, estimate.caster, estimate.lights)
+    if (body := estimate.illumination.real_object) is not None:
+        picture = with_body(picture, view.camera, view.T_cam_marker, body, estimate.lights)
     return _with_arrows(picture, view, estimate)
 
 

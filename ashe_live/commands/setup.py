@@ -10,7 +10,7 @@ from ashe_live.quality import BALANCED, QUALITIES, Quality
 from ashe_live.tracking.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.layout import parse_target
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 
 CameraFor = Callable[[Size], Camera]
 
@@ -49,7 +49,7 @@ class AssumedCamera:
 
 def make_tracker(
     options: argparse.Namespace, camera_for: CameraFor | None = None, memory: FocalMemory | None = None
-) -> Tracker:
+) -> MarkerTracker:
     """One that learns the focal length, recalled from and kept in `memory`, where nobody gave it."""
     marker = parse_target(options.marker)
     camera_for = camera_for or camera_chooser(options)
@@ -57,7 +57,7 @@ def make_tracker(
     tracker = (
         FocalTracker(marker, camera_for, options.marker_size, preset, memory)
         if isinstance(camera_for, AssumedCamera)
-        else Tracker(marker, camera_for, options.marker_size, preset)
+        else MarkerTracker(marker, camera_for, options.marker_size, preset)
     )
     tracker.filters = not options.no_filter
     return tracker

@@ -24,7 +24,7 @@ from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.steadiness import Steadiness
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.headless import HeadlessRun, play_headless
@@ -39,7 +39,7 @@ class ViewerSetup:
     """A source, and how it is to be looked at."""
 
     source: Source
-    tracker: Tracker
+    tracker: MarkerTracker
     options: argparse.Namespace
     true_to_light_marker: Float | None = None  # (3,) unit, where it is known
     shows_light: bool = False

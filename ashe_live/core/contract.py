@@ -81,7 +81,7 @@ def illumination_json(illumination: Illumination, reason: str | None = None) -> 
 
 def estimate_json(estimate: LightEstimate) -> Json:
     """The fields of a record that the estimator measured."""
-    return illumination_json(estimate.illumination(), estimate.reason)
+    return illumination_json(estimate.illumination, estimate.reason)
 
 
 def estimated_light_json(estimate: LightEstimate) -> Json:
@@ -131,7 +131,7 @@ class FileRecord:
 
     def to_json(self) -> Json:
         reason = self.error or "no marker found"
-        estimate = self.estimate or LightEstimate(self.estimator, self.frame or 0, (), reason)
+        estimate = self.estimate or LightEstimate(self.estimator, self.frame or 0, Illumination(), reason)
         timing = {stage: (self.timing_ms or {}).get(stage) for stage in STAGES}
         return {
             "schema": SCHEMA,

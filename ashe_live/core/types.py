@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen
@@ -130,7 +131,8 @@ class Illumination:
     seen_in: TrackedFrame | None = None
 
     def __post_init__(self) -> None:
-        _check_lights(self.lights)
+        for light in arguments.instance(self.lights, tuple, "lights"):
+            arguments.instance(light, DirectionalLight, "each of lights")
         for name in ("ambient_rgb_ratio", "ground_rgb"):
             colour = getattr(self, name)
             if colour is not None:
@@ -147,47 +149,36 @@ class Illumination:
         """The strongest light, or None where the sky alone gives light."""
         return self.lights[0] if self.lights else None
 
+    def as_seen_in(self, tracked: TrackedFrame | None) -> Self:
+        """The same, polished surfaces mirroring `tracked`, or even ground where that is None or has no marker."""
+        if tracked is not None and arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
+            tracked = None
+        return replace(self, seen_in=tracked)
+
 
 @dataclass(frozen=True, slots=True)
 class LightEstimate:
-    """What one frozen frame tells about the light; without lights, `reason` says why there is no answer."""
+    """What one frozen frame tells about the light, and how it was found; without a light, `reason` says why not."""
 
     estimator: str
     frame_index: int
-    lights: tuple[DirectionalLight, ...]  # strongest first
+    illumination: Illumination  # `seen_in` is None: whoever renders it knows the frame (`Illumination.as_seen_in`)
     reason: str | None = None  # for a person, e.g. "no shadow found beside the object"
     object_mask: Mask | None = None  # (h, w) at the estimator's working size
     shadow_mask: Mask | None = None  # (h, w) at the estimator's working size
     timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total"
-    caster: Proxy | None = None  # the real object that casts the shadows
-    ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that no light of `lights` reaches over lit ground
-    ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the picture
 
     def __post_init__(self) -> None:
-        for name in ("ambient_rgb_ratio", "ground_rgb"):
-            colour = getattr(self, name)
-            if colour is not None:
-                set_frozen(self, **{name: frozen_floats(colour, (3,), name)})
-        _check_lights(self.lights)
+        arguments.instance(self.illumination, Illumination, "illumination")
         if not self.lights and not self.reason:
             raise ValueError("an estimate without a light needs a reason")
 
     @property
     def light(self) -> DirectionalLight | None:
         """The strongest light, or None for "no directional light"."""
-        return self.lights[0] if self.lights else None
+        return self.illumination.light
 
-    def illumination(self, seen_in: TrackedFrame | None = None) -> Illumination:
-        """What a renderer needs of it. `seen_in`: the frame that it was estimated from, for what mirrors show."""
-        return Illumination(
-            self.lights,
-            self.ambient_rgb_ratio,
-            self.ground_rgb,
-            self.caster,
-            seen_in if seen_in is not None and seen_in.marker is not None else None,
-        )
-
-
-def _check_lights(lights: tuple[DirectionalLight, ...]) -> None:
-    for light in arguments.instance(lights, tuple, "lights"):
-        arguments.instance(light, DirectionalLight, "each of lights")
+    @property
+    def lights(self) -> tuple[DirectionalLight, ...]:
+        """All of them, the strongest first."""
+        return self.illumination.lights

@@ -48,24 +48,28 @@ def debug_pictures(
         raise ValueError("a frame without a marker has no marker frame to answer in")
     view = View.of(tracked, width_px)
     photo, camera, T_cam_marker = view.image_bgr, view.camera, view.T_cam_marker
-    pictures = [DebugPicture("photo", photo), *([] if trace is None else _traced_pictures(view, trace))]
+    pictures = [DebugPicture("photo", photo), *([] if trace is None else traced_pictures(view, trace))]
     if estimate.object_mask is not None or estimate.shadow_mask is not None:
         pictures.append(DebugPicture("object and shadow", with_masks(photo, estimate)))
         pictures.append(DebugPicture("their outlines and hulls", _with_hulls(photo, estimate)))
-    if estimate.caster is not None:
-        fitted = with_body(photo, camera, T_cam_marker, estimate.caster, estimate.lights)
-        pictures.append(DebugPicture(f"fitted {estimate.caster.family} and its shadow", fitted))
-        rest = _with_residual(photo, view, estimate, estimate.caster)
+    if (body := estimate.illumination.real_object) is not None:
+        fitted = with_body(photo, camera, T_cam_marker, body, estimate.lights)
+        pictures.append(DebugPicture(f"fitted {body.family} and its shadow", fitted))
+        rest = _with_residual(photo, view, estimate, body)
         pictures.append(DebugPicture("red: not explained, green: not seen", rest))
     camera_marker = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
     rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_marker)
     said = "; ".join(light.said() for light in estimate.lights) or f"none: {estimate.reason}"
-    pictures.append(DebugPicture(said, _centred(rose, photo.shape)))
+    pictures.append(DebugPicture(said, centred(rose, photo.shape)))
     return pictures
 
 
-def _traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
-    """The ground as the estimator modelled it, the regions that it looked at, and the explanations that it weighed."""
+def traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
+    """The ground as the estimator modelled it, the regions that it looked at, and the explanations that it weighed.
+
+    `view`: of the frame that `trace` is of, at the size to draw at; the ground has the trace's own. Without a ground
+    there is nothing to draw.
+    """
     ground, unlit, coarse = trace.ground, trace.unlit, trace.view
     if ground is None or unlit is None:
         return []
@@ -99,7 +103,7 @@ def lit_ground_rgb(image_bgr: Image, ground: LitGround, is_lit_ground: Mask) -> 
     return np.maximum(linear_rgb(np.where(is_lit > 0, ground.colours, around) + field), 1e-4)
 
 
-def _centred(picture_bgr: Image, shape: tuple[int, ...]) -> Image:
+def centred(picture_bgr: Image, shape: tuple[int, ...]) -> Image:
     """On a sheet of `shape`, so that all steps have one."""
     sheet = np.full(shape, PAPER_BGR, np.uint8)
     height, width = picture_bgr.shape[:2]

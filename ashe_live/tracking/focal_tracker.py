@@ -9,10 +9,10 @@ from ashe_live.tracking.focal_memory import FocalMemory
 from ashe_live.tracking.layout import Layout
 from ashe_live.tracking.markers import Marker
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 
 
-class FocalTracker(Tracker):
+class FocalTracker(MarkerTracker):
     """Starts with an assumed camera, or a remembered one; changes it seldom: each change moves the model a little."""
 
     def __init__(
@@ -23,7 +23,7 @@ class FocalTracker(Tracker):
         preset: TrackingPreset,
         memory: FocalMemory | None = None,
     ) -> None:
-        """As Tracker; `memory` is where this camera's focal length is recalled from and kept."""
+        """As MarkerTracker; `memory` is where this camera's focal length is recalled from and kept."""
         super().__init__(marker, self._known_or_assumed, side_m, preset)
         self._assumed = assumed
         self._memory = memory
@@ -31,7 +31,7 @@ class FocalTracker(Tracker):
         self._estimator: FocalEstimator | None = None
 
     def track(self, frame: Frame) -> TrackedFrame:
-        """As Tracker.track; a focal length learned from this frame serves from the next one on."""
+        """As MarkerTracker.track; a focal length learned from this frame serves from the next one on."""
         tracked = super().track(frame)
         if not self.is_sure:
             self._learn_from(tracked)

@@ -47,7 +47,7 @@ class _Memory:
     bridged: int  # frames in a row
 
 
-class Tracker:
+class MarkerTracker:
     """Finds the marker in each frame and its pose, near its last place first. For use by one thread at a time."""
 
     def __init__(

@@ -14,7 +14,7 @@ from ashe_live.core.mailbox import Closed, LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.pace import Pace
 
 RECONNECT_EVERY_S = 0.5
@@ -70,7 +70,7 @@ class CaptureLoop:
     def __init__(
         self,
         source: Source,
-        tracker: Tracker,
+        tracker: MarkerTracker,
         wish: Wish,
         wishes: LatestMailbox[Wish],
         frames: LatestMailbox[TrackedFrame],

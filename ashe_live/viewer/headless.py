@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.report import Report
 from ashe_live.viewer.session import Session
 
@@ -28,7 +28,7 @@ class HeadlessRun:
 
 
 def play_headless(
-    source: Source, tracker: Tracker, session: Session, renderer: SceneRenderer, run: HeadlessRun, report: Report
+    source: Source, tracker: MarkerTracker, session: Session, renderer: SceneRenderer, run: HeadlessRun, report: Report
 ) -> None:
     """Plays `source` to its end or the limit and fills `report`. Raises UserError as the source does."""
     period_s = 1 / (source.fps or 1.0)

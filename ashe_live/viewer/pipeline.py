@@ -9,7 +9,7 @@ from ashe_live.capture.sources import Seekable, Source
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import TrackedFrame
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.capture_loop import FIRST_FRAME, CaptureLoop, Jump, Place, Wish
 
 # A disk that must wake up or a camera that adjusts itself takes less.
@@ -24,7 +24,7 @@ class Pipeline:
     on source and tracker belong to that thread. For use by one other thread at a time.
     """
 
-    def __init__(self, source: Source, tracker: Tracker, loop: bool) -> None:
+    def __init__(self, source: Source, tracker: MarkerTracker, loop: bool) -> None:
         self.frames = LatestMailbox[TrackedFrame]()
         self._source = source
         self._wish = Wish(loop)

@@ -3,11 +3,12 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.live.fusion import LightFusion
-from ashe_live.light.live.worker import LightWorker
+from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.models.placement import PlacedModel
 from ashe_live.tracking.steadiness import Steadiness
@@ -16,7 +17,11 @@ from ashe_live.viewer.easing import LightEasing
 from ashe_live.viewer.hand import Hand, HandContext
 from ashe_live.viewer.shelf import Shelf
 
+if TYPE_CHECKING:
+    from ashe_live.light.estimators.trace import Trace
+
 NOTICE_S = 4.0
+ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
 # Between two automatic estimates: while the fused answer still changes, and once it has settled.
 AUTO_EVERY_S = 0.4
 AUTO_SETTLED_EVERY_S = 1.5
@@ -52,6 +57,7 @@ class Session:
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
         self.estimated_from: TrackedFrame | None = None
+        self.trace: Trace | None = None  # of the last estimate that `estimate` is made of; None: it was not kept
         self.shown = Illumination()  # on its way to `lit_by`
         self.hand = Hand()
         self.fusion: LightFusion | None = LightFusion() if policy.automatic else None  # None: each estimate by itself
@@ -130,7 +136,7 @@ class Session:
 
     def begin_anew(self, steadiness: Steadiness) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
-        self.tracked = self.estimate = self.estimated_from = self._frozen = None
+        self.tracked = self.estimate = self.estimated_from = self.trace = self._frozen = None
         self.true_to_light_marker = None
         self._estimated = Illumination()
         self.shown = self._easing.jump(self._estimated)
@@ -148,7 +154,7 @@ class Session:
         """Hands the current frame to the worker and returns True; shows a message when that is not possible."""
         if self.tracked is None or self.tracked.marker is None:
             self.say("no marker in view: point the camera at it, then press Space", now_s)
-        elif not self._worker.request(self.tracked, self.light_preset):
+        elif not self._worker.request(self.tracked, self.light_preset, with_trace=self.show_masks):
             self.say("still estimating", now_s)
         else:
             self._frozen, self._asked_s = self.tracked, now_s
@@ -196,6 +202,8 @@ class Session:
                 self.show_masks = not self.show_masks
                 if self.show_masks and self.estimate is None:
                     self.say("nothing has been estimated yet: Space does it", now_s)
+                elif self.show_masks and self.trace is None:
+                    self.say(ANSWER_ALONE, now_s)
             case Command.MOVE_LIGHT | Command.MOVE_MODEL | Command.SCALE_MODEL | Command.TURN_MODEL:
                 self._obey_hand(request, now_s)
             case Command.RESET:
@@ -208,20 +216,22 @@ class Session:
                 return False
         return True
 
-    def _accept(self, outcome: LightEstimate | WorkerFailure | None, now_s: float) -> LightEstimate | None:
+    def _accept(self, outcome: Outcome | None, now_s: float) -> LightEstimate | None:
         if isinstance(outcome, WorkerFailure):
             self.say(f"the estimate failed: {outcome.message}", now_s)
             return None
-        if outcome is None or (self.fusion is not None and not self.fusion.add(outcome)):
+        if outcome is None or (self.fusion is not None and not self.fusion.add(outcome.estimate)):
             return None
-        answer = outcome if self.fusion is None else self.fusion.answer
+        answer = outcome.estimate if self.fusion is None else self.fusion.answer
         if answer is not None:
-            self._estimated = answer.illumination(self._frozen)
-        self.estimate, self.estimated_from = answer, self._frozen
+            self._estimated = answer.illumination.as_seen_in(self._frozen)
+        self.estimate, self.estimated_from, self.trace = answer, self._frozen, outcome.trace
+        if self.show_masks and self.trace is None:
+            self.say(ANSWER_ALONE, now_s)
         # An estimate that was requested before the light was set by hand does not replace it.
         if self.hand.light is not None and self._asked_s >= self._by_hand_s:
-            if outcome.light is None:
-                self.say(f"no clear light: {outcome.reason}; it stays as set by hand", now_s)
+            if outcome.estimate.light is None:
+                self.say(f"no clear light: {outcome.estimate.reason}; it stays as set by hand", now_s)
             else:
                 self.hand.light = None
         return self.estimate

@@ -54,7 +54,7 @@ def pictures():
             if illumination.seen_in is None:
                 illumination = al.Illumination(seen_in=tracked)
             if not is_estimated and frame.time_s >= ESTIMATED_AT_S:
-                illumination, is_estimated = estimator.estimate(tracked).illumination(tracked), True
+                illumination, is_estimated = estimator.estimate(tracked).illumination.as_seen_in(tracked), True
             if frame.index % EVERY:
                 continue
             scene = Scene(

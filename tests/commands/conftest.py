@@ -12,8 +12,9 @@ import pytest
 from ashe_live import cli
 from ashe_live.commands import view
 from ashe_live.commands.parser import DEFAULT_ESTIMATOR
-from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
+from ashe_live.light.live.worker_process import Answer
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,9 @@ class InstantEstimator:
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
         lights = (DirectionalLight((0.0, 0.3, 1.0)),) if self.has_light else ()
         reason = None if self.has_light else "no shadow found beside the object"
-        return LightEstimate(self.name, tracked.frame.index, lights, reason, timing_ms={"fit": 1.0, "total": 1.0})
+        return LightEstimate(
+            self.name, tracked.frame.index, Illumination(lights), reason, timing_ms={"fit": 1.0, "total": 1.0}
+        )
 
 
 class InstantWorker:
@@ -39,13 +42,13 @@ class InstantWorker:
     def busy(self) -> bool:
         return self._asked is not None
 
-    def request(self, tracked: TrackedFrame, _preset: str) -> bool:
+    def request(self, tracked: TrackedFrame, _preset: str, with_trace: bool) -> bool:  # noqa: ARG002
         self._asked = tracked
         return True
 
-    def wait(self, _timeout_s: float = 0.0) -> LightEstimate | None:
+    def wait(self, _timeout_s: float = 0.0) -> Answer | None:
         asked, self._asked = self._asked, None
-        return None if asked is None else InstantEstimator().estimate(asked)
+        return None if asked is None else Answer(InstantEstimator().estimate(asked))
 
     def __enter__(self) -> "InstantWorker":
         return self

@@ -21,17 +21,14 @@ TIMING = {"detect": 1.0, "segment": 2.0, "associate": 3.0, "fit": 4.0, "judge": 
 
 
 def estimate(*lights: DirectionalLight) -> LightEstimate:
-    return LightEstimate("paper", 3, lights, None if lights else "no shadow found")
+    return LightEstimate("paper", 3, Illumination(lights), None if lights else "no shadow found")
 
 
 CONE = Proxy("frustum", np.array([[0.1, 0.0, 0.0, 0.03, 0.0], [0.1, 0.0, 0.08, 0.0, 0.0]]))
 WHOLE = LightEstimate(
     "proxy",
     3,
-    (FULL,),
-    caster=CONE,
-    ambient_rgb_ratio=np.array([0.2, 0.3, 0.4]),
-    ground_rgb=np.array([0.6, 0.5, 0.4]),
+    Illumination((FULL,), np.array([0.2, 0.3, 0.4]), np.array([0.6, 0.5, 0.4]), CONE),
 )
 
 RECORDS = {

@@ -53,7 +53,7 @@ def test_camera_and_frame_have_one_size() -> None:
 
 def test_no_light_needs_a_reason() -> None:
     with pytest.raises(ValueError, match="reason"):
-        LightEstimate("paper", 0, ())
+        LightEstimate("paper", 0, Illumination())
 
 
 def test_a_light_is_a_unit_vector_with_its_angles() -> None:
@@ -74,12 +74,12 @@ def test_an_illumination_is_what_an_estimate_found_and_the_frame_it_was_found_in
     pose = MarkerPose(np.eye(4), np.zeros((4, 2)), 0.08, 0.2, None)
     seen = TrackedFrame(Frame(np.zeros((48, 64, 3), np.uint8), 0, 0.0), Camera.from_hfov((64, 48), 60), pose)
     light = DirectionalLight(np.array([0.3, -0.2, 1]))
-    estimate = LightEstimate("proxy", 0, (light,), ambient_rgb_ratio=np.full(3, 0.3), ground_rgb=np.full(3, 0.5))
-    illumination = estimate.illumination(seen)
-    assert illumination.light is light
-    assert illumination.ground_rgb is estimate.ground_rgb
+    estimate = LightEstimate("proxy", 0, Illumination((light,), np.full(3, 0.3), np.full(3, 0.5)))
+    illumination = estimate.illumination.as_seen_in(seen)
+    assert illumination.light is estimate.light is light
+    assert illumination.ground_rgb is estimate.illumination.ground_rgb
     assert illumination.seen_in is seen
     without_marker = dataclasses.replace(seen, marker=None)
-    assert estimate.illumination(without_marker).seen_in is None
+    assert illumination.as_seen_in(without_marker).seen_in is None
     with pytest.raises(ValueError, match="where the ground is"):
         Illumination(seen_in=without_marker)

@@ -1,6 +1,7 @@
 """An estimate's steps as pictures: that they show what they say they show."""
 
 import math
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, project
-from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR, UNEXPLAINED_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body
@@ -49,7 +50,7 @@ def tracked():
 def estimate():
     body = filled(outline(CAMERA, VIEW, BODY.points_marker()))
     shadow = filled(shadow_outline(CAMERA, VIEW, BODY.points_marker(), at_infinity(SUN.to_light_marker))) & ~body
-    return LightEstimate("proxy", 0, (SUN,), None, body, shadow, caster=BODY)
+    return LightEstimate("proxy", 0, Illumination((SUN,), real_object=BODY), None, body, shadow)
 
 
 def has(picture, colour):
@@ -66,7 +67,7 @@ def test_all_steps_have_one_size_and_the_light_is_said_last(tracked, estimate):
 
 
 def test_without_an_answer_the_reason_stands_in_its_place(tracked):
-    pictures = debug_pictures(tracked, LightEstimate("proxy", 0, (), "no shadow found"))
+    pictures = debug_pictures(tracked, LightEstimate("proxy", 0, Illumination(), "no shadow found"))
     assert pictures[-1].title == "none: no shadow found"
     assert len(pictures) == 2
 
@@ -96,7 +97,7 @@ def test_a_perfect_fit_leaves_nothing_and_a_wrong_one_does(tracked, estimate):
 
     assert UNEXPLAINED_BGR[2] > UNEXPLAINED_BGR[0]
     low = Proxy("frustum", BODY.spheroids_marker * [1, 1, 0.3, 1, 1])
-    wrong = LightEstimate("proxy", 0, (SUN,), None, estimate.object_mask, estimate.shadow_mask, caster=low)
+    wrong = replace(estimate, illumination=Illumination((SUN,), real_object=low))
     assert unexplained(wrong) > 10 * unexplained(estimate) + 100
 
 
@@ -160,4 +161,4 @@ def test_a_trace_holds_what_the_answer_came_from_and_changes_no_bit_of_it(tracke
     assert len(trace.rough) <= len(trace.proposals)
     best = max(zip(trace.probabilities(), trace.refined, strict=True), key=lambda pair: pair[0])[1]
     np.testing.assert_array_equal(best.lights[0].to_light_marker, answer.light.to_light_marker)
-    assert best.proxy.family == answer.caster.family
+    assert best.proxy.family == answer.illumination.real_object.family

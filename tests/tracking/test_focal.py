@@ -15,7 +15,7 @@ from ashe_live.tracking.focal import KNOWN_SIGMA, FocalEstimate, FocalEstimator
 from ashe_live.tracking.focal_model import SQUARE
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import estimate_pose
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 
 SIZE = (640, 480)
 SIDE_M = 0.08
@@ -84,7 +84,7 @@ def test_its_sigma_is_that_of_its_errors() -> None:
 
 def test_the_shipped_clip() -> None:
     clip = shipped_clip()
-    tracker = Tracker(parse_marker(clip.marker_spec), ASSUMED, clip.marker_side_m, BALANCED.tracking)
+    tracker = MarkerTracker(parse_marker(clip.marker_spec), ASSUMED, clip.marker_side_m, BALANCED.tracking)
     estimator = FocalEstimator(SIZE)
     with ClipSource(clip.path) as source:
         while (frame := source.read()) is not None:

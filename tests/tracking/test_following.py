@@ -12,7 +12,7 @@ from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import square_corners
-from ashe_live.tracking.tracker import BRIDGED_FRAMES, Tracker
+from ashe_live.tracking.tracker import BRIDGED_FRAMES, MarkerTracker
 from tests.tracking.conftest import SIDE_M, frame, pose
 from tests.tracking.test_tracker import turn_deg
 
@@ -26,8 +26,8 @@ def shot(T_cam_marker: Float, flaws: Flaws = CLEAN_CAMERA, camera: Camera = CAME
     return painted(bitmap, SIDE_M, camera, [T_cam_marker], flaws, np.random.default_rng(5))
 
 
-def tracker(camera: Camera = CAMERA) -> Tracker:
-    return Tracker(parse_marker(SPEC), camera, SIDE_M, BALANCED.tracking)
+def tracker(camera: Camera = CAMERA) -> MarkerTracker:
+    return MarkerTracker(parse_marker(SPEC), camera, SIDE_M, BALANCED.tracking)
 
 
 def followed(images: list[Image]) -> list[TrackedFrame]:

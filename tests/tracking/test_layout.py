@@ -10,7 +10,7 @@ from ashe_live.errors import UserError
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.layout import Layout, parse_target
 from ashe_live.tracking.printing import write_marker_sheet
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from tests.tracking.conftest import frame, photographed, pose
 
 CAMERA = Camera.from_focal((640, 480), 700)
@@ -36,8 +36,8 @@ def picture(sheet: tuple[Image, float], T_cam_grid: np.ndarray) -> Image:
     return photographed(page, metres_per_px, middle_px, CAMERA, T_cam_grid)
 
 
-def grid_tracker() -> Tracker:
-    return Tracker(parse_target("grid:4x4_50:3x2"), CAMERA, SIDE_M, BALANCED.tracking)
+def grid_tracker() -> MarkerTracker:
+    return MarkerTracker(parse_target("grid:4x4_50:3x2"), CAMERA, SIDE_M, BALANCED.tracking)
 
 
 def test_the_printed_grid_is_tracked_as_one_pose(sheet: tuple[Image, float]) -> None:

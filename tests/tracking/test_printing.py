@@ -12,7 +12,7 @@ from ashe_live.errors import UserError
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.markers import Marker, parse_marker
 from ashe_live.tracking.printing import write_marker_sheet
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from tests.tracking.conftest import SPECS, frame
 
 ARUCO = parse_marker("aruco:4x4_50:3")
@@ -31,7 +31,7 @@ def test_the_tracker_finds_the_square_at_its_true_size(
         grey = np.asarray(sheet.convert("L"))
     assert dpi_x == dpi_y
     camera = Camera.from_focal(grey.shape[::-1], 5000)
-    found = Tracker(marker, camera, side_mm / 1000, BALANCED.tracking).track(frame(np.dstack([grey] * 3))).marker
+    found = MarkerTracker(marker, camera, side_mm / 1000, BALANCED.tracking).track(frame(np.dstack([grey] * 3))).marker
     assert found is not None
     corners_mm = found.corners_px / dpi_x * 25.4
     sides_mm = np.linalg.norm(np.roll(corners_mm, -1, axis=0) - corners_mm, axis=1)

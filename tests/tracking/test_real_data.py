@@ -13,7 +13,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.types import TrackedFrame
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.tracking.markers import parse_marker
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from tests.tracking.conftest import frame
 
 SHARED = Path(__file__).resolve().parents[2].parent / "shared"
@@ -30,7 +30,7 @@ def read(folder: Path) -> Any:
 def track_picture(path: Path, spec: str, camera: Camera, side_m: float = 1.0) -> TrackedFrame:
     image = cv2.imread(str(path))
     assert image is not None
-    return Tracker(parse_marker(spec), camera, side_m, BALANCED.tracking).track(frame(image))
+    return MarkerTracker(parse_marker(spec), camera, side_m, BALANCED.tracking).track(frame(image))
 
 
 def test_the_photos_corners() -> None:
@@ -48,11 +48,13 @@ def test_the_photos_corners() -> None:
 @pytest.mark.parametrize(("name", "focal_px"), [("vid_12.mp4", 1663), ("vid_5.mp4", 735)])
 def test_the_clips_are_followed_without_a_flip(name: str, focal_px: float) -> None:
     clip = cv2.VideoCapture(str(REAL / name))
-    tracker: Tracker | None = None
+    tracker: MarkerTracker | None = None
     normals, frames = [], 0
     while (read_frame := clip.read())[0]:
         now = frame(np.asarray(read_frame[1], dtype=np.uint8), frames)
-        tracker = tracker or Tracker(parse_marker(KANJI), Camera.from_focal(now.size, focal_px), 1.0, FAST.tracking)
+        tracker = tracker or MarkerTracker(
+            parse_marker(KANJI), Camera.from_focal(now.size, focal_px), 1.0, FAST.tracking
+        )
         marker = tracker.track(now).marker
         if marker is not None:
             normals.append(marker.T_cam_marker[:3, 2])

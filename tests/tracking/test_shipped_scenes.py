@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from tests.shipped_scenes import CASES
 
 MARKER, OTHER = "aruco:4x4_50:7", "aruco:4x4_50:8"
@@ -17,7 +17,7 @@ MARKER, OTHER = "aruco:4x4_50:7", "aruco:4x4_50:8"
 def test_the_pose_is_found_and_no_other_marker(name: str) -> None:
     case = CASES[name]
     found, other = (
-        Tracker(parse_marker(spec), case.camera, case.marker.side_m, BALANCED).track(case.tracked().frame).marker
+        MarkerTracker(parse_marker(spec), case.camera, case.marker.side_m, BALANCED).track(case.tracked().frame).marker
         for spec in (MARKER, OTHER)
     )
     assert found is not None

@@ -14,15 +14,15 @@ from ashe_live.errors import UserError
 from ashe_live.quality import BALANCED, FAST, QUALITIES, Quality
 from ashe_live.tracking.markers import Marker, parse_marker
 from ashe_live.tracking.pose import square_corners
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from tests.tracking.conftest import SIDE_M, SPECS, frame, picture, pose
 
 CAMERA = Camera.from_focal((640, 480), 600)
 ARUCO = parse_marker("aruco:4x4_50:3")
 
 
-def tracker(marker: Marker = ARUCO, quality: Quality = BALANCED, camera: Camera = CAMERA) -> Tracker:
-    return Tracker(marker, camera, SIDE_M, quality.tracking)
+def tracker(marker: Marker = ARUCO, quality: Quality = BALANCED, camera: Camera = CAMERA) -> MarkerTracker:
+    return MarkerTracker(marker, camera, SIDE_M, quality.tracking)
 
 
 def turn_deg(a: Float, b: Float) -> float:
@@ -80,7 +80,7 @@ def test_after_a_jump_the_last_pose_decides_between_the_two_of_a_square() -> Non
     image = frame(picture(ARUCO, CAMERA, far), 900)
     followed = tracker()
     assert turn_deg(followed.track(image).marker.T_cam_marker, far) > 15
-    for is_right, forget in ((True, Tracker.jump), (False, Tracker.reset)):
+    for is_right, forget in ((True, MarkerTracker.jump), (False, MarkerTracker.reset)):
         followed.reset()
         followed.track(frame(picture(ARUCO, CAMERA, near)))
         forget(followed)
@@ -90,7 +90,7 @@ def test_after_a_jump_the_last_pose_decides_between_the_two_of_a_square() -> Non
 def test_reset_and_rewind_forget_the_last_pose() -> None:
     truth = pose(0.5, 40)
     image = picture(ARUCO, CAMERA, truth)
-    for forget in (Tracker.reset, lambda followed: followed.track(frame(image, 90))):
+    for forget in (MarkerTracker.reset, lambda followed: followed.track(frame(image, 90))):
         followed = tracker()
         followed.track(frame(image, 30))
         forget(followed)
@@ -116,7 +116,7 @@ def test_the_camera_may_be_asked_for_by_size() -> None:
         asked.append(size)
         return Camera.from_hfov(size, 60)
 
-    followed = Tracker(ARUCO, camera_for, SIDE_M, FAST.tracking)
+    followed = MarkerTracker(ARUCO, camera_for, SIDE_M, FAST.tracking)
     for index in range(3):
         followed.track(frame(np.zeros((48, 64, 3), dtype=np.uint8), index))
     assert asked == [(64, 48)]
@@ -138,7 +138,9 @@ def test_the_preset_may_change_while_running() -> None:
 
 def test_the_pose_scales_with_the_side() -> None:
     image = picture(ARUCO, CAMERA, pose(0.5, 40))
-    small, large = (Tracker(ARUCO, CAMERA, side, FAST.tracking).track(frame(image)).marker for side in (0.08, 1.6))
+    small, large = (
+        MarkerTracker(ARUCO, CAMERA, side, FAST.tracking).track(frame(image)).marker for side in (0.08, 1.6)
+    )
     assert small is not None
     assert large is not None
     assert large.T_cam_marker[:3, 3] == pytest.approx(20 * small.T_cam_marker[:3, 3], rel=1e-3)

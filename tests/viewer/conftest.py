@@ -8,8 +8,10 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
-from ashe_live.light.live.worker_process import WorkerFailure
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.live.worker import Outcome
+from ashe_live.light.live.worker_process import Answer, WorkerFailure
 
 SIZE = (64, 48)
 SIDE_M = 0.08
@@ -101,26 +103,27 @@ class FakeWorker:
     def __init__(self) -> None:
         self.requested: list[TrackedFrame] = []
         self.answer: LightEstimate | WorkerFailure | None = None
-        self.busy = False
+        self.trace: Trace | None = None  # goes with an answer that it was asked for with
+        self.busy = self.traces = False
 
-    def request(self, frozen: TrackedFrame, _preset: str) -> bool:
+    def request(self, frozen: TrackedFrame, _preset: str, with_trace: bool) -> bool:
         if self.busy:
             return False
-        self.busy = True
+        self.busy, self.traces = True, with_trace
         self.requested.append(frozen)
         return True
 
-    def poll(self) -> LightEstimate | WorkerFailure | None:
+    def poll(self) -> Outcome | None:
         if not self.busy or self.answer is None:
             return None
         self.busy = False
         answer, self.answer = self.answer, None
-        return answer
+        return answer if isinstance(answer, WorkerFailure) else Answer(answer, self.trace if self.traces else None)
 
     def give_up(self) -> None:
         self.busy, self.answer = False, None
 
-    def wait(self, _timeout_s: float) -> LightEstimate | WorkerFailure | None:
+    def wait(self, _timeout_s: float) -> Outcome | None:
         return self.poll()
 
 
@@ -209,8 +212,8 @@ class Fakes:
         mask = np.zeros((24, 32), bool)
         mask[4:12, 8:16] = True
         if not with_light:
-            return LightEstimate("fake", frame_index, (), "no shadow found beside the object")
-        return LightEstimate("fake", frame_index, (light,), None, mask, ~mask, {"total": 12.0})
+            return LightEstimate("fake", frame_index, Illumination(), "no shadow found beside the object")
+        return LightEstimate("fake", frame_index, Illumination((light,)), None, mask, ~mask, {"total": 12.0})
 
 
 @pytest.fixture(scope="session")

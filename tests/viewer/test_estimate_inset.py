@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import LightEstimate
+from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.pixels.view import View
 from ashe_live.viewer.estimate_inset import inset_overlays
 
 SIZE = (640, 480)
@@ -29,7 +33,9 @@ def centre_x(overlay, colour_bgr):
 @pytest.fixture
 def estimate(fakes):
     """The light comes from the right, at 45 degrees; no masks."""
-    return replace(fakes.estimate(), object_mask=None, shadow_mask=None, caster=DISC)
+    found = fakes.estimate()
+    lit_by = replace(found.illumination, real_object=DISC)
+    return replace(found, illumination=lit_by, object_mask=None, shadow_mask=None)
 
 
 def test_body_and_shadow_are_outlined_where_they_are(fakes, estimate):
@@ -46,7 +52,23 @@ def test_the_rose_stands_above_the_picture(fakes, estimate):
     assert rose.left_px + rose.shown_size[0] == inset.left_px + inset.shown_size[0]
 
 
+def test_a_trace_is_one_sheet_with_the_answer_in_it(fakes, estimate):
+    frozen = fakes.tracked()
+    trace = Trace(View.of(frozen, 64))
+    (answer,) = inset_overlays(estimate, frozen, SIZE, trace)
+    trace.ground = fit_lit_ground(trace.view.image_bgr, trace.view.is_ground, BALANCED.ground)
+    trace.unlit = np.zeros_like(trace.view.is_ground)
+    (steps,) = inset_overlays(estimate, frozen, SIZE, trace)
+    assert answer.shown_size[1] < steps.shown_size[1] <= SIZE[1]
+    assert drawn(steps, OBJECT_BGR).any()
+    for sheet in (answer, steps):
+        assert sheet.left_px >= SIZE[0] / 2
+        assert sheet.left_px + sheet.shown_size[0] <= SIZE[0]
+        assert sheet.top_px >= 0
+        assert sheet.top_px + sheet.shown_size[1] <= SIZE[1]
+
+
 def test_without_a_light_there_is_only_the_picture(fakes):
-    none = LightEstimate("fake", 0, (), "no shadow found")
+    none = LightEstimate("fake", 0, Illumination(), "no shadow found")
     (inset,) = inset_overlays(none, fakes.tracked(), SIZE)
     assert not drawn(inset, OBJECT_BGR).any()

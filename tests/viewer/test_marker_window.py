@@ -6,7 +6,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.types import Frame
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.markers import parse_marker
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.marker_window import on_white
 
 
@@ -14,7 +14,7 @@ from ashe_live.viewer.marker_window import on_white
 def test_the_tracker_finds_it_in_a_window_of_any_shape(size):
     marker = parse_marker("aruco:4x4_50:3")
     picture = on_white(marker.bitmap(960), size)
-    tracker = Tracker(marker, Camera.from_hfov(size, 60), 0.08, BALANCED.tracking)
+    tracker = MarkerTracker(marker, Camera.from_hfov(size, 60), 0.08, BALANCED.tracking)
     tracked = tracker.track(Frame(picture, 0, 0.0))
     assert picture.shape == (size[1], size[0], 3)
     assert tracked.marker is not None

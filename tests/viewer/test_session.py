@@ -9,12 +9,14 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Illumination
 from ashe_live.errors import UserError
+from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.live.worker_process import WorkerFailure
+from ashe_live.light.pixels.view import View
 from ashe_live.models.placement import UNMOVED
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.display import bare_scene
-from ashe_live.viewer.session import AUTO_EVERY_S, AUTO_SETTLED_EVERY_S, NOTICE_S, EstimatePolicy, Session
+from ashe_live.viewer.session import ANSWER_ALONE, AUTO_EVERY_S, AUTO_SETTLED_EVERY_S, NOTICE_S, EstimatePolicy, Session
 from ashe_live.viewer.status import camera_line, guidance, light_line, marker_line, source_lines, status_lines
 
 
@@ -167,6 +169,33 @@ def test_switches_toggle(make):
         for expected in (not before, before):
             session.handle(Request(command), 0.0)
             assert getattr(session, switch) is expected
+
+
+def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+
+    def estimated(now_s: float) -> Trace | None:
+        session.request_estimate(now_s)
+        session._worker.answer, session._worker.trace = fakes.estimate(), trace
+        session.poll(now_s)
+        return session.trace
+
+    trace = Trace(View.of(fakes.tracked(), 64))
+    toggle = Request(Command.TOGGLE_MASKS)
+    assert estimated(0.0) is None
+    assert session.last_notice is None
+    session.handle(toggle, 1.0)
+    assert session.last_notice == ANSWER_ALONE
+    assert estimated(10.0) is trace
+    assert session.notice(10.0) is None
+    session.handle(toggle, 11.0)
+    session.handle(toggle, 12.0)
+    assert session.trace is trace
+    assert session.notice(12.0) is None
+    trace = None  # as of an estimator that keeps none
+    assert estimated(20.0) is None
+    assert session.notice(20.0) == ANSWER_ALONE
 
 
 def test_what_needs_the_window_is_left_to_it(make):

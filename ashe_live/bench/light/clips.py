@@ -20,7 +20,7 @@ from ashe_live.files.reading import read_json
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.markers import parse_marker
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 
 EVERY = 10  # frames
 
@@ -37,7 +37,7 @@ class LightClip:
 
     def frames(self, limit: int | None = None) -> list[TrackedFrame]:
         """Every EVERYth frame, at most `limit` of them, with the pose that the tracker finds (None: no marker)."""
-        tracker = Tracker(parse_marker(self.marker_spec), self.camera, self.marker_side_m, BALANCED.tracking)
+        tracker = MarkerTracker(parse_marker(self.marker_spec), self.camera, self.marker_side_m, BALANCED.tracking)
         tracked: list[TrackedFrame] = []
         with ClipSource(self.path) as source:
             while (frame := source.read()) is not None and (limit is None or len(tracked) < limit):

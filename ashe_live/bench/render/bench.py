@@ -30,7 +30,7 @@ from ashe_live.render.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 
 LOOP_SIZES: tuple[Size, ...] = ((640, 480), (1280, 720))
@@ -74,7 +74,7 @@ class RenderBench(Bench):
         light = DirectionalLight(clip.to_light_marker)
         model = placed_on_marker(load_model("cube"), clip.marker_side_m)
         renderer = SceneRenderer(ctx, FAST.render, size)
-        tracker = Tracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, FAST.tracking)
+        tracker = MarkerTracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, FAST.tracking)
 
         def scene(tracked: TrackedFrame) -> Scene:
             return Scene(tracked, model, Illumination((light,)))

@@ -12,7 +12,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.contract import Json
 from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
 from ashe_live.models.catalogue import model_names
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.session import Session
 
@@ -22,11 +22,11 @@ PROGRESS_LINES = 40
 DRIFT_TOLERATED = 1.1
 
 
-class SoakTracker(Tracker):
+class SoakTracker(MarkerTracker):
     """Measures itself, and can be held still between two frames."""
 
     def __init__(self, *arguments: object) -> None:
-        super().__init__(*arguments)  # type: ignore[arg-type]  # they are Tracker's
+        super().__init__(*arguments)  # type: ignore[arg-type]  # they are MarkerTracker's
         self.at_rest = threading.Lock()
         self.last_ms = (0.0, 0.0)  # by the clock, and of the processor
 

@@ -19,7 +19,7 @@ from ashe_live.files.reading import read_json
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import square_corners
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ def _followed(path: Path, pattern: Path, side_m: float, focal_px: float, preset:
     times_ms = []
     with ClipSource(path) as source:
         camera = Camera.from_focal(source.size, focal_px)
-        tracker = Tracker(parse_marker(f"pattern:{pattern}"), camera, side_m, preset)
+        tracker = MarkerTracker(parse_marker(f"pattern:{pattern}"), camera, side_m, preset)
         while (frame := source.read()) is not None:
             tracked = tracker.track(frame)
             markers.append(tracked.marker)

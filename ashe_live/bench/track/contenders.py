@@ -16,7 +16,7 @@ from ashe_live.core.types import Frame, MarkerPose
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import square_corners
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 
 REFERENCE_ID = int(SPEC.rpartition(":")[2])
 
@@ -67,7 +67,7 @@ class Ours:
     """The tracker; `cold` lets it forget everything before each frame."""
 
     def __init__(self, camera: Camera, preset: TrackingPreset, cold: bool = False) -> None:
-        self._tracker = Tracker(parse_marker(SPEC), camera, SIDE_M, preset)
+        self._tracker = MarkerTracker(parse_marker(SPEC), camera, SIDE_M, preset)
         self._cold = cold
 
     def look(self, frame: Frame) -> MarkerPose | None:

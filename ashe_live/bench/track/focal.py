@@ -12,7 +12,7 @@ from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera
 from ashe_live.tracking.focal import FocalEstimator
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 
 WITHIN_PERCENT, HONEST_SIGMAS = 3.0, 3.0
 
@@ -20,7 +20,9 @@ WITHIN_PERCENT, HONEST_SIGMAS = 3.0, 3.0
 def focal_figures(preset: TrackingPreset, frames: int) -> Iterator[Figure]:
     """The error of the focal length in percent, and in its own standard deviations."""
     take = Take("focal", SMALL, frames, partial(_handled, frames))
-    tracker = Tracker(parse_marker(SPEC), Camera.from_hfov(SMALL.size, ASSUMED_HFOV_DEG, "assumed"), SIDE_M, preset)
+    tracker = MarkerTracker(
+        parse_marker(SPEC), Camera.from_hfov(SMALL.size, ASSUMED_HFOV_DEG, "assumed"), SIDE_M, preset
+    )
     estimator = FocalEstimator(SMALL.size)
     for frame, _ in take.film():
         estimator.add(tracker.track(frame))

@@ -26,7 +26,7 @@ from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.steadiness import Steadiness
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.headless import LONGEST_ESTIMATE_S
@@ -66,7 +66,9 @@ class ViewerBench(Bench):
             renderer = SceneRenderer(offscreen_context(), self.quality.render, size)
             stack.callback(renderer.release)
             source = stack.enter_context(ClipSource(clip.path))
-            tracker = Tracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, self.quality.tracking)
+            tracker = MarkerTracker(
+                parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, self.quality.tracking
+            )
             worker = stack.enter_context(LightWorker(self.estimator))
             session = Session(Shelf(MODEL, clip.marker_side_m), worker, EstimatePolicy(), Steadiness())
             scene = BenchScene(session, clip, size, self.quality.name)
@@ -90,7 +92,9 @@ class ViewerBench(Bench):
         timed = {name: time_start(self.clip, self.quality.name, self.starts, *ways[name]) for name in ways}
         return {name: None if start is None else asdict(start) for name, start in timed.items()}
 
-    def _unpaced(self, source: ClipSource, tracker: Tracker, renderer: SceneRenderer, scene: "BenchScene") -> Json:
+    def _unpaced(
+        self, source: ClipSource, tracker: MarkerTracker, renderer: SceneRenderer, scene: "BenchScene"
+    ) -> Json:
         stages = time_unpaced(source, tracker, renderer, scene, self.frames)
         blit = time_blit(source, tracker, renderer, self.clip.camera, self.frames)
         return {
@@ -98,7 +102,7 @@ class ViewerBench(Bench):
             "stages_ms": {**_stages_json(stages), **_stages_json(blit)},
         }
 
-    def _paced(self, source: ClipSource, tracker: Tracker, renderer: SceneRenderer, scene: "BenchScene") -> Json:
+    def _paced(self, source: ClipSource, tracker: MarkerTracker, renderer: SceneRenderer, scene: "BenchScene") -> Json:
         source.rewind()
         tracker.reset()
         pipeline = Pipeline(source, tracker, loop=True)
@@ -154,7 +158,7 @@ class BenchScene:
         if estimate is not None:
             self.estimates_ms.append(estimate.timing_ms["total"])
 
-    def wait_for_first_estimate(self, source: ClipSource, tracker: Tracker) -> None:
+    def wait_for_first_estimate(self, source: ClipSource, tracker: MarkerTracker) -> None:
         """So that the estimator's process has started, and sleeps until it is asked again."""
         frame = source.read()
         assert frame is not None

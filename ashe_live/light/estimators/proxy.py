@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, worth_a_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.trace import Trace
@@ -62,7 +62,8 @@ class ProxyEstimator:
 
         def none(reason: str, body: Mask | None = None, shadow: Mask | None = None) -> tuple[LightEstimate, Trace]:
             reason = fault_of_exposure(coarse) or reason
-            return LightEstimate(self.name, tracked.frame.index, (), reason, body, shadow, clock.timing_ms()), trace
+            index, timing_ms = tracked.frame.index, clock.timing_ms()
+            return LightEstimate(self.name, index, Illumination(), reason, body, shadow, timing_ms), trace
 
         trace.ground = ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
         if ground is None:
@@ -101,13 +102,10 @@ class ProxyEstimator:
         estimate = LightEstimate(
             self.name,
             tracked.frame.index,
-            tuple(lights),
+            Illumination(tuple(lights), ratios[-1], lit_rgb(ground), best.proxy),
             None,
             *_masks_of(best),
             clock.timing_ms(),
-            caster=best.proxy,
-            ambient_rgb_ratio=ratios[-1],
-            ground_rgb=lit_rgb(ground),
         )
         return estimate, trace
 

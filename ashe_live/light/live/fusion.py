@@ -14,7 +14,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised, radius_of_68_percent, tangent_basis
-from ashe_live.core.types import DirectionalLight, LightEstimate
+from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate
 
 MEMBERS = 8  # the latest ones; the sun moves on
 CHANGED_AFTER = 3  # estimates in a row that contradict the answer and agree among themselves
@@ -85,9 +85,10 @@ def fused(estimates: Sequence[LightEstimate]) -> LightEstimate:
     weights /= weights.sum()
     rows = [_matched(last.lights, estimate.lights) or estimate.lights for estimate in estimates]
     lights = tuple(_fused_light(column, weights) for column in zip(*rows, strict=True))
-    ambient = _mean([estimate.ambient_rgb_ratio for estimate in estimates], weights)
-    ground = _mean([estimate.ground_rgb for estimate in estimates], weights)
-    return replace(last, lights=lights, ambient_rgb_ratio=ambient, ground_rgb=ground)
+    ambient = _mean([estimate.illumination.ambient_rgb_ratio for estimate in estimates], weights)
+    ground = _mean([estimate.illumination.ground_rgb for estimate in estimates], weights)
+    body = last.illumination.real_object
+    return replace(last, illumination=Illumination(lights, ambient, ground, body))
 
 
 def _fused_light(lights: Sequence[DirectionalLight], weights: Float) -> DirectionalLight:

@@ -18,9 +18,9 @@ from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_estimator
 from ashe_live.light.live import worker_process
-from ashe_live.light.live.worker_process import WorkerFailure
+from ashe_live.light.live.worker_process import Answer, WorkerFailure
 from ashe_live.process import children
-from ashe_live.process.pipes import send_value
+from ashe_live.process.pipes import receive_value, send_value
 
 LIMITS = children.Limits(niceness=19)
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
@@ -28,7 +28,7 @@ THREAD_TIMEOUT_S = 0.05
 # The paper's estimator takes ten seconds, on a crowded machine several times that.
 LONGEST_ESTIMATE_S = 120.0
 
-Outcome = LightEstimate | WorkerFailure
+Outcome = Answer | WorkerFailure
 
 
 class LightWorker:
@@ -52,10 +52,11 @@ class LightWorker:
         """Whether a request has been made whose outcome has not been collected yet."""
         return self._asked_index is not None
 
-    def request(self, tracked: TrackedFrame, preset: str = "balanced") -> bool:
+    def request(self, tracked: TrackedFrame, preset: str = "balanced", with_trace: bool = False) -> bool:
         """Asks for the light in `tracked`, at the named quality; False, and nothing asked, while busy.
 
-        Raises ValueError when closed.
+        `with_trace`: and for what led to it, some megabytes, where the estimator keeps it. Raises ValueError when
+        closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -65,7 +66,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
-        self._process.send(tracked, preset)
+        self._process.send(tracked, preset, with_trace)
         return True
 
     def poll(self) -> Outcome | None:
@@ -128,9 +129,9 @@ class _Process:
     def has_ended(self) -> bool:
         return self.outcomes.is_closed or not self._process.is_alive()
 
-    def send(self, tracked: TrackedFrame, preset: str) -> None:
+    def send(self, tracked: TrackedFrame, preset: str, with_trace: bool) -> None:
         """Hands the frame over in a thread, as the pipe takes it only as fast as the process reads."""
-        self._threads[1:] = [self._thread(_send, self._connection, (tracked, preset))]
+        self._threads[1:] = [self._thread(_send, self._connection, (tracked, preset, with_trace))]
 
     def kill(self) -> None:
         self._process.kill()
@@ -148,7 +149,7 @@ class _Process:
         return thread
 
 
-def _send(connection: Connection, request: tuple[TrackedFrame, str]) -> None:
+def _send(connection: Connection, request: tuple[TrackedFrame, str, bool]) -> None:
     # A broken pipe is met by the receiving thread as well, which tells.
     with suppress(OSError):
         send_value(connection, request)
@@ -157,13 +158,16 @@ def _send(connection: Connection, request: tuple[TrackedFrame, str]) -> None:
 def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
     try:
         while True:
-            outcome: Outcome = connection.recv()
-            outcomes.put(_refrozen(outcome) if isinstance(outcome, LightEstimate) else outcome)
+            outcome: Outcome = receive_value(connection)
+            if isinstance(outcome, Answer):
+                outcome = replace(outcome, estimate=_refrozen(outcome.estimate))
+            outcomes.put(outcome)
     except (EOFError, OSError):
         outcomes.close(EOFError())
 
 
 def _refrozen(estimate: LightEstimate) -> LightEstimate:
     """Arrays come out of a pickle writable: made again, they are checked and read-only as before."""
-    caster = estimate.caster and replace(estimate.caster)
-    return replace(estimate, lights=tuple(replace(light) for light in estimate.lights), caster=caster)
+    found = estimate.illumination
+    lights, body = tuple(replace(light) for light in found.lights), found.real_object and replace(found.real_object)
+    return replace(estimate, illumination=replace(found, lights=lights, real_object=body))

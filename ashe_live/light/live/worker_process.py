@@ -6,11 +6,20 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
-from ashe_live.process.pipes import receive_value
+from ashe_live.process.pipes import receive_value, send_value
 
 if TYPE_CHECKING:
     from ashe_live.core.types import LightEstimate, TrackedFrame
     from ashe_live.light.estimators.estimator import Estimator
+    from ashe_live.light.estimators.trace import Trace
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What came of a request."""
+
+    estimate: "LightEstimate"
+    trace: "Trace | None" = None  # None where none was asked for, or the estimator keeps none
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +31,10 @@ class WorkerFailure:
 
 
 def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
-    """Answers every tracked frame and preset with a LightEstimate or a WorkerFailure, until the other side has gone."""
+    """Answers each request, a tracked frame, a preset and whether to trace, with an Answer or a WorkerFailure.
+
+    Returns when the other side has gone.
+    """
     import cv2
 
     # The other cores belong to the viewer's loop.
@@ -31,16 +43,20 @@ def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
     # EOFError and BrokenPipeError: the viewer is gone, and nobody wants the answer.
     with suppress(EOFError, OSError):
         while True:
-            tracked, preset = receive_value(connection)
+            tracked, preset, with_trace = receive_value(connection)
             if preset not in estimators:
                 estimators[preset] = make(preset)
-            connection.send(_answer(estimators[preset], tracked))
+            send_value(connection, _answer(estimators[preset], tracked, with_trace))
 
 
-def _answer(estimator: "Estimator", tracked: "TrackedFrame") -> "LightEstimate | WorkerFailure":
+def _answer(estimator: "Estimator", tracked: "TrackedFrame", with_trace: bool) -> Answer | WorkerFailure:
     """An exception is the request's failure, not the process's end."""
+    from ashe_live.light.estimators.estimator import TracingEstimator
+
     try:
-        return estimator.estimate(tracked)
+        if with_trace and isinstance(estimator, TracingEstimator):
+            return Answer(*estimator.traced(tracked))
+        return Answer(estimator.estimate(tracked))
     except Exception as error:
         first_line = (str(error).strip() or "no message").splitlines()[0]
         return WorkerFailure(tracked.frame.index, f"{type(error).__name__}: {first_line}")

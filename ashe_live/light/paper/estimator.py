@@ -12,7 +12,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Size
 from ashe_live.core.stages import StageClock
-from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.paper import geometry, masks
 from ashe_live.light.paper.shadow_colour import shadow_rgb_ratio
 
@@ -55,9 +55,9 @@ class PaperEstimator:
         shadow_mask: Mask | None = None
 
         def answer(light: DirectionalLight | None, reason: str | None) -> LightEstimate:
-            lights = () if light is None else (light,)
+            found = Illumination(() if light is None else (light,))
             return LightEstimate(
-                self.name, tracked.frame.index, lights, reason, object_mask, shadow_mask, clock.timing_ms()
+                self.name, tracked.frame.index, found, reason, object_mask, shadow_mask, clock.timing_ms()
             )
 
         size = masks.working_size(tracked.frame.size, steps.size)

@@ -12,7 +12,7 @@ from ashe_live.bench.light.clips import LightClip, estimate_clip, read_clips
 from ashe_live.capture.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Frame, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 
 SIZE = (64, 48)
@@ -27,9 +27,9 @@ class Wavering:
 
     def estimate(self, tracked):
         if (turn := tracked.frame.index % 3) == 2:
-            return LightEstimate(self.name, tracked.frame.index, (), "tired")
+            return LightEstimate(self.name, tracked.frame.index, Illumination(), "tired")
         light = direction_from_angles(0.4, 0.6 + math.radians((2, -2)[turn]))
-        return LightEstimate(self.name, tracked.frame.index, (DirectionalLight(light),))
+        return LightEstimate(self.name, tracked.frame.index, Illumination((DirectionalLight(light),)))
 
 
 def frames(count, without_marker=()):

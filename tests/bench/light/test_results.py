@@ -13,7 +13,7 @@ from ashe_live.bench.light.results import ALL, ALL_LIT, UPRIGHT, case_result, gr
 from ashe_live.bench.light.targets import verdicts
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
+from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose
 
 SUN = direction_from_angles(0.5, 0.7)
 LAMP = direction_from_angles(2.5, 0.9)
@@ -39,7 +39,7 @@ def off_by(degrees, from_=SUN, sigma_deg=3.0, confidence=0.9):
 
 def answered(of, *lights, ms=10.0, true_labels_deg=None):
     reason = None if lights else "no shadow"
-    estimate = LightEstimate("e", 0, lights, reason, timing_ms={"fit": ms / 2, "total": ms})
+    estimate = LightEstimate("e", 0, Illumination(lights), reason, timing_ms={"fit": ms / 2, "total": ms})
     return case_result("balanced", of, estimate, 2 * ms, (0.5, 0.25), true_labels_deg)
 
 

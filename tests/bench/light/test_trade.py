@@ -11,7 +11,7 @@ from ashe_live.bench.cases import Case
 from ashe_live.bench.light.trade import MEDIAN_ERROR, MISSED, VARIATIONS, Variation, print_trade, replaced, sweep
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
-from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose
+from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 
 
@@ -21,7 +21,9 @@ class Guess:
     name = "guess"
 
     def estimate(self, tracked):
-        return LightEstimate(self.name, tracked.frame.index, (DirectionalLight((0, 0, 1)),), timing_ms={"total": 7.0})
+        return LightEstimate(
+            self.name, tracked.frame.index, Illumination((DirectionalLight((0, 0, 1)),)), timing_ms={"total": 7.0}
+        )
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.truth import error_on_true_labels_deg, mask_overlaps
-from ashe_live.core.types import LightEstimate, MarkerPose
+from ashe_live.core.types import Illumination, LightEstimate, MarkerPose
 from ashe_live.light.estimators.steps import BALANCED
 from tests.light.synthetic_masks import box, camera_towards, direction, render
 
@@ -43,11 +43,11 @@ def halved(mask):
 
 def test_masks_of_another_size_are_compared_all_the_same(scene, case):
     body, shadow = halved(scene.body), halved(scene.shadows[0])
-    right = mask_overlaps(LightEstimate("e", 0, (), "-", body, shadow), case)
-    exchanged = mask_overlaps(LightEstimate("e", 0, (), "-", shadow, body), case)
+    right = mask_overlaps(LightEstimate("e", 0, Illumination(), "-", body, shadow), case)
+    exchanged = mask_overlaps(LightEstimate("e", 0, Illumination(), "-", shadow, body), case)
     assert min(right) > 0.9
     assert max(exchanged) < 0.1
-    assert mask_overlaps(LightEstimate("e", 0, (), "-"), case) == (None, None)
+    assert mask_overlaps(LightEstimate("e", 0, Illumination(), "-"), case) == (None, None)
 
 
 def test_true_labels_leave_only_the_geometrys_error(case):

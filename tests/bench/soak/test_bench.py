@@ -16,7 +16,7 @@ from ashe_live.bench.soak.run import drift_json
 from ashe_live.bench.soak.time_code import BITS, TimeCodeCamera, paint_number, read_number
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Camera
-from ashe_live.core.types import LightEstimate
+from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.errors import UserError
 from ashe_live.quality import FAST
 
@@ -30,7 +30,7 @@ class BlindEstimator:
     def __init__(self, _preset: str) -> None: ...
 
     def estimate(self, tracked):
-        return LightEstimate("blind", tracked.frame.index, (), "blind", timing_ms={"total": 1.0})
+        return LightEstimate("blind", tracked.frame.index, Illumination(), "blind", timing_ms={"total": 1.0})
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from ashe_live.capture.known_clip import KnownClip, read_known_clip
 from ashe_live.capture.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import LightEstimate
+from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.errors import UserError
 from ashe_live.quality import FAST
 from ashe_live.tracking.markers import parse_marker
@@ -34,7 +34,9 @@ class BlindEstimator:
     def __init__(self, _preset: str) -> None: ...
 
     def estimate(self, tracked):
-        return LightEstimate(self.name, tracked.frame.index, (), "blind", timing_ms={"total": self.takes_ms})
+        return LightEstimate(
+            self.name, tracked.frame.index, Illumination(), "blind", timing_ms={"total": self.takes_ms}
+        )
 
 
 @pytest.fixture(scope="module")

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import angle_between, direction_from_angles, tangent_basis
-from ashe_live.core.types import DirectionalLight, LightEstimate
+from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate
 from ashe_live.light.live.fusion import CHANGED_AFTER, MEMBERS, LightFusion, agree, fused
 
 SUN = direction_from_angles(0.7, 0.8)
 LAMP = direction_from_angles(3.0, 0.6)
-NONE = LightEstimate("test", 0, (), "no shadow found")
+NONE = LightEstimate("test", 0, Illumination(), "no shadow found")
 
 
 def turned(direction, east_deg: float, up_deg: float):
@@ -25,7 +25,7 @@ def light(direction, sigmas_deg=(2.0, 2.0), confidence=0.8, depth: float = 0.4) 
 
 
 def estimate(*lights: DirectionalLight) -> LightEstimate:
-    return LightEstimate("test", 0, lights)
+    return LightEstimate("test", 0, Illumination(lights))
 
 
 def fusion_of(*estimates: LightEstimate) -> LightFusion:
@@ -130,7 +130,7 @@ def test_a_slow_sun_is_followed():
 
 
 def test_an_estimator_that_tells_no_uncertainty_is_averaged_alike():
-    plain = [LightEstimate("test", 0, (DirectionalLight(turned(SUN, side, 0)),)) for side in (-2, 2)]
+    plain = [LightEstimate("test", 0, Illumination((DirectionalLight(turned(SUN, side, 0)),))) for side in (-2, 2)]
     answer = fused(plain).light
     assert math.degrees(angle_between(answer.to_light_marker, SUN)) < 1e-2
     assert answer.covariance_rad2 is answer.sigma_rad is answer.confidence is None

@@ -9,10 +9,12 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
+from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.light.live import worker as worker_module
-from ashe_live.light.live.worker import LightWorker, WorkerFailure
+from ashe_live.light.live.worker import LightWorker
+from ashe_live.light.live.worker_process import Answer, WorkerFailure
 from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
 
 PATIENCE_S = 60.0
@@ -46,8 +48,10 @@ def test_it_answers_as_a_direct_call_does(worker, scene):
     assert worker.request(scene.tracked)
     assert worker.busy
     assert not worker.request(scene.tracked)
-    answer, direct = worker.wait(PATIENCE_S), quick().estimate(scene.tracked)
-    assert isinstance(answer, LightEstimate)
+    outcome, direct = worker.wait(PATIENCE_S), quick().estimate(scene.tracked)
+    assert isinstance(outcome, Answer)
+    assert outcome.trace is None
+    answer = outcome.estimate
     np.testing.assert_array_equal(answer.light.to_light_marker, direct.light.to_light_marker)
     np.testing.assert_array_equal(answer.object_mask, direct.object_mask)
     assert answer.frame_index == scene.tracked.frame.index
@@ -56,12 +60,32 @@ def test_it_answers_as_a_direct_call_does(worker, scene):
     assert worker.poll() is None
 
 
+def test_what_led_to_the_answer_comes_only_when_asked_for(scene):
+    with LightWorker("proxy") as worker:
+        worker.request(scene.tracked, "fast")
+        assert worker.wait(PATIENCE_S).trace is None
+        worker.request(scene.tracked, "fast", with_trace=True)
+        outcome = worker.wait(PATIENCE_S)
+    estimate, trace = make_estimator("proxy", "fast").traced(scene.tracked)
+    assert outcome.estimate.light.to_light_marker.tobytes() == estimate.light.to_light_marker.tobytes()
+    assert outcome.trace.probabilities() == trace.probabilities()
+    assert len(outcome.trace.proposals) == len(trace.proposals)
+    np.testing.assert_array_equal(outcome.trace.unlit, trace.unlit)
+
+
+def test_an_estimator_that_keeps_no_trace_answers_all_the_same(worker, scene):
+    worker.request(scene.tracked, with_trace=True)
+    outcome = worker.wait(PATIENCE_S)
+    assert outcome.estimate.light is not None
+    assert outcome.trace is None
+
+
 def test_a_picture_that_is_a_cut_out_of_another_arrives_whole(worker, scene):
     image = np.zeros((480, 1280, 3), np.uint8)[:, ::2]
     image[:] = scene.tracked.frame.image_bgr
     worker.request(TrackedFrame(Frame(image, 7, 0.0), scene.tracked.camera, scene.tracked.marker))
     direct = quick().estimate(scene.tracked)
-    np.testing.assert_array_equal(worker.wait(PATIENCE_S).light.to_light_marker, direct.light.to_light_marker)
+    np.testing.assert_array_equal(worker.wait(PATIENCE_S).estimate.light.to_light_marker, direct.light.to_light_marker)
 
 
 def test_an_exception_comes_back_as_a_value_and_the_worker_goes_on(worker, scene, without_marker):
@@ -72,7 +96,7 @@ def test_an_exception_comes_back_as_a_value_and_the_worker_goes_on(worker, scene
     assert "marker" in failure.message
     assert "\n" not in failure.message
     worker.request(scene.tracked)
-    assert isinstance(worker.wait(PATIENCE_S), LightEstimate)
+    assert isinstance(worker.wait(PATIENCE_S), Answer)
 
 
 def test_a_killed_process_is_told_once_and_replaced(scene, without_marker):
@@ -99,7 +123,7 @@ def test_a_process_killed_between_requests_is_replaced(worker, scene):
     while first in children() and time.monotonic() < deadline:
         os.sched_yield()
     worker.request(scene.tracked)
-    assert isinstance(worker.wait(PATIENCE_S), LightEstimate)
+    assert isinstance(worker.wait(PATIENCE_S), Answer)
 
 
 def test_one_that_hangs_is_given_up_told_once_and_replaced(scene, without_marker, monkeypatch):
@@ -162,7 +186,7 @@ def test_ctrl_c_does_not_reach_it(worker, scene, without_marker, capfd):
     (pid,) = children()
     os.kill(pid, signal.SIGINT)
     worker.request(scene.tracked)
-    assert isinstance(worker.wait(PATIENCE_S), LightEstimate)
+    assert isinstance(worker.wait(PATIENCE_S), Answer)
     assert children() == {pid}
     assert "Traceback" not in capfd.readouterr().err
 
