@@ -25,7 +25,7 @@ from ashe_live.process.pipes import send_value
 LIMITS = children.Limits(niceness=19)
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
 THREAD_TIMEOUT_S = 0.05
-# The paper's estimator takes ten seconds, on a crowded machine several times that.
+# The paper's estimator takes ten seconds, and several times that on a busy machine.
 LONGEST_ESTIMATE_S = 120.0
 
 Outcome = LightEstimate | WorkerFailure
@@ -34,8 +34,8 @@ Outcome = LightEstimate | WorkerFailure
 class LightWorker:
     """One process that answers one request at a time; for use from one thread, which it never blocks.
 
-    `estimator` is a name in ESTIMATORS (UserError for another one), or what makes an estimator of a preset's name and
-    can be pickled. The process starts here, so that its imports are done when the first request comes.
+    `estimator` is a name in ESTIMATORS (UserError for another one), or a picklable callable that makes an estimator
+    from a preset's name. The process starts here, so that its imports are done when the first request comes.
     """
 
     def __init__(self, estimator: str | Callable[[str], Estimator]) -> None:
@@ -49,11 +49,11 @@ class LightWorker:
 
     @property
     def busy(self) -> bool:
-        """Whether a request has been made whose outcome has not been collected yet."""
+        """Whether there is a request whose outcome has not been collected yet."""
         return self._asked_index is not None
 
     def request(self, tracked: TrackedFrame, preset: str = "balanced") -> bool:
-        """Asks for the light in `tracked`, at the named quality; False, and nothing asked, while busy.
+        """Requests an estimate of `tracked` with the named preset; returns False, and does nothing, while busy.
 
         Raises ValueError when closed.
         """
@@ -69,11 +69,11 @@ class LightWorker:
         return True
 
     def poll(self) -> Outcome | None:
-        """What has come of the request, once; None while there is nothing."""
+        """The outcome of the request, returned once; None while there is none."""
         return self.wait(0.0)
 
     def wait(self, timeout_s: float) -> Outcome | None:
-        """As `poll`, after waiting for it for up to `timeout_s`."""
+        """As `poll`, but waits for the outcome for up to `timeout_s`."""
         if self._process is None or self._asked_index is None:
             return None
         try:
@@ -89,14 +89,14 @@ class LightWorker:
         return outcome
 
     def give_up(self) -> None:
-        """Nothing comes of the request, if there is one; the next one may be made at once."""
+        """Cancels the request, if there is one; the next one may be made at once."""
         if self.busy:
             self._asked_index = None
             self._discard()
             self._process = _Process(self._make)
 
     def close(self) -> None:
-        """Ends the process, also in the middle of an estimate; closing twice is allowed."""
+        """Ends the process, even during an estimate; closing twice is allowed."""
         self._closed = True
         self._asked_index = None
         self._discard()
@@ -116,7 +116,7 @@ class LightWorker:
 
 
 class _Process:
-    """One life of the process: the mailbox of its answers is closed with EOFError when it ends."""
+    """One instance of the process; when it ends, the mailbox of its outcomes is closed with EOFError."""
 
     def __init__(self, make: Callable[[str], Estimator]) -> None:
         self.outcomes: LatestMailbox[Outcome] = LatestMailbox()
@@ -129,13 +129,13 @@ class _Process:
         return self.outcomes.is_closed or not self._process.is_alive()
 
     def send(self, tracked: TrackedFrame, preset: str) -> None:
-        """Hands the frame over in a thread, as the pipe takes it only as fast as the process reads."""
+        """Sends the frame from a thread, as writing to the pipe blocks until the process reads."""
         self._threads[1:] = [self._thread(_send, self._connection, (tracked, preset))]
 
     def kill(self) -> None:
         self._process.kill()
         self._process.join(PROCESS_TIMEOUT_S)
-        # With the process gone both threads meet the pipe's end at once; a pipe still in use must not be closed.
+        # With the process gone both threads reach the pipe's end at once; a pipe still in use must not be closed.
         for thread in self._threads:
             thread.join(THREAD_TIMEOUT_S)
         if not any(thread.is_alive() for thread in self._threads):
@@ -149,7 +149,7 @@ class _Process:
 
 
 def _send(connection: Connection, request: tuple[TrackedFrame, str]) -> None:
-    # A broken pipe is met by the receiving thread as well, which tells.
+    # The receiving thread meets a broken pipe too, and reports it.
     with suppress(OSError):
         send_value(connection, request)
 
@@ -164,6 +164,6 @@ def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
 
 
 def _refrozen(estimate: LightEstimate) -> LightEstimate:
-    """Arrays come out of a pickle writable: made again, they are checked and read-only as before."""
+    """The estimate with its arrays checked and read-only again, as unpickling makes them writable."""
     caster = estimate.caster and replace(estimate.caster)
     return replace(estimate, lights=tuple(replace(light) for light in estimate.lights), caster=caster)

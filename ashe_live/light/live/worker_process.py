@@ -1,4 +1,4 @@
-"""The far side of the light worker: one process that estimates, one request after the other."""
+"""The light worker's process: makes estimates, one request after the other."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -18,17 +18,17 @@ class WorkerFailure:
     """Why a request got no estimate."""
 
     frame_index: int
-    message: str  # one line, for a person
+    message: str  # one line, for the user
 
 
 def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
-    """Answers every tracked frame and preset with a LightEstimate or a WorkerFailure, until the other side has gone."""
+    """Answers every tracked frame and preset with a LightEstimate or a WorkerFailure until the connection is closed."""
     import cv2
 
-    # The other cores belong to the viewer's loop.
+    # The other cores are left to the viewer's loop.
     cv2.setNumThreads(1)
     estimators: dict[str, Estimator] = {}
-    # EOFError and BrokenPipeError: the viewer is gone, and nobody wants the answer.
+    # EOFError and BrokenPipeError: the viewer has gone, and no answer is needed.
     with suppress(EOFError, OSError):
         while True:
             tracked, preset = receive_value(connection)
@@ -38,7 +38,7 @@ def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
 
 
 def _answer(estimator: "Estimator", tracked: "TrackedFrame") -> "LightEstimate | WorkerFailure":
-    """An exception is the request's failure, not the process's end."""
+    """The estimate, or a failure for any exception, so that the process goes on."""
     try:
         return estimator.estimate(tracked)
     except Exception as error:
