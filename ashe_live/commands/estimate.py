@@ -51,11 +51,13 @@ def run(options: argparse.Namespace) -> int:
     statuses = set()
     for path in _watched(named):
         record, tracked = _answer(path, make_tracker(options, camera_for), estimator, options)
-        say_exactly(record.to_line()) if options.json else say(_line(record))
+        is_read = say_exactly(record.to_line()) if options.json else say(_line(record))
         statuses.add(_status(record))
         if options.sheet is not None:
             picture = None if tracked is None else picture_of(tracked, record.estimate)
             page.add(record.file, _said(record), picture)
+        elif not is_read and options.debug is None:
+            break  # nobody wants the rest
     if options.sheet is not None:
         tell(f"sheet in {page.write(options.sheet, options.overwrite)}")
     return next(status for status in WORST_FIRST if status in statuses)

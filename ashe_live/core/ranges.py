@@ -28,12 +28,12 @@ class Range:
         return value
 
 
-MARKER_SIDE = Range(1e-4, 1e4, "m")  # a hair's width to a town square
+MARKER_SIDE = Range(1e-6, 1e6, "m")  # what arithmetic bears; a printed one has centimetres
 PRINTED_MM = Range(0.1, 10_000, "mm")  # what pages hold is narrower, and printing says so
 FOCAL = Range(1e-3, 1e7, "px")  # of a picture of one pixel to a telescope's
 PIXEL = Range(-1e7, 1e7, "px")  # a place in a picture or far outside it
 DISTORTION = Range(-1e6, 1e6)
-FIELD_OF_VIEW = Range(1.0, 179.0, "degrees")
+FIELD_OF_VIEW = Range(1e-3, 179.999, "degrees")
 SIDE = Range(1, 16384, "px")  # of a picture: what graphics cards draw
 DRAWN = Range(1, 4096**2, "px")  # in a picture that is drawn: all that is kept for each takes up to 75 bytes
 COUNT = Range(1, 1e9)

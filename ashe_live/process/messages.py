@@ -32,24 +32,26 @@ def tell(text: object) -> None:
         print(f"ashe-live: {printable(text)}", file=sys.stderr, flush=True)
 
 
-def say(text: object) -> None:
-    """One line on standard output, for a person: an answer. Raises as `say_exactly`."""
-    say_exactly(printable(text))
+def say(text: object) -> bool:
+    """One line on standard output, for a person: an answer. As `say_exactly`."""
+    return say_exactly(printable(text))
 
 
-def say_exactly(line: str) -> None:
+def say_exactly(line: str) -> bool:
     """One line on standard output, for another program (JSON, TOML), as it is.
 
-    Raises BrokenPipeError when the reader has gone, UserError when there is no space for it.
+    False when its reader has gone (`| head`), which is no reason to leave out what else was asked for. Raises UserError
+    when there is no space for it.
     """
     try:
         print(line, flush=True)
     except BrokenPipeError:
-        raise
+        return False
     except OSError as error:
         raise UserError(
             f"cannot write to standard output ({error.strerror})", "choose a place that has space left"
         ) from error
+    return True
 
 
 def _cut(text: str, most: int) -> str:

@@ -28,6 +28,12 @@ def test_a_reader_that_leaves_is_no_error(command: list[str], tmp_path: Path) ->
     assert done.stderr == ""
 
 
+def test_without_a_reader_what_else_was_asked_for_is_written(tmp_path: Path) -> None:
+    done = run_in_shell("(exec $A estimate gone.jpg --sheet sheet.html) | true; exit ${PIPESTATUS[0]}", tmp_path)
+    assert done.returncode == 2
+    assert "gone.jpg" in (tmp_path / "sheet.html").read_text()
+
+
 @pytest.mark.parametrize("command", ANSWERS, ids=" ".join)
 def test_an_answer_that_cannot_be_written_is_an_error(command: list[str], tmp_path: Path) -> None:
     done = run_in_shell(f"$A {' '.join(command)} > /dev/full", tmp_path)

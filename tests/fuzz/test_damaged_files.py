@@ -10,23 +10,18 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from ashe_live.capture.sources import open_source
 from ashe_live.core.camera import read_camera_file
 from ashe_live.errors import UserError
 from ashe_live.tracking.pattern_files import read_marker_picture, read_pattern_file
+from tests.fuzz.damaged import files
 
 # Pillow's own words about what it skips.
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning:PIL")
-# The same examples every time, so that no change is blamed for an old fault; to hunt, raise their number.
-FEW = settings(
-    max_examples=60,
-    derandomize=True,
-    deadline=None,
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
-)
+FEW = files(60)
 FORMATS = ("png", "jpeg", "bmp", "tiff", "webp", "ppm")
 # Where most formats keep sizes and kinds.
 HEADER_BYTES = 200

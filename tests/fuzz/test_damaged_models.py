@@ -3,7 +3,6 @@
 import copy
 import json
 import math
-import os
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,13 +11,14 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ashe_live.errors import UserError
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.malformed import MalformedError
 from ashe_live.models.placement import PlacedModel, placed_on_marker
+from tests.fuzz.damaged import HUNTED, files
 from tests.models.gltf_files import UVS, Document, png
 
 # Pillow's own words about what it skips, and NumPy's about text that is no number.
@@ -26,16 +26,8 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::UserWarning:PIL"),
     pytest.mark.filterwarnings("ignore:string or file could not be read:DeprecationWarning"),
 ]
-# To hunt: FUZZ_MODELS=12000 pytest tests/fuzz/test_damaged_models.py tries that many random files of each of 13 kinds.
-HUNTED = int(os.environ.get("FUZZ_MODELS", "0"))
 MOST_BYTES = 2_000_000_000
-# Else the same examples every time, so that no change is blamed for an old fault.
-FEW = settings(
-    max_examples=HUNTED or 100,
-    derandomize=not HUNTED,
-    deadline=20_000 if HUNTED else None,  # ms
-    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
-)
+FEW = files(100)
 SIDE_M = 0.08
 TEXTS = {
     "obj": b"mtllib a.mtl\no one\nusemtl m\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\n"

@@ -1,10 +1,16 @@
 """Whatever a file name or a damaged file holds, a message is one printable line of bounded length."""
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ashe_live.process.messages import MOST_CHARACTERS, printable, say, tell
+
+CHECKOUT = Path(__file__).parents[2]
 
 ANY_TEXT = st.text(st.characters(exclude_categories=()))  # lone surrogates too
 
@@ -42,6 +48,22 @@ def test_what_is_too_long_keeps_its_beginning_and_its_end(letter: str) -> None:
     assert len(line) <= 100
     assert line.startswith("cannot read ")
     assert line.endswith(": copy it again")
+
+
+def test_a_reader_that_has_gone_is_told_of_and_no_error() -> None:
+    code = "import sys; from ashe_live.process.messages import say; sys.stdin.read(); sys.exit(say('a') + 2 * say('b'))"
+    with subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=CHECKOUT,
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.stdin is not None
+        process.stdin.close()
+        assert process.wait(60) in (0, 120), "120 is the interpreter's own complaint at its end"
 
 
 def test_errors_and_answers_take_one_line_each(capsys: pytest.CaptureFixture[str]) -> None:
