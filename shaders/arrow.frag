@@ -1,4 +1,4 @@
-// Bright towards the eye and dark at its rim, so that the arrow reads as round and stands out from any video.
+// Bright where it faces the eye and dark at its rim, so that the arrow looks round and stands out from any video.
 #version 330 core
 
 uniform vec3 eye;  // metres, marker frame

@@ -1,5 +1,4 @@
-// How a surface of the metallic-roughness model reflects: glTF 2.0, appendix B, with the approximations that
-// Filament and Unreal use.
+// The BRDF of the metallic-roughness model: glTF 2.0, appendix B, with the approximations that Filament and Unreal use.
 
 // Microfacet distribution times visibility of GGX (Walter et al. 2007; Heitz 2014, height-correlated), without 1 / pi.
 float ggx(float n_h, float n_v, float n_l, float alpha) {
@@ -16,7 +15,8 @@ vec3 fresnel(vec3 f0, float v_h) {
     return f0 + (1.0 - f0) * (side2 * side2 * side);
 }
 
-// The share of light from all around that is mirrored: f0 * x + y. Karis, "Physically based shading on mobile", 2014.
+// The specular reflectance for uniform light from all around is f0 * x + y: Karis, "Physically based shading on
+// mobile", 2014.
 vec2 mirrored_share(float roughness, float n_v) {
     vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
     float a004 = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;

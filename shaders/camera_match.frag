@@ -1,10 +1,10 @@
-// Blurs the model as the lens does, and gives it the sensor's noise; the video, which has both, stays as it is.
+// Adds the lens's blur and the sensor's noise to the model; the video, which has both already, is left unchanged.
 #version 330 core
 
 uniform sampler2D picture;  // alpha: 1 where it is the video's, 0 where it is the model's
-uniform vec2 blur_step;  // to the neighbouring taps of a binomial kernel, in shares of the picture
-uniform float noise_sigma;  // of encoded values
-uniform vec2 grain_px;  // a pixel of the video, in pixels
+uniform vec2 blur_step;  // offset to the neighbouring taps of a binomial kernel, in texture coordinates
+uniform float noise_sigma;  // standard deviation, of encoded values
+uniform vec2 grain_px;  // size of a pixel of the video, in pixels of the viewport
 uniform vec2 origin_px;  // the video's lower left corner
 uniform int seed;
 
@@ -17,7 +17,7 @@ uint scrambled(uint value) {
     return (word >> 22u) ^ word;
 }
 
-// Nearly normal, of variance 1: the sum of the four bytes of a hash.
+// Approximately standard normal: the sum of the four bytes of a hash.
 float noise(uvec2 at) {
     uint bits = scrambled(at.x + scrambled(at.y + scrambled(uint(seed))));
     vec4 bytes = vec4(bits & 255u, (bits >> 8u) & 255u, (bits >> 16u) & 255u, bits >> 24u);
@@ -27,7 +27,7 @@ float noise(uvec2 at) {
 void main() {
     vec2 size = vec2(textureSize(picture, 0));
     vec2 at = gl_FragCoord.xy / size;
-    // Light is what a lens blurs; squares of encoded values are near enough to it for two neighbours.
+    // A lens blurs linear light; squares of encoded values approximate it well enough between two neighbours.
     vec3 model = vec3(0.0);
     vec3 video = vec3(0.0);
     float share = 0.0;
@@ -43,7 +43,7 @@ void main() {
     }
     if (share < 0.004) discard;
     vec4 own = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
-    // The video's own pixels are as sharp as they are.
+    // The video's pixels are not blurred again.
     vec3 behind = own.a > 0.99 ? own.rgb * own.rgb * (1.0 - share) : video;
     uvec2 grain = uvec2((gl_FragCoord.xy - origin_px) / grain_px);
     encoded = vec4(sqrt(model + behind) + noise_sigma * share * noise(grain), 1.0 - share);

@@ -1,4 +1,4 @@
-// The part of the picture where the model may be: the scissor cuts it out.
+// The whole viewport; the scissor restricts it to the part of the picture where the model may be.
 #version 330 core
 
 void main() {

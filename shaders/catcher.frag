@@ -1,20 +1,20 @@
-// Darkens the video where the model keeps light from the ground, by what the real shadow was measured to be, and only
-// where the real object's shadow has not done so already.
+// Darkens the video where the model blocks light from the ground, by the measured ratio of the real shadow, except
+// where the real object's shadow has darkened it already.
 #version 330 core
 #include "srgb.glsl"
 #include "ground_shadow.glsl"
 
 uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
-uniform vec3 sky;  // of lit level ground's light, linear RGB; with the suns' shares it makes 1
+uniform vec3 sky;  // the sky's fraction of lit level ground's light, linear RGB; the suns' are the rest
 #if LIGHTS > 0
 uniform vec3 sun_on_ground[LIGHTS];
 #endif
 #if LIGHTS > 0 && CASTERS > 1
-uniform vec3 ground_rgb;  // of the lit ground in the video, linear; 0 where that is not known
-const float RIM_PX = 2.5;  // by which the real shadow's outline may be off
+uniform vec3 ground_rgb;  // colour of the lit ground in the video, linear; 0 if it is not known
+const float RIM_PX = 2.5;  // largest error of the real shadow's outline
 #endif
-uniform sampler2D contact;  // share of the sky that the model hides
+uniform sampler2D contact;  // fraction of the sky that the model hides
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
 
 in vec2 ground;
@@ -28,8 +28,8 @@ vec3 video_here() {
 #if LIGHTS > 0 && CASTERS > 1
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
-// Share of a light that the real object lets through. Along its shadow's outline the video itself tells, as an outline
-// that is off by a pixel would leave a seam where the ground is darkened twice, or not at all.
+// Fraction of a light that the real object lets through. Near its shadow's outline it is measured in the video, as an
+// outline that is off by a pixel would leave a seam where the ground is darkened twice, or not at all.
 float lit_past_real(int light) {
     float known = lit_on_ground(1, light, ground);
     vec2 across = RIM_PX * dFdx(ground), along = RIM_PX * dFdy(ground);
@@ -49,7 +49,7 @@ float lit_past_real(int light) {
 
 void main() {
     vec2 at = (ground_placed - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
-    // Ends smoothly at the patch's border, so that the video beyond it is untouched.
+    // Fades out at the patch's border, so that the video beyond it is unchanged.
     vec2 inside = smoothstep(0.0, CONTACT_FADE, 0.5 - abs(at - 0.5));
     vec3 before = sky;
     vec3 after = sky * (1.0 - texture(contact, at).r * inside.x * inside.y);

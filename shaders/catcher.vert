@@ -7,7 +7,7 @@ uniform mat4 placed_from_marker;
 in vec2 in_position;
 
 out vec2 ground;  // metres, marker frame
-out vec2 ground_placed;  // metres, in the frame of the model as it was before it was moved
+out vec2 ground_placed;  // metres, in the frame of the model before it was moved by hand
 
 void main() {
     ground = in_position;

@@ -1,4 +1,4 @@
-// One direction's part of the sky that the model hides from the ground.
+// Occlusion of the ground by the model from one direction of the sky.
 #version 330 core
 #include "shadow.glsl"
 

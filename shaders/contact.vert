@@ -1,4 +1,4 @@
-// The patch of ground around the model, seen straight from above, as a texture's whole area.
+// The patch of ground around the model, seen from straight above, mapped to the whole texture.
 #version 330 core
 
 uniform vec4 patch_bounds;  // lower x, y and upper x, y; metres, marker frame

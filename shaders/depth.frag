@@ -1,4 +1,4 @@
-// Depth only; none in a surface's holes, and in a share of the texels that is as large as the light it lets through.
+// Depth only; discards a surface's holes, and the fraction of the texels of a transparent surface that it lets through.
 #version 330 core
 
 uniform float base_alpha;
@@ -17,7 +17,7 @@ void main() {
 #ifdef CUT_OUT
     if (alpha < alpha_cutoff) discard;
 #else
-    // Bayer's ordered 4 x 4 pattern; the shadow's filter makes one tone of it.
+    // Bayer's ordered 4 x 4 dither pattern, which the shadow's filter averages.
     ivec2 at = ivec2(gl_FragCoord.xy);
     ivec2 flip = at ^ at.yy * ivec2(1, 0);
     int rank = (flip.x & 1) << 3 | (at.y & 1) << 2 | (flip.x & 2) | (at.y & 2) >> 1;

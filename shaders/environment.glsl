@@ -1,15 +1,15 @@
-// What comes from a direction, blurred as a surface's roughness does: the ground that the picture shows, at the place
-// where the ray meets it, and the sky. The maps' layouts are those of render/surroundings.py.
+// The radiance from a direction, blurred by the surface's roughness: the ground as seen in the picture, at the point
+// where the ray meets it, and the sky. The layouts of the maps are those of render/surroundings.py.
 
 uniform sampler2D ground_map;  // linear RGB of the picture
-uniform sampler2D sky_map;  // a factor of the mean sky
+uniform sampler2D sky_map;  // relative to the mean sky
 uniform float half_radius_m;
 uniform float environment_size;  // texels a side
 #if LIGHTS > 0
-uniform vec3 sun_on_ground[LIGHTS];  // share of the light on level ground
+uniform vec3 sun_on_ground[LIGHTS];  // fraction of the light on level ground
 #endif
 
-// What the model's own shadows leave of the light on the ground.
+// Fraction of the light on the ground that the model's shadows leave.
 vec3 ground_light(vec2 at) {
     vec3 left = vec3(1.0);
 #if LIGHTS > 0
@@ -26,14 +26,14 @@ vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
     float distance = max(from.z, 0.0) / down;
     vec2 meets = from.xy + towards.xy * distance;
     float far = length(meets) + half_radius_m;
-    // One texel of the map in metres there, and the lobe's mean width on the ground.
+    // Size of a texel of the map there in metres, and the lobe's mean width on the ground.
     float texel_m = 2.0 * far * far / (half_radius_m * environment_size);
     float lobe_m = alpha * distance * inversesqrt(down);
     vec3 ground = textureLod(ground_map, 0.5 + 0.5 * meets / far, log2(lobe_m / texel_m + 1e-3)).rgb / exposure;
-    // A wide lobe sees the shadow's edge as a gradient, which its own shading has already.
+    // A wide lobe would blur the shadow into a gradient, which the surface's shading contains already.
     ground *= mix(ground_light(meets), vec3(1.0), min(2.0 * alpha, 1.0));
     float up = max(towards.z, 0.0);
-    // A texel of the sky's map is 4 / size radians in its middle, half of it at the horizon.
+    // A texel of the sky's map spans 4 / size radians in its middle, half of that at the horizon.
     vec2 at = 0.5 + 0.5 * normalize(towards.xy + vec2(1e-6, 0.0)) * sqrt((1.0 - up) / (1.0 + up));
     vec3 above = sky * textureLod(sky_map, at, log2(0.25 * alpha * environment_size)).rgb;
     float width = max(alpha, 0.01);

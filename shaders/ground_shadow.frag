@@ -1,4 +1,4 @@
-// What share of one sun's light one caster lets through to the ground.
+// The fraction of one sun's light that one caster lets through to the ground.
 #version 330 core
 #include "shadow.glsl"
 

@@ -1,13 +1,13 @@
-// The shadows on the ground, as render/ground_shadows.py has filtered them.
+// Look-up of the shadows on the ground, which render/ground_shadows.py has filtered.
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
 
-uniform sampler2D ground_shadows;  // share of a light that a caster lets through; a tile for each caster and light
+uniform sampler2D ground_shadows;  // fraction of a light that a caster lets through; a tile for each caster and light
 uniform mat4 ground_shadow_from_marker[MAPS];
-uniform vec2 ground_shadow_lower[MAPS];  // of the tiles
+uniform vec2 ground_shadow_lower[MAPS];  // lower left corners of the tiles
 uniform vec2 ground_shadow_upper[MAPS];
 
-// Share of a light that a caster (0: the model, 1: the real object) lets through to a point of the plane.
+// Fraction of a light that a caster (0: the model, 1: the real object) lets through to a point of the plane.
 float lit_on_ground(int caster, int light, vec2 ground) {
     int map = caster * LIGHTS + light;
     vec2 at = (ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0)).xy;

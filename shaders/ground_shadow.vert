@@ -1,7 +1,7 @@
-// A tile of the ground as a sun sees it.
+// A tile of the ground, aligned with the light's view.
 #version 330 core
 
-uniform mat4 marker_from_tile;  // of one sun and caster: where its rays meet the marker plane
+uniform mat4 marker_from_tile;  // for one sun and caster: where its rays meet the marker plane
 
 out vec3 position;  // metres, marker frame
 

@@ -1,5 +1,5 @@
-// A surface under a sky, suns, and the light that the ground sends back; encoded once, last.
-// Each macro stands for something that the material or the scene has.
+// A surface lit by the sky, suns, and light reflected from the ground; encoded once, at the end.
+// Each macro switches on a feature of the material or the scene.
 #version 330 core
 #include "srgb.glsl"
 #include "shadow.glsl"
@@ -8,7 +8,7 @@ uniform vec4 base_colour;
 uniform vec3 sky;  // irradiance on level ground over pi, linear RGB
 uniform vec3 ground_bounce;
 uniform vec3 eye;  // metres, marker frame
-uniform vec3 exposure;  // what white of radiance 1 becomes in the picture
+uniform vec3 exposure;  // value in the picture of a radiance of 1
 #if LIGHTS > 0
 uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
 #endif
@@ -55,8 +55,8 @@ out vec4 encoded;
 vec3 surface_normal() {
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
 #ifdef NORMAL_MAP
-    // The tangent frame from the coordinates' own slopes: Schueler, "Followup: normal mapping without precomputed
-    // tangents", 2013.
+    // The tangent frame from the screen-space derivatives of the coordinates: Schueler, "Followup: normal mapping
+    // without precomputed tangents", 2013.
     vec3 across = cross(dFdy(position), n);
     vec3 along = cross(n, dFdx(position));
     vec2 du = dFdx(uv);
@@ -112,7 +112,7 @@ void main() {
     vec3 to_eye = normalize(eye - position);
     float n_v = max(dot(n, to_eye), 1e-3);
     vec2 share = mirrored_share(rough, n_v);
-    // What a rough surface reflects at the second try: Turquin, "Practical multiple scattering compensation", 2019.
+    // Multiple scattering between microfacets: Turquin, "Practical multiple scattering compensation", 2019.
     vec3 again = 1.0 + f0 * (1.0 / (share.x + share.y) - 1.0);
     vec3 mirror = reflect(-to_eye, n);
 #ifdef MIRRORS
@@ -144,12 +144,12 @@ void main() {
 #endif
 #endif
 #ifdef BLEND
-    // The framebuffer blends what is encoded; what shines covers as much of it as it is bright.
+    // The framebuffer blends encoded values; specular reflection and emission add to the coverage by their brightness.
     vec3 shine = srgb_from_linear(glow * exposure);
     float cover = 1.0 - (1.0 - base.a) * (1.0 - max(shine.r, max(shine.g, shine.b)));
     encoded = vec4(srgb_from_linear((albedo * diffuse * base.a + glow) * exposure / max(cover, 1e-3)) * cover, cover);
 #else
-    // The picture's alpha is the share of the video in it.
+    // The picture's alpha is the fraction of the video in it.
     encoded = vec4(srgb_from_linear((albedo * diffuse + glow) * exposure), 0.0);
 #endif
 }

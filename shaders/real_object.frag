@@ -1,4 +1,4 @@
-// Darkens the video's picture of the real object where the model keeps a sun from it.
+// Darkens the real object in the video where the model blocks a sun's light from it.
 #version 330 core
 #include "srgb.glsl"
 #include "shadow.glsl"
@@ -21,7 +21,7 @@ void main() {
     vec3 after = before;
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
-        // What of the object faces away from a light is in its own shade.
+        // Parts of the object that face away from a light receive none of it anyway.
         vec3 seen = sun[light] * max(0.0, dot(normal, to_light[light]));
         before += seen;
         after += seen * lit_past(0, light, position);

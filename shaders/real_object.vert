@@ -1,4 +1,4 @@
-// The real object's stand-in in the camera's view.
+// The real object's proxy in the camera's view.
 #version 330 core
 
 uniform mat4 clip_from_marker;

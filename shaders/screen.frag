@@ -1,4 +1,4 @@
-// A picture as it is, already encoded for the display.
+// A picture without changes, already encoded for the display.
 #version 330 core
 
 uniform sampler2D picture;

@@ -1,34 +1,34 @@
-// What share of a sun's light reaches a point, from the depths that the sun sees: a tile of one texture for each
-// caster and light. LIGHTS may be 0; CASTERS is 1 (the model) or 2 (and the real object).
+// The fraction of a sun's light that reaches a point, from shadow maps: a tile of one texture for each caster and
+// light. LIGHTS may be 0; CASTERS is 1 (the model) or 2 (with the real object).
 //
 // BLOCKER_TAPS 0: percentage-closer filtering with PCF_RADIUS, 1 or more (Reeves, Salesin, Cook, "Rendering
-// antialiased shadows with depth maps", SIGGRAPH 1987). Else SOFT_TAPS over the penumbra that the sun's angular size
-// makes (Fernando, "Percentage-closer soft shadows", SIGGRAPH 2005; here of a directional light, so that the search
-// is as wide as the sun looks from the receiver).
+// antialiased shadows with depth maps", SIGGRAPH 1987). Else SOFT_TAPS over the penumbra by the sun's angular size
+// (Fernando, "Percentage-closer soft shadows", SIGGRAPH 2005; here for a directional light, so that the blocker search
+// covers the sun's angular size as seen from the receiver).
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
 
 uniform sampler2DShadow shadow_maps;  // compares and interpolates between four texels
-uniform sampler2D shadow_depths;  // the same texture, as it is
+uniform sampler2D shadow_depths;  // the same texture, without comparison
 uniform vec2 shadow_texture_size;  // texels
 uniform float shadow_map_size;  // texels a side of a tile
 uniform vec2 shadow_tile[MAPS];  // lower left corners, texels
 uniform mat4 shadow_from_marker[MAPS];  // to a tile's coordinates and depth, all in [0, 1]
-uniform vec3 shadow_extent[MAPS];  // what that 1 is in metres
+uniform vec3 shadow_extent[MAPS];  // size in metres of a tile's coordinates and depth
 uniform vec3 to_light[LIGHTS];
-uniform float tan_half_size[LIGHTS];  // of the sun's angular diameter
+uniform float tan_half_size[LIGHTS];  // tangent of half the sun's angular diameter
 
-// From a tile's texels to the texture's coordinates; its border is empty, so that what lies beyond is lit.
+// From a tile's texels to the texture's coordinates; the tile's border is empty, so points beyond it are lit.
 vec2 in_texture(int map, vec2 texel) {
     return (shadow_tile[map] + clamp(texel, 0.5, shadow_map_size - 0.5)) / shadow_texture_size;
 }
 
 #if BLOCKER_TAPS > 0
-// By the golden angle: points at the square roots of equal steps spread evenly on a disc (Vogel 1979).
+// Golden-angle spiral: points at radii of the square roots of equal steps are spread evenly over a disc (Vogel 1979).
 const mat2 GOLDEN_TURN = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
 
-// A direction on the half circle for each texel of a map: noise that stands still on the receiver instead of bands
-// (the hash is Jimenez's of 2014).
+// A direction on the half circle for each texel of a map, to turn bands into noise that is fixed to the receiver (the
+// hash is Jimenez's of 2014).
 vec2 first_ray(vec2 texel) {
     float t = 2.0 * fract(52.9829189 * fract(dot(floor(texel), vec2(0.06711056, 0.00583715)))) - 1.0;
     return vec2(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
@@ -43,7 +43,7 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
     vec2 start = ray;
     float depths = 0.0;
     float blockers = 0.0;
-    // What ends a loop early also spares a software rasteriser its work, which a branch does not.
+    // Ending a loop early saves time on a software rasteriser too, which a branch does not.
     for (int k = 0; k < (is_near ? BLOCKER_TAPS : 0); ++k) {
         vec2 aside = ray * sqrt((float(k) + 0.5) / float(BLOCKER_TAPS)) * search;
         float depth = texture(shadow_depths, in_texture(map, centre + aside)).r;
@@ -65,9 +65,9 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
     return is_penumbra ? lit / float(SOFT_TAPS) : 1.0 - step(0.5, blockers);
 }
 #else
-// Along one axis the interpolated taps -r..r together weigh 2 r + 2 texels by 1-f, 1, ..., 1, f. Pairs of those are one
-// tap each, set between its two texels by their weights: (r + 1)^2 taps give exactly what (2 r + 1)^2 would.
-// Returns the weight and the place after the first texel of pair k.
+// Along one axis the interpolated taps -r..r together weight 2 r + 2 texels by 1-f, 1, ..., 1, f. Each pair of texels
+// needs only one tap, between the two by their weights: (r + 1)^2 taps give exactly the result of (2 r + 1)^2.
+// Returns the weight of pair k, and the tap's position after the pair's first texel.
 vec2 tap_pair(int k, float f) {
     return k == 0 ? vec2(2.0 - f, 1.0 / (2.0 - f)) : k == PCF_RADIUS ? vec2(1.0 + f, f / (1.0 + f)) : vec2(2.0, 0.5);
 }
@@ -90,10 +90,10 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
 }
 #endif
 
-// Share of a light that a caster (0: the model, 1: the real object) lets through to a point that is not on it.
+// Fraction of a light that a caster (0: the model, 1: the real object) lets through to a point that is not on it.
 float lit_past(int caster, int light, vec3 position) {
     int map = caster * LIGHTS + light;
-    // The map ends behind the caster, and the ground goes on: what lies behind it all is behind its end.
+    // The map's depth range ends behind the caster, but the ground continues: points beyond it count as at its end.
     return lit_fraction(map, tan_half_size[light], (shadow_from_marker[map] * vec4(position, 1.0)).xyz, vec2(0.0));
 }
 
@@ -104,11 +104,11 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal) {
     float texel = max(extent.x, extent.y) / shadow_map_size;
     float cosine = dot(normal, to_light[light]);
     float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
-    // A tap t aside compares with a depth t tan(theta) off; a step along the normal by t sin(theta) makes up for
-    // exactly that on a plane, at every slope.
+    // A tap at distance t compares with a depth that differs by t tan(theta); an offset along the normal by
+    // t sin(theta) compensates exactly for that on a plane, at every slope.
 #if BLOCKER_TAPS > 0
-    // So wide a penumbra would leave the contact far behind: taps follow the plane's slope (in depth a texel), and the
-    // step is for rounding and curvature alone.
+    // For a wide penumbra that offset would detach the shadow from its caster: taps follow the plane's slope (depth per
+    // texel), and the offset only covers rounding and curvature.
     float reach = 1.5 * texel;
     vec3 facing = (mat3(shadow_from_marker[map]) * normal) * extent * extent;
     float steepest = 30.0 * texel / extent.z;
@@ -121,7 +121,7 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal) {
     return lit_fraction(map, tan_half_size[light], (shadow_from_marker[map] * vec4(lifted, 1.0)).xyz, slope);
 }
 
-// Share of a light that reaches a point on the model.
+// Fraction of a light that reaches a point on the model.
 float shadow(int light, vec3 position, vec3 normal) {
     float lit = lit_past_itself(0, light, position, normal);
 #if CASTERS > 1

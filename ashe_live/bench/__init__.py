@@ -1,4 +1,4 @@
-"""Measures accuracy, speed, and the trade between them: a folder for each bench, beside it what they share.
+"""Benchmarks of accuracy, speed, and the trade-off between them: a folder for each, and shared modules beside them.
 
 May import every package but `commands` and `cli`.
 """

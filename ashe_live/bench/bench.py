@@ -1,4 +1,4 @@
-"""What the benches have in common: each measures, prints, and writes one record that says what it was made with."""
+"""The base of all benches: each measures, prints, and writes one record with the machine and versions it ran on."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
@@ -19,17 +19,17 @@ RESULTS = "results.json"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bench(ABC):
-    """A bench, its fields saying what is measured."""
+    """A bench; its fields are its settings."""
 
-    SCHEMA: ClassVar[int] = 1  # of its record; one more when a figure changes its name or meaning
+    SCHEMA: ClassVar[int] = 1  # version of its record; incremented when a figure changes its name or meaning
     NEEDS_OPENGL: ClassVar[bool] = False
     console: Console = field(default_factory=bench_console)
 
     def run(self, out: Path | None = None, overwrite: bool = False) -> Json:
         """Measures, prints, and writes results.json and the plots into the folder `out`; returns the record.
 
-        Raises UserError for an unwritable `out`, for what cannot be measured (an unknown estimator, an unreadable
-        folder, no OpenGL), or when there is something to draw but no Matplotlib.
+        Raises UserError for an unwritable `out`, when the measurement is impossible (an unknown estimator, an
+        unreadable folder, no OpenGL), or when plots are to be drawn and Matplotlib is missing.
         """
         if out is not None:
             plots = self.plots()
@@ -49,11 +49,11 @@ class Bench(ABC):
 
     @abstractmethod
     def parts(self) -> Iterator[Json]:
-        """Measures and prints: the record's parts, one after the other."""
+        """Measures and prints, yielding the record part by part."""
 
     def plots(self) -> Sequence[str]:
         """The names of the files that `draw` writes."""
         return ()
 
     def draw(self, record: Json, out: Path, overwrite: bool) -> None:  # noqa: B027 - a bench without plots draws nothing
-        """Writes the plots of the record into the folder `out`, beside files that have appeared unless `overwrite`."""
+        """Writes the plots of the record into the folder `out`; keeps existing files unless `overwrite`."""

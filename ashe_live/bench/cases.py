@@ -23,12 +23,12 @@ PHOTO_CATEGORY = "photo"
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One picture, where its marker truly is, and where its light truly is."""
+    """One picture with the true pose of its marker and the true directions of its lights."""
 
     id: str  # within its folder
     folder: str
     category: str
-    caster: str | None  # what kind of object it is; None: not stated
+    caster: str | None  # kind of the object that casts the shadow; None: not stated
     image_path: Path
     camera: Camera
     marker: MarkerPose
@@ -57,14 +57,14 @@ class Case:
 
 
 def decoded(path: Path, flags: int) -> Image | None:
-    """As cv2.imread, of a file only: a pipe would be waited for. None for what is no picture."""
+    """As cv2.imread, but reads regular files only, as a pipe could block. None if it is not a picture."""
     content = np.frombuffer(read_bytes(path, MOST_PICTURE_BYTES), dtype=np.uint8)
     picture = cv2.imdecode(content, flags) if content.size else None
     return None if picture is None else np.asarray(picture, dtype=np.uint8)
 
 
 def read_cases(folder: Path) -> list[Case]:
-    """The cases of a folder with a ground_truth.json that lists `scenes` or `photos`; raises UserError without one."""
+    """The cases of a folder whose ground_truth.json lists `scenes` or `photos`; raises UserError if it has none."""
     path = folder / GROUND_TRUTH
     try:
         content = read_json(path, MOST_TRUTH_BYTES)
@@ -76,7 +76,7 @@ def read_cases(folder: Path) -> list[Case]:
 
 
 def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
-    """Scenes state the camera, the pose, the corners, the lights and the masks."""
+    """Rendered scenes, with camera, pose, corners, lights and masks given."""
     for scene in scenes:
         width, height = scene["size"]
         camera = Camera(
@@ -100,7 +100,7 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
 
 
 def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
-    """Photos state the focal length and the corners, some the direction of the sun; the pose is solved."""
+    """Photos, with focal length, corners and, for some, the direction of the sun given; the pose is estimated."""
     for file, photo in content.get("photos", {}).items():
         width, height = photo["size"]
         camera = Camera.from_focal((width, height), photo["f_px"], "file")
@@ -116,7 +116,7 @@ def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
 
 
 def _to_lights_marker(scene: Mapping[str, Any]) -> Float | None:
-    """(n, 3), strongest first; None when the scene does not tell."""
+    """(n, 3) unit vectors, strongest first; None when the scene does not state them."""
     if "lights" not in scene:
         return None if scene.get("directional", True) else np.empty((0, 3))
     lights = sorted(scene["lights"], key=lambda light: -light.get("relative_strength", 1.0))

@@ -1,4 +1,4 @@
-"""The viewer's loop, offscreen and with a stopwatch: as fast as it goes, and at a display's rate."""
+"""Timing of the viewer's loop, offscreen: as fast as possible, and at a display's rate."""
 
 import time
 from collections import defaultdict
@@ -13,13 +13,13 @@ from ashe_live.render.scene import Scene
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.pipeline import Pipeline
 
-# Shaders are compiled, textures made and the marker found; none of that is a frame's typical work.
+# Frames before the measurement, in which shaders are compiled, textures are made and the marker is first found.
 WARM_UP_FRAMES = 30
 LONGEST_WAIT_FOR_FRAME_S = 10.0
 
 
 class StageTimes:
-    """Wall and CPU time of the stages of a loop, in milliseconds, one entry a frame."""
+    """Wall and CPU time of the stages of a loop, in milliseconds, one entry per frame."""
 
     def __init__(self) -> None:
         self.wall_ms: dict[str, list[float]] = defaultdict(list)
@@ -30,14 +30,14 @@ class StageTimes:
         self._wall_s, self._cpu_s = time.perf_counter(), time.process_time()
 
     def stage(self, name: str) -> None:
-        """Counts the time since the last call as `name`'s."""
+        """Records the time since the last call as that of stage `name`."""
         wall_s, cpu_s = time.perf_counter(), time.process_time()
         self.wall_ms[name].append((wall_s - self._wall_s) * 1e3)
         self.cpu_ms[name].append((cpu_s - self._cpu_s) * 1e3)
         self._wall_s, self._cpu_s = wall_s, cpu_s
 
     def sum_up(self, name: str, stages: tuple[str, ...]) -> None:
-        """Adds `name`: frame by frame the sum of `stages`."""
+        """Adds the stage `name`, the sum of `stages` in each frame."""
         for times in (self.wall_ms, self.cpu_ms):
             times[name] = [sum(frame) for frame in zip(*(times[stage] for stage in stages), strict=True)]
 
@@ -45,7 +45,7 @@ class StageTimes:
 def time_unpaced(
     source: Source, tracker: MarkerTracker, renderer: SceneRenderer, scene: Callable[[TrackedFrame], Scene], frames: int
 ) -> StageTimes:
-    """Stages `decode`, `track` and `render`, one after another, and their sum `whole`."""
+    """Times of the stages `decode`, `track` and `render`, run one after another, and of their sum `whole`."""
     times = StageTimes()
     for count in range(WARM_UP_FRAMES + frames):
         if count == WARM_UP_FRAMES:
@@ -64,7 +64,7 @@ def time_unpaced(
 def time_blit(
     source: Source, tracker: MarkerTracker, renderer: SceneRenderer, camera: Camera, frames: int
 ) -> StageTimes:
-    """Stage `blit`: the bare video, by which the rest can be compared between machines."""
+    """Times of the stage `blit`: drawing the bare video, a reference for comparing machines."""
     times = StageTimes()
     for _ in range(frames):
         bare = Scene(TrackedFrame(_next_frame(source, tracker, times), camera, None))
@@ -76,7 +76,7 @@ def time_blit(
 
 
 def _next_frame(source: Source, tracker: MarkerTracker, times: StageTimes) -> Frame:
-    """The clip starts again as often as needed; that is not counted."""
+    """The next frame of the clip, which is repeated as needed; rewinding is not timed."""
     times.start()
     frame = source.read()
     if frame is None:
@@ -90,9 +90,9 @@ def _next_frame(source: Source, tracker: MarkerTracker, times: StageTimes) -> Fr
 
 @dataclass(slots=True)
 class PacedTimes:
-    """A display's frames, in milliseconds."""
+    """Frame times at a display's rate, in milliseconds."""
 
-    work_ms: list[float] = field(default_factory=list)  # from waking up for a frame until it is drawn
+    work_ms: list[float] = field(default_factory=list)  # from the start of work on a frame until it is drawn
     interval_ms: list[float] = field(default_factory=list)  # from one frame drawn to the next
 
     def add(self, more: "PacedTimes") -> None:
@@ -103,7 +103,7 @@ class PacedTimes:
 def time_paced(
     pipeline: Pipeline, renderer: SceneRenderer, scene: Callable[[TrackedFrame], Scene], frames: int, rate_hz: float
 ) -> PacedTimes:
-    """`frames` at `rate_hz` beside the capture thread of a started `pipeline`: the viewer's loop without its window."""
+    """Times of `frames` at `rate_hz`: the viewer's loop without its window, beside a started pipeline's capture."""
     times = PacedTimes()
     tracked = pipeline.frames.take(LONGEST_WAIT_FOR_FRAME_S)
     assert tracked is not None

@@ -1,4 +1,4 @@
-"""What a figure was measured with, so that it can be compared with another."""
+"""The header of every record: date, machine and versions, without which figures cannot be compared."""
 
 import os
 import platform
@@ -11,7 +11,7 @@ LIBRARIES = {"opencv": "opencv-contrib-python-headless", "numpy": "numpy", "mode
 
 
 def header_json(schema: int, with_opengl: bool = False) -> Json:
-    """What every record begins with. Raises UserError where OpenGL is asked for and there is none."""
+    """The header of a record. Raises UserError if `with_opengl` is set and there is no OpenGL."""
     return {
         "schema": schema,
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
@@ -21,7 +21,7 @@ def header_json(schema: int, with_opengl: bool = False) -> Json:
 
 
 def _machine_json() -> Json:
-    """Cores that this process may use, system, kind of processor, and how busy the machine is (None: not told)."""
+    """Cores that this process may use, system, kind of processor, and the load average (None: not available)."""
     affinity = getattr(os, "sched_getaffinity", None)
     return {
         "cpus": len(affinity(0)) if affinity is not None else os.cpu_count(),

@@ -1,4 +1,4 @@
-"""The trade of error against time as a picture, with its Pareto front."""
+"""Plots of the trade-off between error and time, with its Pareto front."""
 
 from collections.abc import Mapping, Sequence
 from contextlib import chdir
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".svg", ".png")
 PANEL_INCHES = (6.4, 5.2)
-# Told apart also by the colour-blind (Okabe and Ito).
+# Distinguishable for the colour-blind (Okabe and Ito).
 COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#8c6d31")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 PRESET_COLOUR = "black"
@@ -23,24 +23,24 @@ PRESET_COLOUR = "black"
 
 @dataclass(frozen=True, slots=True)
 class TradePoint:
-    """One setting: what it costs and how wrong it is, by each measure."""
+    """One setting: its cost, and its error by each measure."""
 
     name: str
     series: str  # settings that differ in one number; drawn in one colour, joined by a line
     cost: float
-    errors: Mapping[str, float]  # by measure, one panel each; smaller is better
+    errors: Mapping[str, float]  # by measure, each of which gets a panel; smaller is better
     is_preset: bool = False
 
 
 def points_of(recorded: Sequence[Json]) -> list[TradePoint]:
-    """The points that a record holds, each as `dataclasses.asdict` made it."""
+    """The points of a record, in which each is stored by `dataclasses.asdict`."""
     return [TradePoint(**point) for point in recorded]
 
 
 def check_can_draw() -> None:
-    """Loads Matplotlib, which only the benches' plots need. Raises UserError without it."""
+    """Imports Matplotlib, which only the benches' plots need. Raises UserError if it is missing."""
     try:
-        # As it loads it takes a matplotlibrc from the current folder, whoever left it there.
+        # On import it reads a matplotlibrc from the current folder, which may be anybody's.
         with chdir(Path(__file__).parent):
             import matplotlib.figure  # noqa: F401
     except ImportError:
@@ -48,7 +48,7 @@ def check_can_draw() -> None:
 
 
 def pareto_front(points: Sequence[TradePoint], measure: str) -> list[TradePoint]:
-    """The points that no other point beats in cost without being worse by `measure`, cheapest first."""
+    """The points that are not dominated in cost and in the error by `measure`, cheapest first."""
     front: list[TradePoint] = []
     for point in sorted(points, key=lambda point: (point.cost, point.errors[measure])):
         if not front or point.errors[measure] < front[-1].errors[measure]:
@@ -61,8 +61,8 @@ def draw_trade(
 ) -> None:
     """Writes `stem`.svg and `stem`.png: a panel for each measure, cost on a logarithmic axis, presets named.
 
-    `note` (date, machine, versions) stands at the top. Beside files that have appeared meanwhile, unless `overwrite`.
-    Raises ValueError without points, UserError without Matplotlib or when a file cannot be written.
+    note: shown at the top (date, machine, versions). Existing files are kept, and others written beside them, unless
+    `overwrite`. Raises ValueError without points, UserError without Matplotlib or when a file cannot be written.
     """
     if not points:
         raise ValueError("there is nothing to draw")
@@ -101,17 +101,17 @@ def _draw_panel(ax: "Axes", points: Sequence[TradePoint], measure: str, cost_lab
     )
     others = [point for point in points if not point.is_preset]
     for number, series in enumerate(dict.fromkeys(point.series for point in others)):
-        own = [point for point in others if point.series == series]
+        members = [point for point in others if point.series == series]
         ax.plot(
-            [point.cost for point in own],
-            [point.errors[measure] for point in own],
+            [point.cost for point in members],
+            [point.errors[measure] for point in members],
             color=COLOURS[number % len(COLOURS)],
             marker=MARKERS[(number + number // len(COLOURS)) % len(MARKERS)],
             markersize=5,
             linewidth=0.8,
             label=series,
         )
-        for point in own:
+        for point in members:
             _name(ax, point, measure, COLOURS[number % len(COLOURS)], "x-small")
     presets = [point for point in points if point.is_preset]
     costs, errors = [point.cost for point in presets], [point.errors[measure] for point in presets]

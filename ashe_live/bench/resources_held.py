@@ -1,4 +1,4 @@
-"""What a process holds as it runs, how fast that grows, and what is left of it at the end."""
+"""The resources that a process holds as it runs, their growth, and what is left running at the end."""
 
 import math
 import multiprocessing
@@ -13,14 +13,14 @@ from ashe_live.core.contract import Json
 from ashe_live.render.offscreen import live_gl_objects
 
 PROC = Path("/proc")
-# Of what is held, over the whole run: an allocator's own unrest stays below.
+# Growth over the whole run, relative to the amount held, that is still flat: an allocator's fluctuations stay below it.
 TOLERATED_GROWTH = 0.02
-# On a crowded machine; a thread that waits for something that never comes is there longer.
+# Enough on a busy machine; a thread that hangs takes longer.
 TIME_TO_END_S = 10.0
 
 
 def resident_mib(process: int | str = "self") -> float:
-    """NaN where the system does not tell or the process has gone; a software rasteriser's textures are in it too."""
+    """Resident memory, a software rasteriser's textures included; NaN if unavailable or the process has ended."""
     try:
         pages = (PROC / str(process) / "statm").read_text().split()[1]
     except OSError:
@@ -29,7 +29,7 @@ def resident_mib(process: int | str = "self") -> float:
 
 
 def held_now() -> dict[str, float]:
-    """By what is held: of this process, and the memory of its children."""
+    """The resources of this process, and the memory of its children, by name; NaN where not available."""
     return {
         "rss_mib": resident_mib(),
         "children_rss_mib": sum(resident_mib(child.pid or "none") for child in multiprocessing.active_children()),
@@ -40,7 +40,7 @@ def held_now() -> dict[str, float]:
 
 
 class Held:
-    """Samples of what is held, by the number of frames shown so far."""
+    """Samples of the resources held, with the number of frames shown until each."""
 
     def __init__(self) -> None:
         self._frames: list[int] = []
@@ -51,7 +51,7 @@ class Held:
         self._samples.append(held_now())
 
     def to_json(self, warm_up: int) -> Json:
-        """The samples, and their growth after frame `warm_up`; what the system does not tell is null."""
+        """The samples, and their growth after frame `warm_up`; null where the system does not provide a value."""
         by_name = {name: [sample[name] for sample in self._samples] for name in self._samples[0]}
         return {
             "frames": self._frames,
@@ -66,13 +66,14 @@ class Held:
 
 
 def growth(frames: list[int], values: list[float], warm_up: int) -> Json:
-    """From frame `warm_up` on: the values at both ends, the slope in 1000 frames, and whether it is flat over the run.
+    """From frame `warm_up` on: the first and last values, the slope per 1000 frames, and whether it counts as flat.
 
-    The slope is the median of those between all pairs of samples (Theil and Sen): single jumps do not move it.
+    The slope is the median over all pairs of samples (Theil-Sen estimator), robust against single jumps. All are None
+    with fewer than three samples.
     """
     x, y = np.array(frames, float), np.array(values, float)
-    known = (x >= warm_up) & np.isfinite(y)
-    x, y = x[known], y[known]
+    used = (x >= warm_up) & np.isfinite(y)
+    x, y = x[used], y[used]
     if len(x) < 3:
         return {"first": None, "last": None, "per_1000_frames": None, "is_flat": None}
     earlier, later = np.triu_indices(len(x), 1)
@@ -82,7 +83,7 @@ def growth(frames: list[int], values: list[float], warm_up: int) -> Json:
 
 
 def left_running(before: set[threading.Thread]) -> list[str]:
-    """Names of the threads that were not there before and of child processes, after time enough to end."""
+    """Names of threads not in `before` and of child processes that have not ended after TIME_TO_END_S."""
     deadline_s = time.monotonic() + TIME_TO_END_S
     left = [thread for thread in threading.enumerate() if thread not in before]
     for thread in left:

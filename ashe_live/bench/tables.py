@@ -1,4 +1,4 @@
-"""How the benches print: on a console wide enough, and in tables of figures."""
+"""The benches' output: a console that is wide enough, and tables of figures."""
 
 from rich.console import Console
 from rich.table import Table
@@ -9,13 +9,13 @@ PIPE_WIDTH = 120
 
 
 def bench_console() -> Console:
-    """As wide as the terminal; in a file or a pipe, wide enough for the tables."""
+    """A console as wide as the terminal or, for a file or a pipe, PIPE_WIDTH columns."""
     console = TerminalConsole()
     return console if console.is_terminal else TerminalConsole(width=PIPE_WIDTH)
 
 
 def figures_table(title: str, what: str, *figures: str) -> Table:
-    """A row for each thing: under `what` its name, then its figures."""
+    """An empty table with a column `what` for names, and a right-aligned column for each of `figures`."""
     table = Table(what, title=title, title_justify="left")
     for heading in figures:
         table.add_column(heading, justify="right")

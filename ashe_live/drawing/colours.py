@@ -1,7 +1,7 @@
-"""The colours in which an estimate is drawn, the same wherever it is.
+"""The colours in which estimates are drawn everywhere.
 
-Told apart also by the colour-blind: Okabe and Ito's sky blue, orange, vermilion and bluish green, and with those a
-light yellow, as theirs is too near their orange.
+They are distinguishable for the colour-blind: Okabe and Ito's sky blue, orange, vermilion and bluish green, and a light
+yellow, as theirs is too similar to their orange.
 """
 
 OBJECT_BGR = (233, 180, 86)

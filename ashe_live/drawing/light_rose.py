@@ -1,4 +1,4 @@
-"""The sky from above with the lights in it, and how sure each one's direction is."""
+"""The light rose: a map of the sky with the lights in it and their confidence ellipses."""
 
 import math
 from collections.abc import Sequence
@@ -12,15 +12,16 @@ from ashe_live.core.transforms import angles_from_direction, direction_from_angl
 from ashe_live.core.types import DirectionalLight
 from ashe_live.drawing.colours import FAINT_BGR, INK_BGR, PAPER_BGR, SHADOW_BGR
 
-LEAST_LABELLED_PX = 100  # side of a rose with room for azimuths; twice that has room for elevations
-# Squared radii, in sigmas, of the ellipses that hold a 2D normal distribution's sample with probability 0.68 and 0.95.
+LEAST_LABELLED_PX = 100  # least side of a rose with labelled azimuths; from twice that on, elevations are labelled too
+# Squared Mahalanobis radii of the ellipses that hold a sample of a 2D normal distribution with probability 0.68, 0.95.
 ELLIPSES = (-2 * math.log(1 - 0.68), -2 * math.log(1 - 0.95))
 
 
 def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: Float | None = None) -> Image:
-    """(size, size, 3): the sky from above, zenith in the centre, horizon at the rim, the marker's x right and y up.
+    """(size, size, 3) BGR: the sky from above, zenith in the centre, horizon at the rim, the marker's x right, y up.
 
-    Each light with its ellipses of 68 and 95 %; with `camera_marker` (3,), a triangle shows where one looks from.
+    Each light has its ellipses of 68 and 95 %, if its covariance is known. camera_marker: (3,) the direction of the
+    camera from the marker, drawn as a triangle.
     """
     font_px = max(9.0, size_px / 26)
     has_labels = size_px >= LEAST_LABELLED_PX
@@ -58,14 +59,14 @@ def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: 
 
 
 def _ellipse(light: DirectionalLight, squared_sigmas: float, around: int = 72) -> list[Float]:
-    """Directions at that Mahalanobis distance from the light's."""
+    """Directions (3,) at a squared Mahalanobis distance from the light's direction."""
     assert light.covariance_rad2 is not None
     variances, axes = np.linalg.eigh(light.covariance_rad2)
     angles = np.arange(around) * (2 * math.pi / around)
     offsets = np.column_stack([np.cos(angles), np.sin(angles)]) * np.sqrt(np.maximum(variances, 0) * squared_sigmas)
     directions = []
     for offset in offsets @ axes.T:
-        # Not past the nadir, where "farther" would come back up.
+        # At most a right angle, so that the ellipse does not wrap around the sphere.
         length = min(float(np.hypot(*offset)), math.pi / 2)
         along = offset @ tangent_basis(light.to_light_marker) / max(float(np.hypot(*offset)), 1e-12)
         directions.append(math.cos(length) * light.to_light_marker + math.sin(length) * along)

@@ -1,4 +1,4 @@
-"""What an estimate says of a picture, drawn onto it: masks, the fitted body's outline, its shadows'."""
+"""Overlays of an estimate on its picture: masks, and the outlines of the fitted body and of its shadows."""
 
 from collections.abc import Sequence
 
@@ -18,7 +18,7 @@ SUBPIXEL_BITS = 4
 
 
 def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
-    """The picture, the estimate's masks stretched over it."""
+    """The picture, tinted where the estimate's masks, scaled to its size, are set."""
     for mask, colour in ((estimate.shadow_mask, SHADOW_BGR), (estimate.object_mask, OBJECT_BGR)):
         if mask is not None:
             picture_bgr = tinted(picture_bgr, enlarged(mask, picture_bgr.shape), colour)
@@ -28,7 +28,10 @@ def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
 def with_body(
     picture_bgr: Image, camera: Camera, T_cam_marker: Float, body: Proxy, lights: Sequence[DirectionalLight]
 ) -> Image:
-    """The picture with the outlines of a body and of its shadows; `camera` is of its size, without distortion."""
+    """A copy of the picture with the outlines of a body and of its shadows.
+
+    camera: of the picture's size, without distortion.
+    """
     picture, points = picture_bgr.copy(), body.points_marker()
     for light in lights:
         shadow = shadow_outline(camera, T_cam_marker, points, at_infinity(light.to_light_marker))
@@ -38,7 +41,7 @@ def with_body(
 
 
 def draw_outline(picture_bgr: Image, points: Float | None, colour: tuple[int, int, int]) -> None:
-    """A closed line, dark at its rim so that it shows on any ground."""
+    """Draws a closed line through points (m, 2) into the picture, with a dark rim for contrast; nothing for None."""
     if points is not None:
         line = max(1, picture_bgr.shape[1] // 320)
         for width, ink in ((line + 2, PAPER_BGR), (line, colour)):
@@ -50,11 +53,12 @@ def _fixed_point(points: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.int32
 
 
 def tinted(picture_bgr: Image, inside: Mask, colour: tuple[int, int, int]) -> Image:
+    """A copy of the picture, blended with `colour` (BGR) where the mask `inside` (h, w) is set."""
     blended = cv2.addWeighted(picture_bgr, 1 - TINT, np.full_like(picture_bgr, colour), TINT, 0)
     return np.where(inside[:, :, None], blended, picture_bgr).astype(np.uint8)
 
 
 def enlarged(mask: Mask, shape: tuple[int, ...]) -> Mask:
-    """`mask` of any size, stretched over a picture of `shape`."""
+    """A mask of any size, scaled to the size of a picture of `shape`."""
     size = shape[1], shape[0]
     return cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST).astype(bool)

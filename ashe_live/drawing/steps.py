@@ -1,6 +1,6 @@
-"""An estimate step by step, as pictures for a person: what the estimator took for what, and how well it explains that.
+"""The steps of an estimate as pictures for the user: its ground model, regions, explanations, fit and residual.
 
-Nothing here is needed to estimate, and nothing is computed once more: it is drawn from the estimator's own trace.
+Nothing is computed again: the pictures are drawn from the trace that the estimator recorded.
 """
 
 from dataclasses import dataclass
@@ -24,8 +24,8 @@ from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 
-RIM_PX = 2  # of an unlit area, where colours mix
-REACH_SHARE = 0.08  # of the picture's width: from how far around unlit areas are painted over
+RIM_PX = 2  # width of the rim of an unlit area, where colours mix
+REACH_SHARE = 0.08  # sigma of the Gaussian by which unlit areas are inpainted, as a fraction of the picture's width
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,10 +39,10 @@ class DebugPicture:
 def debug_pictures(
     tracked: TrackedFrame, estimate: LightEstimate, trace: Trace | None = None, width_px: int = 640
 ) -> list[DebugPicture]:
-    """The steps of `estimate`, made from `tracked`, in the order in which they were taken; one not taken is missing.
+    """The steps of `estimate`, which was made from `tracked`, in their order; those that were not reached are missing.
 
-    `trace`: of this estimate; without it, only what the estimate itself carries is drawn. Raises ValueError when the
-    frame has no marker.
+    trace: of this estimate; without it, only the contents of the estimate itself are drawn. width_px: largest width of
+    the pictures. Raises ValueError when the frame has no marker.
     """
     if tracked.marker is None:
         raise ValueError("a frame without a marker has no marker frame to answer in")
@@ -59,16 +59,16 @@ def debug_pictures(
         pictures.append(DebugPicture("red: not explained, green: not seen", rest))
     camera_marker = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
     rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_marker)
-    said = "; ".join(light.said() for light in estimate.lights) or f"none: {estimate.reason}"
-    pictures.append(DebugPicture(said, centred(rose, photo.shape)))
+    summary = "; ".join(light.said() for light in estimate.lights) or f"none: {estimate.reason}"
+    pictures.append(DebugPicture(summary, centred(rose, photo.shape)))
     return pictures
 
 
 def traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
-    """The ground as the estimator modelled it, the regions that it looked at, and the explanations that it weighed.
+    """The estimator's model of the ground, its regions, and the refined explanations with their probabilities.
 
-    `view`: of the frame that `trace` is of, at the size to draw at; the ground has the trace's own. Without a ground
-    there is nothing to draw.
+    `view` is of the frame that `trace` is of, at the size to draw at; the ground has the trace's own. Without a ground
+    the list is empty.
     """
     ground, unlit, coarse = trace.ground, trace.unlit, trace.view
     if ground is None or unlit is None:
@@ -94,17 +94,20 @@ def traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
 
 
 def lit_ground_rgb(image_bgr: Image, ground: LitGround, is_lit_ground: Mask) -> Float:
-    """(h, w, 3) linear RGB: the picture as if nothing stood or fell on the ground, painted over from what is lit."""
+    """(h, w, 3) linear RGB of the ground without objects and shadows, inpainted from its lit pixels.
+
+    is_lit_ground: (h, w). Pixels outside of it get a Gaussian mean of the lit colours around, with the slow shading.
+    """
     is_lit = is_lit_ground.astype(np.float32)[:, :, None]
     reach = (0, 0), REACH_SHARE * image_bgr.shape[1]
-    near = cv2.GaussianBlur(np.concatenate([ground.colours * is_lit, is_lit], axis=2), *reach)
-    around = near[:, :, :3] / np.maximum(near[:, :, 3:], 1e-6)
+    blurred = cv2.GaussianBlur(np.concatenate([ground.colours * is_lit, is_lit], axis=2), *reach)
+    around = blurred[:, :, :3] / np.maximum(blurred[:, :, 3:], 1e-6)
     field = log_opponent(image_bgr) - ground.colours
     return np.maximum(linear_rgb(np.where(is_lit > 0, ground.colours, around) + field), 1e-4)
 
 
 def centred(picture_bgr: Image, shape: tuple[int, ...]) -> Image:
-    """On a sheet of `shape`, so that all steps have one."""
+    """The picture in the middle of a dark sheet of `shape`, so that the pictures of all steps have one size."""
     sheet = np.full(shape, PAPER_BGR, np.uint8)
     height, width = picture_bgr.shape[:2]
     top, left = (shape[0] - height) // 2, (shape[1] - width) // 2
@@ -124,14 +127,14 @@ def _with_hulls(picture_bgr: Image, estimate: LightEstimate) -> Image:
 
 
 def _with_residual(photo: Image, view: View, estimate: LightEstimate, body: Proxy) -> Image:
-    """Where masks go beyond the body and its shadows, and where those should be seen and are not."""
+    """The photo, tinted where masks extend beyond the fitted silhouettes, and where these extend beyond the masks."""
     to_lights = np.array([light.to_light_marker for light in estimate.lights]).reshape(-1, 3)
-    known = predicted(body, at_infinity(to_lights), view).whole
+    fitted = predicted(body, at_infinity(to_lights), view).whole
     masked = np.zeros(photo.shape[:2], np.bool_)
     for mask in (estimate.object_mask, estimate.shadow_mask):
         if mask is not None:
             masked |= enlarged(mask, photo.shape)
-    return tinted(tinted(photo, masked & ~known, UNEXPLAINED_BGR), known & ~masked & view.is_ground, UNSEEN_BGR)
+    return tinted(tinted(photo, masked & ~fitted, UNEXPLAINED_BGR), fitted & ~masked & view.is_ground, UNSEEN_BGR)
 
 
 def _encoded(linear: Float) -> Image:

@@ -1,4 +1,4 @@
-"""Estimates from one frozen frame where the light is: rooms with one direction of imports (docs/contributing.md).
+"""Light estimation from single frames, in sub-packages with one direction of imports (docs/contributing.md).
 
-May import `core` and `errors`; which room may import which is stated in each one's own `__init__`.
+May import `core` and `errors`; each sub-package states in its `__init__` which others it may import.
 """

@@ -1,4 +1,4 @@
-"""`ashe-live bench light`: the estimators' errors, honesty and times on pictures and clips with a known light."""
+"""`ashe-live bench light`: the estimators' errors, calibration and times on pictures and clips with a known light."""
 
 import time
 from collections import Counter
@@ -28,13 +28,13 @@ from ashe_live.quality import QUALITIES
 QUICK_PRESETS = ("balanced",)
 QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4
 TRADE, SWEEP_EVERY = "trade", 3
-# By estimator and preset; the paper's method has a geometry of its own.
+# Presets by estimator for the runs from true labels, which exist for `proxy` only.
 FROM_LABELS = {"proxy": PRESETS}
 
 
 @dataclass(frozen=True, slots=True)
 class LightBench(Bench):
-    """What is measured: `presets` of `estimator` on the folders `scenes`, which count as one set."""
+    """The bench of `presets` of `estimator` on the folders `scenes`, which are pooled into one set."""
 
     SCHEMA: ClassVar[int] = 3
 
@@ -42,8 +42,8 @@ class LightBench(Bench):
     estimator: str = "proxy"
     presets: Sequence[str] = tuple(QUALITIES)
     quick: bool = False  # a few scenes of each category, a few frames of each clip
-    limit: int | None = None  # the first so many scenes of each folder
-    sweeps: bool = False  # also draws the trade of error against time, on some scenes of each category
+    limit: int | None = None  # number of scenes of each folder, the first ones; None: all
+    sweeps: bool = False  # also measures and draws error against time, on some scenes of each category
 
     def parts(self) -> Iterator[Json]:
         estimators = {preset: make_estimator(self.estimator, preset) for preset in self.presets}
@@ -66,13 +66,13 @@ class LightBench(Bench):
         clips = self._clip_results(estimators)
         presets: dict[str, Json] = {}
         for preset in estimators:
-            own = [result for result in results if result.preset == preset]
-            own_clips = [clip for clip in clips if clip.preset == preset]
-            summaries = {group: summarise(members) for group, members in grouped(own).items()}
-            stages = stage_times(own)
-            met = verdicts(preset, summaries, own_clips)
-            print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, own, met)
-            presets[preset] = _preset_json(summaries, stages, own_clips, met)
+            of_preset = [result for result in results if result.preset == preset]
+            clips_of_preset = [clip for clip in clips if clip.preset == preset]
+            summaries = {group: summarise(members) for group, members in grouped(of_preset).items()}
+            stages = stage_times(of_preset)
+            met = verdicts(preset, summaries, clips_of_preset)
+            print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, of_preset, met)
+            presets[preset] = _preset_json(summaries, stages, clips_of_preset, met)
         if clips:
             print_clips(self.console, clips)
         return {
@@ -85,15 +85,15 @@ class LightBench(Bench):
         }
 
     def cases(self) -> list[Case]:
-        """Those whose light is known; with `quick`, every fifth of each category."""
+        """The cases with a known light; with `quick`, every fifth of each category."""
         cases = [case for folder in self.scenes for case in _known(read_cases(folder))[: self.limit]]
         return thinned(cases, QUICK_EVERY) if self.quick else cases
 
     def _results(self, estimators: Mapping[str, Estimator]) -> list[CaseResult]:
-        """Case by case, the presets in turn, so that what else runs on the machine meets all of them."""
+        """All presets on each case in turn, so that other load on the machine affects them equally."""
         results = []
         cases = self.cases()
-        if cases:  # what is loaded or made only once is not to be counted
+        if cases:  # one-time initialisation is not to be timed
             for estimator in estimators.values():
                 estimator.estimate(cases[0].tracked())
         for index, case in enumerate(track(cases, "scenes", console=self.console, transient=True)):
@@ -116,9 +116,9 @@ class LightBench(Bench):
 def attempt(
     estimator: Estimator, preset: str, case: Case, tracked: TrackedFrame, steps: ProxySteps | None
 ) -> CaseResult:
-    """The estimate of `tracked`, which is `case`'s picture, timed and compared with all that is known of it.
+    """The timed estimate of `tracked`, the picture of `case`, compared with the case's truth.
 
-    `steps` are those with which the true labels are tried, if there are any.
+    steps: the preset for the run from true labels; None for none.
     """
     started_s = time.process_time()
     estimate = estimator.estimate(tracked)
@@ -128,7 +128,7 @@ def attempt(
 
 
 def thinned(cases: Sequence[Case], every: int) -> list[Case]:
-    """The first, and every `every`th after it, of each category."""
+    """The first case of each category, and every `every`th after it."""
     seen: Counter[str] = Counter()
     kept = []
     for case in cases:

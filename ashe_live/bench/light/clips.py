@@ -1,4 +1,4 @@
-"""Clips under a light that does not move: estimates from many frames, which must agree with the truth or each other."""
+"""Clips under a fixed light: the spread of the estimates of many frames, about the truth or their mean."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,13 +27,13 @@ EVERY = 10  # frames
 
 @dataclass(frozen=True, slots=True)
 class LightClip:
-    """A clip, how to track it, and its light where that is known."""
+    """A clip, how to track it, and its light if that is known."""
 
     path: Path
     camera: Camera
     marker_spec: str  # as --marker takes it
     marker_side_m: float
-    to_light_marker: Float | None  # (3,) unit; None: only that it does not move
+    to_light_marker: Float | None  # (3,) unit; None: unknown but fixed
 
     def frames(self, limit: int | None = None) -> list[TrackedFrame]:
         """Every EVERYth frame, at most `limit` of them, with the pose that the tracker finds (None: no marker)."""
@@ -48,11 +48,11 @@ class LightClip:
 
 @dataclass(frozen=True, slots=True)
 class ClipResult:
-    """What one estimator said of a clip's frames."""
+    """The spread of one estimator's answers over a clip's frames."""
 
     preset: str
     clip: str
-    about: str  # "truth" or "mean": what the errors are measured from
+    about: str  # "truth" or "mean": the reference of the errors
     frames: int
     without_marker: int
     abstained: int
@@ -61,9 +61,9 @@ class ClipResult:
 
 
 def read_clips(folder: Path) -> list[LightClip]:
-    """Those that ground_truth.json lists under `clips`, and those with a JSON file of their own name beside them.
+    """The clips that ground_truth.json lists under `clips`, and those with a JSON file of the same stem beside them.
 
-    Raises UserError when one is not described as the others are.
+    Raises UserError when a file cannot be read or a description is not valid.
     """
     try:
         content = read_json(folder / GROUND_TRUTH, MOST_TRUTH_BYTES)
@@ -75,7 +75,7 @@ def read_clips(folder: Path) -> list[LightClip]:
 
 
 def estimate_clip(estimator: Estimator, preset: str, clip: LightClip, frames: list[TrackedFrame]) -> ClipResult:
-    """Estimates from `frames` of `clip` (LightClip.frames) and measures how they spread."""
+    """The spread of the estimates from `frames` of `clip` (LightClip.frames)."""
     seen = [tracked for tracked in frames if tracked.marker is not None]
     answers = [light.to_light_marker for tracked in seen if (light := estimator.estimate(tracked).light) is not None]
     rms = worst = None

@@ -1,4 +1,4 @@
-"""What the estimators said of the cases, and what many answers come to."""
+"""The estimators' results on single cases, and their summaries."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from ashe_live.core.contract import light_json
 from ashe_live.core.types import LightEstimate
 
 GOOD_DEG = 5.0
-CONFIDENT_DEG = 10.0  # what a confidence promises to stay below
+CONFIDENT_DEG = 10.0  # a confidence is the probability of an error below this
 BAD_DEG, BAD_CONFIDENCE = 15.0, 0.5
 UPRIGHT_CONVEX = ("box", "cylinder", "cone", "cup", "bottle", "sphere")
 UPRIGHT, ALL_LIT, ALL = "clean, upright convex", "all lit", "all"
@@ -26,7 +26,7 @@ UPRIGHT, ALL_LIT, ALL = "clean, upright convex", "all lit", "all"
 
 @dataclass(frozen=True, slots=True)
 class CaseResult:
-    """What one preset of an estimator said of one case; angles in degrees, None where there is none to measure."""
+    """The result of one preset on one case; angles in degrees, None where there is nothing to measure."""
 
     preset: str
     folder: str
@@ -34,16 +34,16 @@ class CaseResult:
     category: str
     caster: str | None
     true_lights: int
-    lights: tuple[Mapping[str, object], ...]  # as the contract has them
+    lights: tuple[Mapping[str, object], ...]  # in the format of the contract
     reason: str | None
-    error_deg: float | None  # of the strongest answer, to the nearest true light
-    worst_deg: float | None  # of as many answers as there are lights
+    error_deg: float | None  # of the strongest light answered, to the nearest true light
+    worst_deg: float | None  # the largest error over all lights, if their number is right
     sigma_deg: float | None
-    squared_sigmas: float | None  # of the error, by the stated covariance
+    squared_sigmas: float | None  # squared Mahalanobis distance of the error under the stated covariance
     confidence: float | None
     object_iou: float | None
     shadow_iou: float | None
-    true_labels_deg: float | None  # error of what follows from the true labels
+    true_labels_deg: float | None  # error of the run from true labels
     wall_ms: Mapping[str, float]  # by stage, with "total"
     cpu_ms: float  # of all threads, of all stages
 
@@ -57,7 +57,7 @@ class CaseResult:
 
     @property
     def is_bad(self) -> bool:
-        """Whether a wrong answer, or one where there is no light, was given with confidence."""
+        """Whether a wrong answer, or any answer where there is no light, was given with high confidence."""
         is_wrong = self.is_answered and (self.error_deg is None or self.error_deg > BAD_DEG)
         return is_wrong and self.confidence is not None and self.confidence > BAD_CONFIDENCE
 
@@ -70,7 +70,7 @@ def case_result(
     overlaps: tuple[float | None, float | None] = (None, None),
     true_labels_deg: float | None = None,
 ) -> CaseResult:
-    """`estimate` of `case`, compared with its truth. Raises ValueError when that is not known."""
+    """Compares `estimate` with the truth of `case`. Raises ValueError when that is not known."""
     truths = case.to_lights_marker
     if truths is None:
         raise ValueError(f"nobody knows the light of {case.id}")
@@ -106,7 +106,7 @@ def case_result(
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """A group of cases; None where there is nothing to count. Errors are those of the answered lit cases."""
+    """Statistics of a group of cases; None where no case contributes. Errors are those of the answered lit cases."""
 
     attempted: int
     abstained: int
@@ -114,14 +114,14 @@ class Summary:
     median_deg: float | None
     p90_deg: float | None
     max_deg: float | None
-    good_share: float | None  # of the lit cases: answered, and less than GOOD_DEG wrong
-    right_count_share: float | None  # of all cases: as many lights as there are
-    worst_median_deg: float | None  # of the cases with that many
+    good_share: float | None  # fraction of the lit cases answered with an error below GOOD_DEG
+    right_count_share: float | None  # fraction of all cases with the right number of lights
+    worst_median_deg: float | None  # median of `worst_deg` over the lit ones of these
     within_1_sigma: float | None
     within_2_sigma: float | None
     within_ellipse_95: float | None
     brier: float | None
-    bad_share: float | None  # of all cases: CaseResult.is_bad
+    bad_share: float | None  # fraction of all cases with CaseResult.is_bad
     object_iou: float | None  # medians
     shadow_iou: float | None
     true_labels_mean_deg: float | None
@@ -134,6 +134,7 @@ class Summary:
 
 
 def summarise(results: Sequence[CaseResult]) -> Summary:
+    """The statistics of a group of cases."""
     lit = [result for result in results if result.is_lit]
     errors = [result.error_deg for result in lit if result.error_deg is not None]
     worst = [result.worst_deg for result in lit if result.worst_deg is not None]
@@ -173,7 +174,7 @@ def summarise(results: Sequence[CaseResult]) -> Summary:
 
 
 def grouped(results: Sequence[CaseResult]) -> dict[str, list[CaseResult]]:
-    """By category in the order of their coming; then the groups that have targets of their own, and the pools."""
+    """The results by category, in order of first appearance; then the groups with targets of their own, and pools."""
     groups: dict[str, list[CaseResult]] = {}
     for result in results:
         groups.setdefault(result.category, []).append(result)
@@ -184,7 +185,7 @@ def grouped(results: Sequence[CaseResult]) -> dict[str, list[CaseResult]]:
 
 
 def stage_times(results: Sequence[CaseResult]) -> dict[str, dict[str, float]]:
-    """Median and 95th percentile of the wall time by stage, in milliseconds, over the cases that came to that stage."""
+    """Median and 95th percentile of the wall time by stage, in milliseconds, over the cases that reached the stage."""
     stages = dict.fromkeys(stage for result in results for stage in result.wall_ms)
     times = {stage: [result.wall_ms[stage] for result in results if stage in result.wall_ms] for stage in stages}
     return {stage: {"p50": float(np.median(ms)), "p95": float(np.percentile(ms, 95))} for stage, ms in times.items()}

@@ -1,4 +1,4 @@
-"""The figures of `ashe-live bench light` for a person."""
+"""The printed tables of `ashe-live bench light`."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,7 +21,7 @@ def print_preset(
     results: Sequence[CaseResult],
     verdicts: Iterable[Verdict],
 ) -> None:
-    """Everything about one preset."""
+    """Prints all tables of one preset."""
     console.print(_errors(name, summaries))
     console.print(_shares_of_stages(name, summaries))
     console.print(_honesty(name, summaries))
@@ -59,7 +59,7 @@ def _errors(name: str, summaries: Mapping[str, Summary]) -> Table:
 
 
 def _shares_of_stages(name: str, summaries: Mapping[str, Summary]) -> Table:
-    """Segmentation: how well its masks overlap with the true ones. Geometry: what follows from the true ones."""
+    """Errors by origin: the masks' overlap with the true ones for segmentation, runs from true labels for geometry."""
     columns = ("IoU object", "IoU shadow", "mean", "from true labels: mean", "median", "max")
     table = _table(f"{name}: segmentation's share and geometry's (medians of IoU)", ("category",), columns)
     for category, summary in summaries.items():
@@ -88,7 +88,7 @@ def _times(name: str, stages: Mapping[str, Mapping[str, float]], everything: Sum
 
 
 def _targets(name: str, verdicts: Iterable[Verdict]) -> Table:
-    """The target beside each figure, and for a miss the stage that alone misses it too."""
+    """The figures beside their targets, and for a miss the stage responsible."""
     table = _table(f"{name}: targets", ("data", "figure"), ("measured", "target", "from true labels", "", "missed by"))
     for verdict in verdicts:
         measured = "-" if verdict.value is None else _value(verdict.value, verdict.unit)
@@ -100,7 +100,7 @@ def _targets(name: str, verdicts: Iterable[Verdict]) -> Table:
 
 
 def _worst(name: str, results: Sequence[CaseResult]) -> Table:
-    """Where to look first."""
+    """The cases with the largest errors."""
     columns = ("error", "σ", "confidence", "from true labels", "IoU object", "IoU shadow")
     table = _table(f"{name}: the largest errors", ("case", "caster"), columns)
     wrong = [result for result in results if result.error_deg is not None]
@@ -113,7 +113,7 @@ def _worst(name: str, results: Sequence[CaseResult]) -> Table:
 
 
 def _print_reasons(console: Console, results: Sequence[CaseResult]) -> None:
-    """Why lit cases were not answered."""
+    """Prints how often each reason was given for not answering a lit case."""
     reasons = Counter(result.reason for result in results if result.is_lit and not result.is_answered)
     for reason, count in reasons.most_common():
         console.print(f"{count:4d} x {reason}", highlight=False)

@@ -1,4 +1,4 @@
-"""What the estimator is held to, figure by figure, and whose fault a miss is."""
+"""The estimator's targets, figure by figure, and which stage is responsible for a miss."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ Bounds = Mapping[str, tuple[float, float]]  # by preset: the least and the most
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """One figure of one group of cases, and where it should be."""
+    """The bounds of one figure of one group of cases."""
 
     group: str
     figure: str
@@ -25,7 +25,7 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """A target beside what was measured for one preset."""
+    """A target with the figure measured for one preset."""
 
     preset: str
     group: str
@@ -42,7 +42,7 @@ class Verdict:
 
     @property
     def missed_by(self) -> str | None:
-        """The stage that misses the target: geometry, if it does so from true labels, or else segmentation."""
+        """The stage responsible for a miss: geometry, if the run from true labels misses too, else segmentation."""
         if self.is_met or self.on_true_labels is None:
             return None
         return "segmentation" if self.on_true_labels <= self.most else "geometry"
@@ -94,7 +94,7 @@ CLIP_RMS_DEG = _most(3.0, 2.0)
 def verdicts(
     preset: str, summaries: Mapping[str, Summary], clips: Sequence[ClipResult], targets: Sequence[Target] = TARGETS
 ) -> list[Verdict]:
-    """The targets of `preset` beside their figures in `summaries` (by group); groups without cases are left out."""
+    """The targets of `preset` with their figures from `summaries` (by group); groups without cases are left out."""
     found = []
     for target in targets:
         summary = summaries.get(target.group)

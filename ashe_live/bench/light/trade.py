@@ -1,4 +1,4 @@
-"""The estimator's trade of error against time: the few numbers that matter, varied one by one about `balanced`."""
+"""The estimator's trade-off of error against time: its main parameters, varied one at a time from `balanced`."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -26,11 +26,11 @@ UNANSWERED_DEG = 90.0
 
 @dataclass(frozen=True, slots=True)
 class Variation:
-    """`balanced` with other numbers."""
+    """`balanced` with some parameters changed."""
 
     series: str
     name: str
-    changes: Mapping[str, Any]  # by field of ProxySteps; a dot leads into a record within
+    changes: Mapping[str, Any]  # by field of ProxySteps; dots separate the names of nested fields
 
     def steps(self) -> ProxySteps:
         steps = BALANCED
@@ -74,9 +74,9 @@ def replaced(record: Any, path: str, value: Any) -> Any:
 
 
 def sweep(cases: Sequence[Case], presets: Mapping[str, Estimator], console: Console) -> list[TradePoint]:
-    """Every variation and preset on the lit ones of `cases`; presets last.
+    """Measures every variation and preset on the lit ones of `cases`; presets come last.
 
-    Case by case, all of them in turn, so that what else runs on the machine meets all.
+    All are run on each case in turn, so that other load on the machine affects them equally.
     """
     tried: list[tuple[str, str, Estimator, bool]] = [
         (variation.series, variation.name, ProxyEstimator(variation.steps()), False) for variation in VARIATIONS
@@ -86,18 +86,18 @@ def sweep(cases: Sequence[Case], presets: Mapping[str, Estimator], console: Cons
     lit = [case for case in cases if case.to_lights_marker is not None and len(case.to_lights_marker)]
     for case in track(lit, "trade", console=console, transient=True):
         tracked = case.tracked()
-        for own, (_, name, estimator, _) in zip(results, tried, strict=True):
+        for of_setting, (_, name, estimator, _) in zip(results, tried, strict=True):
             started_s = time.process_time()
             estimate = estimator.estimate(tracked)
-            own.append(case_result(name, case, estimate, 1e3 * (time.process_time() - started_s)))
+            of_setting.append(case_result(name, case, estimate, 1e3 * (time.process_time() - started_s)))
     return [
-        TradePoint(name, series, float(np.median([result.wall_ms["total"] for result in own])), _errors(own), is_preset)
-        for own, (series, name, _, is_preset) in zip(results, tried, strict=True)
+        TradePoint(name, series, float(np.median([one.wall_ms["total"] for one in group])), _errors(group), is_preset)
+        for group, (series, name, _, is_preset) in zip(results, tried, strict=True)
     ]
 
 
 def print_trade(console: Console, points: Sequence[TradePoint]) -> None:
-    """One line a setting; those on the Pareto front of a measure are marked."""
+    """Prints one line per setting; those on the Pareto front of a measure are marked."""
     fronts = {measure: pareto_front(points, measure) for measure in (MEDIAN_ERROR, MISSED)}
     table = figures_table("trade (* on the Pareto front)", "varied", "to", "ms", "median", "missed")
     for point in points:

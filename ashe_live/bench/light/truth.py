@@ -1,4 +1,4 @@
-"""How much of an error is whose: how well masks overlap with the true ones, and what the estimator makes of those."""
+"""The origin of errors: the overlap of masks with the true ones, and the error of the estimator from true labels."""
 
 import cv2
 import numpy as np
@@ -12,17 +12,17 @@ from ashe_live.light.estimators.steps import ProxySteps
 
 
 def mask_overlaps(estimate: LightEstimate, case: Case) -> tuple[float | None, float | None]:
-    """Intersection over union of the object's and the shadow's masks with the true ones; None where either lacks.
+    """Intersection over union of the object's and the shadow's masks with the true ones; None where a mask is missing.
 
-    True is the main caster, and every shadow it casts: an answer may well come from another object.
+    The true ones are those of the main object and all of its shadows, though an answer may come from another object.
     """
     return _overlap(estimate.object_mask, case.mask("object")), _overlap(estimate.shadow_mask, _all_shadows(case))
 
 
 def error_on_true_labels_deg(case: Case, tracked: TrackedFrame, steps: ProxySteps) -> float | None:
-    """Degrees between the strongest light and what the estimator makes of the true labels in `tracked`, its picture.
+    """Error of the strongest light as estimated in `tracked`, the picture of `case`, from the true labels; degrees.
 
-    None without masks, without a light, or where it finds none.
+    None if the case has no masks or no light, or if no light is found.
     """
     body, shadows = case.mask("object"), _shadows(case)
     if body is None or not shadows or case.to_lights_marker is None or not len(case.to_lights_marker):
@@ -32,9 +32,9 @@ def error_on_true_labels_deg(case: Case, tracked: TrackedFrame, steps: ProxyStep
 
 
 def _shadows(case: Case) -> list[Mask]:
-    """The main caster's, light by light."""
-    own = case.mask("shadow_caster")
-    masks = [own if own is not None else case.mask("shadow"), case.mask("shadow2")]
+    """The masks of the main object's shadows, light by light."""
+    of_caster = case.mask("shadow_caster")
+    masks = [of_caster if of_caster is not None else case.mask("shadow"), case.mask("shadow2")]
     return [mask for mask in masks if mask is not None]
 
 
@@ -44,7 +44,7 @@ def _all_shadows(case: Case) -> Mask | None:
 
 
 def _overlap(found: Mask | None, true: Mask | None) -> float | None:
-    """Masks come at the estimator's working size."""
+    """Intersection over union of a mask, of the estimator's working size, with the true one; None if one is missing."""
     if found is None or true is None:
         return None
     height, width = true.shape

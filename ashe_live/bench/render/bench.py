@@ -1,4 +1,4 @@
-"""`ashe-live bench render`: what pictures cost and how far they are from a path tracer's."""
+"""`ashe-live bench render`: the renderer's frame times, and its differences from a path tracer."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -40,7 +40,7 @@ LARGE_SIZE: Size = (1920, 1080)
 
 @dataclass(frozen=True, slots=True)
 class RenderBench(Bench):
-    """What is measured."""
+    """The renderer's bench on `clip`."""
 
     NEEDS_OPENGL: ClassVar[bool] = True
 
@@ -69,7 +69,7 @@ class RenderBench(Bench):
         draw_sweeps(record["sweeps"], measured_with(record), out / COSTS, overwrite)
 
     def _loop(self, ctx: Context, size: Size) -> Json:
-        """Decode, track and render in `fast`, and the bare video in the same run."""
+        """Times of decoding, tracking and rendering in `fast`, and of drawing the bare video in the same run."""
         clip = self.clip
         light = DirectionalLight(clip.to_light_marker)
         model = placed_on_marker(load_model("cube"), clip.marker_side_m)
@@ -83,7 +83,7 @@ class RenderBench(Bench):
             times = time_unpaced(source, tracker, renderer, scene, self.frames)
             copied = time_blit(source, tracker, renderer, clip.camera, self.frames)
             renderer.release()
-            # One row more than the picture: it is drawn and not copied.
+            # With one row more than the picture has, the video is drawn instead of copied.
             renderer = SceneRenderer(ctx, FAST.render, (size[0], size[1] + 1))
             drawn = time_blit(source, tracker, renderer, clip.camera, self.frames)
         renderer.release()
@@ -122,7 +122,7 @@ def _sweeps(ctx: Context, frames: int) -> Json:
 
 
 def _errors(ctx: Context, frames: int) -> list[Json]:
-    """By preset, and by what the presets differ in; nothing in an installed package, which has no references."""
+    """Errors of the presets and of variations of `balanced`; empty in an installed package, which has no references."""
     try:
         folder = resource("assets", "reference")
     except FileNotFoundError:

@@ -1,4 +1,4 @@
-"""What a picture costs: its time on the processor and on the graphics card, and what stays behind of it."""
+"""The cost of a picture: wall time, GPU time, and memory that is not released."""
 
 import math
 import time
@@ -24,16 +24,16 @@ SIDE_M = 0.08
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Milliseconds a picture."""
+    """Milliseconds per picture."""
 
-    p50: float  # until it is drawn, by the clock
+    p50: float  # wall time until it is drawn
     p99: float
     gpu_p50: float | None  # by OpenGL's timer queries; None where it has none
     gpu_p99: float | None
 
 
 def cost_of(ctx: Context, preset: RenderPreset, size: Size, scenes: Sequence[Scene], frames: int) -> Cost:
-    """Of `frames` pictures of `size`, the scenes in turns."""
+    """The cost of `frames` pictures of `size`, cycling through the scenes."""
     renderer = SceneRenderer(ctx, preset, size)
     query = ctx.query(time=True)
     wall_ms, gpu_ms = [], []
@@ -52,7 +52,7 @@ def cost_of(ctx: Context, preset: RenderPreset, size: Size, scenes: Sequence[Sce
 
 
 def orbit(size: Size, model: PlacedModel | None, lights: tuple[DirectionalLight, ...], views: int = 8) -> list[Scene]:
-    """A camera that goes around the marker on grey ground, another frame in each view."""
+    """Scenes with a camera that orbits the marker on grey ground, each with a frame of its own."""
     camera = Camera.from_hfov(size, 55.0)
     picture = np.full((size[1], size[0], 3), 150, dtype=np.uint8)
     corners = np.zeros((4, 2))
@@ -93,7 +93,7 @@ def round_model(triangles: int) -> PlacedModel:
 
 
 def sweeps(base: RenderPreset) -> dict[str, list[tuple[float, RenderPreset, int, int]]]:
-    """By what is varied: its value, the preset, the number of lights and of triangles."""
+    """Sweeps by the quantity varied: its value, the preset, the numbers of lights and of triangles."""
     return {
         "triangles": [(count, base, 1, count) for count in (1_000, 10_000, 100_000, 1_000_000)],
         "lights": [(count, base, count, 10_000) for count in range(5)],
@@ -109,9 +109,9 @@ def memory_growth(
     scene: Callable[[int], Scene],
     frames: int,
 ) -> dict[str, float]:
-    """What the process holds (MiB) and how many OpenGL objects live, a fifth of the way and at the end.
+    """Resident memory (MiB) and live OpenGL objects after a fifth of the frames and at the end.
 
-    The model changes with every tenth picture.
+    The model changes every tenth picture.
     """
     assert frames >= 10
     first = scene(0)

@@ -11,7 +11,7 @@ ERRORS, COSTS = "error", "cost.png"  # the first is a stem
 
 
 def draw_errors(rows: Sequence[Json], note: str, stem: Path, overwrite: bool) -> None:
-    """Writes `stem`.svg and .png of the record's `errors`; nothing where there are none."""
+    """Plots the record's `errors` into `stem`.svg and .png; writes nothing if there are none."""
     points = [
         TradePoint(
             row["name"],
@@ -31,7 +31,7 @@ def draw_errors(rows: Sequence[Json], note: str, stem: Path, overwrite: bool) ->
 
 
 def draw_sweeps(sweeps: Mapping[str, Sequence[Json]], note: str, path: Path, overwrite: bool) -> None:
-    """Writes what a picture costs by each number that is varied, the record's `sweeps`."""
+    """Plots the cost of a picture against each quantity varied, from the record's `sweeps`."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(11, 3.2), layout="constrained")

@@ -1,4 +1,4 @@
-"""How far the pictures are from a path tracer's of the same scene in the same light (assets/reference)."""
+"""Differences of the pictures from a path tracer's of the same scene in the same light (assets/reference)."""
 
 import json
 import math
@@ -27,30 +27,30 @@ from ashe_live.tracking.pose import square_corners
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reference:
-    """One view with one model: the scene that is given, and what the path tracer makes of it."""
+    """One view with one model: the scene, and the path tracer's picture of it."""
 
     name: str
-    scene: Scene  # the picture without the model, and all that an estimate can know
+    scene: Scene  # the picture without the model, and the true light, as a perfect estimate would give it
     expected: Image  # (h, w, 3) BGR, with the model
     is_model: Mask  # (h, w)
-    shadow_brightness: float  # of shadowed over lit ground
+    shadow_brightness: float  # luminance of shadowed over lit ground
 
 
 @dataclass(frozen=True, slots=True)
 class PictureError:
-    shadow_iou: float  # of the ground and object pixels that lost more than half of the sun's light
+    shadow_iou: float  # of the masks of pixels outside the model that lost more than half of the sun's light
     shadow_de: float  # mean CIE 1976 colour difference where the path tracer's shadow is
     model_de: float  # mean CIE 1976 colour difference on the model
 
 
 def read_references(folder: Path) -> list[Reference]:
-    """Every view and model of a folder that render_reference.py wrote."""
+    """The references in a folder that render_reference.py wrote."""
     record = json.loads((folder / "reference.json").read_text(encoding="utf-8"))
     return [_reference(folder, view, model) for view in record["views"] for model in view["models"]]
 
 
 def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> PictureError:
-    """Of the renderer's picture of the same scene."""
+    """The error of the renderer's picture of the same scene."""
     assert reference.scene.tracked is not None
     bare = reference.scene.tracked.frame.image_bgr
     renderer = SceneRenderer(ctx, preset, reference.scene.tracked.frame.size)

@@ -1,4 +1,4 @@
-"""The figures of `ashe-live bench render` for a person."""
+"""The printed tables of `ashe-live bench render`."""
 
 from rich.console import Console
 
@@ -7,7 +7,7 @@ from ashe_live.core.contract import Json
 
 
 def print_render_figures(console: Console, record: Json) -> None:
-    """`record`: the renderer's part of it."""
+    """Prints the tables of `record`, the bench's part of it."""
     loop = figures_table(
         "fast, one sun, ms a frame", "", "decode", "track", "render", "whole", "video drawn", "render / video"
     )

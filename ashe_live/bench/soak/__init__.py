@@ -1,4 +1,4 @@
-"""The viewer's loop for very long: leaks, drift, the age of a picture.
+"""Long runs of the viewer's loop: leaks, drift, and the latency of pictures.
 
 May import what `bench` may, and the modules that stand in `bench` itself; no other bench.
 """

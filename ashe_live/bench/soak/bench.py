@@ -1,4 +1,4 @@
-"""`ashe-live bench soak`: the viewer's own loop for very long, and how old its pictures are."""
+"""`ashe-live bench soak`: long runs of the viewer's loop, and the age of its pictures on the screen."""
 
 import contextlib
 import threading
@@ -30,7 +30,7 @@ from ashe_live.viewer.session import EstimatePolicy, Session
 from ashe_live.viewer.shelf import Shelf
 
 MODEL = "cube"
-# Of camera and display: about as fast as two cores can go without a graphics card.
+# Rate of camera and display: about the fastest that two cores reach without a graphics card.
 SOAK_HZ = 100.0
 DISPLAY_HZ = 60.0
 CAMERA_HZ = (30.0, 60.0)
@@ -39,7 +39,7 @@ AGE_FRAMES_AT_MOST = 900
 
 @dataclass(frozen=True, slots=True)
 class SoakBench(Bench):
-    """What is measured."""
+    """The soak bench: `frames` of `clip` at `quality`, with estimates by `estimator`."""
 
     NEEDS_OPENGL: ClassVar[bool] = True
 
@@ -63,7 +63,7 @@ class SoakBench(Bench):
         yield figures
 
     def _age(self, camera_hz: float) -> Json:
-        """A display of DISPLAY_HZ, and every picture's number read back from it."""
+        """The age of pictures on a display of DISPLAY_HZ, from their numbers read back from the screen."""
         frames = min(self.frames, AGE_FRAMES_AT_MOST)
         camera = TimeCodeCamera(self.clip, camera_hz)
         with self._stage(camera, DISPLAY_HZ) as stage:
@@ -77,14 +77,14 @@ class SoakBench(Bench):
         with self._stage(TimeCodeCamera(self.clip, SOAK_HZ), SOAK_HZ) as stage:
             run = SoakRun(stage.window, stage.session, stage.tracker, self.frames)
             stage.on_picture = run.add
-            # Hours are not to be lost: Ctrl-C gives the figures of the frames so far.
+            # Ctrl-C ends the run early, with the figures of the frames so far.
             with contextlib.suppress(KeyboardInterrupt):
                 stage.viewer.run(self.frames)
         return {**run.to_json(), "left_running": left_running(before)}
 
     @contextlib.contextmanager
     def _stage(self, camera: TimeCodeCamera, rate_hz: float) -> Iterator["Stage"]:
-        """All that `ashe-live webcam` sets up, but for the window."""
+        """Sets up all that `ashe-live webcam` does, with an offscreen window."""
         clip = self.clip
         with contextlib.ExitStack() as stack:
             ctx = offscreen_context()
@@ -109,7 +109,7 @@ class SoakBench(Bench):
 
 
 class Stage:
-    """A viewer, its window, and what is told of each picture."""
+    """A viewer, its window, and a callback for each picture shown."""
 
     window: OffscreenWindow
     viewer: LiveViewer

@@ -1,4 +1,4 @@
-"""A window without a screen, with a stopwatch in it."""
+"""An offscreen window that times its pictures."""
 
 import time
 from collections.abc import Callable
@@ -15,7 +15,7 @@ from ashe_live.viewer.window import Presentable
 
 
 class ShownPicture(NamedTuple):
-    """When the viewer began with a picture, and when it was on the screen."""
+    """When the viewer began work on a picture, and when it was shown."""
 
     begun_s: float  # monotonic clock
     shown_s: float
@@ -23,7 +23,7 @@ class ShownPicture(NamedTuple):
 
 
 class OffscreenWindow:
-    """A Window; `on_picture` hears of each picture."""
+    """A Window without a screen; `on_picture` is called for each picture shown."""
 
     content_scale = 1.0
     clipboard = ""
@@ -32,7 +32,7 @@ class OffscreenWindow:
     def __init__(self, ctx: Context, size: Size, rate_hz: float, on_picture: Callable[[ShownPicture], None]) -> None:
         self.framebuffer_size = size
         self.refresh_rate_hz = rate_hz
-        self.requests: list[Request] = []  # what the next picture obeys
+        self.requests: list[Request] = []  # served with the next picture
         self._ctx = ctx
         self._on_picture = on_picture
         self._colour = ctx.renderbuffer(size)
@@ -48,25 +48,25 @@ class OffscreenWindow:
         return requests
 
     def take_mouse(self) -> list[MouseEvent]:
-        """Nobody holds one here."""
+        """None: there is no mouse."""
         return []
 
     def set_title(self, title: str) -> None:
-        """Nobody reads it here."""
+        """Does nothing: there is no title."""
 
     def toggle_fullscreen(self) -> None:
-        """There is no screen to fill."""
+        """Does nothing: there is no screen."""
 
     def present(self, picture: Presentable) -> None:
         picture.present(self._screen)
 
     def swap(self) -> None:
-        """The picture is on the screen when it is drawn."""
+        """Waits until the picture is drawn, which counts as shown."""
         self._ctx.finish()
         self._on_picture(ShownPicture(self._begun_s, time.monotonic(), time.thread_time() - self._begun_cpu_s))
 
     def read_bgr(self) -> Image:
-        """(h, w, 3) uint8: what is on the screen."""
+        """(h, w, 3) uint8 BGR: the picture shown last."""
         width, height = self.framebuffer_size
         rgb = np.frombuffer(self._screen.read(components=3, alignment=1), np.uint8).reshape(height, width, 3)
         return np.asarray(cv2.cvtColor(rgb[::-1], cv2.COLOR_RGB2BGR), dtype=np.uint8)

@@ -1,8 +1,8 @@
-"""How old a picture is on the screen, and whether that is more than the law allows.
+"""The age of pictures on the screen, and whether it stays within the bound that the design guarantees.
 
-The law: no queue anywhere, so a picture on the screen is never older than one display interval plus the time for its
-own tracking and drawing. When the display turns to the next picture it takes the newest tracked frame there is; that
-one was handed over after the display had last looked, hence at most one interval ago.
+The bound (the "law"): as there are no queues, a picture on the screen is never older than one display interval plus the
+time for its own tracking and drawing. When the display starts the next picture it takes the newest tracked frame; that
+one was handed over after the display had last checked, hence at most one interval ago.
 """
 
 import numpy as np
@@ -13,12 +13,12 @@ from ashe_live.core.contract import Json
 from ashe_live.viewer.report import frame_time_percentiles
 from ashe_live.viewer.session import Session
 
-# Between threads: a sleeper must be woken, and Python's lock be given up, which its holder does after 5 ms at latest.
+# Hand-over between threads: a thread must be woken and get Python's lock, which its holder releases within 5 ms.
 HAND_OVER_MS = 5.0
 
 
 class PictureAges:
-    """Reads the number of each picture from the screen. Pictures shown again count once, when they were new."""
+    """Reads the number of each picture from the screen. Repeated pictures count once."""
 
     def __init__(self, camera: TimeCodeCamera, window: OffscreenWindow, session: Session) -> None:
         self._camera = camera
@@ -46,7 +46,7 @@ class PictureAges:
         self._over_ms.append((age_s - own_s - (picture.begun_s - last_begun_s)) * 1e3)
 
     def to_json(self) -> Json:
-        """`over_law_ms`: age beyond tracking, drawing and interval, negative as a rule; all by percentiles."""
+        """Percentiles of the age, and of `over_law_ms`: the age less tracking, drawing and interval."""
         over_ms = np.array(self._over_ms)
         return {
             "pictures": len(self._age_ms),

@@ -1,4 +1,4 @@
-"""A long session at the viewer: its keys, how long its pictures take, and what it holds."""
+"""A long session of the viewer: simulated keys, the times of its pictures, and the resources that it holds."""
 
 import sys
 import threading
@@ -23,12 +23,12 @@ DRIFT_TOLERATED = 1.1
 
 
 class SoakTracker(MarkerTracker):
-    """Measures itself, and can be held still between two frames."""
+    """A tracker that times itself and can be paused between two frames."""
 
     def __init__(self, *arguments: object) -> None:
         super().__init__(*arguments)  # type: ignore[arg-type]  # they are MarkerTracker's
         self.at_rest = threading.Lock()
-        self.last_ms = (0.0, 0.0)  # by the clock, and of the processor
+        self.last_ms = (0.0, 0.0)  # wall and CPU time
 
     def track(self, frame: Frame) -> TrackedFrame:
         with self.at_rest:
@@ -39,14 +39,14 @@ class SoakTracker(MarkerTracker):
 
 
 class SoakRun:
-    """Switches the model and asks for estimates; `add` is to hear of every picture."""
+    """Switches models and requests estimates; `add` must be called for every picture."""
 
     def __init__(self, window: OffscreenWindow, session: Session, tracker: SoakTracker, frames: int) -> None:
         self._window = window
         self._session = session
         self._tracker = tracker
         self._sample_every = max(1, frames // SAMPLES)
-        # Written all over at once, so that the pages that they fill do not look like a leak.
+        # Written at once, so that pages that are first touched later do not look like a leak.
         self._times_ms = np.full((frames, len(TIMES)), np.nan)
         self._held = Held()
         self._count = 0
@@ -76,7 +76,7 @@ class SoakRun:
             print(f"{self._count} frames in {time.monotonic() - self._begun_s:.0f} s", file=sys.stderr, flush=True)
 
     def to_json(self) -> Json:
-        # Every model is then known, and its shaders are; twice, as an estimate changes how they are drawn.
+        # By then every model and its shaders are loaded; twice, as an estimate changes how they are drawn.
         round_frames = SWITCH_EVERY * len(model_names())
         return {
             "frames": self._count,
@@ -92,10 +92,10 @@ TIMES = ("drawn", "drawn, processor", "tracked", "tracked, processor")
 
 
 def drift_json(times_ms: Float, round_frames: int) -> Json | None:
-    """Medians of TIMES, (n, 4), over the first tenth after a warm-up of as many frames, and over the last tenth.
+    """Medians of the columns TIMES (n, 4) over the second tenth of the frames, the first being warm-up, and the last.
 
-    Times by the clock, and of the thread that did it on the processor, whatever else runs on the machine: only when
-    both have grown it is slower by its own doing. None where a tenth has no whole round through the models.
+    Wall times also grow by other load on the machine, CPU times of a thread hardly do: only if both have grown has the
+    program become slower. None if a tenth is shorter than a whole round through the models.
     """
     tenth = len(times_ms) // 10
     if tenth < round_frames:

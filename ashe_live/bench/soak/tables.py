@@ -1,4 +1,4 @@
-"""The figures of `ashe-live bench soak` for a person."""
+"""The printed tables of `ashe-live bench soak`."""
 
 from rich.console import Console
 
@@ -15,7 +15,7 @@ HELD = {
 
 
 def print_soak_figures(console: Console, record: Json) -> None:
-    """`record`: the soak's part of it."""
+    """Prints the tables of `record`, the bench's part of it."""
     ages = figures_table(
         f"age of a picture on a display of {record['display_hz']:.0f} Hz, ms",
         "camera", "pictures", "median", "p95", "p99", "beyond the law: p99", "longest", "within",

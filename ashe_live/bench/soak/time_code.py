@@ -1,4 +1,4 @@
-"""A camera that films the shipped clip and numbers its pictures, so that one seen again tells how old it is."""
+"""A camera that plays the shipped clip and numbers its pictures, so that their age can be read from the screen."""
 
 import time
 from threading import Event
@@ -14,19 +14,19 @@ BITS = 16
 CELL_PX = 10
 # At the right edge, where the viewer writes nothing and the shipped clip shows no marker.
 TOP_PX = 40
-# Pictures that can be on their way at once; far fewer are.
+# More pictures than can be under way at once.
 REMEMBERED = 4096
 
 
 def paint_number(image_bgr: Image, number: int) -> None:
-    """Into (h, w, 3): a column of squares, white for a bit that is set; a white and a black one before the bits."""
+    """Paints a column of squares into (h, w, 3), white for a set bit; before the bits, a white and a black square."""
     bits = np.array([1, 0, *((number >> bit & 1) for bit in range(BITS))], np.uint8)
     cells = np.repeat(bits * np.uint8(255), CELL_PX)
     image_bgr[TOP_PX : TOP_PX + len(cells), -CELL_PX:] = cells[:, None, None]
 
 
 def read_number(image_bgr: Image) -> int | None:
-    """The number in (h, w, 3), modulo 2^BITS; None where none was painted."""
+    """The number painted into (h, w, 3), modulo 2^BITS; None if there is none."""
     middles = TOP_PX + CELL_PX // 2 + CELL_PX * np.arange(2 + BITS)
     if middles[-1] >= image_bgr.shape[0]:
         return None
@@ -37,7 +37,7 @@ def read_number(image_bgr: Image) -> int | None:
 
 
 class TimeCodeCamera:
-    """What WebcamSource takes for OpenCV's capture: the clip over and over, at `rate_hz` or as fast as it is asked."""
+    """Stands in for OpenCV's capture in WebcamSource: the clip, repeated, at `rate_hz` or as fast as it is read."""
 
     def __init__(self, clip: KnownClip, rate_hz: float) -> None:
         self.size = clip.camera.size
@@ -49,14 +49,14 @@ class TimeCodeCamera:
         self._released = Event()
 
     def taken_s(self, number: int) -> float:
-        """When that picture was there, on the monotonic clock; of the last REMEMBERED ones."""
+        """When that picture was taken, on the monotonic clock; for the last REMEMBERED ones."""
         return float(self._taken_s[number % REMEMBERED])
 
     def isOpened(self) -> bool:
         return not self._released.is_set()
 
     def grab(self) -> bool:
-        """Waits until the next picture is due; one that nobody asked for in time is not made up for."""
+        """Waits until the next picture is due; missed pictures are skipped."""
         now_s = time.monotonic()
         self._due_s = max(self._due_s + 1 / self._rate_hz, now_s)
         return not self._released.wait(self._due_s - now_s)

@@ -1,4 +1,4 @@
-"""The tracker beside OpenCV's detector, on frames with known poses.
+"""The tracker compared with OpenCV's detector, on frames with known poses.
 
 May import what `bench` may, and the modules that stand in `bench` itself; no other bench.
 """

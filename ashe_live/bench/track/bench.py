@@ -1,4 +1,4 @@
-"""`ashe-live bench track`: the tracker beside OpenCV's detector, on the same frames with exactly known poses."""
+"""`ashe-live bench track`: the tracker compared with OpenCV's detector, on frames with exactly known poses."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -37,7 +37,7 @@ REFERENCE, UNREFINED, OURS = "OpenCV", "OpenCV, unrefined", "ours"
 
 @dataclass(frozen=True, slots=True)
 class TrackBench(Bench):
-    """What is measured: the synthetic takes, and the real clips of the folder `real`."""
+    """The tracking bench: the synthetic takes, and the real clips of the folder `real`."""
 
     preset: TrackingPreset = BALANCED.tracking
     real: Path | None = None
@@ -60,7 +60,7 @@ class TrackBench(Bench):
             draw_trade(points, "Tracking: error against time", COST, measured_with(record), out / TRADE, overwrite)
 
     def _measured(self) -> Json:
-        # First, as a folder that cannot be read is to be said at once.
+        # First, so that an unreadable folder is reported at once.
         clips: list[ClipFigures] = [] if self.real is None else follow_clips(self.real, self.preset)
         figures = list(self._figures())
         print_figures(self.console, figures)
@@ -111,9 +111,9 @@ class TrackBench(Bench):
 
     def _cost(self) -> Iterator[Figure]:
         given = self._contend(roaming("hd", 133, 30, self._frames(240), HD))
-        # What is made or loaded only once is not a frame's cost.
-        ms = {name: float(np.median([answer.ms for answer in own[5:]])) for name, own in given.items()}
-        worst = {name: float(np.percentile([answer.ms for answer in own[5:]], 95)) for name, own in given.items()}
+        # The first frames include one-time initialisation.
+        ms = {name: float(np.median([answer.ms for answer in every[5:]])) for name, every in given.items()}
+        worst = {name: float(np.percentile([answer.ms for answer in every[5:]], 95)) for name, every in given.items()}
         yield Figure("cost, 1280x720, 133 px (95th percentile)", "ms", worst[REFERENCE], worst[OURS], None)
         cpu = {name: float(np.median([answer.cpu_ms for answer in own[5:]])) for name, own in given.items()}
         yield Figure("cost, 1280x720, 133 px (median)", "ms", ms[REFERENCE], ms[OURS], 0.4 * ms[REFERENCE])

@@ -1,4 +1,4 @@
-"""Real clips, without a truth: whether the marker is found throughout, whether its pose flips, how smoothly it goes."""
+"""Real clips without ground truth: how often the marker is found, whether its pose flips, and how much it trembles."""
 
 import math
 from collections.abc import Sequence
@@ -24,7 +24,7 @@ from ashe_live.tracking.tracker import MarkerTracker
 
 @dataclass(frozen=True, slots=True)
 class ClipFigures:
-    """How the tracker followed one clip."""
+    """The tracker's figures on one clip."""
 
     name: str
     frames: int
@@ -37,7 +37,7 @@ class ClipFigures:
 
 
 def follow_clips(folder: Path, preset: TrackingPreset) -> list[ClipFigures]:
-    """The clips that `folder`'s list names. Raises UserError when it cannot be read."""
+    """The figures of the clips listed in the folder's ground_truth.json. Raises UserError when that cannot be read."""
     path = folder / GROUND_TRUTH
     try:
         content = read_json(path, MOST_TRUTH_BYTES)
@@ -53,9 +53,9 @@ def follow_clips(folder: Path, preset: TrackingPreset) -> list[ClipFigures]:
 
 
 def trembling_px(poses: Sequence[Float], camera: Camera, side_m: float) -> float:
-    """Median second difference of the corners where `poses` (4, 4) of consecutive frames project them.
+    """Median second difference of the corners projected by `poses` (4, 4) of consecutive frames, over sqrt(6).
 
-    A hand's motion hardly bends within three frames; a measurement's noise does, by sqrt(6) times itself.
+    A hand's motion is nearly linear over three frames, whereas white noise has a second difference of sqrt(6) sigma.
     """
     corners = np.array([project(camera, T, square_corners(side_m)) for T in poses])
     bends = corners[2:] - 2 * corners[1:-1] + corners[:-2]

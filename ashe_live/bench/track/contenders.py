@@ -1,4 +1,4 @@
-"""Who is measured by the tracking bench: OpenCV's detector, frame by frame, and our tracker."""
+"""The contenders of the tracking bench: OpenCV's detector on single frames, and our tracker."""
 
 import time
 from collections.abc import Iterable
@@ -23,24 +23,24 @@ REFERENCE_ID = int(SPEC.rpartition(":")[2])
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """What a contender says of one frame."""
+    """A contender's answer to one frame."""
 
     truth: Float  # (4, 4) T_cam_marker
     T_cam_marker: Float | None  # (4, 4)
     ms: float
-    cpu_ms: float  # of this thread: what else runs on the machine hardly changes it
-    pose: MarkerPose | None = None  # of ours, with all that it says
+    cpu_ms: float  # of this thread, hardly affected by other load on the machine
+    pose: MarkerPose | None = None  # the full answer of our tracker
 
 
 class Contender(Protocol):
-    """Looks at frames in order."""
+    """A pose estimator that is given frames in order."""
 
     def look(self, frame: Frame) -> Float | MarkerPose | None:
         """The pose, or T_cam_marker (4, 4) alone; None when it finds no marker."""
 
 
 class OpencvReference:
-    """ArucoDetector on the full frame, sub-pixel corners or not, IPPE's solution of the smaller error."""
+    """ArucoDetector on the full frame, with sub-pixel corners or without; the IPPE solution of smaller error."""
 
     def __init__(self, camera: Camera, subpixel: bool = True) -> None:
         parameters = cv2.aruco.DetectorParameters()
@@ -64,7 +64,7 @@ class OpencvReference:
 
 
 class Ours:
-    """The tracker; `cold` lets it forget everything before each frame."""
+    """Our tracker; with `cold`, it is reset before each frame."""
 
     def __init__(self, camera: Camera, preset: TrackingPreset, cold: bool = False) -> None:
         self._tracker = MarkerTracker(parse_marker(SPEC), camera, SIDE_M, preset)
@@ -78,19 +78,19 @@ class Ours:
 
 
 def answers(take: Take, contenders: dict[str, Contender]) -> dict[str, list[Answer]]:
-    """Every contender's answers on the same frames, each frame shown to all in turn."""
+    """Every contender's answers to the same frames, each frame given to all in turn."""
     given: dict[str, list[Answer]] = {name: [] for name in contenders}
     for frame, truth in take.film():
         for name, contender in contenders.items():
             start, cpu_start = time.perf_counter(), time.thread_time()
-            said = contender.look(frame)
+            found = contender.look(frame)
             ms, cpu_ms = (time.perf_counter() - start) * 1e3, (time.thread_time() - cpu_start) * 1e3
-            pose = said if isinstance(said, MarkerPose) else None
-            T_cam_marker = said.T_cam_marker if isinstance(said, MarkerPose) else said
+            pose = found if isinstance(found, MarkerPose) else None
+            T_cam_marker = found.T_cam_marker if isinstance(found, MarkerPose) else found
             given[name].append(Answer(truth, T_cam_marker, ms, cpu_ms, pose))
     return given
 
 
 def found_share(given: Iterable[Answer]) -> float:
-    """Of the frames, in how many there was an answer."""
+    """The fraction of frames with an answer."""
     return float(np.mean([answer.T_cam_marker is not None for answer in given]))

@@ -1,4 +1,4 @@
-"""How well the focal length is learned from ten seconds of the marker alone."""
+"""The accuracy of the focal length learned from ten seconds of the marker alone."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -18,7 +18,7 @@ WITHIN_PERCENT, HONEST_SIGMAS = 3.0, 3.0
 
 
 def focal_figures(preset: TrackingPreset, frames: int) -> Iterator[Figure]:
-    """The error of the focal length in percent, and in its own standard deviations."""
+    """The error of the focal length in percent, and in units of its stated standard deviation."""
     take = Take("focal", SMALL, frames, partial(_handled, frames))
     tracker = MarkerTracker(
         parse_marker(SPEC), Camera.from_hfov(SMALL.size, ASSUMED_HFOV_DEG, "assumed"), SIDE_M, preset
@@ -34,7 +34,7 @@ def focal_figures(preset: TrackingPreset, frames: int) -> Iterator[Figure]:
 
 
 def _handled(frames: int, index: int) -> tuple[Float, ...]:
-    """A sheet held in the hand: tilted and turned every way, nearer and farther."""
+    """Poses of a hand-held sheet, tilted and turned in all directions, nearer and farther."""
     angle = 2 * np.pi * index / frames
     distance_m = SMALL.K[0, 0] * SIDE_M / (120 + 40 * np.sin(2 * angle))
     aside_m = 0.15 * distance_m * np.sin(angle), 0.12 * distance_m * np.cos(2 * angle)

@@ -1,7 +1,7 @@
-"""Pictures of a printed marker at an exactly known pose, as a camera with known flaws would take them.
+"""Synthetic pictures of a printed marker at an exactly known pose, taken by a camera with known flaws.
 
-Nothing of the renderer or the tracker takes part: every pixel is the mean of many rays, each traced backwards through
-lens and pose onto the paper's plane, in linear light; blur, vignetting, encoding, noise and rounding follow.
+Independent of the renderer and the tracker: every pixel is the mean of many rays in linear light, each traced backwards
+through lens and pose onto the paper's plane; blur, vignetting, encoding, noise and rounding follow.
 """
 
 from collections.abc import Sequence
@@ -16,26 +16,26 @@ from ashe_live.core.colour import srgb_from_linear
 
 # Linear reflectances, times the exposure that makes white paper nearly white.
 INK, PAPER, GROUND = 0.03, 0.72, 0.22
-# White around the black square, over its side.
+# Width of the white margin around the black square, relative to its side.
 QUIET_ZONE = 0.25
-# The light that a shadow leaves, and its edge's width over the side.
+# Shadow ratio, and the penumbra's width relative to the side.
 SHADOW_RATIO, PENUMBRA = 0.3, 0.05
-# Rays a pixel, in each direction.
+# Rays per pixel, in each direction.
 RAYS, RAYS_IN_MOTION = 6, 3
 MARGIN_PX = 16
-# Grey levels of so many steps of linear light.
+# Grey level for each of 65536 steps of linear light.
 ENCODED = (255 * srgb_from_linear(np.linspace(0, 1, 65536))).astype(np.float32)
 
 
 @dataclass(frozen=True, slots=True)
 class Flaws:
-    """What lies between the scene and the picture."""
+    """The degradations between the scene and the picture."""
 
     blur_px: float = 0.7  # standard deviation of the lens's Gaussian blur
     noise: float = 2.0  # standard deviation, grey levels of the encoded picture
     vignetting: float = 0.3  # light lost in the picture's corners
     shadow: bool = False  # a shadow's edge runs across the marker
-    gain: float = 1.0  # exposure, over the right one
+    gain: float = 1.0  # exposure relative to the correct one
     clutter: int = 0  # dark quadrilaterals scattered on the ground
 
 
@@ -53,8 +53,8 @@ def painted(
 ) -> Image:
     """(h, w, 3) uint8 BGR: the black square `bitmap` (n, n) on white paper in front of `camera`.
 
-    `poses`: T_cam_marker (4, 4) at moments spread evenly over the exposure, one for a marker at rest; the truth is
-    their middle one. `canvas` (h, w): linear light behind the paper, else a ground with the flaws' clutter.
+    poses: T_cam_marker (4, 4) at times spread evenly over the exposure, one for a marker at rest; the middle one is the
+    ground truth. canvas: (h, w) linear light behind the paper; without it, `ground` with the flaws' clutter.
     """
     light = ground(camera, flaws.clutter) if canvas is None else canvas.copy()
     x0, y0, x1, y1 = _region(camera, poses, side_m)
@@ -83,7 +83,7 @@ def developed(light: Float, flaws: Flaws, rng: np.random.Generator) -> Image:
 
 
 def ground(camera: Camera, clutter: int = 0, seed: int = 4) -> Float:
-    """(h, w) linear light of a mottled ground with `clutter` dark quadrilaterals; the same for the same arguments."""
+    """(h, w) linear light of a mottled ground with `clutter` random quadrilaterals; deterministic."""
     width, height = camera.size
     rng = np.random.default_rng(seed)
     coarse = rng.normal(0, 1, (max(2, height // 12), max(2, width // 12))).astype(np.float32)
@@ -97,7 +97,7 @@ def ground(camera: Camera, clutter: int = 0, seed: int = 4) -> Float:
 
 
 def _region(camera: Camera, poses: Sequence[Float], side_m: float) -> tuple[int, int, int, int]:
-    """Left, top, right, bottom of the pixels that the paper may reach."""
+    """Left, top, right, bottom of the pixels that the paper may cover."""
     half = side_m * (0.5 + QUIET_ZONE)
     outline = np.array([(x, y, 0.0) for x in np.linspace(-half, half, 9) for y in np.linspace(-half, half, 9)])
     pixels = np.concatenate(
@@ -121,7 +121,7 @@ def _paper_over(
     rays: int,
     shadow: bool,
 ) -> Float:
-    """`behind` (h, w) with the paper in front of it, `rays` squared rays a pixel; its top-left pixel is `corner_px`."""
+    """`behind` (h, w), from pixel `corner_px` on, with the paper in front of it; `rays` squared rays per pixel."""
     height, width = behind.shape
     x, y = _on_paper(camera, T_cam_marker, corner_px, (width * rays, height * rays), rays)
     half = side_m / 2
@@ -140,7 +140,7 @@ def _paper_over(
 
 
 def _shadow_ratio(x: Float, y: Float) -> Float:
-    """The light that is left at places in units of the side: the shadow's soft edge crosses the marker askew."""
+    """The shadow ratio at points in units of the side: a soft shadow edge crosses the marker obliquely."""
     beyond_edge = 0.8 * x + 0.6 * y - 0.1
     return np.asarray(1 - (1 - SHADOW_RATIO) * (0.5 + beyond_edge / PENUMBRA).clip(0, 1))
 
@@ -148,7 +148,7 @@ def _shadow_ratio(x: Float, y: Float) -> Float:
 def _on_paper(
     camera: Camera, T_cam_marker: Float, corner_px: tuple[int, int], size: tuple[int, int], rays: int
 ) -> tuple[Float, Float]:
-    """Where on the marker's plane, in metres, the rays of a finer grid of pixels end: x and y, each (h, w)."""
+    """x and y, each (h, w), metres: where the rays of a supersampled pixel grid meet the marker's plane."""
     u = corner_px[0] + (np.arange(size[0]) + 0.5) / rays - 0.5
     v = corner_px[1] + (np.arange(size[1]) + 0.5) / rays - 0.5
     if camera.is_distorted:

@@ -1,4 +1,4 @@
-"""What the answers of the tracking bench come to: errors, flips, jitter and lag."""
+"""The metrics of the tracking bench: errors, flips, jitter and lag."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -17,7 +17,7 @@ FLIP_DEG, LASTING_FRAMES = 10.0, 3
 
 
 def rotation_errors_deg(given: Sequence[Answer]) -> list[float]:
-    """The angle between each answer's rotation and the true one."""
+    """The angle between the rotation of each answer and the true one."""
     return [turn_deg(T, answer.truth) for answer, T in _answered(given)]
 
 
@@ -28,13 +28,13 @@ def turn_deg(T_a: Float, T_b: Float) -> float:
 
 
 def flipped_share(given: Sequence[Answer]) -> float:
-    """Of the answered frames, in how many the normal is more than FLIP_DEG wrong."""
+    """The fraction of answered frames in which the normal is wrong by more than FLIP_DEG."""
     flipped = [_is_flipped(T, answer.truth) for answer, T in _answered(given)]
     return float(np.mean(flipped)) if flipped else 0.0
 
 
 def lasting_flips(given: Sequence[Answer]) -> int:
-    """How often the normal was more than FLIP_DEG wrong for more than LASTING_FRAMES frames on end."""
+    """The number of runs of more than LASTING_FRAMES frames in which the normal is wrong by more than FLIP_DEG."""
     lasting, run = 0, 0
     for answer, T in _answered(given):
         run = run + 1 if _is_flipped(T, answer.truth) else 0
@@ -43,14 +43,14 @@ def lasting_flips(given: Sequence[Answer]) -> int:
 
 
 def corner_jitter_px(given: Sequence[Answer], camera: Camera, unfiltered: bool = False) -> float:
-    """How far the corners stray from their mean place, RMS, where each answer's pose projects them."""
+    """RMS deviation of the corners, projected by each answer's pose, from their mean positions."""
     poses = [T if not unfiltered or a.pose is None else a.pose.measured_T_cam_marker for a, T in _answered(given)]
     corners = np.array([project(camera, T, square_corners(SIDE_M)) for T in poses])
     return float(np.sqrt(((corners - corners.mean(axis=0)) ** 2).sum(axis=2).mean()))
 
 
 def lag_ms(given: Sequence[Answer]) -> float:
-    """By how much the answers' positions trail the true ones: the delay that explains their difference best."""
+    """The delay of the answers' positions behind the true ones, by least squares."""
     pairs = list(_answered(given))
     truth = np.array([answer.truth[:3, 3] for answer, _ in pairs])
     behind = truth - np.array([T[:3, 3] for _, T in pairs])
@@ -59,7 +59,9 @@ def lag_ms(given: Sequence[Answer]) -> float:
 
 
 def normalised_error_squared(given: Sequence[Answer]) -> float:
-    """Median of the unfiltered poses' squared errors in their own covariance, over what it should be: 1 is honest."""
+    """Median squared Mahalanobis error of the unfiltered poses under their stated covariances, over that of the
+    chi-squared distribution: 1 if they are calibrated.
+    """
     squares = []
     for answer in given:
         if answer.pose is not None and answer.pose.covariance is not None:

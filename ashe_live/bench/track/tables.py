@@ -1,4 +1,4 @@
-"""The figures of `ashe-live bench track` for a person."""
+"""The printed tables of `ashe-live bench track`."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from ashe_live.bench.track.clips import ClipFigures
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One line: what was measured of the reference and of ours, and where ours should be."""
+    """One line: the figures of the reference and of our tracker, and the bounds for ours."""
 
     name: str
     unit: str

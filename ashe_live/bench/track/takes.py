@@ -1,4 +1,4 @@
-"""What the tracking bench films: a marker on known paths, frame by frame, the same for the same arguments."""
+"""The synthetic takes of the tracking bench: a marker on known paths; deterministic."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -19,17 +19,17 @@ FPS = 30.0
 SMALL, HD = Camera.from_focal((640, 480), 900.0), Camera.from_focal((1280, 720), 1000.0)
 LENS = Camera(SMALL.size, SMALL.K, np.array((-0.35, 0.15, 0.001, -0.002, 0.0)), "file")
 CLUTTER = 12
-EXPOSURES = 11  # sub-frames of a blurred one
+EXPOSURES = 11  # sub-frames of a motion-blurred frame
 
 
 @dataclass(frozen=True, slots=True)
 class Take:
-    """A film whose poses are known."""
+    """A film with known poses."""
 
     name: str
     camera: Camera
     frames: int
-    poses: Callable[[int], Sequence[Float]]  # of a frame: T_cam_marker (4, 4) over its exposure
+    poses: Callable[[int], Sequence[Float]]  # T_cam_marker (4, 4) over the exposure of a frame, by its index
     flaws: Flaws = CLEAN_CAMERA
 
     def film(self) -> Iterator[tuple[Frame, Float]]:
@@ -44,30 +44,30 @@ class Take:
 
 
 def pose_at(distance_m: float, tilt_deg: float, turn_deg: float, aside_m: tuple[float, float] = (0.0, 0.0)) -> Float:
-    """T_cam_marker: turned in its plane, then its upper edge tilted away from the camera."""
+    """T_cam_marker (4, 4): turned in its plane, then tilted with its upper edge away from the camera."""
     turn = cv2.Rodrigues(np.array((0, 0, np.radians(turn_deg))))[0]
     tilt = cv2.Rodrigues(np.array((np.radians(180 - tilt_deg), 0, 0)))[0]
     return rigid(tilt @ turn, (*aside_m, distance_m))
 
 
 def roaming(name: str, side_px: float, tilt_deg: float, frames: int, camera: Camera = SMALL) -> Take:
-    """The marker goes round, nearer and farther, turning and tilting by a few degrees, once in four seconds."""
+    """The marker circles, nearer and farther, turning and tilting by a few degrees, once in four seconds."""
     return Take(name, camera, frames, partial(_roaming_poses, camera, side_px, tilt_deg))
 
 
 def at_rest(name: str, side_px: float, tilt_deg: float, frames: int) -> Take:
-    """Nothing moves but the noise."""
+    """A marker at rest; only the noise differs between frames."""
     pose = pose_at(SMALL.K[0, 0] * SIDE_M / side_px, tilt_deg, 20)
     return Take(name, SMALL, frames, lambda _: (pose,))
 
 
 def sliding(name: str, speed_m_s: float, frames: int, side_px: float = 100.0) -> Take:
-    """To and fro across the picture at one speed, turning back within a fifth of a second."""
+    """Back and forth across the picture at constant speed, reversing within a fifth of a second."""
     return Take(name, SMALL, frames, partial(_sliding_poses, SMALL.K[0, 0] * SIDE_M / side_px, speed_m_s))
 
 
 def scattered(name: str, side_px: float, frames: int, flaws: Flaws = CLEAN_CAMERA, blur_px: float = 0.0) -> Take:
-    """Every frame another place, turn and tilt up to 50 degrees, with motion blur of `blur_px` in any direction."""
+    """In every frame a random position, turn, and tilt up to 50 degrees, with motion blur of `blur_px`."""
     return Take(name, SMALL, frames, partial(_scattered_poses, side_px, blur_px), flaws)
 
 

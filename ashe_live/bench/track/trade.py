@@ -1,4 +1,4 @@
-"""The tracker's trade of error against time: the numbers that matter, varied one by one about `balanced`."""
+"""The tracker's trade-off of error against time: its main parameters, varied one at a time from `balanced`."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -32,7 +32,7 @@ VARIATIONS: tuple[tuple[str, str, TrackingPreset], ...] = (
 
 
 def sweep(console: Console) -> list[TradePoint]:
-    """Every variation and preset, all of them on the same frames; presets last."""
+    """Measures every variation and preset on the same frames; presets come last."""
     tried = [*((*one, False) for one in VARIATIONS)]
     tried += [("presets", name, quality.tracking, True) for name, quality in QUALITIES.items()]
     takes = {
@@ -66,7 +66,7 @@ def _point(series: str, name: str, given: dict[str, list[Answer]], is_preset: bo
 
 
 def print_trade(console: Console, points: Sequence[TradePoint]) -> None:
-    """One line a setting."""
+    """Prints one line per setting."""
     table = figures_table("trade", "varied", "to", "ms", "rotation, °", "jitter, px", "lag at 3 cm/s, ms")
     for point in points:
         errors = (f"{point.errors[measure]:.3g}" for measure in (ERROR, JITTER, LAG))

@@ -1,4 +1,4 @@
-"""`ashe-live bench viewer`: frames a second, where the time goes, and what an estimate costs the picture."""
+"""`ashe-live bench viewer`: frames per second, times by stage, and how much a running estimate slows frames down."""
 
 import contextlib
 import math
@@ -36,14 +36,14 @@ from ashe_live.viewer.session import EstimatePolicy, Session
 from ashe_live.viewer.shelf import Shelf
 
 DISPLAY_HZ = 60.0
-# Idle and estimating take turns, so that what else runs on the machine meets both.
+# Runs with and without estimates alternate, so that other load on the machine affects both equally.
 ROUNDS = 4
 MODEL = "cube"
 
 
 @dataclass(frozen=True, slots=True)
 class ViewerBench(Bench):
-    """What is measured."""
+    """The viewer's bench on `clip` at `quality`, with estimates by `estimator`."""
 
     NEEDS_OPENGL: ClassVar[bool] = True
 
@@ -87,7 +87,7 @@ class ViewerBench(Bench):
         }
 
     def _first_picture(self) -> Json:
-        """Seconds of the command `play` until it has shown one frame; None in a window where there is no display."""
+        """Seconds that the command `play` takes to show one frame; None for the window if there is no display."""
         ways = {"headless": ("--headless",), "window": ()}
         timed = {name: time_start(self.clip, self.quality.name, self.starts, *ways[name]) for name in ways}
         return {name: None if start is None else asdict(start) for name, start in timed.items()}
@@ -127,39 +127,39 @@ class ViewerBench(Bench):
 
 
 class BenchScene:
-    """What the viewer shows of the clip, under the light that is known, so that every frame costs the same."""
+    """The viewer's scene for each frame of the clip, under the true light, so that every frame costs the same."""
 
     def __init__(self, session: Session, clip: KnownClip, size: Size, quality: str) -> None:
         self.estimates_on = False
         self.estimates_ms: list[float] = []  # how long each of them took
         self._session = session
-        self._known = Illumination((DirectionalLight(clip.to_light_marker),))
+        self._true = Illumination((DirectionalLight(clip.to_light_marker),))
         self._size = size
         self._quality = quality
         self._display = Display()
 
     def __call__(self, tracked: TrackedFrame) -> Scene:
-        """As LiveViewer composes it; with `estimates_on`, the next estimate is asked for when one has ended."""
+        """As LiveViewer composes it; with `estimates_on`, a new estimate is requested whenever one has ended."""
         now_s = time.monotonic()
         if tracked is not self._session.tracked:
             self._session.take(tracked, now_s)
         estimate = self._session.poll(now_s)
         if estimate is not None:
             self.estimates_ms.append(estimate.timing_ms["total"])
-        self._session.hand.light = self._session.shown = self._known
+        self._session.hand.light = self._session.shown = self._true
         if self.estimates_on and not self._session.is_estimating and tracked.marker is not None:
             self._session.request_estimate(now_s)
         return self._display.scene(self._session, self._size, self._quality, now_s, fps=DISPLAY_HZ)
 
     def end_estimates(self) -> None:
-        """Waits for the one under way and asks for no more."""
+        """Waits for the estimate under way and requests no more."""
         self.estimates_on = False
         estimate = self._session.wait_for_estimate(LONGEST_ESTIMATE_S, time.monotonic())
         if estimate is not None:
             self.estimates_ms.append(estimate.timing_ms["total"])
 
     def wait_for_first_estimate(self, source: ClipSource, tracker: MarkerTracker) -> None:
-        """So that the estimator's process has started, and sleeps until it is asked again."""
+        """Returns when the estimator's process has started up, and is idle."""
         frame = source.read()
         assert frame is not None
         self._session.take(tracker.track(frame), 0.0)

@@ -1,4 +1,4 @@
-"""From the command to the first picture with the model in it, in processes of their own."""
+"""The time from the command to the first picture with the model in it, measured in separate processes."""
 
 import os
 import subprocess
@@ -13,14 +13,14 @@ LONGEST_START_S = 120.0
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """Of several runs the least: what else runs on the machine only ever adds."""
+    """The least times of several runs, as other load on the machine only ever adds."""
 
     wall_s: float  # of the whole command, which ends after that picture
-    cpu_s: float  # of all its threads and processes; 0 where the system does not tell
+    cpu_s: float  # of all its threads and processes; 0 where the system does not provide it
 
 
 def time_start(clip: KnownClip, quality: str, runs: int, *options: str) -> Start | None:
-    """Plays one frame of `clip`, `runs` times; None when that cannot be, as in a window without a display."""
+    """Times playing one frame of `clip`, `runs` times; None when that fails, as in a window without a display."""
     focal_px = str(clip.camera.K[0, 0])
     command = [sys.executable, "-m", "ashe_live", "play", str(clip.path), "--frames", "1", "--quality", quality]
     command += [

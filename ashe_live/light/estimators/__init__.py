@@ -1,4 +1,4 @@
-"""The estimators by name: what takes a tracked frame and answers with a light or a reason.
+"""The estimators by name: each takes a tracked frame and returns lights, or the reason why there are none.
 
 May import `core`, `errors`, `pixels`, `ground`, `outline_fit`, `labels`, `explanation` and `paper`.
 """

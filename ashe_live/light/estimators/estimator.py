@@ -1,4 +1,4 @@
-"""What an estimator of the light is, and the names by which one is chosen."""
+"""The interface of light estimators, and the names by which one is chosen."""
 
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -11,25 +11,25 @@ if TYPE_CHECKING:
 
 
 class Estimator(Protocol):
-    """Tells from one frozen frame where the light is; the same frame always gives the same bits."""
+    """Estimates the light from one frozen frame; deterministic to the bit."""
 
     @property
     def name(self) -> str: ...
 
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
-        """The light in the marker frame; without an answer, an estimate with no lights and a reason.
+        """The light in the marker frame; if none can be found, an estimate with no lights and a reason.
 
-        Raises ValueError when the frame has no marker: without one there is no frame to answer in.
+        Raises ValueError when the frame has no marker, as directions are given in the marker frame.
         """
         ...
 
 
 @runtime_checkable
 class TracingEstimator(Estimator, Protocol):
-    """One that can also tell what led to its answer."""
+    """An estimator that can also return the intermediate results of an estimate."""
 
     def traced(self, tracked: TrackedFrame) -> "tuple[LightEstimate, Trace]":
-        """As `estimate`, and the trace of it."""
+        """As `estimate`, with the trace of intermediate results."""
         ...
 
 
@@ -40,20 +40,20 @@ def _proxy(preset: str) -> Estimator:
     return ProxyEstimator(PRESETS[preset])
 
 
-def _paper(preset: str) -> Estimator:  # noqa: ARG001 - as published, it has one notch
+def _paper(preset: str) -> Estimator:  # noqa: ARG001 - as published, it has no presets
     from ashe_live.light.paper.estimator import PaperEstimator
 
     return PaperEstimator()
 
 
-# Factories by name, of a preset's name, as naming the estimators (in --help) must not load OpenCV.
+# Factories that take a preset's name; modules are imported on use, as listing the names in --help must not load OpenCV.
 ESTIMATORS: Mapping[str, Callable[[str], Estimator]] = {"proxy": _proxy, "paper": _paper}
 
 
 def make_estimator(name: str, preset: str = "balanced") -> Estimator:
-    """A new estimator by its name in ESTIMATORS and by the name of a quality.
+    """A new estimator of that name in ESTIMATORS, with the preset of that name (one of the qualities).
 
-    Raises UserError for an estimator that is not there.
+    Raises UserError for an unknown estimator.
     """
     if name not in ESTIMATORS:
         raise UserError(f"there is no light estimator {name!r}", f"choose one of {', '.join(ESTIMATORS)}")

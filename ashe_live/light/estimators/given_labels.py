@@ -1,6 +1,6 @@
-"""What the estimator makes of labels that are given: all that follows them, and nothing of what finds them.
+"""The estimator run from given labels: all stages after segmentation and association, without those two.
 
-With true labels it tells how much of an error is the geometry's, and how much the segmentation's.
+With true labels, its error is that of the geometry alone, the rest of an estimate's error that of the segmentation.
 """
 
 from collections.abc import Sequence
@@ -29,11 +29,11 @@ def directions_from_labels(
     steps: ProxySteps,
     not_ground: Mask | None = None,
 ) -> list[Float] | None:
-    """The lights (3,), unit vectors in the marker frame, that follow from the labels, one for each of their shadows.
+    """The lights that follow from the labels: unit vectors (3,) in the marker frame, one for each shadow mask.
 
-    Masks are (h, w) of the frame, which must have a marker and no distortion: the object, what of the ground lies in
-    each light's shadow (of one light or two), and what else is no ground. None where the estimator finds no light: the
-    ground is too small, no shadow is darker than it, or no body explains the outlines.
+    Masks are (h, w) of the frame, which must have a marker and no distortion: the object, the ground in each light's
+    shadow (one light or two), and other pixels that are not ground. None where no light is found: too little ground is
+    visible, a shadow is too small to measure its colours, or no body fits the outlines.
     """
     fine = View.of(tracked, steps.fine_width_px)
     coarse = fine.scaled(steps.coarse_width_px)
@@ -74,7 +74,7 @@ def directions_from_labels(
 
 
 def _materials(region: Region, ground: LitGround, shifts: Sequence[Float]) -> Materials | None:
-    """Of one light, or of two; None where both together would leave no light."""
+    """The materials of one light's shadow, or of two; None where both lights together would leave no light."""
     first, *others = (materials_of(region, ground, shift) for shift in shifts)
     return materials_of_two(region, ground, first, others[0]) if others else first
 

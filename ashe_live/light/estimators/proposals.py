@@ -1,4 +1,4 @@
-"""Which splits of which regions are worth a fit."""
+"""The selection of the splits of regions that are worth a fit."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -12,14 +12,14 @@ from ashe_live.light.labels.associate import distinct, doubted, splits
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.labels.two_lights import are_two, likeliest_pairs, materials_of_two, parted, savings
 
-SHADOWS_PER_SHIFT = 2  # areas that look like shadow, the largest first
-PAIRS, PAIRS_TRIED = 1, 1  # of shifts, one for each of two lights; and of the splits into two lights' shadows
+SHADOWS_PER_SHIFT = 2  # number of areas that are tried as the shadow, the largest first
+PAIRS, PAIRS_TRIED = 1, 1  # number of pairs of two lights' shifts that are split, and of such splits that are fitted
 
 
 def proposals_of(
     region: Region, ground: LitGround, shifts: Sequence[Float], paired: Sequence[Float]
 ) -> Iterator[Proposal]:
-    """The region's splits, were its shadows of one of `shifts` (3,), or of two lights' that are among `paired`."""
+    """The region's splits for each of `shifts` (3,), and for two lights whose shifts are among `paired` (3,)."""
     alone = [materials_of(region, ground, shift) for shift in shifts]
     pairs = likeliest_pairs(region, ground, paired, PAIRS)
     single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
@@ -39,7 +39,7 @@ def proposals_of(
 
 
 def worth_a_fit(proposals: Sequence[Proposal], count: int) -> list[Proposal]:
-    """The `count` that look best and differ, of one light, and those of two."""
+    """The `count` best-looking different proposals by one light, then the PAIRS_TRIED best by two."""
     alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
     together = [proposal for proposal in proposals if proposal.materials.lights == 2]
     alone.sort(key=lambda one: promise(one.region, one.materials, one.split), reverse=True)

@@ -1,10 +1,9 @@
 """The estimator `proxy`: fits a simple body and a light to a real object and its shadow.
 
-segment -> associate -> fit -> judge, each of pure functions in rooms of their own: `ground` finds what the lit ground
-does not explain and how shadows shift its colours; `labels` proposes which of it is shadow of which object;
-`outline_fit` finds bodies and lights that explain both outlines; `explanation` moves the likeliest to the picture's own
-borders, goes round once more with pixels relabelled by it, and judges how far to believe the best one, or that there
-is nothing to believe.
+The stages are segment -> associate -> fit -> judge, each made of pure functions in a package of its own. `ground` finds
+the pixels that the lit ground does not explain, and how shadows shift its colours; `labels` proposes which of those
+pixels are shadow and which object; `outline_fit` fits bodies and lights to both outlines; `explanation` aligns the
+likeliest with the borders in the picture, relabels and refits, and rates the best one's confidence, or rejects it.
 """
 
 from dataclasses import replace
@@ -33,12 +32,12 @@ from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shift
 from ashe_live.light.labels.associate import distinct
 from ashe_live.light.pixels.view import View
 
-# Of the coarse picture: smaller things are specks.
+# Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
 LEAST_SHARE = 0.0005
 
 
 class ProxyEstimator:
-    """Answers with one light or two, their covariances and confidence, or with a reason."""
+    """Estimates one light or two with covariances and confidence, or gives the reason why there is none."""
 
     name = "proxy"
 
@@ -46,12 +45,12 @@ class ProxyEstimator:
         self._steps = steps
 
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
-        """As Estimator.estimate; the masks have the size at which the explained region was looked at."""
+        """As Estimator.estimate; the masks show the whole frame at the scale of the explained region."""
         estimate, _ = self.traced(tracked)
         return estimate
 
     def traced(self, tracked: TrackedFrame) -> tuple[LightEstimate, Trace]:
-        """As `estimate`, and what led to the answer: some megabytes that refer to the picture."""
+        """As `estimate`, with the trace of intermediate results: some megabytes that refer to the picture."""
         if tracked.marker is None:
             raise ValueError("a frame without a marker has no marker frame to answer in")
         clock = StageClock()
@@ -91,10 +90,10 @@ class ProxyEstimator:
         best, confidence = best_of(refined)
         clock.end("judge")
         if confidence < LEAST_CONFIDENCE:
-            told = likeliest(refined)
-            return none(fault_of_scene(told), *_masks_of(told))
+            rejected = likeliest(refined)
+            return none(fault_of_scene(rejected), *_masks_of(rejected))
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
-        # Of two lights there is a third shift, where both are blocked.
+        # With two lights there is a third shift, that where both are blocked.
         answers = zip(lights_of(best, confidence, tracked), ratios, strict=False)
         lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
         if len(lights) == 1:
@@ -111,13 +110,16 @@ class ProxyEstimator:
 
 
 def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:
-    """(h, w) of the whole frame at the region's scale: object, shadow."""
+    """(h, w) each, of the whole frame at the region's scale: the object and the shadow."""
     region, split = explanation.region, explanation.split
     return region.in_frame(split.object_mask), region.in_frame(split.shadow_mask)
 
 
 def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
-    """The shifts that the shadows show now that they are known: voted for were also penumbrae and darkest parts."""
+    """The shifts measured inside the final shadow, as the vote also counted penumbrae and contact shadows.
+
+    Of two lights, the shifts of the vote.
+    """
     if best.materials.lights == 2:
         return best.materials.shifts
     seen = shift_within(best.region.colours[shadow_core(best.region, best.predicted)], ground)

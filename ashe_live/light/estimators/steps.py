@@ -1,4 +1,4 @@
-"""How much work the estimator `proxy` spends: its presets."""
+"""The presets of the estimator `proxy`: how much work it spends."""
 
 from dataclasses import dataclass
 
@@ -6,7 +6,7 @@ from ashe_live.light.ground.lit_ground import GroundSteps
 from ashe_live.light.outline_fit import fit
 from ashe_live.light.outline_fit.fit import FitPreset
 
-FIRST_FIT = fit.FAST  # of the splits that look best
+FIRST_FIT = fit.FAST  # of the selected splits
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,14 +14,14 @@ class ProxySteps:
     """How much work the estimator spends: the numbers that the presets differ in."""
 
     coarse_width_px: int  # at which the ground is modelled and unlit regions are found
-    fine_width_px: int  # no region is looked at more finely than in a frame of this width
-    region_px: int  # size at which a region is looked at
+    fine_width_px: int  # width of the frame at the finest resolution used
+    region_px: int  # size to which a region is scaled
     regions: int
-    shifts: int  # of a shadow's colour that are tried; as many are found more finely, to be paired
-    tried: int  # how many of the splits are fitted, those that look best
-    refined: int  # how many of the fits are worked out, the best ones
+    shifts: int  # colour shifts of a shadow that are tried; as many narrower modes are found for pairs
+    tried: int  # number of splits that are fitted, the best-looking
+    refined: int  # number of fits that are relabelled and refitted, the likeliest
     ground: GroundSteps
-    fine_fit: FitPreset  # of those that are worked out; the first one is the same for all
+    fine_fit: FitPreset  # of those; the first fit is the same for all presets
 
 
 FAST = ProxySteps(

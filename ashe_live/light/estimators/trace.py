@@ -1,4 +1,4 @@
-"""A trace: what an estimator found on its way to an answer."""
+"""The trace of an estimate: its intermediate results."""
 
 import math
 from dataclasses import dataclass, field
@@ -14,16 +14,16 @@ from ashe_live.light.pixels.view import View
 
 @dataclass(slots=True, eq=False)
 class Trace:
-    """Filled in on the way, in this order; what was not come to is None or empty."""
+    """Filled in by the stages in this order; None or empty for stages that were not reached."""
 
     view: View  # at the size at which the ground is modelled
     ground: LitGround | None = None
-    unlit: Mask | None = None  # (h, w) of `view`: what the lit ground does not explain
+    unlit: Mask | None = None  # (h, w) of `view`: pixels that the lit ground does not explain
     regions: list[Region] = field(default_factory=list)
-    proposals: list[Proposal] = field(default_factory=list)  # those that were worth a fit
-    rough: list[Explanation] = field(default_factory=list)  # fitted and aligned
-    refined: list[Explanation] = field(default_factory=list)  # and worked out: the likeliest of them that differ
+    proposals: list[Proposal] = field(default_factory=list)  # those that were fitted
+    rough: list[Explanation] = field(default_factory=list)  # the proposals, fitted and aligned
+    refined: list[Explanation] = field(default_factory=list)  # the likeliest different ones, relabelled and refitted
 
     def probabilities(self) -> list[float]:
-        """That each of `refined` is right and its direction a good one, by its own evidence."""
+        """For each of `refined`, the probability that it is right and its direction good, by its evidence alone."""
         return [1 / (1 + math.exp(-log_odds(explanation))) for explanation in self.refined]

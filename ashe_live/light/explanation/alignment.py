@@ -1,11 +1,13 @@
-"""Alignment: fitted bodies and their shadows are moved until their outlines lie on the picture's own borders.
+"""Alignment: moves fitted bodies and their shadows until their outlines lie on the borders seen in the picture.
 
-Each pixel costs what its colour costs the material that it is predicted to be of. Across every place of a predicted
-outline, the costs on either side say where the border is and how surely; the body follows by least squares, as in
-model-based tracking (Harris and Stennett, "RAPID", 1990), with regions in the place of gradients. Unlike outlines of
-masks, such borders are not spoilt by single areas that look like another material (docs/maths.md).
+Each pixel has the unary cost of its colour under the material that the body and its shadows predict there. Along the
+normal at each sampled point of a predicted outline, these costs give the position of the border and its variance; the
+body's parameters follow by least squares, as in model-based tracking (Harris and Stennett, "RAPID", 1990), but from
+region statistics in place of gradients. Unlike outlines of masks, such borders are not spoilt by single areas that look
+like another material (docs/maths.md, "Alignment").
 
-The bodies of several explanations are moved in step: NumPy's calls cost more than their numbers, which are few.
+The bodies of several explanations are moved as one batch: the arrays are small, so the overhead of NumPy's calls
+dominates.
 """
 
 import math
@@ -26,23 +28,24 @@ from ashe_live.light.shape.predicted import Predicted, lit_outlines, painted
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.supports import outline_supports
 
-# How far a border is looked for, as a share of the object's size: a little nearer in each round.
+# Search range for a border on either side of the outline, as a fraction of the object's size: it shrinks every round.
 REACHES, LEAST_REACH_PX = (0.14, 0.1, 0.06, 0.05), 3.0
-OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # misses beyond this count less and less (Cauchy's loss) in the end;
-FORGIVING = 3.0  # and beyond this many times as much, at first
+OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # scale of Cauchy's loss in the last round: of the object's size, and at least
+FORGIVING = 3.0  # times that scale in the rounds before
 DAMPING, LARGEST_STEP = 1e-3, 1.0
-# Bayes's ln n of the region's pixels, times the pixels whose errors go together: materials are wrong patch by patch.
+# Penalty per parameter: the ln n of the Bayesian information criterion, n the region's pixels, times the number of
+# pixels whose errors are correlated, as a colour model is wrong over whole patches.
 COST_PER_PARAMETER = 250.0
-TURN_RAD = 0.03  # by which a line is turned to touch either end of a straight edge
+TURN_RAD = 0.03  # by which a supporting line is rotated to touch one end of a straight edge or the other
 FARTHEST_PX = 5e3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Placed:
-    """A body in a picture, and what it costs there."""
+    """A body in a picture, and the region's total unary cost with it there."""
 
     lit: LitBody
-    sight: Sight  # pixels counted from near the object, for the slopes' sake
+    sight: Sight  # pixels are counted from near the object, which keeps the derivatives well conditioned
     costs: Costs
     hulls_px: list[Float | None]  # (m, 2) the outlines of the body and of its shadows
     predicted: Predicted
@@ -50,7 +53,7 @@ class Placed:
 
     @property
     def object_px(self) -> float:
-        """Square root of the body's area."""
+        """The object's size in pixels: the square root of its silhouette's area."""
         return math.sqrt(max(int(np.count_nonzero(self.predicted.body)), 30))
 
     @property
@@ -59,50 +62,53 @@ class Placed:
 
     @property
     def is_in_view(self) -> bool:
-        """Whether all its outlines are, and none of them endlessly large."""
+        """Whether all its outlines can be projected, and none of them is unreasonably large."""
         return all(hull is not None and np.abs(hull).max() <= FARTHEST_PX for hull in self.hulls_px)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Alignment:
-    """A body where the picture wants it, and how well it suits there."""
+    """A body moved onto the picture's borders, and how well it agrees with them."""
 
     placed: Placed
-    normal: Float  # (split + q, split + q) information on theta
-    missed_px: float  # root mean square by which borders are missed, outliers forgiven
-    clear_body: float  # share of the body's outline that has a clear border; of what is known of it
-    clear_shadow: float  # of the shadows' outlines
-    clear_shadows: tuple[float, ...]  # of each one's
-    ends_in_view: tuple[float, ...]  # how much of each shadow's far end is in the picture, be it hidden by the body
+    normal: Float  # (split + q, split + q) matrix of the normal equations: the information on theta
+    missed_px: float  # robust root mean square distance between the outlines and the borders
+    clear_body: float  # mean clarity of the border along the observable part of the body's outline, 0 to 1
+    clear_shadow: float  # the same along the outlines of all shadows
+    clear_shadows: tuple[float, ...]  # the same along each shadow's outline
+    ends_in_view: tuple[float, ...]  # (l,) fraction of each shadow's far end inside the picture, hidden or not
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """Bodies from which an alignment begins, and the picture's costs."""
+    """Candidate bodies from which an alignment begins, and the unary costs of the picture."""
 
-    bodies: Sequence[LitBody]  # all with equally many lights
-    sight: Sight  # near whose centre they are
+    bodies: Sequence[LitBody]  # all with the same number of lights
+    sight: Sight  # whose centre lies near the bodies
     costs: Costs
 
 
 def aligned(several: Sequence[Start]) -> list[Alignment | None]:
-    """For each picture the body that suits it best, moved to the borders around it; None if that is not in view."""
+    """For each start its cheapest body, moved onto the borders around it; None if that body is not in view.
+
+    Gauss-Newton steps with Cauchy's weights, after Harris and Stennett (docs/maths.md, "Alignment").
+    """
     found: list[Alignment | None] = [None] * len(several)
     lights = [len(start.bodies[0].lights) for start in several]
     for count in set(lights):
-        own = [i for i, each in enumerate(lights) if each == count]
-        for i, alignment in zip(own, _aligned([several[i] for i in own]), strict=True):
+        members = [i for i, each in enumerate(lights) if each == count]
+        for i, alignment in zip(members, _aligned([several[i] for i in members]), strict=True):
             found[i] = alignment
     return found
 
 
 def criterion(placed: Placed) -> float:
-    """Its cost, and what its parameters cost: the least is the likeliest."""
+    """Model selection criterion: the total unary cost plus a penalty per shape parameter; lower is likelier."""
     return placed.cost + COST_PER_PARAMETER * len(placed.lit.body.shape)
 
 
 def _aligned(several: Sequence[Start]) -> list[Alignment | None]:
-    """As `aligned`, where all bodies have equally many lights."""
+    """As `aligned`, where all bodies have the same number of lights."""
     candidates = iter(_placed([(lit, start.sight, start.costs) for start in several for lit in start.bodies]))
     best = [min((next(candidates) for _ in start.bodies), key=criterion) for start in several]
     here = list(best)
@@ -121,7 +127,7 @@ def _aligned(several: Sequence[Start]) -> list[Alignment | None]:
 
 
 def _placed(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[Placed]:
-    """Each body in its picture."""
+    """Projects and paints each body in its picture, and adds up the unary costs."""
     outlines = lit_outlines([lit for lit, _, _ in several], [Sight.of(costs.region.view) for _, _, costs in several])
     found = []
     for (lit, sight, costs), hulls in zip(several, outlines, strict=True):
@@ -132,16 +138,16 @@ def _placed(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[Placed]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pull:
-    """Where borders pull n bodies, by their misses of r = (1 + l) p places."""
+    """Weighted normal equations of n bodies, from the residuals at r = (1 + l) p points of their outlines."""
 
     borders: Borders
-    away_px: Float  # (n, r) the borders', outward
-    weight: Float  # (n, r) what each border counts, those far off less and less
-    by_theta: Float  # (n, split + q, r) how the places move outward with theta
-    normal: Float  # (n, split + q, split + q) what all tell of theta
+    away_px: Float  # (n, r) distance of each border outside of the outline
+    weight: Float  # (n, r) information of each border, reduced for outliers
+    by_theta: Float  # (n, split + q, r) derivatives of the points' outward movement by theta
+    normal: Float  # (n, split + q, split + q) information matrix of theta, the prior included
 
     def steps(self) -> Float:
-        """(n, split + q) Gauss and Newton's, towards the borders."""
+        """(n, split + q) damped Gauss-Newton steps of theta towards the borders."""
         damped, diagonal = self.normal.copy(), np.arange(self.normal.shape[1])
         curvature = self.normal[:, diagonal, diagonal]
         damped[:, diagonal, diagonal] += DAMPING * curvature + 1e-6 * curvature.max(axis=1, keepdims=True) + 1e-12
@@ -150,7 +156,10 @@ class _Pull:
 
 
 def _pulled(several: Sequence[Placed], reach_share: float, forgiving: float) -> _Pull:
-    """Those in view, by the borders nearer than that share of each object's size."""
+    """Sets up the normal equations of bodies in view, with borders searched within `reach_share` of the object's size.
+
+    forgiving: factor on the scale of Cauchy's loss.
+    """
     n, outlines = len(several), len(several[0].hulls_px)
     reach_px = np.array([max(reach_share * one.object_px, LEAST_REACH_PX) for one in several])
     sides = [
@@ -169,6 +178,7 @@ def _pulled(several: Sequence[Placed], reach_share: float, forgiving: float) -> 
 
 
 def _appraised(several: Sequence[Placed]) -> list[Alignment]:
+    """Measures misfit, clarity and information of bodies in view, where they stand."""
     if not several:
         return []
     pull = _pulled(several, REACHES[-1], 1.0)
@@ -186,25 +196,29 @@ def _appraised(several: Sequence[Placed]) -> list[Alignment]:
 
 
 def _ends_in_view(lights: Float, by_theta: Float, in_view: Mask) -> tuple[float, ...]:
-    """Of l shadows, `in_view` (l, p): of the places that move outward as each grows, by how far, those in view."""
+    """(l,) fraction of each shadow's far end in view, weighted by how far its points move as the shadow lengthens.
+
+    in_view: (l, p) whether each point of the shadows' outlines lies inside the picture.
+    """
     ends, layout = [], Layout(len(lights))
     for i, slant in enumerate(numbers_of(lights)):
         outward = slant @ by_theta[layout.light(i)].reshape(len(slant), -1, PLACES)[:, 1 + i]
-        counts = np.maximum(outward, 0) ** 2
+        end_weights = np.maximum(outward, 0) ** 2
         # A shadow straight below its object has no far end.
-        ends.append(min(float(counts @ in_view[i] / counts.sum()), 1.0) if counts.any() else 1.0)
+        ends.append(min(float(end_weights @ in_view[i] / end_weights.sum()), 1.0) if end_weights.any() else 1.0)
     return tuple(ends)
 
 
 def _mean_of_known(values: Float) -> float:
-    known = values[np.isfinite(values)]
-    return float(known.mean()) if len(known) > 2 else 0.0
+    finite = values[np.isfinite(values)]
+    return float(finite.mean()) if len(finite) > 2 else 0.0
 
 
 def _slopes(several: Sequence[LitBody], sights: Sequence[Sight], places: Places) -> Float:
-    """(n, split + q, (1 + l) p) how places of n bodies' outlines move outward with theta.
+    """(n, split + q, (1 + l) p) derivatives by theta of the outward movement of points on n bodies' outlines.
 
-    A straight edge moves as its two ends do, the parts that are touched by the edge's line turned a little.
+    A point on a straight edge moves by interpolation between the edge's two ends, which may belong to different
+    spheroids: those that the edge's line touches when it is rotated slightly one way and the other.
     """
     n, bodies = len(several), [lit.body for lit in several]
     c, s = math.cos(TURN_RAD), math.sin(TURN_RAD)

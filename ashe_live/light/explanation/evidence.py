@@ -1,4 +1,4 @@
-"""Explanations of a region, and what speaks for and against each."""
+"""Explanations of a region, and the features by which their probability of being right is judged."""
 
 import math
 from dataclasses import dataclass
@@ -18,17 +18,17 @@ from ashe_live.light.shape.predicted import Predicted
 
 # The ring on either side of an outline where its sharpness is measured; the outline's own pixels are mixed.
 RING_PX = (1.0, 4.0)
-BESIDE_OBJECT_PX = 3.0  # what is nearer to the object may be of it
+BESIDE_OBJECT_PX = 3.0  # pixels nearer to the object than this may belong to it
 WITHIN_PX = 1.5
-FLAT = 0.7  # log of breadth over height above which a body is flat
-# A picture may show a strongly lit object without its shading: clipped, shining through, painted.
+FLAT = 0.7  # log of breadth over height above which a body counts as flat
+# A strongly lit object may show no shading in the picture: where it is overexposed, translucent or painted.
 LEAST_CONTRAST = -0.5
-LEAST_SPREAD = 1e-3  # of what a correlation can be told of
+LEAST_SPREAD = 1e-3  # least standard deviation of values that have a meaningful correlation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explanation:
-    """A region taken for an object and its shadow, and the light that follows from it."""
+    """A region explained as an object and its shadow, and the light that follows from that."""
 
     region: Region
     materials: Materials
@@ -66,7 +66,7 @@ EVIDENCE = (
 
 
 def evidence(explanation: Explanation) -> Float:
-    """(15,) numbers in the order of EVIDENCE; docs/maths.md says what each stands for."""
+    """(15,) features in the order of EVIDENCE; docs/maths.md, "Evidence", defines each."""
     alignment, shading = explanation.alignment, _shading(explanation)
     misfit = math.log(max(alignment.missed_px, 0.05) / alignment.placed.object_px)
     looks = appearance(explanation.region, explanation.materials, explanation.predicted)
@@ -76,7 +76,7 @@ def evidence(explanation: Explanation) -> Float:
 
 
 def _flatness(explanation: Explanation) -> float:
-    """How much flatter than half as high as wide, as a logarithm; 0 of what is not."""
+    """Log of the body's breadth over its height, less FLAT; 0 for a body that is not flat."""
     x, y, z, radius, half = explanation.proxy.spheroids_marker.T
     breadth = 0.5 * (np.ptp([x - radius, x + radius]) + np.ptp([y - radius, y + radius]))
     return max(math.log(max(breadth, 1e-9) / max((z + half).max(), 1e-9)) - FLAT, 0.0)
@@ -89,7 +89,7 @@ def _shading(explanation: Explanation) -> Shading:
 
 
 def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
-    """(9,) the evidence that needs no fit: how the picture looks where `masks` say object and shadow are."""
+    """(9,) the features that need no fit: how the picture looks where `masks` place the object and its shadow."""
     brightness, red_blue, green = materials.shift
     size = max(_pixels(region.unlit), 1)
     longer = math.log(max(_pixels(masks.shadow) / max(_pixels(masks.body), 1), 1e-3))
@@ -109,27 +109,30 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
 
 
 def shadow_core(region: Region, masks: Predicted) -> Mask:
-    """(h, w) where a shadow is whole: on the ground, away from its outline and from the object."""
+    """(h, w) the inside of a shadow: on the ground, away from the shadow's outline and from the object."""
     clear = region.is_ground & (distance_to(masks.body) > BESIDE_OBJECT_PX)
     return masks.shadow & clear & (distance_to(~masks.whole) > WITHIN_PX)
 
 
 def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
-    """How much of the shift is lost on the way across the predicted shadow's outline: 1 for a sharp edge."""
+    """Fraction of the colour shift that vanishes across the predicted shadow's outline: 1 for a sharp edge."""
     low, high = RING_PX
-    # Nothing that counts is farther from the shadow than the ring, or from the ring than what it is measured from.
-    near = window_around(masks.shadow, math.ceil(2 * high))
-    shadow, body, share = masks.shadow[near], masks.body[near], materials.share[near]
+    # A window that holds the ring around the shadow, and all that distances in the ring are measured from.
+    window = window_around(masks.shadow, math.ceil(2 * high))
+    shadow, body, share = masks.shadow[window], masks.body[window], materials.share[window]
     whole = shadow | body
     within, without = distance_to(~whole), distance_to(whole)
-    clear = region.is_ground[near] & (distance_to(body) > BESIDE_OBJECT_PX)
+    clear = region.is_ground[window] & (distance_to(body) > BESIDE_OBJECT_PX)
     inner = shadow & clear & (within > low) & (within <= high)
     outer = clear & (without > low) & (without <= high) & grown(shadow, int(high))
     return _median(share[inner]) - _median(share[outer])
 
 
 def _lit_side(region: Region, masks: Predicted) -> float:
-    """Correlation over the object of brightness with the place along the way from its shadow: positive if lit so."""
+    """Correlation over the object of brightness with the position along the axis from the shadow's centre to its own.
+
+    Positive where the object is brighter on the side away from its shadow; 0 where too little of either is seen.
+    """
     core = shrunk(masks.body, 1) & region.is_ground
     places, shaded = _places(core), _places(masks.shadow)
     if places.shape[1] <= 30 or shaded.shape[1] <= 5:
@@ -139,7 +142,7 @@ def _lit_side(region: Region, masks: Predicted) -> float:
 
 
 def _correlation(one: Float | Float32, other: Float | Float32) -> float:
-    """Pearson's, of n numbers each; 0 where either hardly varies."""
+    """Pearson's correlation of two samples (n,); 0 where either hardly varies."""
     a, b = (values - values.mean(dtype=np.float64) for values in (one, other))
     variances = float(a @ a) / len(a), float(b @ b) / len(b)
     return float(a @ b) / len(a) / math.sqrt(variances[0] * variances[1]) if min(variances) >= LEAST_SPREAD**2 else 0.0
@@ -151,13 +154,13 @@ def _places(mask: Mask) -> Float:
 
 
 def _median(values: Float32) -> float:
-    """The upper one of two; 0 of hardly any."""
+    """The median, or the upper of the two middle values; 0 of five values or fewer."""
     middle = len(values) // 2
     return float(np.partition(values, middle)[middle]) if len(values) > 5 else 0.0
 
 
 def _border_share(mask: Mask, other: Mask) -> float:
-    """Share of the pixels just outside `mask` that lie in `other`; 1 for an empty mask."""
+    """Fraction of the pixels just outside `mask` that lie in `other`; 1 for an empty mask."""
     border = grown(mask, 1) & ~mask
     return _pixels(border & other) / _pixels(border) if border.any() else 1.0
 

@@ -1,4 +1,4 @@
-"""Explanations: from what a split says of a region's pixels to a body and lights that suit the picture."""
+"""Explanations: from a split of a region's pixels into object and shadow to a body and lights that fit the picture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -30,27 +30,27 @@ from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import observe_outlines
 
 EDGE_SIGMA_PX = 0.7
-DIRECTIONS = 16  # in which outlines are looked at for their tangents alone
-LOWEST_Z = 0.03  # of a direction whose displacement can be started from
+DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
+LOWEST_Z = 0.03  # of a light's direction: a lower one is no usable start of a fit, as its shadow is too long
 FEW_PX = 20
-# Errors of neighbouring borders are correlated: the number of borders over their effective sample size. And the misfit,
-# as a share of the object's size, at which a body's own model error doubles the variance of its borders. Both measured,
-# so that 68 % of the errors lie within sigma (docs/accuracy.md).
+# The number of borders over their effective sample size, as errors of neighbouring borders are correlated; and the
+# misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. Both
+# are calibrated so that 68 % of the errors lie within sigma (docs/accuracy.md).
 BORDERS_PER_SAMPLE, WRONG_BODY_SHARE = 2.3, 0.007
 END_IN_VIEW = 0.5  # share of a shadow's far end that must be in the picture for its length to be known
-# Share of its pixels in which an explanation must differ from another to be worth more work.
+# Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proposal:
-    """A region taken for an object and its shadow."""
+    """A hypothesis before its fit: a region divided into an object and its shadow."""
 
     region: Region
     materials: Materials
     split: Split
-    start: Float | None = None  # (l, 4) lights from which a fit may begin as well
-    as_object: Float32 | None = None  # (h, w) unary cost of the object's colours, where they are known better
+    start: Float | None = None  # (l, 4) lights, marker frame, as a further start of the fit
+    as_object: Float32 | None = None  # (h, w) unary cost of the object, if an earlier fit has learned its colours
 
     def is_like(self, other: "Proposal") -> bool:
         """Whether both split one region in nearly the same way."""
@@ -58,7 +58,7 @@ class Proposal:
 
 
 def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanation | None]:
-    """What follows from each; None where no light does."""
+    """Fits and aligns each proposal; None where no light can be fitted."""
     masks = [
         Masks(
             proposal.split.object_mask,
@@ -78,15 +78,18 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
 
 
 def suited(several: Sequence[tuple[Proposal, Sequence[LitBody], Sight]]) -> list[Explanation | None]:
-    """For each proposal what the picture makes of bodies in a sight, the likeliest first; None if not in view."""
+    """Aligns fitted bodies with the picture; several: a proposal, its bodies (likeliest first), and their sight.
+
+    None where the cheapest body is not in view.
+    """
     starts = [Start(bodies, sight, _costs(proposal, bodies[0])) for proposal, bodies, sight in several]
     return [_explanation(each[0], found) for each, found in zip(several, aligned(starts), strict=True)]
 
 
 def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
-    """Each with its pixels labelled by what has been found, and fitted to the labels: whichever suits better.
+    """Relabels each explanation's pixels by its own prediction, fits anew, and keeps the cheaper of the two.
 
-    What is right explains its own labels; an explanation of which nothing is left then is none.
+    A right explanation survives its own relabelling; one whose labels no longer allow a fit is dropped.
     """
     pairs = [(rough, proposal) for rough in roughs if (proposal := _relabelled(rough)) is not None]
     fines = explained([proposal for _, proposal in pairs], preset)
@@ -94,10 +97,11 @@ def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]
 
 
 def sharpened(explanation: Explanation) -> Explanation:
-    """With what its labels' common tangents say of the light, which needs no body: decisive where that is wrong.
+    """The explanation with its light refined by the common tangents of its labels, which hold for any body.
 
-    Not of two lights: where their shadows overlap, labels do not tell how far each of them goes. Nor of a shadow whose
-    far end is not in the picture: a tangent would touch it where the picture ends.
+    They decide where the fitted body is a poor model. Two lights are left as they are, as labels do not show how far
+    each shadow extends where the two overlap; so is a light whose shadow's far end is not in the picture, as a tangent
+    would touch the shadow where the picture ends.
     """
     split, alignment = explanation.split, explanation.alignment
     if len(explanation.lights) > 1 or alignment.ends_in_view[0] < END_IN_VIEW:
@@ -110,11 +114,11 @@ def sharpened(explanation: Explanation) -> Explanation:
         return explanation
     body = alignment.placed.lit.body
     spheroids = body.spheroids if _wrongness(alignment) < 1 else None
-    # The labels may be later ones than those that the body was fitted to.
+    # The labels may be newer than those that the body was fitted to, with another centre.
     P = Sight(view.camera, view.T_cam_marker, outlines.centre_px).P(body.place)
     (light,) = explanation.lights
-    own = body.place.lights(light.point)
-    sharp = sharpened_lights(P, outlines, own, information_on_slant(light), EDGE_SIGMA_PX, spheroids)
+    in_body_frame = body.place.lights(light.point)
+    sharp = sharpened_lights(P, outlines, in_body_frame, information_on_slant(light), EDGE_SIGMA_PX, spheroids)
     return replace(explanation, lights=fitted_lights(*sharp))
 
 
@@ -125,7 +129,7 @@ def price(explanation: Explanation) -> float:
 
 
 def are_alike(one: Explanation, other: Explanation) -> bool:
-    """Whether two explanations of one region say nearly the same of its pixels."""
+    """Whether two explanations of one region label nearly all of its pixels alike."""
     if one.region is not other.region:
         return False
     a, b = one.predicted, other.predicted
@@ -134,12 +138,12 @@ def are_alike(one: Explanation, other: Explanation) -> bool:
 
 
 def _better(rough: Explanation, fine: Explanation) -> Explanation:
-    """Whichever costs less, with what the rough one says of the object's colours; and with the later labels."""
+    """The one with the lower criterion, both under the rough one's colours; a rough one gets the newer labels."""
     return fine if criterion(fine.alignment.placed) < price(rough) else replace(rough, split=fine.split)
 
 
 def _relabelled(last: Explanation) -> Proposal | None:
-    """What a body makes of the labels that led to it; None where two lights' shadows have become one."""
+    """A proposal with the pixels relabelled by the last body; None where two lights' shadows have merged into one."""
     split = relabelled(last.region, last.materials, last.as_object, last.predicted)
     if last.materials.lights == 2 and not are_two(split.parts):
         return None
@@ -149,25 +153,25 @@ def _relabelled(last: Explanation) -> Proposal | None:
 
 
 def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:
-    """What pixels cost before the alignment."""
-    region, own = proposal.region, proposal.as_object
-    if own is None:
+    """The unary costs for the alignment; an object whose colours are unknown is learned from the likeliest body."""
+    region, as_object = proposal.region, proposal.as_object
+    if as_object is None:
         seen = predicted(likeliest.body.proxy, likeliest.lights, region.view)
-        own = _cost_of_object(region, seen.body & region.unlit, proposal.split)
-    return Costs(region, proposal.materials, own)
+        as_object = _cost_of_object(region, seen.body & region.unlit, proposal.split)
+    return Costs(region, proposal.materials, as_object)
 
 
 def _explanation(proposal: Proposal, alignment: Alignment | None) -> Explanation | None:
-    """The aligned body, its lights, and what is then known of its colours."""
+    """The aligned body with its lights, and the object's unary cost as learned from the body's silhouette."""
     if alignment is None:
         return None
     region, split = proposal.region, proposal.split
-    own = _cost_of_object(region, alignment.placed.predicted.body & region.is_ground, split)
-    return Explanation(region, proposal.materials, split, alignment, _lights(alignment), own)
+    as_object = _cost_of_object(region, alignment.placed.predicted.body & region.is_ground, split)
+    return Explanation(region, proposal.materials, split, alignment, _lights(alignment), as_object)
 
 
 def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
-    """By the colours of what is seen of the object; of the split's, where that is hardly anything."""
+    """(h, w) the object's unary cost by the colours in `seen`, or in the split's object where `seen` is too small."""
     return object_cost(region, seen if np.count_nonzero(seen) > FEW_PX else split.object_mask)
 
 
@@ -178,11 +182,12 @@ def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
 
 
 def _information(alignment: Alignment) -> Float:
-    """(split, split) on the lights: little where the body is a wrong one."""
+    """(split, split) information on the lights, lowered where the misfit shows that the body is a poor model."""
     lit = alignment.placed.lit
     information = information_on_lights(alignment.normal, lit.layout)
     return above_the_ground(information / (BORDERS_PER_SAMPLE * (1 + _wrongness(alignment) ** 2)), lit.lights)
 
 
 def _wrongness(alignment: Alignment) -> float:
+    """The alignment's misfit in units of WRONG_BODY_SHARE."""
     return alignment.missed_px / (WRONG_BODY_SHARE * alignment.placed.object_px)

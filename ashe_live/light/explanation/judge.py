@@ -1,4 +1,4 @@
-"""How far to believe an explanation: which one is best, how likely it is right, and when not to answer."""
+"""The confidence in an explanation: which one is likeliest, how likely it is right, and when not to answer."""
 
 import math
 from collections.abc import Sequence
@@ -19,27 +19,28 @@ from ashe_live.light.shape.predicted import Predicted
 # wrong explanations 1.5 times, so that a stated confidence of 0.4 is a true probability of one half.)
 LEAST_CONFIDENCE = 0.3
 GOOD_RAD = math.radians(10)
-# A sample of a round normal distribution is beyond r times its 68 % radius with probability exp(RAYLEIGH_68 r^2).
+# A sample of an isotropic 2D normal distribution lies beyond r times its 68 % radius with probability
+# exp(RAYLEIGH_68 r^2): the radius has a Rayleigh distribution.
 RAYLEIGH_68 = math.log(1 - 0.68)
-# That an explanation is right is the logistic function of this offset and these weights on `evidence`; fitted by
-# maximum likelihood with a ridge to every explanation of the rendered scenes, right and wrong ones (docs/accuracy.md).
+# Logistic regression of an explanation's being right on its `evidence`: fitted by maximum likelihood with a ridge
+# penalty to all explanations of the rendered scenes, right and wrong ones (docs/accuracy.md).
 OFFSET = -8.75
 WEIGHTS = np.array([-0.79, 2.93, 2.7, -1.27, 2.29, 0.69, -3.38, -6.98, 0.19, 0.4, -0.74, -0.43, 1.19, -3.89, 0.3])
-# How much each of `appearance` promises before any fit; fitted to which splits the right light followed from.
+# Logistic regression, on `appearance` alone, of whether the right light will follow from a split.
 PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
-# That the best one is right, by its log odds, the log of its share of all directions' odds, and of those near it.
+# Logistic regression of the best explanation's being right on the three numbers of `contest`.
 CONTEST_OFFSET = -0.35
 CONTEST_WEIGHTS = np.array([1.02, 0.87, 0.58])
 
 
 def promise(region: Region, materials: Materials, split: Split) -> float:
-    """What the look of a split alone promises: the larger, the likelier it is that the right light follows from it."""
+    """Score of a split before any fit: the larger, the likelier the right light follows from it (weights PROMISE)."""
     doubtful = split.shadow_mask if split.undecided is None else split.shadow_mask | split.undecided
     return float(PROMISE @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
 
 
 def log_odds(explanation: Explanation) -> float:
-    """Log odds that the explanation is right, times that its direction is as good as an answer must be."""
+    """Log odds of the probability that the explanation is right and its direction within GOOD_RAD of the truth."""
     is_right = 1 / (1 + math.exp(-_score(explanation)))
     radius = max(radius_of_68_percent(of_outlines(light.covariance_rad2)) for light in explanation.lights)
     is_good = -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2)
@@ -48,12 +49,12 @@ def log_odds(explanation: Explanation) -> float:
 
 
 def likeliest(explanations: Sequence[Explanation]) -> Explanation:
-    """The one that looks right, also where it hardly tells the light's direction."""
+    """The explanation most likely to be right, even if it hardly constrains the light's direction."""
     return max(explanations, key=_score)
 
 
 def best_of(explanations: Sequence[Explanation]) -> tuple[Explanation, float]:
-    """The likeliest explanation, and P(its angular error < 10 degrees), given the others' word."""
+    """The likeliest explanation, and the probability that its angular error is below GOOD_RAD, given all the others."""
     odds = np.array([log_odds(explanation) for explanation in explanations])
     directions = np.array([explanation.lights[0].to_light_marker for explanation in explanations])
     best = int(odds.argmax())
@@ -62,8 +63,8 @@ def best_of(explanations: Sequence[Explanation]) -> tuple[Explanation, float]:
 
 
 def contest(log_odds: Float, directions: Float) -> Float:
-    """(3,) the best of n explanations' log odds; logs of its direction's share of the odds of all directions, each
-    represented by its best explanation, and of the share of all explanations' odds that lies near it.
+    """(3,) features of the best of n explanations: its log odds; the log of its share of the odds of all directions,
+    each represented by its best explanation; the log of the share of all explanations' odds within GOOD_RAD of it.
 
     log_odds: (n,). directions: (n, 3) unit vectors.
     """
@@ -79,7 +80,7 @@ def contest(log_odds: Float, directions: Float) -> Float:
 
 
 def lights_of(explanation: Explanation, confidence: float, tracked: TrackedFrame) -> list[DirectionalLight]:
-    """The lights of an explanation with what is known about them, in the order of its shifts: strongest first."""
+    """The lights of an explanation with covariance, sigma and confidence, the strongest first as in its shifts."""
     lights = []
     for fitted in explanation.lights:
         covariance = of_direction(fitted.covariance_rad2, fitted.to_light_marker, tracked) + of_doubt(confidence)
@@ -89,5 +90,5 @@ def lights_of(explanation: Explanation, confidence: float, tracked: TrackedFrame
 
 
 def _score(explanation: Explanation) -> float:
-    """Log odds that it is right."""
+    """Log odds that the explanation is right, clipped to [-50, 50]."""
     return float(np.clip(OFFSET + WEIGHTS @ evidence(explanation), -50, 50))

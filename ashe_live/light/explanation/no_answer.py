@@ -14,8 +14,8 @@ CUT_OFF = "the shadow seems to leave the picture: show its far end"
 TOO_DARK = "the picture is too dark to tell shadow from light: more light, or a longer exposure"
 TOO_BRIGHT = "the picture is overexposed, the table is plain white in it: a shorter exposure"
 
-# Of the brightest channel, 0 to 255. Below the first, steps between its values are as large as a pale shadow; from the
-# second on, a camera's own curve tells nothing.
+# Values of the brightest channel, 0 to 255. Below the first, quantisation steps are as large as a pale shadow's
+# contrast; from the second on, the camera's response curve is saturated.
 DARK, CLIPPED = 28, 250
 MOST_CLIPPED = 0.5  # share of the ground
 
@@ -31,7 +31,7 @@ def fault_of_exposure(view: View) -> str | None:
 
 
 def fault_of_scene(explanation: Explanation) -> str:
-    """What is wrong with the likeliest explanation of a scene of which none is likely."""
+    """Why the likeliest explanation of a scene is not likely enough, for the user."""
     out_of_view = min(explanation.alignment.ends_in_view) < END_IN_VIEW
     shadow = explanation.region.in_frame(explanation.predicted.shadow)
     leaves_the_picture = shadow[[0, -1]].any() or shadow[:, [0, -1]].any()

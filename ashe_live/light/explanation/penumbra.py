@@ -1,4 +1,4 @@
-"""How large the light looks: a shadow's edge is the wider, the farther it falls from what casts it."""
+"""The light's angular size from its penumbra: a shadow's edge widens with the height of the point that casts it."""
 
 import math
 
@@ -16,26 +16,27 @@ from ashe_live.light.shape.predicted import Predicted
 
 REACH_PX = 11.0  # on either side of the edge
 STEP_PX = 0.5
-END_SAMPLES = 6  # that tell how deep it is inside and outside
-LEAST_DEPTH = 0.6  # shares of the shift between the two, in an edge worth measuring
-APART_M, MOST_PLACES = 0.004, 50  # between the places on a straight edge, and their number
+END_SAMPLES = 6  # at each end of a profile, whose medians are the levels inside and outside
+LEAST_DEPTH = 0.6  # least step between these two levels, as a fraction of the shift, in an edge worth measuring
+APART_M, MOST_PLACES = 0.004, 50  # distance between the points on a straight edge, and their largest number
 ACROSS_M = 1e-3
 BESIDE_OBJECT_PX = 2
 FEWEST_EDGES = 12
-# The penumbra's part of the widest edges' variance, over the blur's, below which it cannot be told from blur.
+# The penumbra's variance at the widest edges, over that of the picture's blur, below which the two cannot be separated.
 VISIBLE = 0.5
-SURELY = 3.0  # its standard errors
+SURELY = 3.0  # standard errors by which the squared diameter must differ from 0
 PLACES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their number over the effective sample size
 LARGEST_RAD = math.radians(20)
 ROBUST_ROUNDS = 6
 
 
 def angular_size(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicted, view: View) -> float | None:
-    """The light's angular diameter (rad); None where its penumbra cannot be told from the picture's own blur.
+    """The light's angular diameter (rad); None where its penumbra cannot be separated from the picture's own blur.
 
-    share: (h, w) of the shadow's shift that each pixel of `view` shows. A disc of diameter d spreads the edge cast from
-    height z by z |J'n| d / 4 (standard deviation, across the edge n; J: the displacement s by the direction), beside
-    which the picture's blur is the same everywhere: a straight line in the squares (docs/maths.md, "Penumbra").
+    to_light_marker: (3,) unit vector. share: (h, w) fraction of the shadow's colour shift that each pixel of `view`
+    shows. A disc of diameter d blurs the edge cast from height z with the standard deviation z |J'n| d / 4 across the
+    edge (n its normal on the ground, J the derivative of the displacement s by the direction); the picture's blur adds
+    a constant variance. A robust linear regression of variances gives d squared (docs/maths.md, "Penumbra").
     """
     spreads, variances = _edges(proxy, to_light_marker, share, masks, view)
     if len(spreads) < FEWEST_EDGES:
@@ -57,7 +58,9 @@ def angular_size(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Pr
 
 
 def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
-    """(n,) pixels by which a light of 1 rad would spread each place of the shadow's edge, and its variance (px^2)."""
+    """(n,) standard deviations (px) that a light of 1 rad would give the shadow's edge at n points; (n,) the variances
+    (px^2) measured there.
+    """
     points = proxy.points_marker()
     slant = slant_of(to_light_marker)
     shadows = cast_on_ground(points, at_infinity(to_light_marker))
@@ -80,7 +83,7 @@ def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicte
     pixels = project(view.camera, view.T_cam_marker, ends.reshape(-1, 3)).reshape(-1, 2, 2)
     across = pixels[:, 1] - pixels[:, 0]
     scale = np.hypot(*across.T)
-    seen = scale > 1e-6  # nor is it NaN, as behind the camera
+    seen = scale > 1e-6  # which is false for NaN, the projection of what lies behind the camera
 
     by_direction = np.linalg.inv(direction_by_slant(slant))
     smeared = np.linalg.norm(outward @ by_direction, axis=1)[edge]
@@ -91,7 +94,7 @@ def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicte
 
 
 def _variances(share: Float32, clear: Mask, places: Float, across: Float) -> tuple[Mask, Float]:
-    """(n,) at which places (n, 2) there is a clear step from shadow to light along `across`; their variances (px^2)."""
+    """(n,) at which points (n, 2) there is a clear step from shadow to light along `across`; those edges' variances."""
     height, width = share.shape
     offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
     lines = places[:, None] + offsets[:, None] * across[:, None]

@@ -1,7 +1,7 @@
-"""A second light, once a body and a first one are known: tried where else the body may throw a shadow.
+"""A second light, once the body and a first light are known: searched where the body may cast another shadow.
 
-It is accepted where the picture's unary costs fall by more than the penalty for its parameters, and where its shadow
-has borders of its own that are seen (docs/maths.md).
+It is accepted where the region's unary costs fall by more than the penalty for its parameters, and where the outline of
+its shadow coincides with visible borders (docs/maths.md, "A second light of a known body").
 """
 
 import math
@@ -29,8 +29,8 @@ from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
 TRIED = 2
-PALEST = math.log(0.9)  # brightness of a shift: a light that gives less than a tenth of all does not matter
-# What a second light must save, and how clear the borders of its shadow must be.
+PALEST = math.log(0.9)  # brightness of a shift: a light that contributes less than a tenth of all light is left out
+# How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders.
 LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18
 NEAR_RAD = math.radians(10)
 
@@ -43,10 +43,12 @@ def with_their_lights(
     ground: LitGround,
     region_px: int,
 ) -> list[Explanation]:
-    """Without those by two lights of which the picture shows one only; the likeliest with a second, if it shows two.
+    """Settles the number of lights: drops explanations by two lights where the picture shows one, and tries a second.
 
-    rough: what they were worked out from, and others. coarse: the view that `ground` was learned from. fine: the view
-    at the largest scale to look at. region_px: size at which a region is looked at.
+    Returns the explanations kept; if a second light is found for the likeliest of them, it comes first and replaces
+    those by one of its two lights. rough: the explanations before refinement, and others. coarse: the view that
+    `ground` was fitted to. fine: the view at the largest scale to use. region_px: size in pixels to which a region is
+    scaled.
     """
     singles = [each for each in [*explanations, *rough] if len(each.lights) == 1]
     kept = [each for each in explanations if len(each.lights) == 1 or _shows_both(each, singles)]
@@ -62,14 +64,14 @@ def with_their_lights(
 
 
 def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
-    """Whether either shadow has clear borders, and no single light explains the region at less cost."""
+    """Whether both shadows have clear borders, and no single light explains the region at a lower criterion."""
     if min(both.alignment.clear_shadows) < LEAST_CLARITY:
         return False
     return all(price(both) <= price(single) for single in singles if single.region is both.region)
 
 
 def _is_part_of(both: Explanation, other: Explanation) -> bool:
-    """Whether the other explanation has one light only, and it is one of both."""
+    """Whether the other explanation has one light only, which is one of the two."""
     if len(other.lights) > 1:
         return False
     angles = (angle_between(other.lights[0].to_light_marker, light.to_light_marker) for light in both.lights)
@@ -79,7 +81,7 @@ def _is_part_of(both: Explanation, other: Explanation) -> bool:
 def _tried(
     one: Explanation, glimpse: Glimpse, fine: View, coarse: View, ground: LitGround, region_px: int
 ) -> tuple[float, Explanation] | None:
-    """What a second light saves, and the explanation with it."""
+    """By how much a second light lowers the unary costs, and the explanation with it; None if it is rejected."""
     shift = shift_near(ground.colours[glimpse.area], ground, glimpse.darker)
     if shift is None or shift[0] > PALEST:
         return None
@@ -93,19 +95,19 @@ def _tried(
     second = 1 if materials.shifts[1] is shift else 0
     start = replace(lit, lights=np.insert(lit.lights, second, glimpse.light, axis=0))
     masks = predicted(one.proxy, start.lights, region.view)
-    own = object_cost(region, masks.body & region.is_ground)
-    split = relabelled(region, materials, own, masks)
+    as_object = object_cost(region, masks.body & region.is_ground)
+    split = relabelled(region, materials, as_object, masks)
     if not are_two(split.parts):
         return None
-    (both,) = suited([(Proposal(region, materials, split, None, own), [start], Sight.of(region.view))])
+    (both,) = suited([(Proposal(region, materials, split, None, as_object), [start], Sight.of(region.view))])
     if both is None or both.alignment.clear_shadows[second] < LEAST_CLARITY:
         return None
-    costs = Costs(region, materials, own)
+    costs = Costs(region, materials, as_object)
     alone = min(costs.of(_without(second, each)) for each in (masks, both.predicted))
     return alone - costs.of(both.predicted), both
 
 
 def _without(light: int, masks: Predicted) -> Predicted:
-    """The same without one light's shadow."""
+    """The masks without the shadow of light number `light`."""
     parts = [part if i != light else np.zeros_like(part) for i, part in enumerate(masks.parts)]
     return Predicted(masks.body, np.logical_or(*parts), tuple(parts))

@@ -1,7 +1,7 @@
-"""Where else a body may throw a shadow: on places of the ground that are darker than what is around them.
+"""Search for a further shadow of a known body: places on the ground that are darker than their surroundings.
 
-The body is given, so that a further shadow has two unknown numbers only. One that is too pale to be voted for, or to
-stand out pixel by pixel, is found by the mean colour of all its pixels.
+The body is given, so a further shadow has two unknowns only. One that is too pale to win votes or to stand out pixel by
+pixel is found by the mean colour of all its pixels: a matched filter with the predicted shadow as template.
 """
 
 import math
@@ -19,34 +19,38 @@ from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 
-# Displacements that are looked at: first everywhere, then around what was seen.
+# Displacements that are searched: a coarse grid of azimuth and length first, then a fine one around each candidate.
 AZIMUTHS, LENGTHS = np.arange(0, 360, 10), (0.4, 0.6, 0.85, 1.2, 1.7, 2.4)
 TURNS, STRETCHES = (-5.0, 0.0, 5.0), (0.8, 0.9, 1.0, 1.12, 1.25)
-# Where a shadow is sampled: along each side of its outline, and from its centre to there, each for a share of the area.
+# Where a shadow is sampled: positions along each side of its outline; and radii from its centre, 1 at the outline, with
+# the fraction of the area that each of these stands for.
 CORNERS, ALONG = 16, np.array([1 / 6, 1 / 2, 5 / 6])
 WITHIN, SHARES = np.array([0.4, 0.8]), np.array([0.4, 0.6])
 OUTSIDE_PX, BLUR_PX = 3.0, 1.2
 AROUND = 8  # points on a body's rings
 BESIDE_PX, LEAST_PX = 2, 25
-DARKEST, BRIGHTEST = -0.8, 0.5  # of a pixel against what is around it: beyond, it counts no more
-LIT = 6.0  # squared distance from the ground's palette
-SURROUNDINGS = 2.0  # of the body's size
+DARKEST, BRIGHTEST = -0.8, 0.5  # clip of a pixel's log-opponent difference from its surroundings, against outliers
+LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
+SURROUNDINGS = 2.0  # radius of the surroundings, in units of the body's size
 LEAST_DARKER, LEAST_CLEAR = 0.07, 20.0
 APART_RAD = math.radians(12)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Glimpse:
-    """What may be a further shadow."""
+    """A candidate for a further shadow."""
 
-    light: Float  # (4,) homogeneous, its z one
-    area: Mask  # (h, w) where it is seen in the coarse picture, beside the body and the shadow that is known
-    darker: Float  # (3,) log-opponent colour of the area less that of the ground around it
-    clear: float  # how much that is, in units of the ground's own unevenness
+    light: Float  # (4,) homogeneous point, marker frame, with z = 1
+    area: Mask  # (h, w) its visible part in the coarse picture, outside of the body and of the first shadow
+    darker: Float  # (3,) mean log-opponent colour of the area less that of the ground around it
+    clear: float  # signal-to-noise ratio of that difference, the noise being the ground's own unevenness
 
 
 def glimpses(proxy: Proxy, to_light_marker: Float, coarse: View, ground: LitGround, count: int) -> list[Glimpse]:
-    """Up to `count` further shadows of a body whose shadow in one light is known, the clearest first."""
+    """Up to `count` candidates for a further shadow of a body with one known light, by falling signal-to-noise ratio.
+
+    to_light_marker: (3,) unit vector of the known light. coarse: the view that `ground` was fitted to.
+    """
     known = predicted(proxy, at_infinity(to_light_marker[None]), coarse)
     free = coarse.is_ground & ~grown(known.whole, BESIDE_PX)
     if np.count_nonzero(free) < LEAST_PX:
@@ -79,7 +83,7 @@ def _towards(azimuth: float, length: float) -> Float:
 
 
 def _unevenness(ground: LitGround, free: Mask, reach_px: float) -> Float32:
-    """(h, w, 3) how much the colour of each pixel differs from the mean of the lit ground around it."""
+    """(h, w, 3) difference of each pixel's colour from the mean of the lit ground around it, clipped."""
     lit = (free & (ground.surprise < LIT)).astype(np.float32)
     size = (2 * int(reach_px) + 1,) * 2
     count, total = (
@@ -92,12 +96,12 @@ def _unevenness(ground: LitGround, free: Mask, reach_px: float) -> Float32:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Lookout:
-    """A body and the ground around it."""
+    """A body and the ground around it, prepared for testing many displacements."""
 
     points: Float  # (n, 3) of the body, marker frame
     image_from_ground: Float  # (3, 3)
-    layers: Float32  # (h, w, 4) unevenness where ground is not yet explained, and 1 there
-    precision: Float  # (3, 3) of the unevenness
+    layers: Float32  # (h, w, 4) unevenness where ground is not yet explained, and a last channel of 1 there; blurred
+    precision: Float  # (3, 3) inverse covariance of the unevenness
 
     @staticmethod
     def of(proxy: Proxy, view: View, free: Mask, uneven: Float32) -> "_Lookout":
@@ -108,7 +112,7 @@ class _Lookout:
         return _Lookout(proxy.points_marker(AROUND), image_from_ground, layers, precision)
 
     def at(self, azimuths: Float, lengths: Float) -> tuple[Float, Float]:
-        """(m,) how clear and (m, 3) how much darker the shadows by m displacements are; 0 of what is not seen."""
+        """(m,) signal-to-noise ratios, 0 where too little is seen, and (m, 3) colour differences of m displacements."""
         slants = lengths[:, None] * np.column_stack([np.cos(azimuths), np.sin(azimuths)])
         outlines, is_seen = self._outlines(slants)
         sides = np.roll(outlines, -1, axis=1) - outlines
@@ -124,13 +128,14 @@ class _Lookout:
             places + OUTSIDE_PX * np.repeat(NORMALS, len(ALONG), axis=0), OUTSIDE_PX * along
         )
         darker = within - around
-        told = inside_px * outside_px / np.maximum(inside_px + outside_px, 1.0)
-        clear = np.sqrt(np.einsum("mi,ij,mj->m", darker, self.precision, darker) * told)
+        # The variance of a difference of two means adds up.
+        sample_size = inside_px * outside_px / np.maximum(inside_px + outside_px, 1.0)
+        clear = np.sqrt(np.einsum("mi,ij,mj->m", darker, self.precision, darker) * sample_size)
         seen = is_seen & (np.minimum(inside_px, outside_px) > LEAST_PX) & (darker[:, 0] < -LEAST_DARKER)
         return np.where(seen, clear, 0.0), darker
 
     def _outlines(self, slants: Float) -> tuple[Float, Mask]:
-        """(m, CORNERS, 2) pixels where shadows reach farthest along DIRECTIONS; (m,) whether before the camera."""
+        """(m, CORNERS, 2) pixels where shadows reach farthest along DIRECTIONS; (m,) whether in front of the camera."""
         cast = self.points[:, :2] - self.points[:, 2:] * slants[:, None]
         image = cast @ self.image_from_ground[:, :2].T + self.image_from_ground[:, 2]
         depth = image[..., 2:]
@@ -140,7 +145,7 @@ class _Lookout:
         return np.take_along_axis(pixels, farthest[..., None], axis=1), is_seen
 
     def _mean(self, places: Float, weights: Float) -> tuple[Float, Float]:
-        """(m, 3) weighted means of the unevenness at (m, k) places; (m,) the sum of weights where it is known."""
+        """(m, 3) weighted means of the unevenness at (m, k) points; (m,) the sum of weights at unexplained ground."""
         height, width = self.layers.shape[:2]
         columns, rows = np.round(places).astype(np.intp).transpose(2, 0, 1)
         inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
@@ -154,4 +159,4 @@ def _around(count: int, start: float) -> Float:
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
-DIRECTIONS, NORMALS = _around(CORNERS, 0.0), _around(CORNERS, 0.5)  # of corners, and of the sides that follow them
+DIRECTIONS, NORMALS = _around(CORNERS, 0.0), _around(CORNERS, 0.5)  # of the corners, and of the sides after them

@@ -1,4 +1,4 @@
-"""Shading: whether the object is lit as the fitted body would be in the light that its shadow tells of."""
+"""Shading: whether the object is shaded as the fitted body would be in the light that its shadow implies."""
 
 import math
 from collections.abc import Sequence
@@ -15,25 +15,25 @@ from ashe_live.light.pixels.areas import shrunk
 from ashe_live.light.shape.predicted import SUBPIXEL_BITS
 
 AROUND, UPWARDS = 16, 9
-BOUNCE = 0.3  # of the ground's light that comes back from it
+BOUNCE = 0.3  # fraction of the light on the ground that it reflects
 DARKEST = 0.02
 LOWEST_Z = 0.1
 FARTHEST_PX = 1e5
 LEAST_PX = 30
 FINEST = 0.03  # added to both spreads: smaller differences in log brightness are noise
-# How much of the sky's shading and of the light's an object may show, before it is looked at: 1 were it matt and of one
-# colour, and its body the true one. Means and deviations.
+# Prior on the amplitudes of the sky's shading and of the light's, means and standard deviations: both would be 1 if the
+# object were matt, of one colour, and exactly of the body's shape.
 USUAL, DEVIATION = np.array([1.0, 0.5]), np.array([0.7, 0.5])
 LEAST_NOISE = 0.05
-TOGETHER_PX = 40  # as many neighbours differ from a body's brightness as one: an object's colours come in patches
+TOGETHER_PX = 40  # pixels over their effective sample size: an object's colours come in patches
 
 
 @dataclass(frozen=True, slots=True)
 class Shading:
-    """Whether an object is lit by a light, or by the sky alone; 0 where too little of it is seen."""
+    """Whether an object is lit by a light, or by the sky alone; both numbers are 0 where too little of it is seen."""
 
-    contrast: float  # log of how much more of its brightness the sky alone leaves unexplained than sky and light do
-    sunlit: float  # how surely the light's own part is seen in it, in sigmas; negative if it is lit from elsewhere
+    contrast: float  # log ratio of the spread of brightness left unexplained by the sky alone to that by sky and light
+    sunlit: float  # amplitude of the light's shading in sigmas; negative if the object is lit from elsewhere
 
 
 UNKNOWN = Shading(0.0, 0.0)
@@ -42,11 +42,11 @@ UNKNOWN = Shading(0.0, 0.0)
 def shading_of(
     region: Region, body: Mask, proxy: Proxy, to_lights_marker: Sequence[Float], left_over: Sequence[float]
 ) -> Shading:
-    """Of the object `body` (h, w), compared with a Lambertian body in these lights and under the sky.
+    """Compares the object's pixels `body` (h, w) with a Lambertian `proxy` in these lights and under the sky.
 
-    to_lights_marker: (3,) unit vectors. left_over: of the ground's light, in each light's shadow. It says how strong
-    the light is: one whose shadow halves the ground's brightness must shade the object as much; what lies flat and dark
-    beside it has no such light.
+    to_lights_marker: (3,) unit vectors, marker frame. left_over: shadow ratio of the ground's brightness for each
+    light, from which its strength follows: a light whose shadow halves the ground's brightness must shade the object as
+    strongly, whereas a flat dark patch beside an object implies a light that the shading does not show.
     """
     lit, under_sky = _irradiances(region, proxy, to_lights_marker, left_over)
     core = shrunk(body, 1) & region.is_ground & (lit > 0)
@@ -59,7 +59,9 @@ def shading_of(
 
 
 def _sunlit(brightness: Float, by_sky: Float, by_light: Float) -> float:
-    """The amplitude of `by_light` in `brightness` over its deviation, as far as the object tells it."""
+    """The least-squares amplitude of `by_light` in `brightness` over its deviation, scaled down where the prior
+    dominates.
+    """
     parts = np.column_stack([values - values.mean() for values in (by_sky, by_light)])
     shown = brightness - brightness.mean()
     noise = max(float(np.std(shown - parts @ USUAL)), LEAST_NOISE)
@@ -71,14 +73,17 @@ def _sunlit(brightness: Float, by_sky: Float, by_light: Float) -> float:
 
 
 def _spread(values: Float) -> float:
-    """Mean of how far values are from their median: one that few outliers hardly change."""
+    """Mean absolute deviation from the median, which few outliers hardly change."""
     return float(np.abs(values - np.median(values)).mean())
 
 
 def _irradiances(
     region: Region, proxy: Proxy, to_lights_marker: Sequence[Float], left_over: Sequence[float]
 ) -> tuple[Float32, Float32]:
-    """(h, w) of the body's surface in the lights and under the sky alone, in units of lit ground's; 0 beside it."""
+    """(h, w) each: irradiance of the body's surface in the lights, and under the sky alone, in units of lit ground's.
+
+    Both are 0 outside of the body.
+    """
     view = region.view
     points, triangles = proxy.surface(AROUND, UPWARDS)
     first, second, third = points[triangles.T]
@@ -95,7 +100,7 @@ def _irradiances(
     for to_light, left in zip(to_lights_marker, left_over, strict=True):
         irradiance += (1 - left) / max(to_light[2], LOWEST_Z) * np.maximum(normals @ to_light, 0)
     corners = np.round(pixels[front] * 2**SUBPIXEL_BITS).astype(np.int32)
-    # Neighbours share the pixels of their edge: the brighter one gets them, whichever way the marker is turned.
+    # Facets share the pixels of a common edge: the brighter one gets them, however the marker is rotated.
     order = np.argsort(irradiance)
     facet = np.zeros(view.is_ground.shape, np.int32)
     for number, index in enumerate(order, start=1):

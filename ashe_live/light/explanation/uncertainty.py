@@ -1,4 +1,4 @@
-"""How uncertain a direction is beyond its outlines: the pose, the focal length, what is never seen, and doubt."""
+"""The uncertainty of a direction beyond its outlines': pose, focal length, systematic errors, and low confidence."""
 
 import math
 
@@ -8,20 +8,20 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import tangent_basis
 from ashe_live.core.types import TrackedFrame
 
-FLOOR_RAD = math.radians(0.4)  # along each axis: the corners' bias, a curled sheet, the lens
+FLOOR_RAD = math.radians(0.4)  # sigma along each axis of systematic errors: corner bias, a curled sheet, the lens
 ASSUMED_FOCAL_RAD = math.radians(0.6)  # the same, for a field of view that nobody measured
-# Along each axis, of an answer in which there is no confidence at all. Measured: where confidence is low, errors are
-# larger than outlines know.
+# Sigma along each axis added to an answer of confidence 0. Calibrated: where confidence is low, errors are larger than
+# the covariance of the outlines states.
 DOUBT_RAD = math.radians(30)
 
 
 def of_outlines(covariance_rad2: Float) -> Float:
-    """(2, 2): a direction's covariance, given that of its outlines alone."""
+    """(2, 2) rad^2: a direction's covariance from that of its outlines alone, with the floor of systematic errors."""
     return np.asarray(covariance_rad2 + FLOOR_RAD**2 * np.eye(2))
 
 
 def of_direction(covariance_rad2: Float, to_light_marker: Float, tracked: TrackedFrame) -> Float:
-    """(2, 2) on the direction's tangent basis: the above, and what pose and camera add."""
+    """(2, 2) rad^2 on the direction's tangent basis: as `of_outlines`, and the uncertainty of pose and focal length."""
     assert tracked.marker is not None
     total = of_outlines(covariance_rad2)
     if tracked.camera.source == "assumed":
@@ -35,5 +35,5 @@ def of_direction(covariance_rad2: Float, to_light_marker: Float, tracked: Tracke
 
 
 def of_doubt(confidence: float) -> Float:
-    """(2, 2): what it adds that the outlines may be those of something else."""
+    """(2, 2) rad^2: the covariance to add for the chance that the outlines are not the object's and its shadow's."""
     return np.asarray((DOUBT_RAD * (1 - confidence) ** 3) ** 2 * np.eye(2))

@@ -1,4 +1,4 @@
-"""The lit ground, what of the picture it does not explain, and by how much a shadow changes its colours.
+"""The lit ground, the parts of the picture that it does not explain, and the shift that a shadow gives its colours.
 
 May import `core` and `pixels`.
 """

@@ -1,8 +1,8 @@
-"""The lit ground: the colours that are found all over the frame, and what of the frame they do not explain.
+"""The lit ground: the colours that are found all over the frame, and the pixels that they do not explain.
 
 A ground, plain or patterned, shows its few colours everywhere; an object and its shadow show theirs in one place. So
-colours are told apart by how widely they are spread, before anything is known of their brightness. Colours are logs of
-linear light, in which a shadow is a shift, the same for every colour of the ground.
+colours are classified by their spatial spread over the frame, whatever their brightness. They are logs of linear light,
+in which a shadow is one shift, the same for every colour of the ground (docs/maths.md, "The lit ground").
 """
 
 from dataclasses import dataclass
@@ -22,14 +22,15 @@ from ashe_live.light.pixels.view import Window
 Floats = TypeVar("Floats", Float, Float32)
 
 CELLS = (8, 6)
-# Squared distance from the palette beyond which a colour is something else.
+# Squared Mahalanobis distance from the palette beyond which a colour is not the lit ground's, and its upper limit.
 SURPRISING, MOST_SURPRISING = 6.0, 60.0
 SAMPLES, LEAST_SAMPLES = 2000, 500
-# Spreads, at most and as a share of the usual one, above which a colour is the ground's, and below which it is rare.
+# Thresholds on a colour's spread, absolute and relative to the median one (the lower of the two applies): above WIDE it
+# is the ground's, below RARE it is rare.
 WIDE, WIDE_OF_USUAL = 0.3, 0.6
 RARE, RARE_OF_USUAL = 0.35, 0.75
-NEAR_PX = 3  # as far as surprise is smoothed
-SEEN_SHARE = 0.15  # of the fullest cell's ground that a cell must hold to count
+NEAR_PX = 3  # the reach of the smoothing of `surprise`
+SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,20 +44,20 @@ class GroundSteps:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LitGround:
-    """The ground's palette and how far each pixel is from it."""
+    """The ground's palette of colours, and each pixel's distance from it."""
 
     colours: Float32  # (h, w, 3) log-opponent colours without the ground's own slow shading
-    field: Float32  # (5, 3) that shading, as coefficients of slow bases
+    field: Float32  # (5, 3) that shading: coefficients of a quadratic in the image's coordinates, without a constant
     palette: Mixture  # of the lit ground
-    rare: Mask  # (h, w) where the pixel's colour is found over little of the frame
-    surprise: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from what is rare
-    sheen: Mask  # (h, w) what differs from the palette by light alone
+    rare: Mask  # (h, w) where the pixel's colour has a small spread over the frame
+    surprise: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from rare colours
+    sheen: Mask  # (h, w) ground that is brighter than the palette by specular or reflected light
 
 
 def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> LitGround | None:
     """The lit ground of `image_bgr` (h, w, 3), where `is_ground` (h, w) leaves out the marker and the sky.
 
-    None when too little of the frame is ground, or no colour of it is spread.
+    None when too little of the frame is ground, or none of its colours is widely spread.
     """
     colours = log_opponent(image_bgr)
     if np.count_nonzero(is_ground) < LEAST_SAMPLES:
@@ -86,7 +87,10 @@ def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> Lit
 
 
 def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float32:
-    """(h, w, 3): the colours of a window (rows, columns) of the frame at another scale, on the same ground."""
+    """(h, w, 3) log-opponent colours of a window of the frame at another scale, without the ground's slow shading.
+
+    image_bgr: the whole frame at that scale. Sheen takes the palette's colours.
+    """
     colours = log_opponent(image_bgr[window])
     flat = colours - (_slow_bases(image_bgr.shape[:2], window) @ ground.field).reshape(colours.shape)
     size = image_bgr.shape[1::-1]
@@ -100,13 +104,13 @@ def lit_rgb(ground: LitGround) -> Float:
 
 
 def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
-    """(h, w): objects and shadows, as compact areas of at least `least_px` that the lit ground does not explain."""
+    """(h, w) objects and shadows: compact areas of at least `least_px` pixels that the lit ground does not explain."""
     surprising = (ground.surprise > SURPRISING) & ~ground.sheen
     return large_areas(cleaned(is_ground & ground.rare & surprising), least_px)
 
 
 def _slow_bases(shape: tuple[int, ...], window: Window = (slice(None), slice(None))) -> Float32:
-    """(h * w, 5): the slow shading of a ground seen in perspective under one sky: a quadratic without a constant."""
+    """(h * w, 5) basis functions of the ground's slow shading: a quadratic in u, v in [-1, 1] without a constant."""
     rows, columns = (np.arange(size, dtype=np.float32)[part] + 0.5 for size, part in zip(shape, window, strict=True))
     v, u = np.meshgrid(rows, columns, indexing="ij")
     u, v = 2 * u / shape[1] - 1, 2 * v / shape[0] - 1
@@ -122,7 +126,7 @@ def _samples(mask: Mask) -> NDArray[np.intp]:
 
 
 def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int) -> tuple[Float32, Float32]:
-    """The slow field, or none, whichever leaves the ground's colours more widely spread; and that spread (h, w)."""
+    """(5, 3) the slow field, or zeros, whichever spreads the ground's colours more widely; and that spread (h, w)."""
     chosen, cells = _samples(is_ground), _cells(is_ground.shape).ravel()
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
 
@@ -147,7 +151,7 @@ def _cells(shape: tuple[int, ...]) -> NDArray[np.intp]:
 
 
 def _spreads(labels: NDArray[np.intp], cells: NDArray[np.intp], count: int = 0) -> Float32:
-    """(k,) the share of the frame's cells over which each cluster's pixels (n,) are distributed: its perplexity."""
+    """(k,) spread of each cluster's pixels (n,): the perplexity of their distribution over the n seen cells, over n."""
     count, places = max(count, int(labels.max()) + 1), CELLS[0] * CELLS[1]
     counts = np.bincount(labels * places + cells, minlength=count * places).reshape(count, places)
     total = counts.sum(axis=0)
@@ -159,7 +163,7 @@ def _spreads(labels: NDArray[np.intp], cells: NDArray[np.intp], count: int = 0) 
 
 
 def _median(values: Floats) -> Floats:
-    """Over the last axis; NumPy's own looks for NaN as well, and takes several times as long."""
+    """Median over the last axis; np.median also checks for NaN, and takes several times as long."""
     middle = values.shape[-1] // 2
     parted = np.partition(values, middle, axis=-1)
     upper = parted[..., middle]
@@ -167,9 +171,9 @@ def _median(values: Floats) -> Floats:
 
 
 def _robust_trend(values: Float32, slow: Float32) -> Float32:
-    """(5, 3) slow field of colours (n, 3) where the bases are `slow` (n, 5), by reweighted least squares.
+    """(5, 3) slow field of colours (n, 3) with basis functions `slow` (n, 5), by iteratively reweighted least squares.
 
-    With a constant, which is left out; outliers: Cauchy weights.
+    Cauchy's weights against outliers. The constant is fitted too, but not returned.
     """
     design = np.column_stack([np.ones(len(slow), np.float32), slow]).astype(np.float64)
     columns = values.T.astype(np.float64)
@@ -185,7 +189,10 @@ def _robust_trend(values: Float32, slow: Float32) -> Float32:
 
 
 def _field_beside(rest: Float32, slow: Float32, before: Float32) -> Float32:
-    """(5, 3) the slow field once more, from what the palette's colours leave over (n, 3), nearly as `before`."""
+    """(5, 3) the slow field refitted to the colours' differences from their clusters' centres (n, 3).
+
+    before: (5, 3) the last field, whose residuals give the weights against outliers.
+    """
     weights = 1 / (1 + (((rest - slow @ before) / 0.15) ** 2).sum(axis=1))
     weighted = slow * weights[:, None]
     ridge = 5e-4 * len(slow) * np.eye(5, dtype=np.float32)

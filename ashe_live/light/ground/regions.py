@@ -1,4 +1,4 @@
-"""Regions of the frame in which something stands, each looked at as finely as it needs."""
+"""Regions of the frame in which something stands, each resampled to a resolution that suits its size."""
 
 import math
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from ashe_live.light.pixels.mixtures import nearest_squared_distance
 from ashe_live.light.pixels.quantised import Quantised
 from ashe_live.light.pixels.view import View, Window
 
-APART_PX = 3  # of the coarse picture: nearer areas belong together
+APART_PX = 3  # of the coarse picture: areas nearer to each other than twice this belong together
 MARGIN_PX = 10
 UNRELIABLE_PX = 2
 # Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
@@ -22,15 +22,15 @@ UNLIT_DISTANCE, MOST_DISTANCE = 7.0, 60.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Region:
-    """A window of the frame around an object and its shadow, at a scale at which they have a given size."""
+    """A window of the frame around an object and its shadow, scaled so that they have a given size in pixels."""
 
     view: View
     colours: Float32  # (h, w, 3) log-opponent, without the ground's own slow shading
-    unlit: Mask  # (h, w) what the lit ground does not explain
+    unlit: Mask  # (h, w) pixels that the lit ground does not explain
     window: Window  # where it lies in the whole frame
     frame_shape: tuple[int, ...]  # (h, w) of the whole frame at this scale
-    quantised: Quantised = field(init=False)  # its colours, those that noise cannot tell apart taken for one
-    unreliable: Mask = field(init=False)  # (h, w) no ground, or so near to it that an edge may be its own
+    quantised: Quantised = field(init=False)  # its colours, quantised to the size of the noise
+    unreliable: Mask = field(init=False)  # (h, w) pixels off the ground, and those near enough to see that border
 
     def __post_init__(self) -> None:
         unreliable = grown(~self.view.is_ground, UNRELIABLE_PX)
@@ -41,14 +41,17 @@ class Region:
         return self.view.is_ground
 
     def in_frame(self, mask: Mask) -> Mask:
-        """A mask of the region as one of the whole frame."""
+        """A mask (h, w) of the region, embedded in the whole frame at the region's scale."""
         whole = np.zeros(self.frame_shape, np.bool_)
         whole[self.window] = mask
         return whole
 
 
 def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
-    """The `count` largest groups of unlit areas of a coarser picture, each about `size_px` large if `fine` is."""
+    """The regions around the `count` largest groups of unlit areas of a coarser picture.
+
+    Each is scaled to about `size_px`, as far as the resolution of `fine` allows.
+    """
     _, labels = cv2.connectedComponents(grown(coarse_unlit, APART_PX).astype(np.uint8), connectivity=8)
     labels[~coarse_unlit] = 0
     sizes = np.bincount(labels.ravel())[1:]
@@ -57,6 +60,7 @@ def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: in
 
 
 def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region:
+    """The region around `area`, a mask of the whole frame at any scale, itself scaled to about `size_px`."""
     height, width = area.shape
     x, y, across, down = cv2.boundingRect(area.astype(np.uint8))
     scale = min(fine.size[0] / width, max(1.0, size_px / math.sqrt(across * down)))

@@ -1,8 +1,8 @@
-"""The shift that a shadow gives to the ground's colours, found by vote.
+"""The shift that a shadow gives to the ground's colours, found by voting (a Hough transform in colour space).
 
 A shadow shifts every colour of the ground by one vector (in logs of linear light). Each unlit pixel votes for the
-shifts that would make it a shadow of each colour of the lit ground; where votes agree, a shadow may be. Several shifts
-are kept, as a plain object votes for one too: the geometry decides between them.
+shifts that would make it a shadow of each colour of the lit ground; modes of the vote are candidates. Several shifts
+are kept, as an object of one colour votes for one too: the geometry decides between them.
 """
 
 from functools import cache
@@ -18,33 +18,33 @@ from ashe_live.light.pixels.mixtures import Mixture
 BIN = np.array([0.06, 0.06, 0.05])
 LOWEST = np.array([-4.5, -1.6, -0.3])
 BINS = np.array([72, 34, 18])
-# How far a shadow pixel may be from its ground's shifted colour.
+# Standard deviations of a shadow pixel's colour from its ground's shifted colour, in log-opponent units.
 SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
-FINE = 0.6  # width of a mode, in units of that noise, where two lights' shifts must not become one
+FINE = 0.6  # width of a mode, in units of that noise, narrow enough to separate two lights' shifts
 MOST_VOTERS = 1500
 LEAST_VOTERS = 25
 
 
 def shadow_shifts(ground: LitGround, unlit: Mask, count: int, width: float = 1.0) -> list[Float]:
-    """Up to `count` shifts (3,) that many unlit pixels vote for, most votes first.
+    """Up to `count` modes (3,) of the vote of the unlit pixels, by falling number of votes.
 
-    `width`: of a mode, in units of the noise; what lies nearer to each other than twice that becomes one mode.
+    width: kernel width of the mean shift that finds modes, in units of SHIFT_NOISE.
     """
     return _voted_for(ground.colours[unlit], ground.palette, count, width)
 
 
 def shift_within(colours: Float32, ground: LitGround) -> Float | None:
-    """(3,) the shift that most of a shadow's own colours (n, 3) vote for; None of too few.
+    """(3,) the strongest mode of the vote of colours (n, 3) from inside a shadow; None if there are too few.
 
-    Of a patterned ground, a wrong shift may turn one of its colours into the shadow of another; all agree on the true
-    one.
+    On a patterned ground, a wrong shift may turn one of its colours into the shadow of another; only on the true one do
+    all colours agree.
     """
     shifts = _voted_for(colours, ground.palette, 1)
     return shifts[0] if shifts else None
 
 
 def shift_near(colours: Float32, ground: LitGround, shift: Float) -> Float | None:
-    """(3,) the shift of colours (n, 3) that is nearest to one that is roughly known; None of too few."""
+    """(3,) the mode of the vote of colours (n, 3) nearest to an approximate `shift` (3,); None if there are too few."""
     if len(colours) < LEAST_VOTERS:
         return None
     offsets, weights = _votes(colours, ground.palette)
@@ -52,7 +52,7 @@ def shift_near(colours: Float32, ground: LitGround, shift: Float) -> Float | Non
 
 
 def _votes(colours: Float32, palette: Mixture) -> tuple[Float32, Float32]:
-    """(n k, 3) shifts from each of the palette's k common colours, and (n k,) what they count."""
+    """(n k, 3) shifts of the colours from each of the palette's k common colours, and (n k,) the votes' weights."""
     colours = colours[:: len(colours) // MOST_VOTERS + 1]
     common = palette.weights > 0.02
     centres, weights = palette.centres[common], palette.weights[common]
@@ -76,7 +76,7 @@ def _voted_for(colours: Float32, palette: Mixture, count: int, width: float = 1.
 
 
 def shadow_ratio(ground: LitGround, shift: Float) -> Float:
-    """(3,) linear RGB, shadowed over lit ground, of the palette's colours, each counting as much as there is of it."""
+    """(3,) shadow ratio in linear RGB, shadowed over lit ground, as the weighted mean over the palette's colours."""
     lit = linear_rgb(ground.palette.centres)
     shaded = linear_rgb(ground.palette.centres + shift)
     weights = (ground.palette.weights / ground.palette.weights.sum())[:, None]
@@ -86,7 +86,7 @@ def shadow_ratio(ground: LitGround, shift: Float) -> Float:
 
 
 def shift_of_ratio(ground: LitGround, ratio_rgb: Float) -> Float:
-    """(3,) the shift of the palette's colours, each counting as much as there is of it, when light is so much less."""
+    """(3,) the weighted mean shift of the palette's colours for a shadow ratio (3,) in linear RGB."""
     lit = np.maximum(linear_rgb(ground.palette.centres), 0.0)
     shifts = log_opponent_of_linear(lit * ratio_rgb) - log_opponent_of_linear(lit)
     return np.asarray(np.average(shifts, axis=0, weights=ground.palette.weights))
@@ -94,7 +94,10 @@ def shift_of_ratio(ground: LitGround, ratio_rgb: Float) -> Float:
 
 @cache
 def _plausibility() -> Float:
-    """Shadows are darker, and lit by the sky alone: as blue as the lit ground or bluer, and green in proportion."""
+    """Prior on shifts, one number per bin, from (10) of docs/maths.md.
+
+    Shadows are darker than lit ground, and lit by the sky alone: as blue as it or bluer, with green in proportion.
+    """
     brightness, red_blue, green = (
         low + (np.arange(n) + 0.5) * size for low, n, size in zip(LOWEST, BINS, BIN, strict=True)
     )
@@ -115,7 +118,7 @@ def _blurred(votes: Float) -> Float:
 
 
 def _peaks(votes: Float, count: int) -> Float:
-    """(p, 3) bins of local maxima with a fair share of the highest one's votes, highest first."""
+    """(p, 3) bins of up to `count` local maxima, highest first; those of less than 4 % of the highest are left out."""
     rest = votes.copy()
     peaks: list[tuple[np.intp, ...]] = []
     while len(peaks) < count:
@@ -128,7 +131,7 @@ def _peaks(votes: Float, count: int) -> Float:
 
 
 def _modes(offsets: Float32, weights: Float32, shifts: Float, width: float = 1.0) -> Float:
-    """(p, 3) the modes of the vote near each of `shifts`: mean shift."""
+    """(p, 3) the modes of the vote near each of `shifts` (p, 3), by mean shift with a Gaussian kernel."""
     noise = (width * SHIFT_NOISE).astype(np.float32)
     votes, modes = offsets / noise, (shifts / noise).astype(np.float32)
     squares = (votes**2).sum(axis=1)

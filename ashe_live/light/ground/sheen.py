@@ -1,7 +1,6 @@
-"""Sheen: light that a glossy ground mirrors, or that a sunlit object throws on it, and that makes it no object.
+"""Sheen: ground made brighter by specular reflection or by light from a sunlit object, not to be taken for an object.
 
-Sheen comes and goes slowly, on ground that is else lit as everywhere; an object is brighter than the ground from one
-pixel to the next, all around.
+Sheen fades smoothly into normally lit ground, whereas an object has a sharp edge all around.
 """
 
 import cv2
@@ -12,15 +11,15 @@ from ashe_live.light.pixels.areas import areas_by_size, cleaned, grown
 from ashe_live.light.pixels.mixtures import Mixture, nearest_centres
 
 STEEPEST = 0.05  # change of log brightness per pixel
-BRIGHTER = 0.03  # in log brightness, than the ground's nearest colour
-BRIGHT_DISTANCE = 5.0  # squared distance to the ground's palette
+BRIGHTER = 0.03  # least excess in log brightness over the ground's nearest colour
+BRIGHT_DISTANCE = 5.0  # least squared Mahalanobis distance to the ground's palette
 LEAST_PX = 30
-LEAST_SHARE = 0.02  # of the picture, of an even area of lit ground that a sheen begins in
-LIT_SHARE_AROUND = 0.45
+LEAST_SHARE = 0.02  # least area of even lit ground that a sheen adjoins, as a fraction of the picture
+LIT_SHARE_AROUND = 0.45  # least fraction of lit ground along a sheen's border
 
 
 def sheen_on(colours: Float32, surprise: Float32, is_ground: Mask, palette: Mixture) -> Mask:
-    """(h, w) where the ground is only brighter than elsewhere.
+    """(h, w) ground that differs from the palette only by being brighter, with a smooth transition.
 
     colours: (h, w, 3) log-opponent. surprise: (h, w) squared distance to the palette's nearest colour, smoothed.
     """
@@ -29,8 +28,8 @@ def sheen_on(colours: Float32, surprise: Float32, is_ground: Mask, palette: Mixt
     even = is_ground & (cv2.magnitude(*slopes) < STEEPEST)
     lit = is_ground & (surprise <= BRIGHT_DISTANCE)
     bright = even & (surprise > BRIGHT_DISTANCE)
-    own = brightness[bright]
-    bright[bright] = own > palette.centres[nearest_centres(colours[bright], palette.centres), 0] + BRIGHTER
+    candidates = brightness[bright]
+    bright[bright] = candidates > palette.centres[nearest_centres(colours[bright], palette.centres), 0] + BRIGHTER
     sheen = np.zeros_like(is_ground)
     if np.count_nonzero(bright) < LEAST_PX:
         return sheen
@@ -45,7 +44,7 @@ def sheen_on(colours: Float32, surprise: Float32, is_ground: Mask, palette: Mixt
 
 
 def without_sheen(colours: Float32, sheen: Mask, palette: Mixture) -> Float32:
-    """(h, w, 3): the colours, and in `sheen` those of the palette that they come from."""
+    """(h, w, 3) the colours (h, w, 3), replaced in `sheen` by the palette's nearest ones."""
     dull = colours.copy()
     dull[sheen] = palette.centres[nearest_centres(colours[sheen], palette.centres)]
     return dull

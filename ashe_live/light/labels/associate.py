@@ -1,4 +1,4 @@
-"""Which of a region's unlit areas may be shadow, and which object may belong to it."""
+"""Association: which of a region's unlit areas may be shadow, and which object may have cast it."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -30,25 +30,26 @@ LEAST_PX = 14
 LEAST_OBJECT_PX, LEAST_SHADOW_PX = 12, 8
 LEAST_AREA_PX = 30
 SMALL_PART = 0.05
-OBJECTS, LESSER_OBJECT = 3, 0.1  # that may stand beside each other, and their least share of the largest one
-SAME_SHARE = 0.12  # of its pixels, in less than which a split differs from one like it
-ROUNDS = 2  # of giving pixels to what they cost least as
+OBJECTS, LESSER_OBJECT = 3, 0.1  # number of objects side by side, and their least area as a fraction of the largest
+SAME_SHARE = 0.12  # two splits are alike if fewer than this fraction of their pixels differ
+ROUNDS = 2  # of reassigning pixels to their cheapest label
 REACH_PX = 3
-# Shadows of the same light are more or less deep: in a penumbra, and where the object hides the sky as well.
+# The depth of one light's shadow varies, in units of its shift: in a penumbra, and where the object hides the sky too.
 DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
 SHADOW_LIKE = 0.3
-# What looks like shadow may be the object's own dark side, but surely is not this far (as a share) from the object.
+# Fraction of the shadow's largest distance from the object beyond which a pixel that looks like shadow cannot be the
+# object's own dark side.
 SURELY_SHADOW = 0.6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Split:
-    """One explanation of an unlit area: an object, the shadow that touches it, and what may be part of undecided."""
+    """A division of an unlit area into an object, the shadow that touches it, and pixels that may be of either one."""
 
     object_mask: Mask  # (h, w)
     shadow_mask: Mask  # (h, w)
     undecided: Mask | None = None  # (h, w)
-    parts: tuple[Mask, ...] = ()  # (h, w) each light's shadow, where there are several
+    parts: tuple[Mask, ...] = ()  # (h, w) each light's shadow, if there are two lights; empty for one
 
     @property
     def shadows(self) -> tuple[Mask, ...]:
@@ -67,7 +68,7 @@ class Split:
         )
 
     def is_like(self, other: "Split") -> bool:
-        """Whether few pixels are explained otherwise. Both are of one region."""
+        """Whether few pixels are labelled differently. Both splits must be of one region."""
         if (self.undecided is None) != (other.undecided is None):
             return False
         differing = (self.object_mask != other.object_mask) | (self.shadow_mask != other.shadow_mask)
@@ -75,7 +76,10 @@ class Split:
 
 
 def splits(region: Region, ground: LitGround, materials: Materials, shadows_tried: int) -> list[Split]:
-    """The ways to split the region's unlit areas in object and shadow, if its shadows are of this shift."""
+    """The candidate divisions of the region's unlit areas into object and shadow, given the shift of `materials`.
+
+    shadows_tried: number of areas, the largest first, that are each taken for the shadow.
+    """
     shadow_like = _shadow_like(region, ground, materials.shifts)
     shadows = areas_by_size(shadow_like, LEAST_PX)[:shadows_tried]
     roughs = [rough for shadow in shadows for rough in _splits_with(shadow, shadow_like, region.unlit)]
@@ -84,7 +88,7 @@ def splits(region: Region, ground: LitGround, materials: Materials, shadows_trie
 
 
 def distinct(several: Iterable[T], are_alike: Callable[[T, T], bool], most: int | None = None) -> list[T]:
-    """The first of them, `most` at most, without those that are like an earlier one."""
+    """The items in order, without those that are like an earlier one; `most` of them at most."""
     kept: list[T] = []
     for one in several:
         if len(kept) == most:
@@ -95,7 +99,10 @@ def distinct(several: Iterable[T], are_alike: Callable[[T, T], bool], most: int 
 
 
 def doubted(split: Split) -> Split | None:
-    """The same split where only what is far from the object is surely shadow: the rest may be its own dark side."""
+    """The same split with only the far part of the shadow certain: the near part may be the object's own dark side.
+
+    That part becomes `undecided`. None where the split has no shadow, or too little certain shadow remains.
+    """
     if not split.shadow_mask.any():
         return None
     away = distance_to(split.object_mask)
@@ -105,7 +112,7 @@ def doubted(split: Split) -> Split | None:
 
 
 def _shadow_like(region: Region, ground: LitGround, shifts: tuple[Float, ...]) -> Mask:
-    """The unlit pixels that look like some colour of the ground in shadow."""
+    """(h, w) the unlit pixels that look like one of the ground's colours in shadow."""
     centres, weights = ground.palette.centres, ground.palette.weights
     noise = np.diag((1.2 * SHIFT_NOISE) ** 2).astype(np.float32)
     shadows = [centres + (depth * shift).astype(np.float32) for shift in shifts for depth in DEPTHS]
@@ -118,11 +125,10 @@ def _shadow_like(region: Region, ground: LitGround, shifts: tuple[Float, ...]) -
 
 
 def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
-    """What may be the object if `shadow` is its shadow: all the rest of the unlit area, or one part that touches it.
+    """Candidates for the object if `shadow` is its shadow: all the rest of the unlit area, or one part that touches it.
 
-    Of several objects, each has the shadows that touch it.
-
-    Other places in the area that look like shadow may be more of it, as behind a handle, or the object's own dark side.
+    If there are several objects, each gets the shadows that touch it. Other areas that look like shadow are tried both
+    as more of the shadow (behind a handle, for example) and as the object's own dark side.
     """
     area = overlapping(large_areas(unlit, LEAST_AREA_PX), shadow, 0.0)
     more = large_areas(area & shadow_like, LEAST_OBJECT_PX) | shadow
@@ -143,7 +149,7 @@ def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:
 
 
 def _classified(region: Region, materials: Materials, rough: Split) -> Split:
-    """The split with its pixels given to what they cost least as, the object's colours being learned anew each time."""
+    """The split after ROUNDS of giving each pixel its cheapest label, the object's colours being learned anew."""
     split = rough
     for _ in range(ROUNDS):
         split = _reassigned(region, materials, split)
@@ -153,22 +159,22 @@ def _classified(region: Region, materials: Materials, rough: Split) -> Split:
 
 
 def _reassigned(region: Region, materials: Materials, rough: Split) -> Split:
-    """The split's pixels and those around them, each given to lit ground, shadow or object, whichever costs least.
+    """The split's pixels and those around them, each labelled lit ground, shadow or object, whichever costs least.
 
-    Where two materials meet, the costs change places half-way between their colours, which is where the edge is.
+    Where two materials meet, their costs are equal half-way between their colours, which is where the edge is.
     """
     core = _core(rough.object_mask)
-    own = object_cost(region, core)
-    near = grown(rough.object_mask | rough.shadow_mask, REACH_PX) & region.is_ground
-    object_like = majority((own < np.minimum(materials.lit, materials.shaded)) & near, 5)
+    as_object = object_cost(region, core)
+    nearby = grown(rough.object_mask | rough.shadow_mask, REACH_PX) & region.is_ground
+    object_like = majority((as_object < np.minimum(materials.lit, materials.shaded)) & nearby, 5)
     body = filled(overlapping(object_like, core, 0.3) if (object_like & core).any() else core)
-    shadow_like = majority((materials.shaded < materials.lit) & (materials.shaded <= own) & near) & ~body
+    shadow_like = majority((materials.shaded < materials.lit) & (materials.shaded <= as_object) & nearby) & ~body
     shadow = overlapping(shadow_like, rough.shadow_mask, 0.3)
     return Split(body, shadow)
 
 
 def _core(mask: Mask) -> Mask:
-    """Without its rim, where colours mix; with as much of it as a small mask needs."""
+    """The mask without its rim, where colours mix; a small mask keeps as much of the rim as it needs."""
     for margin_px in (2, 1):
         core = shrunk(mask, margin_px)
         if np.count_nonzero(core) >= LEAST_PX:

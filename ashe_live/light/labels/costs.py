@@ -1,4 +1,4 @@
-"""What the pixels of a region cost, taken for what a body and its shadows would make of them."""
+"""The unary costs of a region's pixels under the labels that a body and its shadows predict."""
 
 import math
 from collections.abc import Iterator
@@ -17,11 +17,11 @@ BESIDE_BODY_PX = 2
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Side:
-    """What a picture says of an outline."""
+    """The evidence in a picture for one outline's position."""
 
-    gain: Float32  # (h, w) how much less a pixel costs inside of the outline than outside
-    trusted: Mask  # (h, w) where that is known
-    visible: Mask  # (h, w) where a border can be seen
+    gain: Float32  # (h, w) cost of each pixel with the label outside of the outline, less that with the label inside
+    trusted: Mask  # (h, w) where the gain is reliable
+    visible: Mask  # (h, w) where a border can be observed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,19 +31,19 @@ class Costs:
     region: Region
     materials: Materials
     as_object: Float32  # (h, w) unary cost of taking a pixel for the object
-    trusted: Mask = field(init=False)  # (h, w)
+    trusted: Mask = field(init=False)  # (h, w) the region's reliable pixels
 
     def __post_init__(self) -> None:
         set_frozen(self, trusted=~self.region.unreliable)
 
     def of(self, masks: Predicted) -> float:
-        """Of all the ground in the region, each pixel taken for what the masks say."""
+        """Total unary cost of the region's ground pixels under the labels of the masks (docs/maths.md, (15))."""
         cost = np.where(masks.shadow, self._shaded(masks), self.materials.lit)
         np.copyto(cost, self.as_object, where=masks.body)
         return float(np.vdot(cost, self.region.is_ground))
 
     def sides(self, masks: Predicted, reach_px: float) -> Iterator[Side]:
-        """Of the body's outline, then of each shadow's."""
+        """The `Side` of the body's outline, then of each shadow's; reach_px: how far from it borders are searched."""
         lit, layers = self.materials.lit, self.materials.layers
         beside_shadow = grown(masks.shadow, math.ceil(reach_px))
         outside = np.where(beside_shadow, np.minimum(lit, self.materials.contact), lit)
@@ -53,10 +53,11 @@ class Costs:
             yield Side(lit - self.materials.contact, self.trusted, visible)
         else:
             first, second, both = layers
-            for own, other, elsewhere in ((first, second, masks.parts[1]), (second, first, masks.parts[0])):
-                yield Side(np.where(elsewhere, other - both, lit - own), self.trusted, visible)
+            for one, other, in_other in ((first, second, masks.parts[1]), (second, first, masks.parts[0])):
+                yield Side(np.where(in_other, other - both, lit - one), self.trusted, visible)
 
     def _shaded(self, masks: Predicted) -> Float32:
+        """(h, w) cost of shadow: with two lights, that of the first's, the second's or both, as the masks predict."""
         if not self.materials.layers:
             return self.materials.contact
         first, second, both = self.materials.layers

@@ -1,4 +1,4 @@
-"""What each pixel of a region costs when taken for lit ground, for shadow, or for the object.
+"""The unary costs of a region's pixels: of labelling each as lit ground, as shadow, or as the object.
 
 Costs are twice negative log densities of colours, so that they can be compared and added up over pixels.
 """
@@ -15,28 +15,28 @@ from ashe_live.light.pixels.areas import shrunk, smoothed
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, cost, mixture_of
 
 OBJECT_COLOURS = 4
-# How much of the shift is seen, and what it costs that it is not all or nothing: a penumbra and a pixel's own width mix
-# lit and shadowed ground; near the object the sky is hidden as well.
+# Pairs of the fraction of the shift that a pixel may show, and the extra cost of that fraction: a penumbra and the
+# pixel's own width mix lit and shadowed ground, and near the object the sky is hidden as well.
 LIT_SHARES = ((0.0, 0.0), (0.25, 2.0), (0.42, 2.0))
 SHADED_SHARES = ((1.0, 0.0), (0.55, 2.0), (0.78, 1.0), (1.25, 1.0))
 CONTACT_SHARES = ((1.5, 2.0), (1.8, 3.0))
-WIDENED = 0.5  # of the covariances, by a whole shift
-MOST_COLOURS = 400
+WIDENED = 0.5  # relative growth of the palette's covariances by a full shift
+MOST_COLOURS = 400  # pixels that the object's mixture is fitted to
 FEWEST_COLOURS = 12
-COMMON = 0.02
+COMMON = 0.02  # least weight of a palette colour that shares of the shift are measured from
 NOISE = SHIFT_NOISE.astype(np.float32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Materials:
-    """How a region looks if its shadows are of one shift; or of two lights' shifts and that where both are blocked."""
+    """The costs of a region's pixels, given the colour shift of its shadow, or of two lights' shadows."""
 
-    shifts: tuple[Float, ...]  # (3,) each: the strongest light's first
+    shifts: tuple[Float, ...]  # (3,) each: of one light; or of the stronger, of the weaker, and of both blocked
     lit: Float32  # (h, w) cost of lit ground
     shaded: Float32  # (h, w) cost of shadow
     contact: Float32  # (h, w) cost of shadow, also where the object hides the sky
-    share: Float32  # (h, w) how much of the shift is seen, were this ground: 0 in full light, 1 in shadow
-    layers: tuple[Float32, ...] = ()  # (h, w) costs of each of the shifts, where there are several
+    share: Float32  # (h, w) fraction of the shift that a pixel of ground shows: 0 in full light, 1 in shadow
+    layers: tuple[Float32, ...] = ()  # (h, w) cost of shadow by each of the shifts, if there are two lights
 
     @property
     def shift(self) -> Float:
@@ -48,7 +48,7 @@ class Materials:
 
 
 def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
-    """The region's materials, were its shadows of this shift."""
+    """The region's materials if its shadow has the colour shift `shift` (3,)."""
     lit, shaded, deepest = (
         cost_of_shift(region, ground, shift, shares) for shares in (LIT_SHARES, SHADED_SHARES, CONTACT_SHARES)
     )
@@ -56,15 +56,18 @@ def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
 
 
 def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple[tuple[float, float], ...]) -> Float32:
-    """(h, w) cost of ground of which the likeliest of some shares of a shift is seen; each share with its own cost."""
-    share, more = np.array(shares).T
+    """(h, w) cost of ground that shows the likeliest of some fractions of a shift; shares: (fraction, extra cost)."""
+    share, extra = np.array(shares).T
     shown = ground.palette.shifted(shift, share, 1 + WIDENED * share)
-    costs = cost(region.quantised.colours, shown, np.repeat(more, len(ground.palette.weights)))
+    costs = cost(region.quantised.colours, shown, np.repeat(extra, len(ground.palette.weights)))
     return smoothed(region.quantised.pictured(costs))
 
 
 def object_cost(region: Region, mask: Mask) -> Float32:
-    """(h, w) cost of the colours that are found well within `mask`, where no edge mixes them with others."""
+    """(h, w) cost under a mixture fitted to the colours well within `mask`, where no edge mixes them with others.
+
+    UNEXPLAINED everywhere where `mask` holds too few pixels.
+    """
     for margin in (2, 1):
         core = shrunk(mask, margin)
         if np.count_nonzero(core) > max(40, 0.3 * np.count_nonzero(mask)):
@@ -73,17 +76,17 @@ def object_cost(region: Region, mask: Mask) -> Float32:
     inside = np.flatnonzero(mask)
     if len(inside) < FEWEST_COLOURS:
         return np.full(mask.shape, UNEXPLAINED, np.float32)
-    own = region.colours.reshape(-1, 3)[inside[:: len(inside) // MOST_COLOURS + 1]]
-    mixture = mixture_of(own, OBJECT_COLOURS, 1.2)
+    samples = region.colours.reshape(-1, 3)[inside[:: len(inside) // MOST_COLOURS + 1]]
+    mixture = mixture_of(samples, OBJECT_COLOURS, 1.2)
     if mixture is None:
         return np.full(mask.shape, UNEXPLAINED, np.float32)
     return smoothed(region.quantised.pictured(cost(region.quantised.colours, mixture)))
 
 
 def share_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
-    """(h, w) the place of each pixel's colour on the way from the palette's likeliest colour to its shadowed one."""
+    """(h, w) each colour's position on the line from the likeliest palette colour, 0, to its shadowed colour, 1."""
     common = ground.palette.weights >= COMMON
-    # In units of the noise, where distances to the way from lit to shadowed are those of colours.
+    # In units of the noise, so that Euclidean distances to that line are Mahalanobis distances of colours.
     colours, centres = region.quantised.colours / NOISE, ground.palette.centres[common] / NOISE
     way = (shift / SHIFT_NOISE).astype(np.float32)
     length = way @ way

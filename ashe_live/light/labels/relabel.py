@@ -1,4 +1,4 @@
-"""Labels once more, now that a fit says where object and shadow are: colours decide near its outlines, it elsewhere."""
+"""Relabelling after a fit: near the predicted outlines colours decide, elsewhere the prediction does."""
 
 import math
 
@@ -12,17 +12,21 @@ from ashe_live.light.labels.two_lights import parted
 from ashe_live.light.pixels.areas import cleaned, distance_to, filled, large_areas, majority, overlapping, thick
 from ashe_live.light.shape.predicted import Predicted
 
-# How far from a predicted outline colours alone decide; beyond, each pixel farther costs more, up to a most.
+# Distance from a predicted outline within which colours alone decide, in pixels and as a fraction of the object's size.
+# Beyond it, a label outside of its prediction costs more per pixel of distance, up to COSTLY_PX.
 FREE_PX, FREE_SHARE = 2.0, 0.06
 COST_PER_PX, COSTLY_PX = 4.0, 8.0
-# A difference in cost below which a pixel may belong to undecided, if such pixels are more than a seam between the two.
+# Difference in cost below which a pixel is undecided between object and shadow, if such pixels form more than a seam.
 UNDECIDED = 4.0
 SEAM_PX = 5
 LEAST_DOUBT = 0.02
 
 
 def relabelled(region: Region, materials: Materials, object_cost: Float32, fitted: Predicted) -> Split:
-    """The region's pixels given to object, shadow, one of the two or neither. object_cost: (h, w) its unary cost."""
+    """The region's pixels labelled as object, shadow, undecided between these, or neither.
+
+    object_cost: (h, w) the object's unary cost. fitted: the silhouettes that the last fit predicts.
+    """
     free_px = max(FREE_PX, FREE_SHARE * math.sqrt(max(int(np.count_nonzero(fitted.body)), 1)))
     as_object = object_cost + _penalty(fitted.body, free_px)
     as_shadow = materials.contact + _penalty(fitted.shadow, free_px)

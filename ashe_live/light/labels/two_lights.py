@@ -1,4 +1,4 @@
-"""Two lights: what their shadows cost alone and where they overlap, and which pixel lies in which."""
+"""Two lights: the unary costs of each one's shadow and of their overlap, and which pixels lie in which shadow."""
 
 from collections.abc import Sequence
 from itertools import combinations
@@ -16,25 +16,25 @@ from ashe_live.light.pixels.areas import distance_to, large_areas, majority, smo
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture, nearest_squared_distance
 from ashe_live.light.shape.predicted import Predicted
 
-# What is left of the light where both are blocked, at least: less is no sky.
+# Least shadow ratio where both lights are blocked: the sky leaves more light than that.
 LEAST_AMBIENT = 0.01
-# Of the region's unlit pixels, each light's shadow alone must be at least this share.
+# Each light's shadow alone must hold at least this fraction of the region's unlit pixels, and this many of them.
 LEAST_ALONE, LEAST_ALONE_PX = 0.04, 30
-COST_OF_DISTANCE, FARTHEST_PX = 1.0, 10.0
+COST_OF_DISTANCE, FARTHEST_PX = 1.0, 10.0  # extra cost per pixel outside of a predicted shadow, and its limit
 CLEARLY, NOT_SHADED = 6.0, 12.0  # squared distances, in units of the shift's noise
 MOST_ASKED = 1000
 
 
 def shifts_of_both(ground: LitGround, first: Float, second: Float) -> Float | None:
-    """(3,) the shift where both lights are blocked: what each takes away is missing. None if that leaves no light."""
+    """(3,) the shift where both lights are blocked, as their contributions add up; None if that leaves no light."""
     ratio = shadow_ratio(ground, first) + shadow_ratio(ground, second) - 1
     return shift_of_ratio(ground, ratio) if ratio.min() > LEAST_AMBIENT else None
 
 
 def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], count: int) -> list[tuple[int, int]]:
-    """Which two of the shifts explain the region's unlit colours best together, each some that the other does not.
+    """The pairs of shifts that together explain the region's unlit colours best, neither of them superfluous.
 
-    At most `count` pairs, the best first.
+    shifts: (3,) each. Returns at most `count` pairs of indices, the best first.
     """
     colours = region.colours[region.unlit]
     colours = colours[:: len(colours) // MOST_ASKED + 1]
@@ -48,15 +48,15 @@ def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], 
     alone = [missed(shift) for shift in shifts]
     found = []
     for i, j in combinations(range(len(shifts)), 2):
-        own = (np.count_nonzero((a < CLEARLY) & (a < b)) for a, b in ((alone[i], alone[j]), (alone[j], alone[i])))
+        exclusive = (np.count_nonzero((a < CLEARLY) & (a < b)) for a, b in ((alone[i], alone[j]), (alone[j], alone[i])))
         both = shifts_of_both(ground, shifts[i], shifts[j])
-        if both is not None and min(own) >= LEAST_ALONE * len(colours):
+        if both is not None and min(exclusive) >= LEAST_ALONE * len(colours):
             found.append((float(np.minimum(np.minimum(alone[i], alone[j]), missed(both)).mean()), (i, j)))
     return [pair for _, pair in sorted(found)[:count]]
 
 
 def materials_of_two(region: Region, ground: LitGround, first: Materials, second: Materials) -> Materials | None:
-    """The region as two lights' shadows, the deeper one first; None where both together would leave no light."""
+    """The materials of two lights' shadows, the deeper one first; None where both together would leave no light."""
     if first.shift[0] > second.shift[0]:
         first, second = second, first
     both = shifts_of_both(ground, first.shift, second.shift)
@@ -77,9 +77,9 @@ def materials_of_two(region: Region, ground: LitGround, first: Materials, second
 
 
 def parted(materials: Materials, shadow: Mask, fitted: Predicted | None = None) -> tuple[Mask, ...]:
-    """The first and the second light's shadow, which share the pixels where both are blocked; none for one light.
+    """The first and the second light's shadows (h, w), which overlap where both are blocked; empty for one light.
 
-    Without a fit, colours alone decide; with one, they decide near its outlines.
+    Without a fit, colours alone decide; with one, `fitted`, only those near its outlines.
     """
     if not materials.layers:
         return ()
@@ -90,12 +90,12 @@ def parted(materials: Materials, shadow: Mask, fitted: Predicted | None = None) 
         second = second + _penalty(other & ~one)
         both = both + _penalty(one & other)
     label = np.argmin([first, second, both], axis=0)
-    parts = tuple(majority(shadow & ((label == own) | (label == 2)), 5) for own in (0, 1))
+    parts = tuple(majority(shadow & ((label == light) | (label == 2)), 5) for light in (0, 1))
     return tuple(large_areas(part, LEAST_ALONE_PX) for part in parts)
 
 
 def are_two(parts: tuple[Mask, ...]) -> bool:
-    """Whether each of two shadows has a place of its own."""
+    """Whether there are two shadows and each has pixels that the other does not cover."""
     if len(parts) != 2:
         return False
     one, other = parts
@@ -103,7 +103,7 @@ def are_two(parts: tuple[Mask, ...]) -> bool:
 
 
 def savings(region: Region, materials: Materials, split: Split) -> float:
-    """How much less an unlit pixel costs, on average, if the split is right than if all were lit ground."""
+    """The mean reduction of unary cost per unlit pixel by the split, against labelling all as lit ground."""
     masks = Predicted(split.object_mask, split.shadow_mask, split.parts)
     costs = Costs(region, materials, object_cost(region, split.object_mask))
     nothing = np.zeros_like(split.object_mask)

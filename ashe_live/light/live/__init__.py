@@ -1,4 +1,4 @@
-"""Estimates while the program runs: in a process of their own, several of them made one.
+"""Estimates while the program runs: made in a process of their own, and consecutive ones fused.
 
 May import `core`, `estimators` and `process`.
 """

@@ -1,8 +1,9 @@
-"""Makes one answer of consecutive estimates: outliers are left out, and a light that has changed is forgotten.
+"""Fuses consecutive estimates into one: outliers are left out, and a light that has changed is forgotten.
 
-Estimates of one view share their marker, their camera and most of their masks' errors, by how much is not known. They
-are therefore fused by covariance intersection (Julier and Uhlmann, A non-divergent estimation algorithm in the presence
-of unknown correlations, 1997), which stays honest whatever they share: it never claims to be surer than its members.
+Estimates of one view share the errors of marker and camera and most of the masks' errors, with unknown correlation.
+They are therefore fused by covariance intersection (Julier and Uhlmann, A non-divergent estimation algorithm in the
+presence of unknown correlations, 1997), which is consistent for any correlation: the fused covariance is never smaller
+than justified.
 """
 
 import math
@@ -16,13 +17,13 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised, radius_of_68_percent, tangent_basis
 from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate
 
-MEMBERS = 8  # the latest ones; the sun moves on
-CHANGED_AFTER = 3  # estimates in a row that contradict the answer and agree among themselves
-# 99 % of a chi-squared distribution of two degrees of freedom.
+MEMBERS = 8  # the number of latest estimates that are fused; older ones are dropped, as the sun moves
+CHANGED_AFTER = 3  # consecutive estimates that contradict the fused one, and agree among themselves, to replace it
+# 99th percentile of the chi-squared distribution with two degrees of freedom.
 GATE = 9.21
-# Errors of masks change in steps from frame to frame, also where each fit is sure of itself.
+# Errors of masks change in steps from frame to frame, even where each fit's covariance is small.
 TOLERANCE_RAD = math.radians(2.5)
-# A shadow whose ratio differs by such a factor is another light's, also from the same direction: the sun and a cloud.
+# Two lights whose shadow ratios differ by this factor are different, even from one direction: the sun, then a cloud.
 OTHER_DEPTH = 1.5
 UNKNOWN_SIGMA_RAD = math.radians(10)
 UNKNOWN_CONFIDENCE = 0.3
@@ -30,7 +31,7 @@ NONE_CONFIDENCE = 0.2
 
 
 class LightFusion:
-    """Takes estimates of one scene in their order in time."""
+    """The fused estimate of one scene, updated with estimates in their order in time."""
 
     def __init__(self) -> None:
         self.answer: LightEstimate | None = None  # with masks, body and frame of the latest member
@@ -40,21 +41,21 @@ class LightFusion:
 
     @property
     def count(self) -> int:
-        """Of the estimates that `answer` is made of."""
+        """The number of estimates that `answer` is fused from."""
         return len(self._members)
 
     @property
     def is_new(self) -> bool:
-        """Whether the answer owes nothing to one before."""
+        """Whether the last estimate added did not agree with the answer before it, or was the first."""
         return self._is_new
 
     @property
     def is_settled(self) -> bool:
-        """Whether more of the same would hardly change the answer."""
+        """Whether further agreeing estimates would hardly change the answer."""
         return self.count == MEMBERS and not self._dissent
 
     def add(self, estimate: LightEstimate) -> bool:
-        """False when `estimate` is taken for an outlier, and the answer stays."""
+        """Adds an estimate and updates `answer`; False when it is taken for an outlier and the answer stays."""
         self._is_new = self.answer is None or not agree(self.answer, estimate)
         if self.answer is None or not self._is_new:
             self._members.append(estimate)
@@ -70,12 +71,15 @@ class LightFusion:
 
 
 def agree(a: LightEstimate, b: LightEstimate) -> bool:
-    """Whether both may tell of the same light or lights."""
+    """Whether both may be of the same light or lights, by their number, Mahalanobis distance and shadow ratios."""
     return _matched(a.lights, b.lights) is not None
 
 
 def fused(estimates: Sequence[LightEstimate]) -> LightEstimate:
-    """One of several that agree, everything but its lights and colours from the last. Raises ValueError of none."""
+    """The fusion of estimates that agree; all but the lights and colours comes from the last of them.
+
+    Raises ValueError when there are none.
+    """
     if not estimates:
         raise ValueError("there is nothing to fuse")
     last = estimates[-1]
@@ -92,10 +96,13 @@ def fused(estimates: Sequence[LightEstimate]) -> LightEstimate:
 
 
 def _fused_light(lights: Sequence[DirectionalLight], weights: Float) -> DirectionalLight:
-    """Directions by covariance intersection in the tangent plane, the rest as weighted means. weights: (n,), sum 1."""
+    """The direction by covariance intersection in the tangent plane, the rest as weighted means.
+
+    weights: (n,), of sum 1.
+    """
     mean = normalised(weights @ np.array([light.to_light_marker for light in lights]))
     information = np.array([_information(light) for light in lights])
-    for _ in range(2):  # the second time in the right tangent plane
+    for _ in range(2):  # the second time in the tangent plane of the fused direction
         basis = tangent_basis(mean)
         on_plane = np.einsum("n,ai,nij->naj", weights, basis, information)
         offsets = np.array([light.to_light_marker - mean for light in lights])
@@ -117,7 +124,7 @@ def _fused_light(lights: Sequence[DirectionalLight], weights: Float) -> Directio
 
 
 def _matched(a: Sequence[DirectionalLight], b: Sequence[DirectionalLight]) -> tuple[DirectionalLight, ...] | None:
-    """`b` in the order of `a`; None when they are not the same lights."""
+    """The lights `b` in the order of their matches in `a`; None when they are not the same lights."""
     if len(a) != len(b):
         return None
     for order in permutations(b):
@@ -140,21 +147,21 @@ def _same_light(a: DirectionalLight, b: DirectionalLight) -> bool:
 
 
 def _covariance(light: DirectionalLight) -> Float:
-    """(3, 3) rad^2 in the marker frame, nothing along the direction: free of the azimuth's pole at the zenith."""
+    """(3, 3) rad^2 in the marker frame, 0 along the direction: regular at the zenith, unlike azimuth and elevation."""
     basis = tangent_basis(light.to_light_marker)
     covariance = UNKNOWN_SIGMA_RAD**2 * np.eye(2) if light.covariance_rad2 is None else light.covariance_rad2
     return np.asarray(basis.T @ covariance @ basis)
 
 
 def _information(light: DirectionalLight) -> Float:
-    """(3, 3) the inverse of `_covariance` within the tangent plane."""
+    """(3, 3) pseudo-inverse of `_covariance`: the information within the tangent plane."""
     return np.asarray(np.linalg.pinv(_covariance(light), hermitian=True))
 
 
 def _confidence(estimate: LightEstimate) -> float:
     if estimate.light is None:
         return NONE_CONFIDENCE
-    # Above 0, so that weights can be made to sum to 1.
+    # Above 0, so that weights can be normalised to sum 1.
     return max(UNKNOWN_CONFIDENCE if estimate.light.confidence is None else estimate.light.confidence, 1e-3)
 
 
@@ -163,8 +170,8 @@ def _weight(estimates: Sequence[LightEstimate]) -> float:
 
 
 def _mean(values: Sequence[Float | float | None], weights: Float) -> Float | None:
-    """The weighted mean of those that are known."""
-    known = [(np.asarray(value), weight) for value, weight in zip(values, weights, strict=True) if value is not None]
-    if not known:
+    """The weighted mean of the values that are not None; None if all are."""
+    present = [(np.asarray(value), weight) for value, weight in zip(values, weights, strict=True) if value is not None]
+    if not present:
         return None
-    return np.asarray(sum(weight * value for value, weight in known) / sum(weight for _, weight in known))
+    return np.asarray(sum(weight * value for value, weight in present) / sum(weight for _, weight in present))

@@ -25,7 +25,7 @@ from ashe_live.process.pipes import receive_value, send_value
 LIMITS = children.Limits(niceness=19)
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
 THREAD_TIMEOUT_S = 0.05
-# The paper's estimator takes ten seconds, on a crowded machine several times that.
+# The paper's estimator takes ten seconds, and several times that on a busy machine.
 LONGEST_ESTIMATE_S = 120.0
 
 Outcome = Answer | WorkerFailure
@@ -34,8 +34,8 @@ Outcome = Answer | WorkerFailure
 class LightWorker:
     """One process that answers one request at a time; for use from one thread, which it never blocks.
 
-    `estimator` is a name in ESTIMATORS (UserError for another one), or what makes an estimator of a preset's name and
-    can be pickled. The process starts here, so that its imports are done when the first request comes.
+    `estimator` is a name in ESTIMATORS (UserError for another one), or a picklable callable that makes an estimator
+    from a preset's name. The process starts here, so that its imports are done when the first request comes.
     """
 
     def __init__(self, estimator: str | Callable[[str], Estimator]) -> None:
@@ -49,14 +49,14 @@ class LightWorker:
 
     @property
     def busy(self) -> bool:
-        """Whether a request has been made whose outcome has not been collected yet."""
+        """Whether there is a request whose outcome has not been collected yet."""
         return self._asked_index is not None
 
     def request(self, tracked: TrackedFrame, preset: str = "balanced", with_trace: bool = False) -> bool:
-        """Asks for the light in `tracked`, at the named quality; False, and nothing asked, while busy.
+        """Requests an estimate of `tracked` with the named preset; returns False, and does nothing, while busy.
 
-        `with_trace`: and for what led to it, some megabytes, where the estimator keeps it. Raises ValueError when
-        closed.
+        `with_trace` also asks for the trace of what led to it, a few megabytes, where the estimator keeps one. Raises
+        ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -70,11 +70,11 @@ class LightWorker:
         return True
 
     def poll(self) -> Outcome | None:
-        """What has come of the request, once; None while there is nothing."""
+        """The outcome of the request, returned once; None while there is none."""
         return self.wait(0.0)
 
     def wait(self, timeout_s: float) -> Outcome | None:
-        """As `poll`, after waiting for it for up to `timeout_s`."""
+        """As `poll`, but waits for the outcome for up to `timeout_s`."""
         if self._process is None or self._asked_index is None:
             return None
         try:
@@ -90,14 +90,14 @@ class LightWorker:
         return outcome
 
     def give_up(self) -> None:
-        """Nothing comes of the request, if there is one; the next one may be made at once."""
+        """Cancels the request, if there is one; the next one may be made at once."""
         if self.busy:
             self._asked_index = None
             self._discard()
             self._process = _Process(self._make)
 
     def close(self) -> None:
-        """Ends the process, also in the middle of an estimate; closing twice is allowed."""
+        """Ends the process, even during an estimate; closing twice is allowed."""
         self._closed = True
         self._asked_index = None
         self._discard()
@@ -117,7 +117,7 @@ class LightWorker:
 
 
 class _Process:
-    """One life of the process: the mailbox of its answers is closed with EOFError when it ends."""
+    """One instance of the process; when it ends, the mailbox of its outcomes is closed with EOFError."""
 
     def __init__(self, make: Callable[[str], Estimator]) -> None:
         self.outcomes: LatestMailbox[Outcome] = LatestMailbox()
@@ -130,13 +130,13 @@ class _Process:
         return self.outcomes.is_closed or not self._process.is_alive()
 
     def send(self, tracked: TrackedFrame, preset: str, with_trace: bool) -> None:
-        """Hands the frame over in a thread, as the pipe takes it only as fast as the process reads."""
+        """Sends the frame from a thread, as writing to the pipe blocks until the process reads."""
         self._threads[1:] = [self._thread(_send, self._connection, (tracked, preset, with_trace))]
 
     def kill(self) -> None:
         self._process.kill()
         self._process.join(PROCESS_TIMEOUT_S)
-        # With the process gone both threads meet the pipe's end at once; a pipe still in use must not be closed.
+        # With the process gone both threads reach the pipe's end at once; a pipe still in use must not be closed.
         for thread in self._threads:
             thread.join(THREAD_TIMEOUT_S)
         if not any(thread.is_alive() for thread in self._threads):
@@ -150,7 +150,7 @@ class _Process:
 
 
 def _send(connection: Connection, request: tuple[TrackedFrame, str, bool]) -> None:
-    # A broken pipe is met by the receiving thread as well, which tells.
+    # The receiving thread meets a broken pipe too, and reports it.
     with suppress(OSError):
         send_value(connection, request)
 
@@ -167,7 +167,7 @@ def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
 
 
 def _refrozen(estimate: LightEstimate) -> LightEstimate:
-    """Arrays come out of a pickle writable: made again, they are checked and read-only as before."""
+    """The estimate with its arrays checked and read-only again, as unpickling makes them writable."""
     found = estimate.illumination
     lights, body = tuple(replace(light) for light in found.lights), found.real_object and replace(found.real_object)
     return replace(estimate, illumination=replace(found, lights=lights, real_object=body))

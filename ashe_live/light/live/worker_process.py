@@ -1,4 +1,4 @@
-"""The far side of the light worker: one process that estimates, one request after the other."""
+"""The light worker's process: makes estimates, one request after the other."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -27,20 +27,20 @@ class WorkerFailure:
     """Why a request got no estimate."""
 
     frame_index: int
-    message: str  # one line, for a person
+    message: str  # one line, for the user
 
 
 def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
-    """Answers each request, a tracked frame, a preset and whether to trace, with an Answer or a WorkerFailure.
+    """Answers each request (a tracked frame, a preset, whether to trace) with an Answer or a WorkerFailure.
 
-    Returns when the other side has gone.
+    Returns when the connection is closed.
     """
     import cv2
 
-    # The other cores belong to the viewer's loop.
+    # The other cores are left to the viewer's loop.
     cv2.setNumThreads(1)
     estimators: dict[str, Estimator] = {}
-    # EOFError and BrokenPipeError: the viewer is gone, and nobody wants the answer.
+    # EOFError and BrokenPipeError: the viewer has gone, and no answer is needed.
     with suppress(EOFError, OSError):
         while True:
             tracked, preset, with_trace = receive_value(connection)
@@ -50,7 +50,7 @@ def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
 
 
 def _answer(estimator: "Estimator", tracked: "TrackedFrame", with_trace: bool) -> Answer | WorkerFailure:
-    """An exception is the request's failure, not the process's end."""
+    """The estimate, or a failure for any exception, so that the process goes on."""
     from ashe_live.light.estimators.estimator import TracingEstimator
 
     try:

@@ -1,4 +1,4 @@
-"""From outlines to a rough upright body and rough lights, where the search begins."""
+"""A rough upright body and rough lights from the outlines, as the start of the search."""
 
 import math
 from dataclasses import dataclass
@@ -13,23 +13,24 @@ from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import Outlines
 
 SLENDEREST, FLATTEST = 8.0, 0.3  # height over radius
-HIGHEST = 0.85  # of the height at which a slab's far edge would be seen where the outline ends
+HIGHEST = 0.85  # guessed height as a fraction of that at which a slab's far edge would be at the outline's top
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FirstGuess:
-    """An upright cylinder on the ground, in units of its larger size, and the lights."""
+    """An upright cylinder on the ground, in units of the larger of its radius and height, and the lights."""
 
     place: Place
     radius: float
     height: float
-    lights: Float  # (l, 4)
+    lights: Float  # (l, 4) homogeneous points, in the frame of `place`
 
 
 def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
-    """A cylinder that covers the object's outline, and the lights that throw its shadows' tips; or why not.
+    """A cylinder that covers the object's outline, and lights that cast its top to the tips of the shadows.
 
-    The sight's pixels are counted from the outlines' centre.
+    The sight's pixels must be counted from the outlines' centre. Returns the reason, for the user, where the camera's
+    view allows no guess.
     """
     P = sight.P_marker
     eye = inverse_rigid(sight.T_cam_marker)[:3, 3]
@@ -37,7 +38,7 @@ def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
     if eye[2] <= 0 or ground_from_image is None:
         return "the camera looks along the ground or from below it"
 
-    # Upright in the image, at the outlines' centre. Straight down, any direction will do.
+    # The image of "up" at the outlines' centre. For a camera that looks straight down, any direction will do.
     length = float(np.linalg.norm(P[:2, 2]))
     up = P[:2, 2] / length if length > 0 else np.array([0.0, -1.0])
     side = np.array([-up[1], up[0]])
@@ -78,7 +79,10 @@ def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
 
 
 def _ground_from_image(P: Float) -> Float | None:
-    """(3, 3) homography from pixels to ground points, its last row positive where the ground is before the camera."""
+    """(3, 3) homography from pixels to ground points; the last coordinate is positive in front of the camera.
+
+    None where it is singular: the camera lies in the ground's plane.
+    """
     image_from_ground = P[:, [0, 1, 3]]
     scale = float(np.abs(image_from_ground).max())
     determinant = float(np.linalg.det(image_from_ground / scale)) if scale > 0 else 0.0
@@ -88,8 +92,8 @@ def _ground_from_image(P: Float) -> Float | None:
 
 
 def _on_ground(ground_from_image: Float, pixels: Float) -> Float:
-    """(m, 2) ground points of those pixels (n, 2) that show the ground before the camera."""
+    """(m, 2) ground points of those of the pixels (n, 2) that lie below the horizon."""
     points = np.column_stack([pixels, np.ones(len(pixels))]) @ ground_from_image.T
-    # The horizon is where the last coordinate passes 0; what is nearly there is of no use undecided.
+    # The last coordinate is 0 on the horizon; points close to it are too far away to be of use.
     seen = points[points[:, 2] > 1e-4 * np.abs(ground_from_image[2, 2])]
     return np.asarray(seen[:, :2] / seen[:, 2:])

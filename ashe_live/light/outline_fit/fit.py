@@ -1,7 +1,7 @@
-"""The fit: from masks of an object and its shadows to bodies and lights that explain their outlines.
+"""The fit: from masks of an object and its shadows to bodies and lights whose outlines agree with the masks'.
 
-Families of bodies are tried one generation after the other, each searched for its best member together with the lights,
-and ranked by how well they explain the outlines for their number of parameters (docs/maths.md).
+Families of bodies are tried one generation after the other. Each is searched for its best member together with the
+lights, and they are ranked by the Bayesian information criterion (docs/maths.md, "Search").
 """
 
 import math
@@ -24,9 +24,10 @@ from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 
 # Errors in neighbouring directions are correlated: their number over the effective sample size.
 DIRECTIONS_PER_SAMPLE = 4.0
-# Cauchy's scale: errors beyond this share of the object's size are outliers (a handle, a hole in a mask).
+# Scale of Cauchy's loss, as a fraction of the object's size and its limits: larger errors are outliers (a handle, a
+# hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
-ENOUGH_SHARE = 0.005  # of the object's size: small objects look alike, and need all families
+ENOUGH_SHARE = 0.005  # limit to `FitPreset.enough`, as a fraction of the object's size: small objects need all families
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,7 @@ class FitPreset:
     directions: int  # in which outlines are compared
     families: tuple[str, ...]  # tried in this order, each after the one that it grows from
     iterations: int
-    enough: float  # no further family is tried once one misses by less, in sigmas of the edges
+    enough: float  # no further families are tried once one has a smaller rms residual, in sigmas of the masks' edges
 
 
 FAST = FitPreset(32, ("frustum", "box", "sphere", "vase", "lump"), 8, 1.5)
@@ -45,9 +46,9 @@ BALANCED = FitPreset(40, tuple(FAMILIES), 10, 1.25)
 
 @dataclass(frozen=True, slots=True)
 class FitFailure:
-    """Why these masks tell no direction."""
+    """Why no light direction follows from these masks."""
 
-    reason: str  # for a person
+    reason: str  # for the user
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,10 +62,10 @@ class Masks:
     body: AnyMask
     shadows: Sequence[AnyMask]  # one for each light
     sight: Sight
-    unreliable: Mask | None = None  # pixels of which nothing is known (the marker's print, other objects)
-    edge_sigma_px: float = 0.5  # how far the edges typically are from the truth; 0.2 for perfect masks
+    unreliable: Mask | None = None  # pixels that are neither object, shadow nor ground (the marker, other objects)
+    edge_sigma_px: float = 0.5  # standard deviation of the masks' edges from the truth; 0.2 for perfect masks
     undecided: Mask | None = None  # pixels outside the masks that belong to the object or to a shadow
-    start: Float | None = None  # (l, 4) lights to start from as well
+    start: Float | None = None  # (l, 4) lights, marker frame, as a further start
 
     def __post_init__(self) -> None:
         shape = self.sight.camera.size[::-1]
@@ -83,16 +84,19 @@ class FittedBodies:
 
 
 def fit_bodies(several: Sequence[Masks], preset: FitPreset = BALANCED) -> list[FittedBodies | FitFailure]:
-    """For each, the bodies and lights that explain its outlines best; all at once, which takes less time."""
+    """For each, the best body of every family with its lights, or why there is none; solved as one batch for speed.
+
+    Raises ValueError if the preset names a family without the one that it grows from.
+    """
     return [scene.fitted() if isinstance(scene, _Scene) else scene for scene in _solved(several, preset)]
 
 
 @dataclass(slots=True, eq=False)
 class _Scene:
-    """What has to be explained, where to begin, and what has been found of it so far."""
+    """The outlines to fit, the starts of the search, and the solutions found so far."""
 
     outlines: Outlines
-    sight: Sight  # about their centre
+    sight: Sight  # its pixels counted from the outlines' centre
     guess: FirstGuess
     starts: list[Float]  # (l, 4) each, lights to start from
     edge_sigma_px: float
@@ -107,7 +111,7 @@ class _Scene:
         return math.sqrt(least) < min(enough * self.edge_sigma_px, ENOUGH_SHARE * self.outlines.size_px)
 
     def problem(self, number: int, family: Family) -> Problem:
-        """The search of a family; this scene's `number` among the observations."""
+        """The search among a family's members; number: this scene's index in the observations."""
         if family.grows_from is None:
             height, radius = math.log(self.guess.height), self.guess.radius
             shapes, lights = family.starts(np.array([0.0, 0.0, height, radius, radius])), self.starts
@@ -117,7 +121,7 @@ class _Scene:
         return Problem(number, family, np.repeat(lights, len(shapes), axis=0), np.tile(shapes, (len(lights), 1)))
 
     def ranked(self) -> list[str]:
-        """The families tried, the likeliest first."""
+        """The names of the families tried, by rising information criterion."""
         return sorted(self.solutions, key=lambda name: _information_criterion(self.solutions[name], self.edge_sigma_px))
 
     def fitted(self) -> FittedBodies:
@@ -131,7 +135,7 @@ class _Scene:
 
 
 def _solved(several: Sequence[Masks], preset: FitPreset) -> "list[_Scene | FitFailure]":
-    """What is found of each."""
+    """Each scene with its solutions, or why it has none."""
     found = [_scene(masks, preset) for masks in several]
     scenes = [scene for scene in found if isinstance(scene, _Scene)]
     for lights in {len(scene.outlines.shadows) for scene in scenes}:
@@ -154,14 +158,14 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
 
 
 def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
-    """Solves scenes of equally many lights."""
+    """Solves scenes that have the same number of lights, adding to their `solutions`."""
     observations = Observations.stacked(
         [scene.sight.P(scene.guess.place) for scene in scenes],
         [scene.outlines for scene in scenes],
         [scene.outlier_px for scene in scenes],
     )
     for families in _generations(preset.families):
-        # A small ball also looks much like a cup: all families that grow from the first guess are tried in any case.
+        # A small ball looks much like a cup too, so all families that grow from the first guess are always tried.
         problems = [
             scene.problem(number, family)
             for family in families
@@ -177,7 +181,7 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
 
 
 def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
-    """Families whose parents have been tried before, a list after the other.
+    """Lists of families, each list holding those whose parents are in the lists before.
 
     Raises ValueError where a parent is not among them.
     """
@@ -193,7 +197,7 @@ def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
 
 
 def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:
-    """The Bayesian information criterion, with the effective sample size for n; the least is the best."""
+    """The Bayesian information criterion with the effective sample size for n; lower is better."""
     parameters = Layout(len(solution.lights)).split + solution.shape.size
     measurements = max(solution.count / DIRECTIONS_PER_SAMPLE, parameters + 1.0)
     error = solution.mean_square + edge_sigma_px**2

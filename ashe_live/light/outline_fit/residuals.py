@@ -1,4 +1,4 @@
-"""By how much bodies and their shadows miss outlines, and how that changes with their parameters: a stack at a time."""
+"""Residuals between the outlines of bodies with shadows and the observed ones, and their derivatives, for a batch."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,36 +16,36 @@ Indices = NDArray[np.intp]
 
 
 class Stacked:
-    """A dataclass of arrays that go along in their first axis."""
+    """A dataclass of arrays that share their first axis."""
 
     __slots__: tuple[str, ...] = ()
 
     def of(self, rows: Indices | Mask) -> Self:
-        """Some of them, or one several times."""
+        """The given rows of every array; a row may be repeated."""
         return type(self)(*(getattr(self, name)[rows] for name in self.__slots__))
 
 
 @dataclass(frozen=True, slots=True)
 class Observations(Stacked):
-    """What n bodies have to explain: outlines, as seen by a camera about their centre."""
+    """The observed outlines of n scenes, in pixels counted from their centres."""
 
     P: Float  # (n, 3, 4) pixels from the bodies' frame
     directions: Float  # (n, 2, d)
-    least_px: Float  # (n, 1 + l or 2 + l, d) as in Outlines; without the last row where that bounds nothing
+    least_px: Float  # (n, 1 + l or 2 + l, d) as in Outlines; without the last row if it bounds nothing in any scene
     most_px: Float
-    scale_px: Float  # (n, 1) errors beyond it count less and less
+    scale_px: Float  # (n, 1) scale of Cauchy's loss
 
     @staticmethod
     def stacked(cameras: Sequence[Float], outlines: Sequence[Outlines], scales_px: Sequence[float]) -> "Observations":
-        """Of outlines of equally many shadows; where one has fewer directions than others, nothing bounds the rest."""
+        """Stacks outlines with the same number of shadows; missing directions are padded with infinite bounds."""
         n, (rows, _) = len(outlines), outlines[0].least_px.shape
         d = max(len(one.directions) for one in outlines)
         directions = np.zeros((n, 2, d))
         least, most = np.full((n, rows, d), -np.inf), np.full((n, rows, d), np.inf)
         for i, one in enumerate(outlines):
-            own = slice(len(one.directions))
-            directions[i, :, own] = one.directions.T
-            least[i, :, own], most[i, :, own] = one.least_px, one.most_px
+            used = slice(len(one.directions))
+            directions[i, :, used] = one.directions.T
+            least[i, :, used], most[i, :, used] = one.least_px, one.most_px
         if np.isneginf(least[:, -1]).all():
             least, most = least[:, :-1], most[:, :-1]
         return Observations(np.array(cameras), directions, least, most, np.array(scales_px)[:, None])
@@ -54,9 +54,10 @@ class Observations(Stacked):
 def residuals(
     observations: Observations, families: Sequence[Family], lights: Float, shapes: Float
 ) -> tuple[Float, Float]:
-    """(n, r) pixels by which n bodies miss outlines, and how theta moves what they miss, (n, split + q, r).
+    """(n, r) signed distances in pixels by which outlines of n bodies violate the observed bounds, 0 within them; and
+    the derivatives of the outlines' reaches by theta, (n, split + q, r).
 
-    lights: (n, l, 4) in the bodies' frames. shapes: (n, q), of the members of `families` (n,).
+    lights: (n, l, 4) in the bodies' frames. shapes: (n, q) parameters of the members of `families` (n,).
     """
     (n, rows, _), outlines = observations.least_px.shape, 1 + lights.shape[1]
     parts, by_shape = parts_of(families, shapes)

@@ -1,7 +1,7 @@
-"""Levenberg and Marquardt's method for families of bodies, many starts at once, with a loss that forgives outliers.
+"""Levenberg-Marquardt search for bodies of several families, many starts at once, with a robust loss (Cauchy's).
 
-The starts of several families in several scenes are worked on in step: NumPy's calls cost more than their numbers,
-which are few.
+The starts of several families in several scenes are iterated as one batch: the arrays are small, so the overhead of
+NumPy's calls dominates.
 """
 
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ from ashe_live.light.outline_fit.residuals import Indices, Observations, Stacked
 from ashe_live.light.shape.family import Family, padded
 from ashe_live.light.shape.layout import Layout
 
-SOLID_PRIOR = 0.25  # px^2 that one `spread` of a parameter costs: enough to keep what nothing else holds
+SOLID_PRIOR = 0.25  # px^2, cost of a parameter one `spread` from its start: it settles what the outlines leave open
 LARGEST_STEP = 1.5
-THINNING, TRIAL = 2, 4  # iterations before a third of the starts, and only the best one, go on
+THINNING, TRIAL = 2, 4  # iterations after which a third of the starts, and then only the best one, are kept
 CONVERGED = 1e-2  # relative gain of the cost
 FIRST_DAMPING, HIGHEST_DAMPING = 1e-2, 1e5
 HOPELESS = 3.0  # a search whose cost remains above this multiple of its scene's best is given up
@@ -25,33 +25,33 @@ HOPELESS = 3.0  # a search whose cost remains above this multiple of its scene's
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """A family in which to look for the body that explains a scene."""
+    """The search for the member of one family that fits one scene best."""
 
-    scene: int  # which one of the observations
+    scene: int  # index among the observations
     family: Family
-    lights: Float  # (m, l, 4) to start from
-    shapes: Float  # (m, q)
+    lights: Float  # (m, l, 4) of m starts
+    shapes: Float  # (m, q) of the same starts
 
 
 @dataclass(frozen=True, slots=True)
 class Solution:
-    """The best member of a family."""
+    """The best member of a family, with its lights."""
 
     family: Family
     lights: Float  # (l, 4)
     shape: Float  # (q,)
-    cost: float  # px^2
-    mean_square: float  # px^2, of the forgiving loss, over the outlines' directions
-    count: int  # of directions in which an outline was measured
+    cost: float  # px^2, robust loss and prior
+    mean_square: float  # px^2, robust loss per measurement
+    count: int  # number of measurements: directions in which an outline was observed, not only bounded
 
 
 def search(
     observations: Observations, problems: Sequence[Problem], least_cost: Float, iterations: int
 ) -> list[Solution]:
-    """For each of m problems the member of its family and the lights that explain its scene's outlines best.
+    """For each of m problems, the member of its family and the lights that fit its scene's outlines best.
 
-    After a few iterations only the best start goes on, and not even that when its cost is far above the least that is
-    known for the scene by then; at first that is `least_cost`, one for each of the observations.
+    After a few iterations only the best start is kept, and it is given up if its cost is far above the least found for
+    its scene so far. least_cost: the least costs found before, one for each of the observations; inf if there is none.
     """
     stack = _Stack.of(observations, problems)
     now = stack.started(problems)
@@ -73,41 +73,41 @@ def search(
 
 
 def stiffness_of(family: Family, layout: Layout) -> Float:
-    """(split + q,) px^2 that theta costs as it leaves its start; lights may go anywhere."""
+    """(split + q,) px^2 diagonal of the prior's information on theta about its start; 0 for the lights."""
     return np.asarray(SOLID_PRIOR / np.array([np.inf] * layout.split + list(family.spread)) ** 2)
 
 
 def information_on_lights(normal: Float, layout: Layout) -> Float:
-    """(split, split) of (split + q, split + q): what is known of lights when the shape is not; the Schur complement."""
+    """(split, split) information on the lights with the shape marginalised out: the Schur complement of `normal`."""
     split = layout.split
-    own, mixed, others = normal[:split, :split], normal[:split, split:], normal[split:, split:]
-    scale = np.sqrt(np.maximum(np.diag(others), 1e-9))
-    balanced = others / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    of_lights, mixed, of_shape = normal[:split, :split], normal[:split, split:], normal[split:, split:]
+    scale = np.sqrt(np.maximum(np.diag(of_shape), 1e-9))
+    balanced = of_shape / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
     mixed = mixed / scale
-    return np.asarray(own - mixed @ np.linalg.solve(balanced, mixed.T))
+    return np.asarray(of_lights - mixed @ np.linalg.solve(balanced, mixed.T))
 
 
 @dataclass(slots=True)
 class _Candidates(Stacked):
-    """Where n searches are."""
+    """The states of n searches."""
 
-    problem: Indices  # (n,) which one is to be solved, ascending
-    start: Float  # (n, split + q)
+    problem: Indices  # (n,) index of the problem that each works on, ascending
+    start: Float  # (n, split + q) theta at the start
     theta: Float  # (n, split + q)
-    damping: Float  # (n,)
-    missed: Float  # (n, r)
+    damping: Float  # (n,) Marquardt's
+    missed: Float  # (n, r) residuals, pixels
     by_theta: Float  # (n, split + q, r)
     cost: Float  # (n,)
 
     def best(self, share: float = 0.0) -> Indices:
-        """Indices of each problem's best one, or of this share of them if that is more."""
+        """Indices of each problem's cheapest candidates: the fraction `share` of them, at least one."""
         order = np.lexsort((self.cost, self.problem))
         rank = np.arange(len(order)) - np.searchsorted(self.problem, self.problem)
         count = np.bincount(self.problem)[self.problem]
         return np.asarray(order[rank < np.maximum(1, (share * count).astype(int))])
 
     def improved(self, theta: Float, missed: Float, by_theta: Float, cost: Float) -> Float:
-        """Takes the places that cost less; (n,) how much less."""
+        """Accepts, in place, the steps that lower the cost, and adapts the damping; returns (n,) the reductions."""
         better = cost < self.cost
         gain = np.where(better, self.cost - cost, 0.0)
         self.theta[better], self.missed[better] = theta[better], missed[better]
@@ -116,7 +116,10 @@ class _Candidates(Stacked):
         return gain
 
     def over(self, gain: Float, hopeless: Float, settles: bool) -> Mask:
-        """(n,) whether their problem is solved, as far as can be, or given up as it costs more than `hopeless` (m,)."""
+        """(n,) whether each one's problem is finished: converged, stuck, or given up as it costs more than `hopeless`.
+
+        hopeless: (m,) a cost for each problem. settles: whether a small gain counts as convergence yet.
+        """
         first = np.flatnonzero(np.diff(self.problem, prepend=-1))
         over = np.minimum.reduceat(self.cost, first) > hopeless[self.problem[first]]
         over |= np.minimum.reduceat(self.damping, first) > HIGHEST_DAMPING
@@ -128,7 +131,7 @@ class _Candidates(Stacked):
 
 @dataclass(frozen=True, slots=True)
 class _Stack:
-    """m problems in step. What a family has fewer parameters than another stands after its own and moves nothing."""
+    """m problems as one batch; shorter parameter vectors are padded with parameters that have no effect."""
 
     families: Sequence[Family]
     scene: Indices  # (m,)
@@ -157,15 +160,15 @@ class _Stack:
         return _Candidates(problem, start, start.copy(), np.full(len(start), FIRST_DAMPING), *evaluated)
 
     def evaluated(self, problem: Indices, start: Float, theta: Float) -> tuple[Float, Float, Float]:
-        """What n candidates miss (n, r), its derivatives, and their costs (n,), which include leaving their start."""
-        own, layout = self.observations.of(problem), self.layout
+        """Residuals (n, r) of n candidates, their derivatives by theta, and the costs (n,), the prior included."""
+        observed, layout = self.observations.of(problem), self.layout
         families = [self.families[i] for i in problem]
-        missed, by_theta = residuals(own, families, layout.lights_of(theta), layout.shape_of(theta))
-        loss = (own.scale_px**2 * np.log1p((missed / own.scale_px) ** 2)).sum(axis=1)
+        missed, by_theta = residuals(observed, families, layout.lights_of(theta), layout.shape_of(theta))
+        loss = (observed.scale_px**2 * np.log1p((missed / observed.scale_px) ** 2)).sum(axis=1)
         return missed, by_theta, loss + ((theta - start) ** 2 * self.stiffness[problem]).sum(axis=1)
 
     def step(self, now: _Candidates) -> Float:
-        """(n, split + q) Levenberg and Marquardt's."""
+        """(n, split + q) Levenberg-Marquardt steps, clipped to LARGEST_STEP."""
         stiffness = self.stiffness[now.problem]
         weight = (now.missed != 0) / (1 + (now.missed / self.observations.scale_px[now.problem]) ** 2)
         normal, gradient = _normal_equations(now, weight)
@@ -178,30 +181,30 @@ class _Stack:
         return np.asarray(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
 
     def lowered(self, least_cost: Float, now: _Candidates) -> Float:
-        """The least cost that is known of each scene, now that these are."""
+        """(scenes,) the least cost found for each scene, the candidates' included."""
         least = least_cost.copy()
         np.minimum.at(least, self.scene[now.problem], now.cost)
         return least
 
     def solutions(self, now: _Candidates) -> dict[int, Solution]:
-        """Of every problem that has candidates."""
+        """The best candidate of every problem that has any, by the problem's index."""
         best = now.of(now.best())
-        own = self.observations.of(best.problem)
-        squares = (best.missed / own.scale_px) ** 2
-        loss = (own.scale_px**2 * np.log1p(squares)).sum(axis=1)
-        # Bounds are no measurements: what lies between them, or at one of them, could lie elsewhere.
-        seen = (own.least_px == own.most_px).reshape(best.missed.shape)
-        known = seen.sum(axis=1)
+        observed = self.observations.of(best.problem)
+        squares = (best.missed / observed.scale_px) ** 2
+        loss = (observed.scale_px**2 * np.log1p(squares)).sum(axis=1)
+        # Bounds are no measurements: an outline between them, or at one of them, could lie elsewhere too.
+        is_measured = (observed.least_px == observed.most_px).reshape(best.missed.shape)
+        measured = is_measured.sum(axis=1)
         found = {}
         for i, problem in enumerate(best.problem.tolist()):
             family, lights = self.families[problem], self.layout.lights_of(best.theta[i])
             shape = self.layout.shape_of(best.theta[i])[: family.size]
-            square = float(loss[i]) / max(int(known[i]), 1)
-            found[problem] = Solution(family, lights, shape, float(best.cost[i]), square, int(known[i]))
+            square = float(loss[i]) / max(int(measured[i]), 1)
+            found[problem] = Solution(family, lights, shape, float(best.cost[i]), square, int(measured[i]))
         return found
 
 
 def _normal_equations(now: _Candidates, weight: Float) -> tuple[Float, Float]:
-    """(n, split + q, split + q) and (n, split + q) of the weighted squares."""
+    """(n, split + q, split + q) matrix and (n, split + q) gradient of the weighted normal equations."""
     weighted = now.by_theta * weight[:, None]
     return weighted @ now.by_theta.swapaxes(1, 2), (weighted @ now.missed[..., None])[..., 0]

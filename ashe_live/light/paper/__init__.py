@@ -1,4 +1,4 @@
-"""The AShE paper's method as published, with which the others are compared.
+"""The AShE paper's method as published, the baseline for the others.
 
 May import `core`.
 """

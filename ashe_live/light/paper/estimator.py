@@ -1,7 +1,7 @@
-"""Estimator `paper`: the method of the AShE paper as published, kept as what everything else is compared with.
+"""Estimator `paper`: the method of the AShE paper as published, kept as the baseline.
 
 Source: "A Shadow Estimator for Augmented Reality Systems on Mobile Platforms" (AShE). Its steps are the functions of
-`paper_masks` and `paper_geometry`; here they stand in the paper's order. It has no measure of its own certainty.
+`masks` and `geometry`; here they are called in the paper's order. It gives no uncertainty or confidence.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from ashe_live.light.paper.shadow_colour import shadow_rgb_ratio
 
 @dataclass(frozen=True, slots=True)
 class PaperSteps:
-    """The method's numbers: as published where they are, else the sensible decision."""
+    """The method's parameters: as published where the paper states them, else chosen here."""
 
     size: Size = (640, 480)  # published
     grabcut_iterations: int = 25  # published
@@ -31,7 +31,7 @@ class PaperSteps:
     sheet_over_marker: float = 1.4  # the printed sheet with its white margin, over the black square's side
     score_c_share: float = 0.15  # c over the working width: about the size of an object
     score_k: float = 1.0
-    smallest_share: float = 0.001  # of the picture: smaller regions are specks
+    smallest_share: float = 0.001  # fraction of the picture; smaller regions are specks
     least_side_px: int = 16  # at the working size: a narrower picture holds no object beside its shadow
 
 
@@ -46,7 +46,10 @@ class PaperEstimator:
         return "paper"
 
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
-        """The paper's answer; a step that finds nothing, or a light that is not above the ground, gives a reason."""
+        """The paper's estimate; no lights and a reason if a step finds nothing or the light is not above the ground.
+
+        Raises ValueError when the frame has no marker.
+        """
         if tracked.marker is None:
             raise ValueError("an estimate needs a frame with a marker")
         clock = StageClock()

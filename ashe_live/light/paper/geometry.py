@@ -1,7 +1,7 @@
 """The AShE paper's geometry: from the centres of object and shadow in the picture to a direction in 3D.
 
 Source: "A Shadow Estimator for Augmented Reality Systems on Mobile Platforms" (AShE). The virtual object is a cube
-that stands on the marker's centre, its edge the marker's side. Pixels are undistorted unless said otherwise.
+that stands on the marker's centre, its edge the marker's side. Pixels are undistorted unless stated otherwise.
 """
 
 import math
@@ -42,7 +42,7 @@ def undistorted(camera: Camera, pixels: Float) -> Float:
 def real_to_virtual_scale(virtual_area_px: float, object_area_px: float) -> float:
     """AShE, scale between the real and the virtual object.
 
-    Open: of what kind. It multiplies a length, so it is a ratio of lengths: the root of the areas' ratio.
+    Open: whether of lengths or areas. It multiplies a length, so it is a ratio of lengths: the root of that of areas.
     """
     return math.sqrt(virtual_area_px / object_area_px)
 
@@ -50,7 +50,7 @@ def real_to_virtual_scale(virtual_area_px: float, object_area_px: float) -> floa
 def virtual_shadow_centre(object_px: Float, shadow_px: Float, virtual_px: Float, scale: float) -> Float:
     """AShE, the shadow's vector brought to the virtual object: (2,) pixels.
 
-    Open: what it is scaled about. The vector starts in the object's centre, so it is scaled about that, then moved.
+    Open: the centre of the scaling. The vector starts in the object's centre, so it is scaled about that, then moved.
     """
     return np.asarray(virtual_px + scale * (shadow_px - object_px))
 

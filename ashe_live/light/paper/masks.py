@@ -37,7 +37,7 @@ def lab_clusters(image_bgr: Image, clusters: int, attempts: int, iterations: int
     """
     lab = cv2.cvtColor(image_bgr.astype(np.float32) / 255, cv2.COLOR_BGR2LAB)
     stop = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_MAX_ITER, iterations, 0.5)
-    # OpenCV draws from one generator a thread: whatever ran before must not decide.
+    # OpenCV has one random generator per thread: what ran before must not influence the result.
     cv2.setRNGSeed(RANDOM_SEED)
     _, labels, _ = cv2.kmeans(
         lab.reshape(-1, 3), clusters, np.empty(0, np.int32), stop, attempts, cv2.KMEANS_PP_CENTERS
@@ -48,8 +48,8 @@ def lab_clusters(image_bgr: Image, clusters: int, attempts: int, iterations: int
 def darkest_clusters(image_bgr: Image, labels: Image, ground: Mask, dark_share: float) -> Mask:
     """AShE, shadow detection: the darkest clusters are shadow.
 
-    Open: how many are "the darkest". A shadow has lost most of the light, so a dark cluster has less than `dark_share`
-    of the median linear luminance; and of the clusters in the order of lightness up to the first that is not dark,
+    Open: how many are "the darkest". A shadow has lost most of the light, so a cluster is dark if it has less than
+    `dark_share` of the median linear luminance; of the clusters sorted by lightness up to the first that is not dark,
     those below the widest gap are shadow. `ground` leaves out the printed marker, whose ink is the darkest of all.
     """
     luminance = LINEAR_FROM_SRGB_8BIT[image_bgr] @ REC709_LUMINANCE[::-1]
@@ -82,7 +82,7 @@ def grabcut_foreground(image_bgr: Image, margin_px: int, iterations: int) -> Mas
 def hull_of_points(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float | None:
     """(n, 2) pixels, convex hull of (m, 3) points in the marker frame; None when one is behind the camera.
 
-    With the lens's distortion, as masks are compared with the picture as it was taken.
+    The lens's distortion is applied, as masks are compared with the picture as it was taken.
     """
     points_cam = transform_points(T_cam_marker, points_marker)
     if (points_cam[:, 2] <= 1e-6 * np.abs(points_cam).max()).any():
@@ -127,7 +127,7 @@ def shadow_of(object_mask: Mask, shadow: Mask, c_px: float, k: float, smallest_p
 
 def association_score(distance_px: float, area_px: float, c_px: float, k: float) -> float:
     """AShE, association: s = d / (a / (e^(d/c) + k) + 1); the lower the nearer and larger."""
-    # e^709 is the largest of a double; there, the region's area has long ceased to count.
+    # e^709 is the largest double; the region's area is negligible long before.
     growth = np.exp(min(distance_px / c_px, 700.0))
     return float(distance_px / (area_px / (growth + k) + 1))
 

@@ -10,19 +10,20 @@ SMOOTHING_PX = 0.8
 
 
 def smoothed(values: Float32) -> Float32:
+    """Blurred by a Gaussian of SMOOTHING_PX."""
     return np.asarray(cv2.GaussianBlur(values, (0, 0), SMOOTHING_PX), dtype=np.float32)
 
 
 def cleaned(mask: Mask) -> Mask:
-    """Without specks and pinholes."""
+    """Morphologically opened, then closed: without specks and pinholes."""
     kernel = np.ones((3, 3), np.uint8)
     opened = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_OPEN, kernel)
     return cv2.morphologyEx(opened, cv2.MORPH_CLOSE, kernel).astype(bool)
 
 
 def majority(mask: Mask, across_px: int = 3) -> Mask:
-    """What most of a pixel's neighbours are: no specks, but thin strips survive."""
-    # For masks the same as a median filter, and several times faster.
+    """The majority vote of each pixel's neighbourhood: removes specks, but keeps thin strips."""
+    # On masks this equals a median filter, and is several times faster.
     counts = cv2.boxFilter(
         mask.astype(np.uint8), -1, (across_px, across_px), normalize=False, borderType=cv2.BORDER_REPLICATE
     )
@@ -41,14 +42,14 @@ def large_areas(mask: Mask, least_px: int) -> Mask:
 
 
 def areas_by_size(mask: Mask, least_px: int) -> list[Mask]:
-    """The connected areas of `mask`, largest first."""
+    """The connected areas of `mask` with at least `least_px` pixels, largest first."""
     labels, sizes = _labelled(mask, connectivity=4)
     order = np.argsort(-sizes, kind="stable")
     return [labels == index for index in order if sizes[index] >= least_px]
 
 
 def overlapping(mask: Mask, other: Mask, least_share: float) -> Mask:
-    """The connected areas of `mask` of which more than `least_share` lies in `other`; `mask` itself if none does."""
+    """The connected areas of `mask` with more than `least_share` of their pixels in `other`; all of `mask` if none."""
     labels, sizes = _labelled(mask, connectivity=4)
     shared = np.bincount(labels[other & mask], minlength=len(sizes))
     kept = shared > least_share * sizes
@@ -56,14 +57,17 @@ def overlapping(mask: Mask, other: Mask, least_share: float) -> Mask:
 
 
 def grown(mask: Mask, by_px: int) -> Mask:
+    """Dilated by a square of half side `by_px`."""
     return cv2.dilate(mask.astype(np.uint8), _square(2 * by_px + 1)).astype(bool)
 
 
 def shrunk(mask: Mask, by_px: int) -> Mask:
+    """Eroded by a square of half side `by_px`."""
     return cv2.erode(mask.astype(np.uint8), _square(2 * by_px + 1)).astype(bool)
 
 
 def filled(mask: Mask) -> Mask:
+    """With its holes filled."""
     outlines, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
     picture = np.zeros(mask.shape, np.uint8)
     cv2.drawContours(picture, outlines, -1, 1, cv2.FILLED)
@@ -71,14 +75,14 @@ def filled(mask: Mask) -> Mask:
 
 
 def distance_to(mask: Mask) -> Float32:
-    """(h, w) pixels to the nearest pixel of `mask`; far away where there is none."""
+    """(h, w) distance in pixels to the nearest pixel of `mask`; 1000 everywhere if the mask is empty."""
     if not mask.any():
         return np.full(mask.shape, 1e3, np.float32)
     return np.asarray(cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, 3), dtype=np.float32)
 
 
 def window_around(mask: Mask, margin_px: int) -> tuple[slice, slice]:
-    """Rows and columns of the smallest part of the picture that holds `mask` and so much around it."""
+    """Rows and columns of the bounding box of `mask`, widened by `margin_px`, clipped to the picture."""
     x, y, across, down = cv2.boundingRect(mask.astype(np.uint8))
     return (
         slice(max(0, y - margin_px), min(mask.shape[0], y + down + margin_px)),
@@ -87,7 +91,7 @@ def window_around(mask: Mask, margin_px: int) -> tuple[slice, slice]:
 
 
 def _labelled(mask: Mask, connectivity: int) -> tuple[NDArray[np.int32], NDArray[np.intp]]:
-    """(h, w) the number of each pixel's connected area, 0 outside of `mask`; (n,) pixels of each, 0 of the outside."""
+    """(h, w) label of each pixel's connected area, 0 outside of `mask`; (n,) the areas' pixel counts, 0 for label 0."""
     count, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=connectivity)
     return np.asarray(labels, dtype=np.int32), np.bincount(labels[mask], minlength=count)
 

@@ -1,4 +1,7 @@
-"""Logs of linear light, brightness apart from chroma: colours in which a shadow is a shift, whatever it falls on."""
+"""Log-opponent colours: logs of linear light, brightness separated from chroma.
+
+In them a shadow is the same shift for every colour of the ground.
+"""
 
 import cv2
 import numpy as np
@@ -6,16 +9,19 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 
-# Added to linear light before the log: what an 8-bit picture cannot tell from black.
+# Added to linear light before the log: the level below which 8-bit values are indistinguishable from black.
 DARKEST = 0.004
-# Chroma differs less than brightness does, and says more.
+# Chroma varies less than brightness does, and is more discriminative.
 CHROMA_WEIGHT = 1.2
 # Rows: brightness, red over blue, red and blue over green; columns: logs of red, green, blue.
 OPPONENT = np.array([(1 / 3, 1 / 3, 1 / 3), (CHROMA_WEIGHT, 0, -CHROMA_WEIGHT), CHROMA_WEIGHT * np.array((1, -2, 1))])
 
 
 def log_opponent(image_bgr: Image, smoothing_px: float = 0.7) -> Float32:
-    """(h, w, 3): log brightness, log red over blue, log of red and blue over green, from linear light."""
+    """(h, w, 3) log brightness, log red over blue, log of red and blue over green, of an sRGB picture (h, w, 3).
+
+    The picture is blurred first by a Gaussian of `smoothing_px`.
+    """
     smooth = cv2.GaussianBlur(image_bgr, (0, 0), smoothing_px) if smoothing_px > 0 else image_bgr
     logs_bgr = cv2.LUT(smooth, np.log(LINEAR_FROM_SRGB_8BIT + DARKEST).astype(np.float32))
     return np.asarray(cv2.transform(logs_bgr, OPPONENT[:, ::-1]), dtype=np.float32)

@@ -1,4 +1,4 @@
-"""Mixtures of colours: what a material looks like, and what it costs to take a pixel for it."""
+"""Gaussian mixtures of colours: models of materials, and the unary cost of a pixel under each."""
 
 import math
 from dataclasses import dataclass
@@ -9,38 +9,40 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32
 
-# Standard deviations below which colours of one material are not told apart: noise, JPEG, relief.
+# Standard deviations added to every component's: image noise, JPEG artefacts, relief.
 COLOUR_NOISE = np.array([0.05, 0.045, 0.045])
 LEAST_MEMBERS = 5
-# So many colours at a time, that what is computed of them stays near the processor.
+# Colours are processed in blocks whose intermediate results fit into the processor's cache.
 BLOCK = 4096
-# Twice the negative log of the density of a colour that no material explains: a few in a hundred are of any colour.
+# Largest cost: twice the negative log density of the uniform background component, a few per cent of every material.
 UNEXPLAINED = 13.0
-ROWS, COLUMNS = np.triu_indices(3)  # of a quadratic form's six numbers
+ROWS, COLUMNS = np.triu_indices(3)  # of a quadratic form's six coefficients
 NORMAL = 3 * math.log(2 * math.pi)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mixture:
-    """The colours of a material, log-opponent, as normal distributions."""
+    """The log-opponent colours of a material as a mixture of normal distributions."""
 
     centres: Float32  # (k, 3)
     covariances: Float32  # (k, 3, 3)
-    weights: Float32  # (k,) shares of the material
+    weights: Float32  # (k,) mixing proportions
 
     def shifted(self, shift: Float, shares: Float, widenings: Float) -> "Mixture":
-        """The material when some shares (s,) of a shift (3,) are seen, all of them together, each with its widening."""
+        """The union of s copies of the mixture: each shifted by its fraction (s,) of `shift` (3,), its covariances
+        multiplied by its `widenings` (s,).
+        """
         centres = self.centres + (shares[:, None, None] * shift).astype(np.float32)
         covariances = self.covariances * widenings[:, None, None, None].astype(np.float32)
         return Mixture(centres.reshape(-1, 3), covariances.reshape(-1, 3, 3), np.tile(self.weights, len(shares)))
 
 
 def clusters(colours: Float32, count: int, start: NDArray[np.intp] | None = None) -> tuple[NDArray[np.intp], Float32]:
-    """Labels (n,) and centres (k, 3) of colours (n, 3), k at most `count`; the same input gives the same bits.
+    """K-means: labels (n,) and centres (k, 3) of colours (n, 3), k at most `count`; deterministic to the bit.
 
-    `start`: (n,) labels to begin with, where there are some already.
+    start: (n,) initial labels, if there are any.
     """
-    # OpenCV's generator is global: seeded here, so that nothing that ran before matters.
+    # OpenCV's random generator is global: seeded here, so that the result does not depend on what ran before.
     cv2.setRNGSeed(1)
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 12, 0.01)
     how = cv2.KMEANS_PP_CENTERS if start is None else cv2.KMEANS_USE_INITIAL_LABELS
@@ -50,7 +52,7 @@ def clusters(colours: Float32, count: int, start: NDArray[np.intp] | None = None
 
 
 def nearest_centres(colours: Float32, centres: Float32) -> NDArray[np.intp]:
-    """(n,) which of at most 255 centres (k, 3) is nearest to each of the colours (n, 3); the first one of two."""
+    """(n,) index of the nearest of at most 255 centres (k, 3) to each of the colours (n, 3); the first of equals."""
     labels = np.empty(len(colours), np.intp)
     # Maxima over rows of bytes take a fifth of the time of `argmin`.
     first = np.arange(len(centres), 0, -1, dtype=np.uint8)[:, None]
@@ -65,23 +67,23 @@ def nearest_centres(colours: Float32, centres: Float32) -> NDArray[np.intp]:
 def mixture_of(
     colours: Float32, count: int, widening: float = 1.0, start: NDArray[np.intp] | None = None
 ) -> Mixture | None:
-    """The mixture of at most `count` components that describes colours (n, 3); None of fewer than a few colours.
+    """The mixture of at most `count` components fitted to colours (n, 3) by K-means; None if there are too few colours.
 
-    `start`: as in `clusters`.
+    widening: factor on the components' covariances. start: as in `clusters`.
     """
     if len(colours) < LEAST_MEMBERS:
         return None
     labels, centres = clusters(colours, count, start)
-    own = (labels == np.arange(len(centres))[:, None]).astype(np.float64)
-    members = own.sum(axis=1)
+    membership = (labels == np.arange(len(centres))[:, None]).astype(np.float64)
+    members = membership.sum(axis=1)
     kept = members >= LEAST_MEMBERS
     if not kept.any():
         return None
-    own, members = own[kept], members[kept][:, None]
+    membership, members = membership[kept], members[kept][:, None]
     middle = colours.mean(axis=0, dtype=np.float64)
     away = colours - middle
-    means = own @ away / members
-    squares = own @ (away[:, :, None] * away[:, None, :]).reshape(-1, 9) / members
+    means = membership @ away / members
+    squares = membership @ (away[:, :, None] * away[:, None, :]).reshape(-1, 9) / members
     covariances = (squares - (means[:, :, None] * means[:, None, :]).reshape(-1, 9)) * members / (members - 1)
     return Mixture(
         (middle + means).astype(np.float32),
@@ -91,7 +93,7 @@ def mixture_of(
 
 
 def nearest_squared_distance(colours: Float32, mixture: Mixture, costs: Float | Float32 | None = None) -> Float32:
-    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a component, plus that component's cost (k,).
+    """(n,) smallest squared Mahalanobis distance of colours (n, 3) to a component, each plus that one's `costs` (k,).
 
     The distances are quadratics in the colour, so that all of them are one product of (k, 10) and (10, n).
     """
@@ -119,9 +121,9 @@ def nearest_squared_distance(colours: Float32, mixture: Mixture, costs: Float | 
 
 
 def cost(colours: Float32, mixture: Mixture, more: Float | float = 0.0) -> Float32:
-    """(n,) twice the negative log of the density of colours (n, 3), by the likeliest component; at most UNEXPLAINED.
+    """(n,) cost of colours (n, 3): twice their negative log density by the likeliest component, at most UNEXPLAINED.
 
-    `more`: (k,) that components cost in addition; the cheapest one's is added to the most, too.
+    more: (k,) extra costs of the components; the least of them is added to UNEXPLAINED too.
     """
     spread = np.linalg.slogdet(mixture.covariances.astype(np.float64))[1]
     rarity = -2 * np.log(np.maximum(mixture.weights, 1e-3))

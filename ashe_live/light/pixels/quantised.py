@@ -1,4 +1,4 @@
-"""A picture's colours, of which those that noise cannot tell apart count as one: few to compute with, many to show."""
+"""A picture's colours quantised to the size of the noise, so that costs are computed once per cell, not per pixel."""
 
 from dataclasses import dataclass
 
@@ -14,11 +14,11 @@ class Quantised:
     """The cells of colour space, as large as the noise, in which a picture's colours lie."""
 
     colours: Float32  # (k, 3) log-opponent, the mean of each cell's
-    cell: NDArray[np.intp]  # (h, w) which one each pixel lies in
+    cell: NDArray[np.intp]  # (h, w) index of each pixel's cell
 
     @staticmethod
     def of(colours: Float32) -> "Quantised":
-        """Of a picture (h, w, 3)."""
+        """Quantises the colours of a picture (h, w, 3)."""
         flat = colours.reshape(-1, 3)
         places = np.floor(flat / COLOUR_NOISE.astype(np.float32)).astype(np.int32)
         places -= places.min(axis=0)
@@ -29,5 +29,5 @@ class Quantised:
         return Quantised((sums / counts[:, None]).astype(np.float32), cell.reshape(colours.shape[:2]))
 
     def pictured(self, values: Float32) -> Float32:
-        """(h, w) of values (k,), one for each of the colours."""
+        """(h, w) the values (k,) of the cells, spread over their pixels."""
         return values.take(self.cell)

@@ -1,4 +1,4 @@
-"""The frame at a working size, or a window of it, and where in it the ground is."""
+"""The undistorted frame at a working size, or a window of it, with the mask of the ground."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from ashe_live.core.types import TrackedFrame
 
 # The printed sheet is wider than the black square, and its own edge is neither object nor shadow.
 SHEET_SIDES = 1.45
-# Ground farther away than this many times the marker's distance is too coarse to tell anything.
+# Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
 FARTHEST = 4.0
 
 Window = tuple[slice, slice]  # rows and columns
@@ -26,11 +26,11 @@ class View:
     camera: Camera  # of that size
     T_cam_marker: Float  # (4, 4)
     side_m: float  # of the marker
-    is_ground: Mask  # (h, w) where the marker's plane is seen, beside the sheet
+    is_ground: Mask  # (h, w) where the marker's plane is visible, outside of the printed sheet
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
-        """The frame scaled down to `width_px`, if it is wider, and freed from the lens's distortion."""
+        """The frame scaled down to `width_px`, if it is wider, and undistorted. It must have a marker."""
         assert tracked.marker is not None
         image, camera = _scaled(np.asarray(tracked.frame.image_bgr), tracked.camera, width_px)
         if camera.is_distorted:
@@ -73,7 +73,7 @@ def _made(image: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> V
 
 
 def _ground_mask(camera: Camera, T_cam_marker: Float, side_m: float) -> Mask:
-    """(h, w): where the ray meets the marker's plane, not too far away, outside the printed sheet."""
+    """(h, w) pixels whose ray meets the marker's plane, not too far away, outside of the printed sheet."""
     width, height = camera.size
     normal, place = T_cam_marker[:3, 2], T_cam_marker[:3, 3]
     # The depth of the plane along a pixel's ray is `offset` over how much the ray faces it.

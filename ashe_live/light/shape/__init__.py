@@ -1,4 +1,4 @@
-"""Bodies, the shadows they cast, and how both project into a picture: geometry without colours.
+"""Bodies, the shadows they cast, and the projection of both into a picture: geometry without colours.
 
 May import `core` and `pixels`.
 """

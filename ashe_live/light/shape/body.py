@@ -1,4 +1,4 @@
-"""Bodies on the ground and the lights in which they stand: geometry in the marker's frame, whatever sees them."""
+"""Bodies on the ground and the lights that they stand in: geometry in the marker frame, independent of any camera."""
 
 from dataclasses import dataclass, replace
 
@@ -13,24 +13,24 @@ from ashe_live.light.shape.layout import Layout, numbers_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Place:
-    """A body's own frame, in which its family's parameters are: upright at its foot, its size the unit."""
+    """The body frame, in which a family's parameters are given: upright, on the ground, its unit the body's size."""
 
     origin_marker: Float  # (2,) metres, on the ground
     unit_m: float
 
     @property
     def T_marker_own(self) -> Float:
-        """(4, 4) a similarity."""
+        """(4, 4) similarity transform from the body frame to the marker frame."""
         M = np.diag([self.unit_m, self.unit_m, self.unit_m, 1.0])
         M[:2, 3] = self.origin_marker
         return M
 
     def lights(self, lights_marker: Float) -> Float:
-        """(l, 4) lights of the marker frame in this one."""
-        own = lights_marker.copy()
-        own[:, :2] -= lights_marker[:, 3:] * self.origin_marker
-        own[:, 3] *= self.unit_m
-        return own
+        """(l, 4) lights of the marker frame, transformed to the body frame."""
+        in_body_frame = lights_marker.copy()
+        in_body_frame[:, :2] -= lights_marker[:, 3:] * self.origin_marker
+        in_body_frame[:, 3] *= self.unit_m
+        return in_body_frame
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,14 +43,14 @@ class Body:
 
     @property
     def spheroids(self) -> Float:
-        """(k, 5) in its own frame."""
+        """(k, 5) centre x, y, z, horizontal radius, half height, in the body frame."""
         spheroids: Float = self.family.parts(self.shape[None])[0][0]
-        spheroids[:, 3:] = np.abs(spheroids[:, 3:])  # a radius enters squared, so that its sign means nothing
+        spheroids[:, 3:] = np.abs(spheroids[:, 3:])  # radii enter squared, so their signs have no meaning
         return spheroids
 
     @property
     def proxy(self) -> Proxy:
-        """In the marker frame, metres."""
+        """The body as a proxy in the marker frame, metres."""
         spheroids = self.spheroids * self.place.unit_m
         spheroids[:, :2] += self.place.origin_marker
         return Proxy(self.family.name, spheroids)
@@ -58,7 +58,7 @@ class Body:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LitBody:
-    """What a fit varies: a body, and the lights that throw its shadows."""
+    """What a fit varies: a body, and the lights that cast its shadows."""
 
     body: Body
     lights: Float  # (l, 4) homogeneous points, marker frame
@@ -69,16 +69,16 @@ class LitBody:
 
     @property
     def own_lights(self) -> Float:
-        """(l, 4) in the body's own frame."""
+        """(l, 4) the lights in the body frame."""
         return self.body.place.lights(self.lights)
 
     @property
     def to_lights_marker(self) -> list[Float]:
-        """(3,) unit vectors: the lights' directions, which is all of a light that is far away."""
+        """(3,) unit vectors towards the lights, marker frame; all lights are taken to be at infinity."""
         return [normalised(np.array([*slant, 1.0])) for slant in numbers_of(self.lights)]
 
     def moved(self, step: Float) -> "LitBody":
-        """By a step (split + q,) in theta; what is longer is longer for others' sake."""
+        """After a step in theta; a step longer than (split + q,) is padded for others of its batch, and cut."""
         layout = self.layout
         theta = layout.theta(self.lights, self.body.shape)
         theta = theta + step[: len(theta)]

@@ -1,4 +1,4 @@
-"""Contours of masks at sub-pixel accuracy, without specks, and where they may not be those of the whole."""
+"""Contours of masks at sub-pixel accuracy, without specks, and where they may be truncated."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,20 +9,20 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 
-# Blurring a binary mask before its contour is drawn halves the error that pixels make in a slanted edge.
+# Blurring a binary mask before its contour is extracted halves the error of pixel steps in a slanted edge.
 ANTIALIASING_PX = 0.7
 PAD = 3  # around a mask's window, for the blur
-CUT_PX = 4  # the blur rounds the corners of a mask that is cut by the frame, or by what is unreliable
+CUT_PX = 4  # the blur rounds the corners of a mask that is cut off by the frame or by unreliable pixels
 EVERY_OTHER = np.array([1, 0, 1, 0, 1], np.uint8)
-BESIDE = np.outer(EVERY_OTHER, EVERY_OTHER)  # where a pixel looks for what is unreliable
-SPECK_SHARE = 0.03  # of the largest component's area; smaller ones are no part of the silhouette
+BESIDE = np.outer(EVERY_OTHER, EVERY_OTHER)  # kernel of the dilation of unreliable pixels
+SPECK_SHARE = 0.03  # fraction of the largest component's area; smaller components are no part of the silhouette
 
 AnyMask = NDArray[np.bool_] | NDArray[np.floating]
 
 
 @dataclass(frozen=True, slots=True)
 class Contour:
-    """Where a mask ends."""
+    """The contour of a mask, and its convex hull."""
 
     points_px: Float  # (n, 2) the level set's first and last crossing of each row and column
     hull_px: Float  # (m, 2) corners of their convex hull, in order
@@ -38,7 +38,7 @@ def contour_of(mask: AnyMask) -> Contour | None:
     x0, y0, width, height = cv2.boundingRect(binary)
     if width * height == 0:
         return None
-    # With the pixels around, which a probability's level set lies between.
+    # With one pixel more on every side, as a probability's level set lies between pixels.
     x0, y0 = max(x0 - 1, 0), max(y0 - 1, 0)
     window = np.s_[y0 : y0 + height + 2, x0 : x0 + width + 2]
     _, labels, stats, _ = cv2.connectedComponentsWithStats(binary[window], connectivity=8)
@@ -71,19 +71,19 @@ def _crossings(level: NDArray[Any]) -> NDArray[np.float32]:
 
 
 def cutting(shape: tuple[int, ...], unreliable: Mask | None) -> Mask:
-    """(h, w) where an outline is not the whole's: at the frame's border, and at that of what is unreliable."""
+    """(h, w) where an outline may be truncated: at the frame's border, and beside unreliable pixels (h, w)."""
     border = np.ones(shape, np.bool_)
     border[CUT_PX:-CUT_PX, CUT_PX:-CUT_PX] = False
     return border if unreliable is None else border | (cv2.dilate(unreliable.astype(np.uint8), BESIDE) > 0)
 
 
 def at(points: Float, mask: Mask) -> Mask:
-    """(m,) whether points lie in a mask, or beyond it nearest to a pixel of it."""
+    """(m,) the mask's values at points (m, 2); outside of the picture, at its nearest pixel."""
     x, y = np.rint(points).astype(np.intp).T
     return np.asarray(mask[np.clip(y, 0, mask.shape[0] - 1), np.clip(x, 0, mask.shape[1] - 1)])
 
 
 def beside(points: Float, contour: Contour, margin: float) -> Mask:
-    """(m,) whether points lie within `margin` pixels of a contour."""
+    """(m,) whether points (m, 2) lie within `margin` pixels of a contour."""
     squared = (contour.points_px**2).sum(axis=1) - 2 * points @ contour.points_px.T
     return np.asarray(squared.min(axis=1) + (points**2).sum(axis=1) <= margin**2)

@@ -1,4 +1,4 @@
-"""Directions towards lights, from the displacements by which their shadows fall."""
+"""Directions towards lights, and their covariances, from the displacements s of their shadows."""
 
 import math
 from dataclasses import dataclass
@@ -10,16 +10,16 @@ from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.shape.layout import Layout, numbers_of
 from ashe_live.light.shape.light_points import at_infinity
 
-HEMISPHERE_RAD = 0.7  # how far a light may be from where it is found, if the outlines tell nothing
-# By how much its height may be off where its shadow's far end is out of the picture: other borders tell lengths by the
-# body's shape alone. Measured on pictures cut through their shadows.
+HEMISPHERE_RAD = 0.7  # sigma of the prior that a light is somewhere on the hemisphere
+# Sigma of a light's height if its shadow's far end is out of the picture, as the other borders determine lengths only
+# through the body's shape. Measured on pictures cut through their shadows.
 UNSEEN_END_RAD = math.radians(6)
-HEIGHTS = 64  # at which a density is looked at
+HEIGHTS = 64  # at which a probability density is sampled
 
 
 @dataclass(frozen=True, slots=True)
 class FittedLight:
-    """A direction towards a light, and how well the outlines determine it."""
+    """A direction towards a light, and its covariance by the outlines."""
 
     to_light_marker: Float  # (3,) unit
     covariance_rad2: Float  # (2, 2) on the tangent basis: larger azimuth, larger elevation
@@ -33,46 +33,47 @@ class FittedLight:
 
     @property
     def point(self) -> Float:
-        """(1, 4) as homogeneous points are stacked."""
+        """(1, 4) the direction as a stack of one homogeneous point."""
         return at_infinity(self.to_light_marker[None])
 
 
 def fitted_lights(lights: Float, covariance: Float) -> tuple[FittedLight, ...]:
-    """Lights (l, 4), all of them directions, and their numbers' covariance (split, split)."""
+    """The directions of lights (l, 4) at infinity, from the covariance (split, split) of their displacements s."""
     fitted, layout = [], Layout(len(lights))
     for i, slant in enumerate(numbers_of(lights)):
-        own, slope = layout.light(i), direction_by_slant(slant)
-        spread = slope @ covariance[own, own] @ slope.T
+        block, slope = layout.light(i), direction_by_slant(slant)
+        spread = slope @ covariance[block, block] @ slope.T
         fitted.append(FittedLight(np.array([*slant, 1.0]), 0.5 * (spread + spread.T)))
     return tuple(fitted)
 
 
 def slant_of(to_light_marker: Float) -> Float:
-    """(2,) displacement s by which a light above the ground throws shadows, for a unit of height."""
+    """(2,) displacement s, per unit of height, of the shadows in a light above the ground."""
     return np.asarray(to_light_marker[:2] / to_light_marker[2])
 
 
 def information_on_slant(light: FittedLight) -> Float:
-    """(2, 2) on its displacement; its covariance must be positive definite."""
+    """(2, 2) information on the displacement s of a light, whose covariance must be positive definite."""
     slope = direction_by_slant(slant_of(light.to_light_marker))
     return np.asarray(slope.T @ np.linalg.solve(light.covariance_rad2, slope))
 
 
 def above_the_ground(information: Float, lights: Float) -> Float:
-    """Information (split, split) on the numbers of lights (l, 4), and that each is on the hemisphere."""
+    """`information` (split, split) on the displacements of lights (l, 4), plus the prior on the hemisphere."""
     total, layout = information.copy(), Layout(len(lights))
     for i, slant in enumerate(numbers_of(lights)):
-        own, slope = layout.light(i), direction_by_slant(slant)
-        total[own, own] += slope.T @ slope / HEMISPHERE_RAD**2
+        block, slope = layout.light(i), direction_by_slant(slant)
+        total[block, block] += slope.T @ slope / HEMISPHERE_RAD**2
     return total
 
 
 def with_end_in_view(light: FittedLight, share: float) -> FittedLight:
-    """What is known of it when so much, 0 to 1, of its shadow's far end is in the picture.
+    """The light with its height corrected for a shadow whose far end is only partly in the picture.
 
-    Out of it, a shadow may be longer than found but not shorter, and the light as much lower. How low is told by what
-    else told its height, the covariance, which must be positive definite; and long ends out of the picture are rarer
-    than short ones.
+    share: the fraction of the far end in the picture, 0 to 1. Outside of it a shadow may be longer than was fitted but
+    not shorter, so the light may be lower but not higher. The posterior of its height combines the covariance, which
+    must be positive definite, with a prior by which long ends out of view are rarer than short ones ((22b) of
+    docs/maths.md).
     """
     height, deviation = math.asin(light.to_light_marker[2]), math.sqrt(light.covariance_rad2[1, 1])
     lowest = max(0.0, height - 5 * deviation)
@@ -82,13 +83,13 @@ def with_end_in_view(light: FittedLight, share: float) -> FittedLight:
     variance = np.average((heights - mean) ** 2, weights=likelihood) + UNSEEN_END_RAD**2
     down = (1 - share) ** 2 * (height - mean)
     lowered = math.cos(down) * light.to_light_marker - math.sin(down) * tangent_basis(light.to_light_marker)[1]
-    # The compass azimuth is as sure as before: the same angle is a longer arc lower down.
+    # The azimuth keeps its uncertainty as an angle, which is a longer arc at a lower elevation.
     wider = max(1.0, math.cos(height - down) / max(math.cos(height), math.sqrt(light.covariance_rad2[0, 0])))
     change = np.array([wider, share + (1 - share) * math.sqrt(variance) / deviation])
     return FittedLight(lowered, light.covariance_rad2 * np.outer(change, change))
 
 
 def direction_by_slant(slant: Float) -> Float:
-    """(2, 2) derivative of the direction (s, 1) / |(s, 1)|, on its tangent basis, by s."""
+    """(2, 2) derivative by s of the direction (s, 1) / |(s, 1)|, on its tangent basis."""
     towards = np.array([*slant, 1.0])
     return np.asarray(tangent_basis(towards)[:, :2] / np.linalg.norm(towards))

@@ -1,4 +1,4 @@
-"""The families of upright bodies that stand in for the real object: convex hulls of spheroids."""
+"""The families of upright bodies that approximate the real object: convex hulls of spheroids."""
 
 import math
 
@@ -86,7 +86,7 @@ def _mug(theta: Float) -> Parts:
 
 
 def _lump(theta: Float) -> Parts:
-    """A spheroid with two balls, each at any place of it: a head with ears, a toy with arms."""
+    """A spheroid with two balls, each anywhere on it: a head with ears, a toy with arms."""
     x, y, size, stretch, *balls = parameters(theta)
     half = exp(size + stretch)
     spheroids: list[tuple[Jet | None, ...]] = [(x, y, half, exp(size), half)]
@@ -101,7 +101,7 @@ def _turned(x: Jet, y: Jet, yaw: Jet, across: Jet, along: Jet) -> tuple[Jet, Jet
     return places.real, places.imag
 
 
-# Starts: from the parameters of the family that this one grows out of.
+# Starts: from the parameters of a member of the family that each one grows from.
 
 
 def _upright_starts(seed: Float) -> Float:
@@ -160,9 +160,9 @@ def _turns(count: int, whole: float) -> list[float]:
 
 
 def _turned_box(box: Float, turn: float, kept: float) -> tuple[float, ...]:
-    """A box seen from another side, and only the share `kept` of it, to leave room at its +x side."""
+    """A box rotated by `turn` and cut to the fraction `kept` of its breadth, to leave room at its +x side."""
     x, y, yaw, breadth, depth, height = box
-    # Between the sides, half its diagonals' lengths stand in.
+    # At angles between quarter turns, breadth and depth are interpolated.
     c, s = math.cos(turn) ** 2, math.sin(turn) ** 2
     breadth, depth = c * breadth + s * depth, s * breadth + c * depth
     cut = (1 - kept) * math.exp(min(breadth, 5.0))

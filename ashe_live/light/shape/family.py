@@ -1,7 +1,7 @@
-"""What a family of bodies is, and bodies of several families in one stack.
+"""Families of bodies, and the batching of bodies of several families.
 
-A family turns parameters into spheroids (x, y, z, radius, half height) and their derivatives. Lengths are in units of
-the first guess's size, about its place on the ground; those that must stay positive enter as logarithms.
+A family maps parameters to spheroids (x, y, z, horizontal radius, half height) and their derivatives. Lengths are in
+the units of the body frame (`body.Place`); those that must stay positive enter as logarithms.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,24 +16,25 @@ Parts = tuple[Float, Float]  # (n, k, 5) spheroids, (n, k, 5, q) their derivativ
 
 @dataclass(frozen=True, slots=True)
 class Family:
-    """A kind of body, and where a search among its members begins."""
+    """A parametric family of bodies, and the starts of a search among its members."""
 
     name: str
-    grows_from: str | None  # the family whose member a search starts from; None: the first guess
-    parts: Callable[[Float], Parts]  # of parameters (n, q)
-    starts: Callable[[Float], Float]  # (n, q) from a member of that family (the first guess is a frustum)
-    spread: tuple[float, ...]  # (q,) how far a parameter plausibly lies from its start; inf: anywhere
+    grows_from: str | None  # the family whose best member a search starts from; None: the first guess
+    parts: Callable[[Float], Parts]  # spheroids and derivatives for parameters (n, q)
+    starts: Callable[[Float], Float]  # starts (n, q) from a member of that family (the first guess is a frustum)
+    spread: tuple[float, ...]  # (q,) sigma of the prior on each parameter about its start; inf: none
 
     @property
     def size(self) -> int:
-        """Of the parameters."""
+        """The number q of parameters."""
         return len(self.spread)
 
 
 def parts_of(families: Sequence[Family], shapes: Float) -> Parts:
-    """The parts of n bodies, of `families` (n,) with the parameters `shapes` (n, q), in one stack.
+    """The spheroids (n, k, 5) of n bodies, members of `families` (n,) with parameters `shapes` (n, q), in one batch.
 
-    Where a body has fewer than others: its further parts are copies of its first, its further parameters move nothing.
+    Bodies with fewer spheroids are padded with copies of their first, and those with fewer parameters with derivatives
+    of 0. Returns the derivatives (n, k, 5, q) too.
     """
     members: dict[str, list[int]] = {}
     for i, family in enumerate(families):
@@ -52,7 +53,7 @@ def parts_of(families: Sequence[Family], shapes: Float) -> Parts:
 
 
 def padded(rows: Sequence[Float]) -> Float:
-    """(n, most) of rows of different lengths, with zeros at their ends."""
+    """(n, most) array of n rows of different lengths, padded with zeros at their ends."""
     stack = np.zeros((len(rows), max(len(row) for row in rows)))
     for i, row in enumerate(rows):
         stack[i, : len(row)] = row

@@ -1,4 +1,4 @@
-"""Numbers that carry their derivatives: what lets each family of bodies be written as plain formulas."""
+"""Jets, numbers that carry their derivatives (forward-mode automatic differentiation), for the formulas of families."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Jet:
 
 
 def parameters(theta: Float) -> list[Jet]:
-    """The q columns of theta (n, q) as jets (n, 1), the ones with respect to which slopes are taken."""
+    """The q columns of theta (n, q) as jets (n, 1), by which derivatives are taken."""
     n, q = theta.shape
     numbers = np.empty((n, q, 1 + q))
     numbers[..., 0], numbers[..., 1:] = theta, np.eye(q)
@@ -55,24 +55,24 @@ def exp(jet: Jet) -> Jet:
 
 
 def share(jet: Jet) -> Jet:
-    """The logistic function, between 0 and 1."""
+    """The logistic function: a fraction between 0 and 1."""
     value = 1 / (1 + np.exp(np.minimum(np.maximum(-jet.numbers[..., :1], -30.0), 30.0)))
     return _chained(jet, value, value * (1 - value))
 
 
 def turn(jet: Jet) -> Jet:
-    """The complex number by which the plane turns by an angle."""
+    """exp(i angle): the complex number that rotates the plane by an angle."""
     value = np.exp(1j * jet.numbers[..., :1])
     return _chained(jet, value, 1j * value)
 
 
 def joined(*jets: Jet) -> Jet:
-    """(n, sum of their k)"""
+    """The jets concatenated along k."""
     return Jet(np.concatenate([jet.numbers for jet in jets], axis=1))
 
 
 def stacked(groups: Sequence[tuple[Jet | None, ...]], counts: Sequence[int]) -> tuple[Float, Float]:
-    """(n, k, f) values and (n, k, f, q) slopes of groups of rows, each of f jets (n, 1 or count); None stands for 0."""
+    """(n, k, f) values and (n, k, f, q) derivatives of groups of rows, each of f jets (n, 1 or count); None means 0."""
     first = next(jet for jet in groups[0] if jet is not None).numbers
     numbers = np.zeros((first.shape[0], sum(counts), len(groups[0]), first.shape[2]))
     begin = 0

@@ -1,8 +1,8 @@
 """Lights as homogeneous points (x, y, z, w): w = 0 for a direction, else a lamp at (x, y, z) / w.
 
-Any light above the plane z = 0 throws shadows on it by one planar projection (Blinn, "Me and My (Fake) Shadow", IEEE
-Computer Graphics and Applications 8(1), 1988). Over its z, a light is three numbers: the displacement s = (x, y) / z of
-a shadow for a unit of height, and w / z, by which shadows grow with height; it is 0 for a direction.
+Any light above the plane z = 0 casts shadows on it by one planar projection (Blinn, "Me and My (Fake) Shadow", IEEE
+Computer Graphics and Applications 8(1), 1988). Divided by its z, a light has three numbers: the displacement
+s = (x, y) / z of a shadow per unit of height, and w / z, by which shadows grow with height; it is 0 for a direction.
 """
 
 import numpy as np
@@ -10,11 +10,11 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 
-LOWEST_Z = 1e-6  # over the length of (x, y, z): what is lower throws no shadow on the plane
+LOWEST_Z = 1e-6  # of the unit vector along (x, y, z): a lower light casts no finite shadow on the plane
 
 
 def at_infinity(to_lights: Float) -> Float:
-    """(..., 4) the lights in directions (..., 3), from the surface towards them."""
+    """(..., 4) lights at infinity in directions (..., 3), which point from the surface towards the lights."""
     lights = np.zeros((*to_lights.shape[:-1], 4))
     lights[..., :3] = to_lights
     return lights
@@ -29,9 +29,9 @@ def shadow_projection(lights: Float) -> Float:
 
 
 def cast_on_ground(points: Float, light: Float) -> Float | None:
-    """(n, 3) where the shadows of points (n, 3) fall on the plane z = 0 in a light (4,).
+    """(n, 3) the shadows on the plane z = 0 of points (n, 3) in a light (4,).
 
-    None of a light along the plane or below it, or not above all of the points: the shadow then has no end.
+    None for a light in the plane or below it, or one that is not above all of the points: the shadow is then infinite.
     """
     if light[2] <= LOWEST_Z * np.linalg.norm(light[:3]):
         return None

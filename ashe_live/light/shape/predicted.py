@@ -1,4 +1,4 @@
-"""Where a fitted body and its shadow are seen, and what remains unexplained by them."""
+"""The silhouettes that a body and its shadows have in a picture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,20 +17,20 @@ from ashe_live.light.shape.light_points import cast_on_ground
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.supports import outline_points
 
-AROUND = 32  # points on a body's rings: of 16, the chords lie 2 % of a radius within, which an alignment notices
+AROUND = 32  # points on a body's rings: with 16, chords lie 2 % of the radius inside, which biases an alignment
 FARTHEST_PX = 1e5
-NEAREST_SHARE = 0.1  # of the marker's distance: what is nearer to the camera's plane is cut off
+NEAREST_SHARE = 0.1  # depth of the near plane that cuts bodies off, as a fraction of the marker's distance
 SUBPIXEL_BITS = 4
 LARGE_PX = 5e3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Predicted:
-    """What a body in a light would look like."""
+    """The silhouettes of a body and its shadows."""
 
     body: Mask  # (h, w)
-    shadow: Mask  # (h, w) on the ground, as far as the body does not hide it
-    parts: tuple[Mask, ...] = ()  # (h, w) each light's shadow, where there are several
+    shadow: Mask  # (h, w) the visible shadow of all lights: what the body does not hide
+    parts: tuple[Mask, ...] = ()  # (h, w) each light's visible shadow, if there are two lights; empty for one
 
     @property
     def whole(self) -> Mask:
@@ -38,19 +38,22 @@ class Predicted:
 
 
 def predicted(proxy: Proxy, lights: Float, view: View) -> Predicted:
-    """The silhouettes in `view` of a convex body and of its shadows on the marker plane in lights (l, 4)."""
+    """The silhouettes in `view` of a convex body and of its shadows on the marker plane.
+
+    lights: (l, 4) homogeneous points, marker frame.
+    """
     return painted(outlines(proxy, lights, view), view.is_ground.shape)
 
 
 def outlines(proxy: Proxy, lights: Float, view: View) -> list[Float | None]:
-    """(m, 2) pixels each: the outline of a convex body, and of its shadow in each light; None of what is not seen."""
+    """The outlines (m, 2) in pixels of a convex body, then of its shadow in each light (l, 4); None if not in view."""
     points = proxy.points_marker(AROUND)
     shadows = [shadow_outline(view.camera, view.T_cam_marker, points, light) for light in lights]
     return [outline(view.camera, view.T_cam_marker, points), *shadows]
 
 
 def painted(hulls_px: Sequence[Float | None], shape: tuple[int, ...]) -> Predicted:
-    """What lies within the outlines of a body and of its shadows."""
+    """The masks, of `shape` (h, w), of the insides of a body's outline and of its shadows'."""
     body, *shadows = (_filled(hull, shape) for hull in hulls_px)
     shadows = [shadow & ~body for shadow in shadows]
     shadow = np.logical_or.reduce([np.zeros_like(body), *shadows])
@@ -58,7 +61,9 @@ def painted(hulls_px: Sequence[Float | None], shape: tuple[int, ...]) -> Predict
 
 
 def outline(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float | None:
-    """(m, 2) pixels: the hull of what lies before the camera of the hull of points (n, 3); None where nothing does."""
+    """(m, 2) pixels: the outline of the convex hull of points (n, 3), clipped at the near plane; None if nothing is
+    left.
+    """
     points = _before_camera(points_marker, T_cam_marker)
     pixels = project(camera, T_cam_marker, points) if len(points) else np.empty((0, 2))
     pixels = pixels[np.isfinite(pixels).all(axis=1)]
@@ -69,34 +74,34 @@ def outline(camera: Camera, T_cam_marker: Float, points_marker: Float) -> Float 
 
 
 def shadow_outline(camera: Camera, T_cam_marker: Float, points_marker: Float, light: Float) -> Float | None:
-    """(m, 2) pixels: the outline of the points' shadow on the marker plane in a light (4,); None if it has no end."""
+    """(m, 2) pixels: the outline of the points' shadow on the marker plane in a light (4,); None if it is infinite."""
     cast = cast_on_ground(points_marker, light)
     return None if cast is None else outline(camera, T_cam_marker, cast)
 
 
 def lit_outlines(several: Sequence[LitBody], sights: Sequence[Sight]) -> list[list[Float | None]]:
-    """As `outlines` of each in its sight, whose pixels are counted from the corner; all at once, which takes less time.
+    """As `outlines`, for each body in its sight, computed as one batch for speed.
 
-    All have equally many lights.
+    All have the same number of lights, and the sights' pixels are counted from the picture's corner.
     """
     P = np.array([sight.P(lit.body.place) for lit, sight in zip(several, sights, strict=True)])
     parts, _ = parts_of([lit.body.family for lit in several], padded([lit.body.shape for lit in several]))
     clouds = outline_points(P, parts, np.array([lit.own_lights for lit in several]), AROUND).astype(np.float32)
-    # What seems very large may go on behind the camera, which takes a closer look.
+    # What seems very large may extend behind the camera, and needs the slower projection with clipping.
     are_large = ~(np.abs(clouds).max(axis=(1, 2, 3, 4)) < LARGE_PX)
     return [
-        _closely(lit, sight) if is_large else [_hull(cloud) for cloud in own]
-        for lit, sight, own, is_large in zip(several, sights, clouds, are_large, strict=True)
+        _clipped(lit, sight) if is_large else [_hull(cloud) for cloud in clouds_of_one]
+        for lit, sight, clouds_of_one, is_large in zip(several, sights, clouds, are_large, strict=True)
     ]
 
 
-def _closely(lit: LitBody, sight: Sight) -> list[Float | None]:
+def _clipped(lit: LitBody, sight: Sight) -> list[Float | None]:
     camera, pose, points = sight.camera, sight.T_cam_marker, lit.body.proxy.points_marker(AROUND)
     return [outline(camera, pose, points), *(shadow_outline(camera, pose, points, light) for light in lit.lights)]
 
 
 def _hull(cloud: Float32) -> Float:
-    """(m, 2) of (k, around, 2) points."""
+    """(m, 2) convex hull of (k, around, 2) points."""
     return np.asarray(cv2.convexHull(cloud.reshape(-1, 2))[:, 0], dtype=np.float64)
 
 
@@ -108,7 +113,7 @@ def _filled(hull_px: Float | None, shape: tuple[int, ...]) -> Mask:
 
 
 def _before_camera(points_marker: Float, T_cam_marker: Float) -> Float:
-    """(m, 3) points whose hull is the part of the points' hull that lies before the camera."""
+    """(m, 3) points whose convex hull is the part of the points' hull beyond the near plane."""
     depth = points_marker @ T_cam_marker[2, :3] + T_cam_marker[2, 3]
     nearest = NEAREST_SHARE * float(np.linalg.norm(T_cam_marker[:3, 3]))
     before = depth > nearest

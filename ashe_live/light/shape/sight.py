@@ -1,4 +1,4 @@
-"""A sight: what sees a body. Bodies are in the marker's frame and know nothing of it; many sights may see one body."""
+"""A sight: a camera with its pose, as it sees bodies. Bodies are independent of it: many sights may see one body."""
 
 from dataclasses import dataclass, field
 
@@ -12,24 +12,24 @@ from ashe_live.light.shape.body import Place
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sight:
-    """A camera without distortion, its pose, and the pixel from which others are counted."""
+    """A camera without distortion, its pose, and the origin of pixel coordinates."""
 
     camera: Camera
     T_cam_marker: Float  # (4, 4)
-    centre_px: Float = field(default_factory=lambda: np.zeros(2))  # (2,) near what is measured, for precision
+    centre_px: Float = field(default_factory=lambda: np.zeros(2))  # (2,) origin of pixels, near the object
 
     @staticmethod
     def of(view: View) -> "Sight":
-        """Pixels are counted from the picture's corner."""
+        """The sight of a view, its pixels counted from the picture's corner."""
         return Sight(view.camera, view.T_cam_marker)
 
     @property
     def P_marker(self) -> Float:
-        """(3, 4) pixels about the centre from the marker frame."""
+        """(3, 4) projection from the marker frame to pixels about `centre_px`."""
         x, y = self.centre_px
         about = np.array([[1.0, 0.0, -x], [0.0, 1.0, -y], [0.0, 0.0, 1.0]])
         return np.asarray(about @ self.camera.K @ self.T_cam_marker[:3])
 
     def P(self, place: Place) -> Float:
-        """(3, 4) pixels about the centre from a body's own frame."""
+        """(3, 4) projection from the body frame of `place` to pixels about `centre_px`."""
         return np.asarray(self.P_marker @ place.T_marker_own)

@@ -1,4 +1,4 @@
-"""What masks say about outlines: bounds on how far the object and its whole shadows reach in each direction."""
+"""Observations from masks: bounds on the support functions of the object's and its shadows' complete outlines."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -10,18 +10,18 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.shape.contours import AnyMask, Contour, at, beside, contour_of, cutting
 
-# The outline of a shadow this near to the object may go on behind it.
+# A shadow's outline this near to the object may continue behind it.
 CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0
-# An edge may end anywhere along its length: what reaches this nearly as far may be where the outline ends.
+# Points whose reach is within this of the farthest may be the true end of the outline.
 TIE_PX = 0.5
 LEAST_SEEN_OF_BODY, LEAST_SEEN_OF_SHADOW = 6, 1  # directions
-# A straight edge this long, in sizes of the object, is measured although its ends are cut or hidden.
+# A straight edge of this length, in units of the object's size, counts as measured even if its ends are cut or hidden.
 LONG_EDGE, EDGES, STRAIGHT_PX = 0.3, 2, 0.75
 
 
 @dataclass(frozen=True, slots=True)
 class Silhouette:
-    """A convex hull, and where it may not be that of the whole."""
+    """A convex hull, and which of its corners may be artefacts of truncation."""
 
     hull_px: Float  # (m, 2) corners about the common centre
     certain: Mask  # (m,) whether the outline truly ends at this corner
@@ -29,20 +29,20 @@ class Silhouette:
 
 @dataclass(frozen=True, slots=True)
 class Outlines:
-    """The silhouettes of an object and of its l shadows, and what they bound.
+    """The silhouettes of an object and of its l shadows, with bounds on their support functions.
 
-    Rows of the bounds: the object, its shadows, and all of them together. They are equal where an outline was measured,
-    and apart where it is hidden (it may reach further) or cut (infinitely far, for all that is known). Together they
-    are measured where it cannot be told which of them reaches so far.
+    Rows of the bounds: the object, its shadows, and the union of all. The two bounds are equal where an outline was
+    measured, and differ where it is hidden (it may extend behind the object) or cut (it may extend infinitely far). The
+    union is measured only where it is ambiguous which of them reaches farthest.
     """
 
     directions: Float  # (d, 2) unit vectors in the image
-    centre_px: Float  # (2,) of the object, where silhouettes are measured from
+    centre_px: Float  # (2,) of the object, the origin of all that follows
     size_px: float  # square root of the object's area
     body: Silhouette
     shadows: tuple[Silhouette, ...]
-    least_px: Float  # (2 + l, d) the whole reaches at least as far
-    most_px: Float  # (2 + l, d) and at most as far
+    least_px: Float  # (2 + l, d) lower bounds of the reach along each direction
+    most_px: Float  # (2 + l, d) upper bounds
 
     @property
     def seen(self) -> Mask:
@@ -58,11 +58,13 @@ def observe_outlines(
     edge_sigma_px: float = 0.0,
     undecided: Mask | None = None,
 ) -> Outlines | str:
-    """Silhouettes from masks (h, w): bool, or the probability 0..1, then drawn at 0.5; or the reason why not.
+    """Silhouettes from masks (h, w), bool or probabilities 0..1, whose level set at 0.5 is used; or why there are none.
 
-    `unreliable`: pixels of which nothing is known, such as the marker's or other objects'. `edge_sigma_px`: how far
-    edges typically are from the truth, which may leave a gap between the object and its shadow. `undecided`: pixels
-    that belong to the object or to a shadow, no matter to which.
+    shadows: one mask for each light. unreliable: (h, w) pixels without information, such as the marker's or other
+    objects'. direction_count: evenly spaced directions; the normals of long straight edges are added. edge_sigma_px:
+    standard deviation of the masks' edges from the truth, which may leave a gap between the object and its shadow.
+    undecided: (h, w) pixels that belong to the object or to a shadow, without it being known to which. The method is
+    in docs/maths.md, "What masks bound".
     """
     body_contour = contour_of(body)
     if body_contour is None:
@@ -104,7 +106,7 @@ def observe_outlines(
         points = contour.hull_px - centre
         cut, hidden = is_cut(contour.hull_px), is_hidden(contour.hull_px)
         reach = _reach(points, directions)
-        # What goes on behind the object cannot pass the object's own outline.
+        # A shadow's hidden part cannot extend beyond the object's outline, which hides it.
         most = np.where(_ends_at(hidden, points, directions, 0.0), np.maximum(reach, body_most), reach)
         most = np.where(_ends_at(cut, points, directions, TIE_PX), np.inf, most)
         silhouettes.append(Silhouette(points, ~(cut | hidden)))
@@ -126,9 +128,10 @@ def observe_outlines(
 
 
 def _bounds_of_whole(points: Float, cut: Mask, directions: Float, least: Float, most: Float) -> tuple[Float, Float]:
-    """(d,) least and most that object and shadows (rows of bounds) reach together, by their common hull's points.
+    """(d,) lower and upper bounds of the union's reach, from the points of the common hull of object and shadows.
 
-    Measured where neither of them was; elsewhere without bounds, so that no outline counts twice.
+    least, most: (1 + l, d) the bounds of each. The union is measured only where none of them was, and unbounded
+    elsewhere, so that no outline is counted twice.
     """
     reach = _reach(points, directions)
     unknown = (most.max(axis=0) > least.max(axis=0) + TIE_PX) & ~_ends_at(cut, points, directions, TIE_PX)
@@ -136,9 +139,9 @@ def _bounds_of_whole(points: Float, cut: Mask, directions: Float, least: Float, 
 
 
 def _edge_normals(contour: Contour, doubtful: Mask, is_doubtful: Callable[[Float], Mask], size_px: float) -> Float:
-    """(e, 2) outward normals of the longest straight edges whose ends are doubtful but whose course is not.
+    """(e, 2) outward normals of the longest straight edges whose ends are doubtful but whose line is certain.
 
-    However far such an edge goes on, it goes on along its line, and so the outline's reach across it is known.
+    However far such an edge continues, it does so along its line, so the outline's reach along its normal is known.
     """
     empty = np.empty((0, 2))
     if not doubtful.any():
@@ -161,12 +164,12 @@ def _edge_normals(contour: Contour, doubtful: Mask, is_doubtful: Callable[[Float
 
 
 def _reach(points: Float, directions: Float) -> Float:
-    """(d,) how far points reach along directions."""
+    """(d,) support function of points (m, 2): their largest extent along each direction (d, 2)."""
     return np.asarray((points @ directions.T).max(axis=0))
 
 
 def _ends_at(flagged: Mask, points: Float, directions: Float, tie_px: float) -> Mask:
-    """(d,) whether the outline's end along each direction may be one of the flagged points."""
+    """(d,) whether one of the flagged points is the farthest along each direction, or within `tie_px` of that."""
     reaches = points @ directions.T
     flagged_reach = np.where(flagged[:, None], reaches, -np.inf).max(axis=0)
     return np.asarray(flagged_reach >= reaches.max(axis=0) - tie_px)

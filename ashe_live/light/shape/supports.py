@@ -1,8 +1,8 @@
-"""Support functions of a convex body's outline in the image, and of its shadow's, with their derivatives.
+"""Support functions of the outlines, in the image, of a convex body and of its shadows, with their derivatives.
 
 A body is the convex hull of upright spheroids: a point, a horizontal disc and a ball are special cases, so that boxes,
-cups, bottles and balls share one formula (docs/maths.md, "Support of a spheroid"). A line that touches the image of a
-spheroid solves a quadratic, that of its dual conic; so does one that touches its shadow, which is another image of the
+cups, bottles and balls share one formula (docs/maths.md, "Support of a spheroid"). The tangent lines of a spheroid's
+image satisfy a quadratic equation, that of its dual conic; so do those of its shadow, which is another image of the
 spheroid, through the light's projection onto the ground.
 """
 
@@ -16,25 +16,25 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.light_points import shadow_projection
 
-# What lies nearer to the camera's plane than this share of the body's depth counts as this near: it is far outside the
-# frame, and only the direction in which it lies matters.
+# Least depth, as a fraction of the body's. Points that are nearer to the camera's plane are moved there: they are far
+# outside the frame, and only the direction in which they lie matters.
 NEAREST_DEPTH = 0.02
 
 
-NARROWEST_PX = 1e-3  # what is narrower is drawn as a line
+NARROWEST_PX = 1e-3  # narrower ellipses are drawn as lines
 # The upper half of a symmetric 3x3 matrix: rows and columns of xx, xy, yy, xw, yw, ww.
 ROW, COLUMN = np.array([0, 0, 1, 0, 1, 2]), np.array([0, 1, 1, 2, 2, 2])
 
 
 @dataclass(frozen=True, slots=True)
 class Supports:
-    """How far outlines reach, and how that changes with the body and the lights.
+    """The support functions of outlines, and their derivatives by the body and the lights.
 
-    The second axis counts the outlines: first the body's own, then that of its shadow in each of l lights.
+    The second axis counts the outlines: first the body's, then that of its shadow in each of l lights.
     """
 
     reach_px: Float  # (n, 1 + l, d) max of u . p over the outline of body n, for direction u
-    part: NDArray[np.intp]  # (n, 1 + l, d) the spheroid that reaches so far
+    part: NDArray[np.intp]  # (n, 1 + l, d) index of the spheroid that reaches farthest
     by_part: Float  # (n, 1 + l, 5, d) derivative by that spheroid's x, y, z, radius, half height
     by_light: Float  # (n, l, 2, d) derivative of a shadow's reach by its light's numbers in theta
 
@@ -54,12 +54,12 @@ class Supports:
 def outline_supports(
     P: Float, parts: Float, lights: Float, directions: Float, touching: Float | None = None
 ) -> Supports:
-    """Supports of the images of n bodies and of the shadows they cast on the plane z = 0.
+    """The support functions of the images of n bodies and of the shadows they cast on the plane z = 0.
 
     P: (n, 3, 4) pixels from the parts' frame, with positive depth at its origin. parts: (n, k, 5) centre x, y, z,
     horizontal radius, half height of spheroids. lights: (n, l, 4) homogeneous points in that frame, above the parts.
-    directions: (n, 2, d) unit vectors, or (n, 1 + l, 2, d) for each outline its own. touching: other such directions,
-    whose farthest parts alone count.
+    directions: (n, 2, d) unit vectors, or (n, 1 + l, 2, d) if each outline has others. touching: directions of the same
+    shape, by which the farthest spheroids are selected whose supports along `directions` are returned.
     """
     if directions.ndim == 3:
         directions = directions[:, None]
@@ -74,7 +74,7 @@ def outline_supports(
         part = seen.reaches(touching).argmax(axis=2)
         reach_px = np.take_along_axis(reach, part[:, :, None], axis=2)[:, :, 0]
 
-    # The touching line as a form on the axes; by the envelope theorem its slopes there are all that is needed.
+    # By the envelope theorem, the derivatives follow from the tangent line alone, evaluated on the axes' images.
     slopes = axes[..., :2] @ directions - axes[..., 2:] * reach_px[:, :, None]
     touched = part + k * np.arange(part.shape[0] * part.shape[1]).reshape(*part.shape[:2], 1)
     depth = seen.centres[..., 2].reshape(-1).take(touched)
@@ -97,12 +97,15 @@ def outline_supports(
 
 
 def outline_points(P: Float, parts: Float, lights: Float, around: int) -> Float:
-    """(n, 1 + l, k, around, 2) pixels around the images of spheroids and of their shadows; as in `outline_supports`."""
+    """(n, 1 + l, k, around, 2) pixels on the ellipses of spheroids and of their shadows.
+
+    P, parts, lights: as in `outline_supports`. around: points on each ellipse.
+    """
     axes, origin = _axes(P, lights)
     seen = _Images.of(parts, axes, origin, NEAREST_DEPTH * P[:, 2, 3, None, None], always_conics=True)
     assert seen.conics is not None
     xx, xy, yy, x, y, _ = np.moveaxis(seen.conics, -1, 0)
-    # The image's shape is a symmetric matrix; its Cholesky factor makes an ellipse of a circle.
+    # The ellipse is the image of the unit circle under the Cholesky factor of its symmetric matrix.
     wide = np.sqrt(np.maximum(x * x - xx, 0.0))
     skew = (x * y - xy) / np.maximum(wide, NARROWEST_PX)
     high = np.sqrt(np.maximum(y * y - yy - skew**2, 0.0))
@@ -113,7 +116,7 @@ def outline_points(P: Float, parts: Float, lights: Float, around: int) -> Float:
 
 
 def _axes(P: Float, lights: Float) -> tuple[Float, Float]:
-    """(n, 1 + l, 3, 3) rows: the homogeneous images of x, y, z, for each outline; (n, 1 + l, 1, 3) the origin's."""
+    """(n, 1 + l, 3, 3) rows: homogeneous images of the x, y, z axes for each outline; (n, 1 + l, 1, 3) the origin's."""
     images = np.concatenate([P[:, None], P[:, None] @ shadow_projection(lights)], axis=1)
     axes = np.ascontiguousarray(images.swapaxes(2, 3))
     return axes[:, :, :3], axes[:, :, 3:]
@@ -121,7 +124,7 @@ def _axes(P: Float, lights: Float) -> tuple[Float, Float]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Images:
-    """The images of spheroids and of their shadows; those that reach behind the camera are points before it instead."""
+    """The images of spheroids and of their shadows; those that extend behind the camera are replaced by points."""
 
     centres: Float  # (n, 1 + l, k, 3) homogeneous
     radii: Float  # (n, 1 + l, k, 2)
@@ -147,12 +150,12 @@ class _Images:
         return _Images(centres, radii, conics / conics[..., 5:])
 
     def reaches(self, directions: Float) -> Float:
-        """(n, 1 + l, k, d) of every spheroid's outline."""
+        """(n, 1 + l, k, d) support function of every spheroid's outline."""
         if self.conics is None:
             return np.asarray((self.centres[..., :2] / self.centres[..., 2:]) @ directions)
         across, along = directions[:, :, 0], directions[:, :, 1]
         middle = self.conics[..., 3:5] @ directions
         squared = middle**2 - self.conics[..., :3] @ np.stack([across**2, 2 * across * along, along**2], axis=2)
-        # A point's root is 0; rounding would make it 1e-6 px, too coarse for derivatives by differences.
+        # For a point the root is 0; rounding would make it 1e-6 px, too coarse for tests by finite differences.
         blunt = self.radii.any(axis=3, keepdims=True)
         return np.asarray(middle + blunt * np.sqrt(np.maximum(squared, 0.0)))
