@@ -50,13 +50,6 @@ class CellReader:
         read = self._read(grey, corners_px)
         return read is not None and bool((self._prints[self._own] @ read).max() >= MIN_COARSE_CORRELATION)
 
-    def likeness(self, grey: Image, corners_px: Float) -> float:
-        """Correlation in [-1, 1] of the square with the marker, its corners in the print's order."""
-        inside = _cell_levels(grey, corners_px, self.cells + 2)[1:-1, 1:-1]
-        if np.ptp(inside) < MIN_CONTRAST:
-            return -1.0
-        return float(self._prints[self._own.start] @ _normalised(inside.reshape(1, -1))[0])
-
     def _read(self, grey: Image, corners_px: Float) -> Float | None:
         """The cells' light, normalised; None without contrast or without a dark border."""
         levels = _cell_levels(grey, corners_px, self.cells + 2)

@@ -5,16 +5,16 @@ Edges are measured in linear light, where blur moves none of them (in the encode
 in ideal pixels (see `lens`), where they are straight.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.tracking.edge_lines import NEXT, information, meeting_points, robust_lines
+from ashe_live.tracking.edge_lines import NEXT, information_by_side, meeting_points, robust_lines
 from ashe_live.tracking.lens import source_from_ideal
 
 Light = NDArray[np.float32]
@@ -60,9 +60,37 @@ class FittedSquare:
     """A square's corners and how sure they are."""
 
     corners_px: Float  # (4, 2) ideal pixels, in the order that was asked for
-    information: Float  # (8, 8) inverse covariance of corners_px.ravel(), 1 / px^2; noise alone
-    sides_seen: int = 4  # an unseen side is where it was guessed to be
-    curl_px: float | None = None  # what the paper's curl may move a corner by; None: edges were not looked at
+    by_side: Float  # (4, 8, 8) what each side tells: summed, the inverse covariance of corners_px.ravel(), 1 / px^2
+    seen: Mask = field(default_factory=lambda: np.ones(4, dtype=bool))  # (4,) an unseen side is where it was guessed
+    bows: Float | None = None  # (4,) of the sides, over their lengths; None: edges were not looked at
+
+    @classmethod
+    def guessed(cls, corners_px: Float, sigma_px: float) -> "FittedSquare":
+        """Corners (4, 2) that are good to `sigma_px`, however they were found."""
+        return cls(corners_px, np.tile(np.eye(8) / (4 * sigma_px**2), (4, 1, 1)))
+
+    @property
+    def information(self) -> Float:
+        """(8, 8) inverse covariance of corners_px.ravel(), 1 / px^2; noise alone."""
+        return np.asarray(self.by_side.sum(axis=0))
+
+    @property
+    def sides_seen(self) -> int:
+        return int(self.seen.sum())
+
+    @property
+    def curl(self) -> float:
+        """What the paper's curl may move a corner by, over the side."""
+        return CURL if self.bows is None else _curl(float(self.bows.max()))
+
+    @property
+    def curl_of_two_sides(self) -> float:
+        """As far as two sides show it: what bows a single one may be something that lies over it."""
+        return CURL if self.bows is None else _curl(float(np.sort(self.bows)[-2]))
+
+
+def _curl(bow: float) -> float:
+    return min(CURL, FLAT + CURL_PER_BOW * bow)
 
 
 def side_lengths_px(corners_px: Float) -> Float:
@@ -198,8 +226,19 @@ def _fitted(
     starts = corners_px + ends[:, :1] * outwards
     directions = sides + (ends[:, 1:] - ends[:, :1]) * outwards
     corners = meeting_points(starts, directions)
-    curl_px = min(CURL, FLAT + CURL_PER_BOW * float((bows / lengths).max())) * float(lengths.mean())
-    return FittedSquare(corners, information(outwards, covariances), int(seen.sum()), curl_px), widths
+    return FittedSquare(corners, information_by_side(outwards, covariances), seen, bows / lengths), widths
+
+
+def _rises_from_black(values: Float) -> Float:
+    """(4, samples, ACROSS - 1) how steep the light (4, samples, ACROSS) rises, the more the nearer to its darkest.
+
+    Of several rises the border's is the one from black. A floor in the sun is steeper above its paper than paper in the
+    shade above its ink, in linear light; so the steps are compared in a curve like the eye's.
+    """
+    seen = np.sqrt(values.clip(0))
+    above = seen - seen.min(axis=2, keepdims=True)
+    middle = (above[:, :, 1:] + above[:, :, :-1]) / 2
+    return np.asarray(np.diff(seen, axis=2) * (above.max(axis=2, keepdims=True) - middle))
 
 
 def _edge_offsets(values: Float, across: Float, spreads_px: Float) -> tuple[Float, Float, Float]:
@@ -211,7 +250,9 @@ def _edge_offsets(values: Float, across: Float, spreads_px: Float) -> tuple[Floa
     """
     rises = np.diff(values, axis=2).clip(0)
     centres = ((across[:, 1:] + across[:, :-1]) / 2)[:, None]
-    offsets = np.take_along_axis(centres[:, 0], rises.argmax(axis=2), axis=1)
+    borders = np.take_along_axis(centres[:, 0], _rises_from_black(values).argmax(axis=2), axis=1)
+    near = np.abs(centres - borders[:, :, None]) <= spreads_px[:, None, None]
+    offsets = np.take_along_axis(centres[:, 0], np.where(near, rises, -1.0).argmax(axis=2), axis=1)
     # A mean shift from the steepest place: a window fixed there would pull the centre of gravity towards noise.
     for _ in range(SHIFTS):
         away = (centres - offsets[:, :, None]) / spreads_px[:, None, None]

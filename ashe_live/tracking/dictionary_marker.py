@@ -7,11 +7,14 @@ from numpy.typing import ArrayLike
 from ashe_live.core.arrays import Float, Image
 from ashe_live.tracking.cells import CellReader
 from ashe_live.tracking.corners import is_front_of_square, refined_corners, side_lengths_px
+from ashe_live.tracking.print_alignment import PrintAlignment
 from ashe_live.tracking.quads import MIN_SIDE_PX, dark_quads, on_lighter, without_repeats
 
 # Of the detector's adaptive threshold: one window finds most of what three find, in a third of the time.
 QUICK_WINDOWS_PX, THOROUGH_WINDOWS_PX = (23, 23), (3, 23)
 EDGE_SAMPLES = 12
+# At which the print is compared with the picture.
+SAMPLES_A_CELL = 6
 # From here on coarse corners suffice for a first look.
 SURE_SIDE_PX = 25.0
 
@@ -35,6 +38,8 @@ class DictionaryMarker:
         self._dictionary = cv2.aruco.getPredefinedDictionary(dictionary)
         if marker_id < self.count:
             self._reader = CellReader(self._dictionary, marker_id)
+            cells = self._dictionary.markerSize + 2
+            self.alignment = PrintAlignment(self.bitmap(SAMPLES_A_CELL * cells), 1 / cells)
         self._parameters = cv2.aruco.DetectorParameters()
         # The tracker refines at full resolution.
         self._parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
@@ -60,10 +65,6 @@ class DictionaryMarker:
                 doubtful += dark_quads(grey, min_side_px)
             found += [corners for quad in on_lighter(grey, doubtful) if (corners := self._read(grey, quad)) is not None]
         return without_repeats(sorted(found, key=_area, reverse=True))
-
-    def likeness(self, grey: Image, corners_px: Float) -> float:
-        """See Marker.likeness."""
-        return self._reader.likeness(grey, corners_px)
 
     def bitmap(self, side_px: int) -> Image:
         """See Marker.bitmap; one pixel a cell is the least."""

@@ -50,13 +50,13 @@ def robust_lines(
     return np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0), covariances, bows
 
 
-def information(outwards: Float, covariances: Float) -> Float:
-    """(8, 8) of the corners: each side measures its two ends along its normal."""
+def information_by_side(outwards: Float, covariances: Float) -> Float:
+    """(4, 8, 8) of the corners: each side measures its two ends along its normal."""
     by_corners = np.zeros((4, 2, 8))
     for side in range(4):
         by_corners[side, 0, 2 * side : 2 * side + 2] = outwards[side]
         by_corners[side, 1, 2 * NEXT[side] : 2 * NEXT[side] + 2] = outwards[side]
-    return np.asarray((by_corners.transpose(0, 2, 1) @ np.linalg.inv(covariances) @ by_corners).sum(axis=0))
+    return np.asarray(by_corners.transpose(0, 2, 1) @ np.linalg.inv(covariances) @ by_corners)
 
 
 def _medians(values: Float, counts: Mask) -> Float:

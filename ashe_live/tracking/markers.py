@@ -8,6 +8,7 @@ from ashe_live.errors import UserError
 from ashe_live.tracking.dictionary_marker import APRILTAG_FAMILIES, DICTIONARIES, DictionaryMarker
 from ashe_live.tracking.pattern_files import read_marker_picture, read_pattern_file
 from ashe_live.tracking.pattern_marker import PatternMarker
+from ashe_live.tracking.print_alignment import PrintAlignment
 from ashe_live.tracking.quads import MIN_SIDE_PX
 
 SPEC_FORMS = "write aruco:4x4_50:0, apriltag:36h11:0, pattern:FILE.patt or image:FILE.png"
@@ -20,6 +21,10 @@ class Marker(Protocol):
     def spec(self) -> str:
         """What `parse_marker` made it from."""
 
+    @property
+    def alignment(self) -> PrintAlignment:
+        """What tells whether a square in the picture is this print, and where its inside has the corners."""
+
     def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
         """Corners (4, 2) in pixels of `grey` (h, w), good to a pixel or two, of every one in it, the likeliest first.
 
@@ -27,9 +32,6 @@ class Marker(Protocol):
         is passed over: most of the time goes into telling small things apart. `thorough` takes a few times as long and
         finds also what blur or shadows half hide.
         """
-
-    def likeness(self, grey: Image, corners_px: Float) -> float:
-        """Correlation in [-1, 1] of what is within `corners_px` (4, 2), in the print's order, with the print."""
 
     def bitmap(self, side_px: int) -> Image:
         """(side_px, side_px) grey picture of the black square as printed. Raises ValueError when too small."""
@@ -43,7 +45,8 @@ def parse_marker(spec: str) -> Marker:
             family, _, marker_id = rest.rpartition(":")
             return _dictionary_marker(spec, kind, family.lower(), marker_id)
         case "pattern" if rest:
-            return _pattern_marker(spec, read_pattern_file(Path(rest)))
+            # Its content is a picture that someone took, cropped by eye.
+            return _pattern_marker(spec, read_pattern_file(Path(rest)), is_exact=False)
         case "image" if rest:
             return _pattern_marker(spec, read_marker_picture(Path(rest)))
     raise UserError(f"there is no marker {spec!r}", SPEC_FORMS)
@@ -61,9 +64,9 @@ def _dictionary_marker(spec: str, kind: str, family: str, marker_id: str) -> Dic
     return marker
 
 
-def _pattern_marker(spec: str, print_grey: Image) -> PatternMarker:
+def _pattern_marker(spec: str, print_grey: Image, is_exact: bool = True) -> PatternMarker:
     try:
-        return PatternMarker(spec, print_grey)
+        return PatternMarker(spec, print_grey, is_exact)
     except ValueError as error:
         remedy = "it must be a black square, cropped to its edge, with a bright lopsided picture inside"
         raise UserError(f"the marker {spec!r} cannot be tracked: {error}", remedy) from error

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.tracking.corners import refined_corners
+from ashe_live.tracking.print_alignment import PrintAlignment
 from ashe_live.tracking.quads import MIN_SIDE_PX, SMALL_WINDOW_PX, dark_quads, without_repeats
 
 # Side of the square, in samples, at which candidate and pattern are compared.
@@ -21,13 +22,17 @@ BORDER_LEVEL, COARSE_BORDER_LEVEL = 0.35, 0.5
 # Grey levels between the dark and the light of the content.
 MIN_CONTRAST = 10
 EDGE_SAMPLES = 16
+# Of what is followed with the whole print.
+MIN_LIKENESS = 0.66
+# Side of the square at which the print is aligned: two of them in the narrowest border.
+ALIGNED_SAMPLES = 48
 
 
 class PatternMarker:
     """A black square with a picture inside: from an ARToolKit pattern file, or from the print itself."""
 
-    def __init__(self, spec: str, print_grey: Image) -> None:
-        """`print_grey` (n, n): the whole black square, border included.
+    def __init__(self, spec: str, print_grey: Image, is_exact: bool = True) -> None:
+        """`print_grey` (n, n): the whole black square, border included; `is_exact`: its content is where it is printed.
 
         Raises ValueError when it has no dark border, no contrast, or looks the same turned.
         """
@@ -42,6 +47,9 @@ class PatternMarker:
         self._turned = [np.rot90(content, turns).copy() for turns in range(4)]
         if max(_correlation(content, turned) for turned in self._turned[1:]) > MAX_SELF_CORRELATION:
             raise ValueError("it looks the same when it is turned")
+        self.alignment = PrintAlignment(
+            self.bitmap(ALIGNED_SAMPLES), self._inside.start / SAMPLES, is_exact, MIN_LIKENESS
+        )
 
     def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
         """See Marker.find; the one that correlates best first."""
@@ -55,13 +63,6 @@ class PatternMarker:
                 found.append((correlation, corners))
         found.sort(key=lambda one: one[0], reverse=True)
         return without_repeats([corners for _, corners in found])
-
-    def likeness(self, grey: Image, corners_px: Float) -> float:
-        """See Marker.likeness."""
-        samples = _rectified(grey, corners_px)
-        if not self._has_dark_border(samples, COARSE_BORDER_LEVEL):
-            return -1.0
-        return _correlation(samples[self._grown, self._grown].astype(np.float32), self._turned[0])
 
     def bitmap(self, side_px: int) -> Image:
         """See Marker.bitmap."""

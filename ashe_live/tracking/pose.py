@@ -14,7 +14,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import MarkerPose
-from ashe_live.tracking.corners import CURL, FittedSquare, is_front_of_square, side_lengths_px
+from ashe_live.tracking.corners import FittedSquare, is_front_of_square, side_lengths_px
 from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.pose_refinement import Solution, covariance_of, refined_solution, solution_of
 
@@ -50,7 +50,7 @@ def estimate_pose(
     """
     if not is_front_of_square(corners_px):
         return None
-    square = FittedSquare(ideal_from_source(camera, corners_px), np.eye(8) / CORNER_SIGMA_PX**2)
+    square = FittedSquare.guessed(ideal_from_source(camera, corners_px), CORNER_SIGMA_PX)
     return pose_of_squares([Sighting(square_corners(side_m), square)], camera, side_m, previous, refines)
 
 
@@ -132,11 +132,8 @@ def _turned_about_z(quarters: int) -> Float:
 def _unexplained_px(sightings: Sequence[Sighting], information: Float) -> float:
     """What noise or curled paper may add to the right solution's error."""
     noise_px = max(MIN_NOISE_PX, NOISE_SIGMAS * math.sqrt(len(information) / float(np.trace(information))))
-    squares = [one.square for one in sightings]
-    return max(
-        noise_px,
-        *(CURL * side_lengths_px(one.corners_px).mean() if one.curl_px is None else one.curl_px for one in squares),
-    )
+    curls_px = (one.square.curl * float(side_lengths_px(one.square.corners_px).mean()) for one in sightings)
+    return max(noise_px, *curls_px)
 
 
 def _is_decisive(solutions: list[Solution], unexplained_px: float) -> bool:

@@ -17,12 +17,12 @@ from ashe_live.tracking.corners import (
     region_around,
     side_lengths_px,
 )
-from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
+from ashe_live.tracking.covered_sides import checked
+from ashe_live.tracking.lens import ideal_from_source
 from ashe_live.tracking.markers import Marker
 from ashe_live.tracking.quads import MIN_SIDE_PX
 
-# What the edges of the last frame enclose must still look like the marker. Blur as wide as its cells leaves this much.
-MIN_LIKENESS = 0.55
+# Fewer sides do not determine the pose.
 MIN_SIDES_SEEN = 3
 # The region searched: the last corners' bounding box, grown on each side by this part of its longer side.
 REGION_MARGIN = 0.6
@@ -45,23 +45,15 @@ def along_edges(
     if region is None:
         return None
     start, end = region
-    grey = _grey(image_bgr[start[1] : end[1], start[0] : end[0]])
+    light = linear_light(_grey(image_bgr[start[1] : end[1], start[0] : end[0]]))
     expected = ideal_from_source(camera, expected_px)
-    square = fitted_square(linear_light(grey), expected, samples, 1.0, camera, start)
-    if square is None or not (square.sides_seen == 4 or _leaves_frame(square, camera)):
+    square = fitted_square(light, expected, samples, 1.0, camera, start)
+    if square is None or square.sides_seen < MIN_SIDES_SEEN:
         return None
     growth = side_lengths_px(square.corners_px) / side_lengths_px(expected)
     if growth.min() < SMALLEST_NEAR or growth.max() > LARGEST_NEAR:
         return None
-    is_it = marker.likeness(grey, source_from_ideal(camera, square.corners_px) - start) >= MIN_LIKENESS
-    return square if is_it else None
-
-
-def _leaves_frame(square: FittedSquare, camera: Camera) -> bool:
-    """Whether three sides are seen and the fourth may be beyond the frame: these three determine the pose, just."""
-    source = source_from_ideal(camera, square.corners_px)
-    is_outside = ((source < 0) | (source > np.subtract(camera.size, 1))).any(axis=1)
-    return square.sides_seen >= MIN_SIDES_SEEN and bool(is_outside.any())
+    return checked(square, light, marker.alignment, camera, start)
 
 
 def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:
@@ -84,8 +76,8 @@ def anywhere(marker: Marker, image_bgr: Image, width_px: int, thorough: bool) ->
     return _found(marker, _grey(image_bgr), scale, (THOROUGH_SIDE_PX if thorough else MIN_SIDE_PX) / scale, thorough)
 
 
-def refined(image_bgr: Image, camera: Camera, coarse_px: Float, samples: int) -> FittedSquare | None:
-    """The square at coarse corners (4, 2), picture pixels, measured at full resolution."""
+def refined(marker: Marker, image_bgr: Image, camera: Camera, coarse_px: Float, samples: int) -> FittedSquare | None:
+    """The marker at coarse corners (4, 2), picture pixels, measured at full resolution; None when it is not there."""
     off_by_px = max(COARSE_PX, float(np.ptp(coarse_px, axis=0).max()) / LARGEST_PX)
     region = region_around(coarse_px, 2 * off_by_px + 4, REACH_RATIO, image_bgr.shape)
     if region is None:
@@ -95,8 +87,8 @@ def refined(image_bgr: Image, camera: Camera, coarse_px: Float, samples: int) ->
     ideal = ideal_from_source(camera, coarse_px)
     square = fitted_square(light, ideal, samples, off_by_px, camera, start)
     if square is None and is_front_of_square(ideal):
-        return FittedSquare(ideal, np.eye(8) / off_by_px**2)
-    return square
+        square = FittedSquare.guessed(ideal, off_by_px)
+    return None if square is None else checked(square, light, marker.alignment, camera, start)
 
 
 def _found(marker: Marker, grey: Image, scale: float, min_side_px: float, thorough: bool) -> list[Float]:

@@ -131,7 +131,8 @@ class MarkerTracker:
             if not any(squares.values()):
                 for number, corners_px in last.corners_px.items():
                     found = self._nearest(nearby(self._members[number].marker, image, corners_px), corners_px)
-                    squares[number] = None if found is None else refined(image, camera, found, samples)
+                    marker = self._members[number].marker
+                    squares[number] = None if found is None else refined(marker, image, camera, found, samples)
         if not any(squares.values()):
             squares = self._search(image, camera, last)
         elif self._census_s is None or not 0 <= frame.time_s - self._census_s < CENSUS_EVERY_S:
@@ -163,7 +164,9 @@ class MarkerTracker:
                 last_px = None if last is None else last.corners_px.get(number)
                 chosen = self._nearest(found, last_px)
                 if chosen is not None:
-                    return {number: refined(image, camera, chosen, self.preset.edge_samples)}
+                    square = refined(marker, image, camera, chosen, self.preset.edge_samples)
+                    if square is not None:
+                        return {number: square}
         return {}
 
     def _nearest(self, found: list[Float], last_px: Float | None) -> Float | None:
@@ -189,7 +192,7 @@ class MarkerTracker:
         for number, corners_px in last.corners_px.items():
             moved_px = flowed_corners(last.image_bgr, image, corners_px)
             if moved_px is not None:
-                squares[number] = FittedSquare(ideal_from_source(camera, moved_px), np.eye(8) / FLOW_SIGMA_PX**2)
+                squares[number] = FittedSquare.guessed(ideal_from_source(camera, moved_px), FLOW_SIGMA_PX)
         return squares
 
     def _held(self, pose: MarkerPose, time_s: float) -> MarkerPose:

@@ -41,15 +41,6 @@ def test_a_neighbour_in_the_dictionary_is_not_taken_for_it(blur_px: float) -> No
     assert not taken
 
 
-def test_likeness_is_of_the_print_in_its_own_order() -> None:
-    marker = parse_marker("aruco:4x4_50:3")
-    grey = shot(marker, Flaws(), 6)
-    corners = project(CAMERA, PLACE, square_corners(SIDE_M))
-    assert marker.likeness(grey, corners) > 0.9
-    assert max(marker.likeness(grey, np.roll(corners, turns, axis=0)) for turns in (1, 2, 3)) < 0.5
-    assert marker.likeness(np.full_like(grey, 120), corners) == -1
-
-
 def test_several_equal_markers_are_all_found() -> None:
     marker = parse_marker("aruco:4x4_50:3")
     sheet = cv2.copyMakeBorder(marker.bitmap(60), 30, 30, 30, 30, cv2.BORDER_CONSTANT, value=255)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
 
@@ -28,6 +28,18 @@ ENCODED = (255 * srgb_from_linear(np.linspace(0, 1, 65536))).astype(np.float32)
 
 
 @dataclass(frozen=True, slots=True)
+class Cover:
+    """A strip that lies over a side of the black square, in units of its side."""
+
+    side: int  # 0 the upper one, then clockwise as printed
+    inwards: float  # how far it reaches into the square
+    outwards: float  # and out of it
+    along: tuple[float, float]  # from where to where it lies, 0 and 1 are the side's ends
+    skew: float  # tangent of its angle with the side
+    light: float  # linear reflectance
+
+
+@dataclass(frozen=True, slots=True)
 class Flaws:
     """The degradations between the scene and the picture."""
 
@@ -37,6 +49,10 @@ class Flaws:
     shadow: bool = False  # a shadow's edge runs across the marker
     gain: float = 1.0  # exposure relative to the correct one
     clutter: int = 0  # dark quadrilaterals scattered on the ground
+    gamma: float = 1.0  # exponent put on the encoded picture, as by a camera's contrast curve
+    quiet_zone: float = QUIET_ZONE  # white around the black square, over its side
+    ground_gain: float = 1.0  # light of the ground, over what it is beside white paper as a rule
+    cover: Cover | None = None  # what lies over the print
 
 
 CLEAN_CAMERA = Flaws()
@@ -50,19 +66,21 @@ def painted(
     flaws: Flaws,
     rng: np.random.Generator,
     canvas: Float | None = None,
+    rays: int | None = None,
 ) -> Image:
     """(h, w, 3) uint8 BGR: the black square `bitmap` (n, n) on white paper in front of `camera`.
 
     poses: T_cam_marker (4, 4) at times spread evenly over the exposure, one for a marker at rest; the middle one is the
-    ground truth. canvas: (h, w) linear light behind the paper; without it, `ground` with the flaws' clutter.
+    ground truth. canvas: (h, w) linear light behind the paper; without it, `ground` with the flaws' clutter. `rays` per
+    pixel in each direction; without it, as many as measuring hundredths of a pixel needs.
     """
-    light = ground(camera, flaws.clutter) if canvas is None else canvas.copy()
+    light = flaws.ground_gain * (ground(camera, flaws.clutter) if canvas is None else canvas)
     x0, y0, x1, y1 = _region(camera, poses, side_m)
     if x1 > x0 and y1 > y0:
-        rays = RAYS if len(poses) == 1 else RAYS_IN_MOTION
+        rays = rays or (RAYS if len(poses) == 1 else RAYS_IN_MOTION)
         region = light[y0:y1, x0:x1]
         light[y0:y1, x0:x1] = np.mean(
-            [_paper_over(region, bitmap, side_m, camera, pose, (x0, y0), rays, flaws.shadow) for pose in poses], axis=0
+            [_paper_over(region, bitmap, side_m, camera, pose, (x0, y0), rays, flaws) for pose in poses], axis=0
         )
     return developed(light, flaws, rng)
 
@@ -77,6 +95,8 @@ def developed(light: Float, flaws: Flaws, rng: np.random.Generator) -> Image:
     falloff = 1 - flaws.vignetting * (x[None] ** 2 + y[:, None] ** 2) / 2
     exposed = flaws.gain * falloff.astype(np.float32) * blurred
     grey = ENCODED[(exposed * (len(ENCODED) - 1) + 0.5).clip(0, len(ENCODED) - 1).astype(np.int32)]
+    if flaws.gamma != 1:
+        grey = 255 * (grey / 255) ** np.float32(flaws.gamma)
     noisy = grey + flaws.noise * rng.standard_normal(grey.shape, np.float32)
     encoded = (noisy + 0.5).clip(0, 255).astype(np.uint8)
     return np.repeat(encoded[:, :, None], 3, axis=2)
@@ -119,13 +139,13 @@ def _paper_over(
     T_cam_marker: Float,
     corner_px: tuple[int, int],
     rays: int,
-    shadow: bool,
+    flaws: Flaws,
 ) -> Float:
     """`behind` (h, w), from pixel `corner_px` on, with the paper in front of it; `rays` squared rays per pixel."""
     height, width = behind.shape
     x, y = _on_paper(camera, T_cam_marker, corner_px, (width * rays, height * rays), rays)
     half = side_m / 2
-    reach = half * (1 + 2 * QUIET_ZONE)
+    reach = half * (1 + 2 * flaws.quiet_zone)
     is_paper = (np.abs(x) < reach) & (np.abs(y) < reach)
     is_square = (np.abs(x) < half) & (np.abs(y) < half)
     cells = len(bitmap)
@@ -134,9 +154,21 @@ def _paper_over(
     printed = np.where(bitmap > 127, PAPER, INK)[row, column]
     colour = np.where(is_square, printed, PAPER)
     light = np.where(is_paper, colour, np.repeat(np.repeat(behind, rays, axis=0), rays, axis=1))
-    if shadow:
+    if flaws.shadow:
         light = np.where(is_paper, _shadow_ratio(x / side_m, y / side_m) * light, light)
+    if flaws.cover is not None:
+        light = np.where(_is_covered(flaws.cover, x / side_m, y / side_m), flaws.cover.light, light)
     return np.asarray(light.reshape(height, rays, width, rays).mean(axis=(1, 3)))
+
+
+def _is_covered(cover: Cover, x: Float, y: Float) -> Mask:
+    """Whether the strip lies over places in units of the side."""
+    for _ in range(cover.side):
+        x, y = -y, x
+    along = x + 0.5
+    beyond = y - 0.5 - cover.skew * (along - 0.5)
+    start, end = cover.along
+    return (along > start) & (along < end) & (beyond > -cover.inwards) & (beyond < cover.outwards)
 
 
 def _shadow_ratio(x: Float, y: Float) -> Float:

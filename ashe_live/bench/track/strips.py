@@ -1,0 +1,134 @@
+"""An attack on the tracker: something lies along a side of the marker, as the finger that holds the sheet does.
+
+Every view has an exactly known pose, so that a pose that is confidently wrong cannot hide behind a small residual.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.bench.track.contenders import Contender, OpencvReference, Ours
+from ashe_live.bench.track.frames import Cover, Flaws, ground, painted
+from ashe_live.bench.track.measures import turn_deg
+from ashe_live.bench.track.tables import Figure
+from ashe_live.bench.track.takes import CELLS, CLUTTER, FPS, SIDE_M, SMALL, SPEC, pose_at
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Frame, MarkerPose
+from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.pose import square_corners
+from ashe_live.tracking.preset import TrackingPreset
+
+# Linear reflectances: of fair and dark skin, paper and tape.
+MATERIALS: dict[str, tuple[float, float]] = {"skin": (0.12, 0.45), "white": (0.6, 0.85), "black": (0.015, 0.05)}
+WIDTHS_M = 0.003, 0.010
+# A finger comes from outside: so far beyond the edge it still covers, over the side.
+FINGER = 0.3
+# From here on a pose is wrong.
+WRONG_DEG, WRONG_PX = 3.0, 3.0
+CLEAN_FRAMES, COVERED_FRAMES = 10, 5
+# Errors of degrees need no finer picture.
+RAYS = 3
+MOST_WRONG_PERCENT, LEAST_RIGHT_PERCENT = 2.0, 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """One sheet in front of the camera and what comes to lie on it."""
+
+    T_cam_marker: Float  # (4, 4)
+    cover: Cover
+    drift_m: Float  # (3,) by which it moves from frame to frame
+
+
+@dataclass(slots=True)
+class Tally:
+    """Of covered views, how many were answered, and how."""
+
+    right: int = 0
+    wrong: int = 0
+    views: int = 0
+
+    def add(self, said: Float | MarkerPose | None, truth: Float) -> None:
+        """Counts one view's answer against its true T_cam_marker (4, 4)."""
+        self.views += 1
+        T = said.T_cam_marker if isinstance(said, MarkerPose) else said
+        if T is not None:
+            is_wrong = _is_wrong(T, truth)
+            self.wrong += is_wrong
+            self.right += not is_wrong
+
+
+def strip_figures(preset: TrackingPreset, views: int) -> Iterator[Figure]:
+    """Shares of wrong and right poses for each material, without and with clean frames before."""
+    for following in (False, True):
+        how = "following" if following else "cold"
+        reference, ours = Tally(), Tally()
+        for number, material in enumerate(MATERIALS):
+            theirs, own = _attacked(preset, material, views, number, following)
+            yield Figure(f"{material} strip, {how}, wrong", "%", *_shares(theirs.wrong, own.wrong, views), None)
+            for whole, part in ((reference, theirs), (ours, own)):
+                whole.right, whole.wrong = whole.right + part.right, whole.wrong + part.wrong
+                whole.views += part.views
+        wrong = _shares(reference.wrong, ours.wrong, ours.views)
+        yield Figure(f"edge covered by a strip, {how}, wrong", "%", *wrong, MOST_WRONG_PERCENT)
+        right = _shares(reference.right, ours.right, ours.views)
+        yield Figure(f"edge covered by a strip, {how}, right", "%", *right, None, least=LEAST_RIGHT_PERCENT)
+
+
+def covered_views(material: str, views: int, seed: int) -> Iterator[View]:
+    """Sheets 60 to 200 px large, tilted by 10 to 50 degrees; half of the strips come from outside as fingers do."""
+    rng = np.random.default_rng(seed)
+    for number in range(views):
+        distance_m = SMALL.K[0, 0] * SIDE_M / rng.uniform(60, 200)
+        aside_m = rng.uniform(-0.08, 0.08, 2) * distance_m
+        pose = pose_at(distance_m, rng.uniform(10, 50), rng.uniform(0, 360), (float(aside_m[0]), float(aside_m[1])))
+        width = rng.uniform(*WIDTHS_M) / SIDE_M
+        inwards = width if number % 2 else width * rng.uniform(0, 1)
+        outwards = FINGER if number % 2 else width - inwards
+        along = (-0.4, 1.4) if number % 4 < 2 else (-0.4, rng.uniform(0.5, 1.0))
+        cover = Cover(
+            number // 2 % 4, inwards, outwards, along, rng.uniform(-0.04, 0.04), rng.uniform(*MATERIALS[material])
+        )
+        yield View(pose, cover, rng.uniform(-0.002, 0.002, 3) * distance_m)
+
+
+def filmed(view: View, canvas: Float, bitmap: Image, index: int, following: bool) -> tuple[Frame, Float]:
+    """A frame of the view on `canvas` and its true T_cam_marker (4, 4); following, the strip comes in from outside."""
+    rng = np.random.default_rng(index)
+    T, cover = view.T_cam_marker.copy(), view.cover
+    if following:
+        T[:3, 3] += index * view.drift_m
+        share = min(1.0, (index + 1 - CLEAN_FRAMES) / COVERED_FRAMES)
+        shift = (1 - share) * (cover.inwards + cover.skew)
+        cover = Cover(cover.side, cover.inwards - shift, cover.outwards + shift, cover.along, cover.skew, cover.light)
+    is_covered = not following or index >= CLEAN_FRAMES
+    flaws = Flaws(cover=cover if is_covered else None)
+    return Frame(painted(bitmap, SIDE_M, SMALL, [T], flaws, rng, canvas, RAYS), index, index / FPS), T
+
+
+def _attacked(preset: TrackingPreset, material: str, views: int, seed: int, following: bool) -> tuple[Tally, Tally]:
+    """OpenCV's tally and ours."""
+    reference, ours = Tally(), Tally()
+    frames = CLEAN_FRAMES + COVERED_FRAMES if following else 1
+    canvas, bitmap = ground(SMALL, CLUTTER), parse_marker(SPEC).bitmap(CELLS)
+    for view in covered_views(material, views, seed):
+        detector: Contender = OpencvReference(SMALL)
+        tracker: Contender = Ours(SMALL, preset)
+        for index in range(frames):
+            frame, truth = filmed(view, canvas, bitmap, index, following)
+            said = tracker.look(frame)
+        reference.add(detector.look(frame), truth)
+        ours.add(said, truth)
+    return reference, ours
+
+
+def _is_wrong(T: Float, truth: Float) -> bool:
+    corners, true_corners = (project(SMALL, pose, square_corners(SIDE_M)) for pose in (T, truth))
+    off_px = np.linalg.norm(corners - true_corners, axis=1).max()
+    return turn_deg(T, truth) > WRONG_DEG or not off_px <= WRONG_PX
+
+
+def _shares(reference: int, ours: int, views: int) -> tuple[float, float]:
+    return 100 * reference / max(1, views), 100 * ours / max(1, views)

@@ -1,0 +1,90 @@
+"""Whether a square's four sides are those of the print inside: what lies over an edge is taken for one by any line.
+
+A finger along a side moves that side alone. The three others and the print inside still agree, and give the pose.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.tracking.corners import FittedSquare, Light, is_front_of_square, side_lengths_px
+from ashe_live.tracking.lens import source_from_ideal
+from ashe_live.tracking.print_alignment import Aligned, PrintAlignment, in_units
+
+# Correlation of the print's inside with what is seen, where a side is covered.
+MIN_INSIDE = 0.85
+# What a side may lie off where the inside has it: of the square's side, and in standard deviations of the alignment.
+TOLERANCE, SIGMAS = 0.008, 3.0
+SURE_SIGMA = 0.004  # of the side
+# So many sides may be covered; so many must be seen where the rest is beyond the picture: they just determine the pose.
+MOST_COVERED, LEAST_SEEN = 2, 3
+# And so far may all of them lie off, over the side.
+MOST_BENT = 0.04
+# Of the corners' coordinates, x and y in turn, those across each side at its two ends.
+ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
+
+
+def checked(
+    square: FittedSquare, light: Light, alignment: PrintAlignment, camera: Camera, origin_px: tuple[int, int]
+) -> FittedSquare | None:
+    """`square` as it is, or without the sides that are not the print's; None when it is not the print.
+
+    `light`, `camera` and `origin_px` as in fitted_square.
+    """
+    side_px = float(side_lengths_px(square.corners_px).mean())
+    blurred = alignment.blurred(light, square.corners_px)
+    samples = alignment.sampled(blurred, square.corners_px, camera, origin_px)
+    is_print = alignment.likeness(samples) >= alignment.least_likeness
+    if leaves_frame(square, camera):
+        return square if is_print and square.sides_seen >= LEAST_SEEN else None
+    if not alignment.tells_place:
+        return square if is_print and square.sides_seen == 4 else None
+    tolerance = max(TOLERANCE, square.curl_of_two_sides)
+    seen = alignment.look(samples, side_px)
+    # A print that lies elsewhere explains the samples badly: then one step says little, and is as unsure.
+    is_sure = seen is not None and square.sides_seen == 4 and seen.sigma <= SURE_SIGMA
+    if seen is not None and is_sure and not _off(seen.step, seen, tolerance).any():
+        return square if is_print else None
+    found = alignment.aligned(blurred, square.corners_px, camera, origin_px)
+    if found is None or found.seen.inside < MIN_INSIDE:
+        return None
+    off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
+    if not off.any():
+        return square if is_print else None
+    if off.sum() > MOST_COVERED:
+        # No finger does that, but paper that bends or a picture that is darker at its edges does.
+        astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())
+        is_whole = is_print and square.sides_seen == 4 and astray_px <= MOST_BENT * side_px
+        return dataclasses.replace(square, by_side=_no_surer(square.by_side, astray_px)) if is_whole else None
+    sides = square.by_side[~off].sum(axis=0)
+    total = sides + found.information
+    corners = np.linalg.solve(
+        total, sides @ square.corners_px.ravel() + found.information @ found.corners_px.ravel()
+    ).reshape(4, 2)
+    if not is_front_of_square(corners):
+        return None
+    by_side = square.by_side.copy()
+    by_side[off] = found.information / off.sum()
+    return FittedSquare(corners, by_side, ~off, square.bows)
+
+
+def _no_surer(by_side: Float, sigma_px: float) -> Float:
+    """(4, 8, 8) of corners whose coordinates have `sigma_px` more, all of them by themselves."""
+    total = by_side.sum(axis=0)
+    shared = np.linalg.solve(np.eye(8) + sigma_px**2 * total, total)
+    return np.asarray(np.tile(0.125 * (shared + shared.T), (4, 1, 1)))
+
+
+def leaves_frame(square: FittedSquare, camera: Camera) -> bool:
+    """Whether a corner lies beyond the picture."""
+    source = source_from_ideal(camera, square.corners_px)
+    return bool(((source < 0) | (source > np.subtract(camera.size, 1))).any())
+
+
+def _off(step: Float, seen: Aligned, tolerance: float) -> Mask:
+    """(4,) whether each side lies off by more than is explained."""
+    sigmas = np.sqrt(np.diag(seen.covariance))
+    allowed = tolerance + SIGMAS * sigmas
+    return np.asarray((np.abs(step.ravel()) > allowed)[ACROSS_SIDES].any(axis=1))
