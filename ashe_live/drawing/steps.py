@@ -76,20 +76,18 @@ def traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
     lit = lit_ground_rgb(coarse.image_bgr, ground, coarse.is_ground & ~grown(unlit, RIM_PX))
     ratio = LINEAR_FROM_SRGB_8BIT[coarse.image_bgr[:, :, ::-1]] / lit
     pictures = [DebugPicture("lit ground", _encoded(lit)), DebugPicture("ratio to lit ground", _encoded(ratio))]
-    looked_at = view.image_bgr
+    marked = view.image_bgr
     for region in trace.regions:
-        looked_at = tinted(looked_at, enlarged(region.in_frame(region.unlit), looked_at.shape), UNEXPLAINED_BGR)
-    pictures.append(
-        DebugPicture(f"looked at: regions {len(trace.regions)}, splits fitted {len(trace.proposals)}", looked_at)
-    )
+        marked = tinted(marked, enlarged(region.in_frame(region.unlit), marked.shape), UNEXPLAINED_BGR)
+    pictures.append(DebugPicture(f"regions {len(trace.regions)}, splits fitted {len(trace.proposals)}", marked))
     if trace.refined:
         likely = sorted(zip(trace.probabilities(), trace.refined, strict=True), key=itemgetter(0))
-        weighed = view.image_bgr
+        overlaid = view.image_bgr
         for _, each in likely:  # the likeliest on top
             lights = [DirectionalLight(light.to_light_marker) for light in each.lights]
-            weighed = with_body(weighed, view.camera, view.T_cam_marker, each.proxy, lights)
+            overlaid = with_body(overlaid, view.camera, view.T_cam_marker, each.proxy, lights)
         odds = ", ".join(f"{100 * probability:.0f} %" for probability, _ in likely[::-1])
-        pictures.append(DebugPicture(f"weighed: {odds}", weighed))
+        pictures.append(DebugPicture(f"explanations: {odds}", overlaid))
     return pictures
 
 

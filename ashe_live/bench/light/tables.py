@@ -61,7 +61,7 @@ def _errors(name: str, summaries: Mapping[str, Summary]) -> Table:
 def _shares_of_stages(name: str, summaries: Mapping[str, Summary]) -> Table:
     """Errors by origin: the masks' overlap with the true ones for segmentation, runs from true labels for geometry."""
     columns = ("IoU object", "IoU shadow", "mean", "from true labels: mean", "median", "max")
-    table = _table(f"{name}: segmentation's share and geometry's (medians of IoU)", ("category",), columns)
+    table = _table(f"{name}: errors of segmentation and of geometry (medians of IoU)", ("category",), columns)
     for category, summary in summaries.items():
         alone = (summary.true_labels_mean_deg, summary.true_labels_median_deg, summary.true_labels_max_deg)
         overlaps = map(_fraction, (summary.object_iou, summary.shadow_iou))
@@ -71,7 +71,7 @@ def _shares_of_stages(name: str, summaries: Mapping[str, Summary]) -> Table:
 
 def _honesty(name: str, summaries: Mapping[str, Summary]) -> Table:
     columns = ("within 1 σ", "2 σ", "95 % ellipse", "Brier", "wrong with confidence")
-    table = _table(f"{name}: what it says of its own errors", ("category",), columns)
+    table = _table(f"{name}: calibration", ("category",), columns)
     for category, summary in summaries.items():
         within = (summary.within_1_sigma, summary.within_2_sigma, summary.within_ellipse_95)
         table.add_row(category, *map(_percent, within), _fraction(summary.brier), _percent(summary.bad_share))

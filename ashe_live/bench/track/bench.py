@@ -115,24 +115,24 @@ class TrackBench(Bench):
         ms = {name: float(np.median([answer.ms for answer in every[5:]])) for name, every in given.items()}
         worst = {name: float(np.percentile([answer.ms for answer in every[5:]], 95)) for name, every in given.items()}
         yield Figure("cost, 1280x720, 133 px (95th percentile)", "ms", worst[REFERENCE], worst[OURS], None)
-        cpu = {name: float(np.median([answer.cpu_ms for answer in own[5:]])) for name, own in given.items()}
+        cpu = {name: float(np.median([answer.cpu_ms for answer in every[5:]])) for name, every in given.items()}
         yield Figure("cost, 1280x720, 133 px (median)", "ms", ms[REFERENCE], ms[OURS], 0.4 * ms[REFERENCE])
         yield Figure("the same in processor time", "ms", cpu[REFERENCE], cpu[OURS], 0.4 * cpu[REFERENCE])
 
     def _errors(self, name: str, take: Take, most_deg: float | None, flips: bool = False) -> Iterator[Figure]:
         given = self._contend(take)
-        deg = {who: float(np.median(rotation_errors_deg(own))) for who, own in given.items()}
+        deg = {who: float(np.median(rotation_errors_deg(every))) for who, every in given.items()}
         yield Figure(f"median rotation error, {name}", "°", deg[REFERENCE], deg[OURS], most_deg)
         if flips:
-            lasting = {who: lasting_flips(own) for who, own in given.items()}
+            lasting = {who: lasting_flips(every) for who, every in given.items()}
             yield Figure(f"lasting flips, {name}", "", float(lasting[REFERENCE]), float(lasting[OURS]), 0.0)
-            share = {who: 100 * flipped_share(own) for who, own in given.items()}
+            share = {who: 100 * flipped_share(every) for who, every in given.items()}
             yield Figure(f"frames flipped, {name}; OpenCV unrefined", "%", share[UNREFINED], share[OURS], 0.0)
         honesty = normalised_error_squared(given[OURS])
         yield Figure(f"squared error over its covariance, {name}", "", None, honesty, None)
 
     def _jitter(self, name: str, take: Take) -> Iterator[Figure]:
-        given = {who: own[SETTLED_FRAMES:] for who, own in self._contend(take).items()}
+        given = {who: every[SETTLED_FRAMES:] for who, every in self._contend(take).items()}
         raw = corner_jitter_px(given[REFERENCE], take.camera)
         yield Figure(f"jitter at rest, {name}", "px", raw, corner_jitter_px(given[OURS], take.camera), 0.005)
         unfiltered = corner_jitter_px(given[OURS], take.camera, unfiltered=True)
@@ -140,7 +140,7 @@ class TrackBench(Bench):
 
     def _detection(self, name: str, take: Take) -> Iterator[Figure]:
         given = self._contend(take, cold=True)
-        share = {who: 100 * found_share(own) for who, own in given.items()}
+        share = {who: 100 * found_share(every) for who, every in given.items()}
         yield Figure(f"found, {name}", "%", share[REFERENCE], share[OURS], None, least=share[REFERENCE])
 
 

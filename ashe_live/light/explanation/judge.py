@@ -69,14 +69,14 @@ def contest(log_odds: Float, directions: Float) -> Float:
     log_odds: (n,). directions: (n, 3) unit vectors.
     """
     odds = np.exp(np.clip(log_odds, -20, 20))
-    near = directions @ directions.T > math.cos(GOOD_RAD)
+    nearby = directions @ directions.T > math.cos(GOOD_RAD)
     rivals, left = 0.0, np.ones(len(odds), np.bool_)
     for index in np.argsort(-odds, kind="stable"):
         if left[index]:
             rivals += odds[index]
-            left &= ~near[index]
+            left &= ~nearby[index]
     best = int(odds.argmax())
-    return np.array([log_odds[best], math.log(odds[best] / rivals), math.log(odds[near[best]].sum() / odds.sum())])
+    return np.array([log_odds[best], math.log(odds[best] / rivals), math.log(odds[nearby[best]].sum() / odds.sum())])
 
 
 def lights_of(explanation: Explanation, confidence: float, tracked: TrackedFrame) -> list[DirectionalLight]:
