@@ -50,7 +50,7 @@ def broken_run(runner, kind: str, chance: random.Random) -> list[str]:
         ended = outcome.ended[0]
         is_ours = len(outcome.ended) == 1 and not is_before_our_first_line(case, ended)
         if is_ours and ended.status not in (128 + number, -number):
-            broken.append(f"{case.signals}: status {outcome.ended[0].status} instead of {128 + number}")
+            broken.append(f"{case.signals}: status {ended.status} instead of {128 + number}: {ended.err[-300:]!r}")
         if len(outcome.ended) == 2 and [ended.status for ended in outcome.ended] not in ([0, 0], [0, 2], [2, 0]):
             broken.append(f"{case.second_after_ms}: statuses {[ended.status for ended in outcome.ended]}")
         said = re.search(rb"saved .* \((\d+) frames?\)", outcome.ended[0].err)

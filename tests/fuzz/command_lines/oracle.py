@@ -29,7 +29,7 @@ NOTES = (
     r".*: steps in ",
     r"sheet in ",
     r".*frame \d+: ",  # the board's guide
-    r"[^A-Za-z]+$",  # the same where the terminal has a column only
+    r"(?:[^A-Za-z\\]|\\u[0-9a-f]{4})+$",  # the same where the terminal has a column only
 )
 PROGRAM_LINE = re.compile("|".join([*NOTES, "ashe-live: "]))
 NOTE = re.compile("|".join(NOTES))
