@@ -29,13 +29,11 @@ NOTES = (
     r".*: steps in ",
     r"sheet in ",
     r".*frame \d+: ",  # the board's guide
-    r"[^A-Za-z]+$",  # the same where the terminal has a column only
+    r"(?:[^A-Za-z\\]|\\u[0-9a-f]{4})+$",  # the same where the terminal has a column only
 )
 PROGRAM_LINE = re.compile("|".join([*NOTES, "ashe-live: "]))
 NOTE = re.compile("|".join(NOTES))
 CONTROLS = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
-# Python itself is still starting, or pip's script imports what it needs: nothing of ours can hear Ctrl-C yet.
-BEFORE_OUR_FIRST_LINE = "KeyboardInterrupt in Python"
 BEFORE_HANDLERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -49,6 +47,15 @@ def broken_promises(case: Case, outcome: Outcome) -> list[Broken]:
     if SEQUENCE.encode() in outcome.shown:
         found.append(Broken("no name controls the terminal", "sequence on the terminal", repr(outcome.shown[-300:])))
     return found
+
+
+def is_before_our_first_line(case: Case, ended: Ended) -> bool:
+    """Whether Ctrl-C came while Python was still starting, or pip's script imported what it needs.
+
+    Nothing of ours can hear it then; Python ends with a traceback, and with status 130 or 1.
+    """
+    is_interrupted = any(number == signal.SIGINT for _, number, _ in case.signals)
+    return is_interrupted and culprit(ended.err) == "KeyboardInterrupt in Python"
 
 
 def _of_processes(outcome: Outcome) -> Iterator[Broken]:
@@ -70,7 +77,7 @@ def _of_status(case: Case, ended: Ended) -> Iterator[Broken]:
     by_signal = {128 + number for number in sent} | {-number for number in sent if number in BEFORE_HANDLERS}
     if signal.SIGKILL in sent:
         by_signal.add(-signal.SIGKILL)
-    if ended.status not in {*ANSWERS, WRONG_USE, *by_signal}:
+    if ended.status not in {*ANSWERS, WRONG_USE, *by_signal} and not is_before_our_first_line(case, ended):
         yield Broken("a documented status", f"status {ended.status}: {culprit(ended.err)}", shortened(ended.err))
 
 
@@ -80,7 +87,7 @@ def _of_errors(case: Case, ended: Ended) -> Iterator[Broken]:
     if case.environment.get("PYTHONIOENCODING") == "utf-16":
         return
     yield from _of_characters(text, "stderr")
-    if any(number == signal.SIGINT for _, number, _ in case.signals) and culprit(ended.err) == BEFORE_OUR_FIRST_LINE:
+    if is_before_our_first_line(case, ended):
         return
     lines = [line for line in text.split("\n") if line.strip()]
     foreign = [line for line in lines if not PROGRAM_LINE.match(line)]
