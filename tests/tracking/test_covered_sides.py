@@ -15,7 +15,7 @@ from ashe_live.tracking.corners import linear_light
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import square_corners
 from ashe_live.tracking.print_alignment import in_units
-from ashe_live.tracking.tracker import Tracker
+from ashe_live.tracking.tracker import MarkerTracker
 from tests.tracking.conftest import frame
 
 MARKER = parse_marker(SPEC)
@@ -38,7 +38,7 @@ def light_of(flaws: Flaws) -> Float:
 def test_a_strip_along_a_side_makes_no_confident_lie(
     light: float, side: int, reach: tuple[float, float], clean_frames: int
 ) -> None:
-    tracker = Tracker(MARKER, SMALL, SIDE_M, BALANCED.tracking)
+    tracker = MarkerTracker(MARKER, SMALL, SIDE_M, BALANCED.tracking)
     clean, covered = (picture(Flaws(cover=cover)) for cover in (None, Cover(side, *reach, (-0.2, 1.2), 0.01, light)))
     for index in range(clean_frames):
         tracker.track(frame(clean, index))
