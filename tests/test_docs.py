@@ -101,8 +101,10 @@ def test_commands_do_what_the_page_says(page: Path, inputs: Path, tmp_path: Path
                 parsed(arguments)
             case ["make", target]:
                 assert re.search(rf"^{target}:", (CHECKOUT / "Makefile").read_text(), re.MULTILINE)
-            case [".venv/bin/pytest", tests]:
-                assert (CHECKOUT / tests).is_dir()
+            case [".venv/bin/pytest", *arguments] | ["FUZZ_FILES=25000", ".venv/bin/pytest", *arguments]:
+                options = (CHECKOUT / "tests" / "fuzz" / "conftest.py").read_text(encoding="utf-8")
+                assert all((CHECKOUT / part).exists() for part in arguments if part.startswith("tests"))
+                assert all(f'"{part}"' in options for part in arguments if part.startswith("--"))
             case ["python", script]:  # each draws for minutes: it is loaded, and that it has a main is looked at
                 assert callable(runpy.run_path(str(CHECKOUT / script))["main"])
             case _:
