@@ -35,16 +35,18 @@ class WrittenContainer:
 
     def __init__(self, stream: BinaryIO, options: dict[str, str]) -> None:
         """`options` are those of FFmpeg's muxer. Raises FFmpegError."""
-        self._stream = stream
+        # Not through its buffer, which would keep what a full disk refuses, and fail at every seek afterwards.
+        self._stream = getattr(stream, "raw", stream)
         self._error: OSError | None = None
         self.container: OutputContainer = av.open(self, "w", format="mp4", options=options)
 
     def write(self, content: bytes) -> int:
         """For FFmpeg. After an error nothing more is written: what came before stays as it is."""
         if self._error is None:
+            left = memoryview(content)
             try:
-                self._stream.write(content)
-                self._stream.flush()
+                while left:
+                    left = left[self._stream.write(left) :]
             except OSError as error:
                 self._error = error
         return len(content)
@@ -52,14 +54,14 @@ class WrittenContainer:
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         """For FFmpeg."""
         try:
-            return self._stream.seek(offset, whence)
+            return int(self._stream.seek(offset, whence))
         except OSError as error:
             self._error = self._error or error
             return 0
 
     def tell(self) -> int:
         """For FFmpeg."""
-        return self._stream.tell()
+        return int(self._stream.tell())
 
     def check(self) -> None:
         """Raises OSError when something could not be written."""

@@ -63,19 +63,15 @@ class Recorder:
         self._written: WrittenContainer | None = None
         self._fragments = NewFile(self.path, overwrite, is_recoverable=True)
         try:
-            self._written = WrittenContainer(
-                self._fragments.stream,
-                {"movflags": "frag_keyframe+empty_moov+default_base_moof", "flush_packets": "1"},
-            )
-            container = self._written.container
-            container.metadata["comment"] = IN_THE_MAKING
-            self._stream = self._add_h264(container, fps)
-            # At once, as it is by its header that an abandoned recording is known.
-            container.start_encoding()
-            self._written.check()
+            # Nobody hears of what a signal's handler raises within FFmpeg's calls of Python.
+            with signals_held():
+                self._begin(fps)
         except (OSError, av.error.FFmpegError) as error:
             self._fragments.discard()
             raise cannot_write(self.path, error) from error
+        except BaseException:
+            self._fragments.discard()
+            raise
 
     def write(self, image_bgr: Image, time_s: float | None = None) -> None:
         """Appends (h, w, 3) uint8, shown from `time_s` on a clock of the caller's; None: one frame period later.
@@ -100,12 +96,13 @@ class Recorder:
         picture.pts, picture.duration = pts, self._ticks_per_frame
         picture.time_base = Fraction(1, TICKS_PER_S)
         try:
-            self._written.container.mux(self._stream.encode(picture))
-            self._written.check()
+            with signals_held():
+                self._written.container.mux(self._stream.encode(picture))
+                self._last_pts = pts
+                self.frame_count += 1
+                self._written.check()
         except (OSError, av.error.FFmpegError) as error:
             self._save_and_raise(error)
-        self._last_pts = pts
-        self.frame_count += 1
 
     def close(self) -> None:
         """Finishes the clip; without frames no file is left. May be called twice. Raises UserError as `write` does.
@@ -130,6 +127,17 @@ class Recorder:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
+
+    def _begin(self, fps: float) -> None:
+        self._written = WrittenContainer(
+            self._fragments.stream, {"movflags": "frag_keyframe+empty_moov+default_base_moof", "flush_packets": "1"}
+        )
+        container = self._written.container
+        container.metadata["comment"] = IN_THE_MAKING
+        self._stream = self._add_h264(container, fps)
+        # At once, as it is by its header that an abandoned recording is known.
+        container.start_encoding()
+        self._written.check()
 
     def _add_h264(self, container: OutputContainer, fps: float) -> VideoStream:
         # Without B-frames: encoded in the order shown, so that no time has to be shifted.
