@@ -26,7 +26,7 @@ from ashe_live.light.explanation.no_answer import (
 )
 from ashe_live.light.explanation.penumbra import angular_size
 from ashe_live.light.explanation.second_light import with_their_lights
-from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, lit_rgb, unlit_mask
+from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
 from ashe_live.light.labels.associate import distinct
@@ -68,8 +68,9 @@ class ProxyEstimator:
         if ground is None:
             clock.end("segment")
             return none(TOO_LITTLE_GROUND)
-        trace.unlit = unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
-        trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
+        unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
+        trace.unlit = unlit = with_unlit_on_average(unlit, coarse, steps.ground)
+        trace.regions = regions = unlit_regions(fine, unlit, coarse.is_ground, ground, steps.region_px, steps.regions)
         clock.end("segment")
         if not regions:
             return none(NOTHING_THERE)

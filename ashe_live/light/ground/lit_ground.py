@@ -17,7 +17,7 @@ from ashe_live.light.ground.sheen import sheen_on, without_sheen
 from ashe_live.light.pixels.areas import cleaned, grown, large_areas, shrunk, smoothed
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
-from ashe_live.light.pixels.view import Window
+from ashe_live.light.pixels.view import View, Window
 
 Floats = TypeVar("Floats", Float, Float32)
 
@@ -30,6 +30,10 @@ SAMPLES, LEAST_SAMPLES = 2000, 500
 WIDE, WIDE_OF_USUAL = 0.3, 0.6
 RARE, RARE_OF_USUAL = 0.35, 0.75
 NEAR_PX = 3  # the reach of the smoothing of `surprise`
+AVERAGED = (
+    1 / 3
+)  # scale at which colours are averaged to find objects that a coarse-grained ground explains pixel by pixel
+LEAST_AVERAGED_PX = 12
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
 
 
@@ -107,6 +111,23 @@ def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
     """(h, w) objects and shadows: compact areas of at least `least_px` pixels that the lit ground does not explain."""
     surprising = (ground.surprise > SURPRISING) & ~ground.sheen
     return large_areas(cleaned(is_ground & ground.rare & surprising), least_px)
+
+
+def with_unlit_on_average(unlit: Mask, view: View, steps: GroundSteps) -> Mask:
+    """(h, w) `unlit` and the areas beside it whose mean colour is none of the ground's, though their pixels' colours may be.
+
+    A coarse-grained ground, such as brick or gravel, has specks of nearly every colour, and explains a plain object pixel by
+    pixel; averaged, its colours are few. Only what is thicker than the averages' blur is added.
+    """
+    small = view.scaled(round(view.size[0] * AVERAGED))
+    ground = fit_lit_ground(small.image_bgr, small.is_ground, steps)
+    if ground is None:
+        return unlit
+    averaged = unlit_mask(ground, small.is_ground, LEAST_AVERAGED_PX)
+    whole = cv2.resize(averaged.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST) > 0
+    reach = round(1 / AVERAGED)
+    thick = grown(shrunk(whole & view.is_ground & ~grown(unlit, 1), reach), reach)
+    return np.asarray(unlit | (thick & view.is_ground))
 
 
 def _slow_bases(shape: tuple[int, ...], window: Window = (slice(None), slice(None))) -> Float32:

@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass, field
+from itertools import combinations
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float32, Mask, set_frozen
 from ashe_live.light.ground.lit_ground import LitGround, ground_colours
-from ashe_live.light.pixels.areas import grown, majority, shrunk
+from ashe_live.light.pixels.areas import distance_to, grown, majority, shrunk
 from ashe_live.light.pixels.mixtures import nearest_squared_distance
 from ashe_live.light.pixels.quantised import Quantised
 from ashe_live.light.pixels.view import View, Window
@@ -16,6 +17,9 @@ from ashe_live.light.pixels.view import View, Window
 APART_PX = 3  # of the coarse picture: areas nearer to each other than twice this belong together
 MARGIN_PX = 10
 UNRELIABLE_PX = 2
+# An object that partly looks like lit ground leaves a gap between the rest of it and its shadow: pairs of the largest areas are
+# also tried as one where the gap is at most this fraction of the smaller one's size.
+JOINED, WIDEST_GAP, BULGE = 2, 0.8, 1.4
 # Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
 UNLIT_DISTANCE, MOST_DISTANCE = 7.0, 60.0
 
@@ -47,7 +51,9 @@ class Region:
         return whole
 
 
-def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
+def unlit_regions(
+    fine: View, coarse_unlit: Mask, coarse_is_ground: Mask, ground: LitGround, size_px: int, count: int
+) -> list[Region]:
     """The regions around the `count` largest groups of unlit areas of a coarser picture.
 
     Each is scaled to about `size_px`, as far as the resolution of `fine` allows.
@@ -56,7 +62,19 @@ def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: in
     labels[~coarse_unlit] = 0
     sizes = np.bincount(labels.ravel())[1:]
     largest = np.argsort(-sizes, kind="stable")[:count]
-    return [region_of(fine, labels == index + 1, ground, size_px) for index in largest if sizes[index] > 0]
+    areas = [labels == index + 1 for index in largest if sizes[index] > 0]
+    pairs = (_joined(one, other) for one, other in combinations(areas[:JOINED], 2))
+    together = [area & coarse_is_ground for area in pairs if area is not None]
+    return [region_of(fine, area, ground, size_px) for area in areas + together]
+
+
+def _joined(one: Mask, other: Mask) -> Mask | None:
+    """Both areas and the gap between them; None where the gap is wide for their sizes."""
+    from_one, from_other = distance_to(one), distance_to(other)
+    gap = float(from_one[other].min())
+    if gap > WIDEST_GAP * math.sqrt(min(np.count_nonzero(one), np.count_nonzero(other))):
+        return None
+    return one | other | (from_one + from_other < BULGE * gap)
 
 
 def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region:
