@@ -82,5 +82,5 @@ def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shap
 
 def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> Mask:
     squared = nearest_squared_distance(colours.reshape(-1, 3), ground.palette).reshape(area.shape)
-    surprising = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8) > UNLIT_DISTANCE
-    return majority((surprising & grown(area, 2) & is_ground) | shrunk(area, 1))
+    unexplained = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8) > UNLIT_DISTANCE
+    return majority((unexplained & grown(area, 2) & is_ground) | shrunk(area, 1))
