@@ -12,7 +12,7 @@ import pytest
 from ashe_live.files.resources import resource
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
-from ashe_live.light.explanation.explain import BORDERS_PER_SAMPLE, WRONG_BODY_SHARE
+from ashe_live.light.explanation.explain import BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD
@@ -53,7 +53,11 @@ STATED = {
     ),
     "a picture's effective sample size": ("docs/maths.md", "the {:g} px (`PIXELS_PER_SAMPLE`)", (PIXELS_PER_SAMPLE,)),
     "borders' effective sample size": ("docs/maths.md", "{:g} of them (`BORDERS_PER_SAMPLE`)", (BORDERS_PER_SAMPLE,)),
-    "a wrong body": ("docs/maths.md", "{:.1f} % of the object's size (`WRONG_BODY_SHARE`)", (100 * WRONG_BODY_SHARE,)),
+    "a wrong body": (
+        "docs/maths.md",
+        "{:.1f} % of the object's size (`MODEL_ERROR_SHARE`)",
+        (100 * MODEL_ERROR_SHARE,),
+    ),
     "what a parameter costs": ("docs/maths.md", "(15) + {:g} q", (COST_PER_PARAMETER,)),
     "the sun": (
         "docs/rendering.md",

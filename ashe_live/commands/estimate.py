@@ -189,7 +189,7 @@ def _said(record: FileRecord) -> str:
     if light is None:
         return f"no directional light ({record.estimate.reason})"
     milliseconds = (record.timing_ms or {}).get("total", 0.0)
-    return f"{light.said(decimals=1)} (frame {record.frame}, {milliseconds:.0f} ms)"
+    return f"{light.summary(decimals=1)} (frame {record.frame}, {milliseconds:.0f} ms)"
 
 
 def _status(record: FileRecord) -> ExitStatus:

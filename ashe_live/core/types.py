@@ -111,7 +111,7 @@ class DirectionalLight:
     def elevation_deg(self) -> float:
         return math.degrees(angles_from_direction(self.to_light_marker)[1])
 
-    def said(self, decimals: int = 0) -> str:
+    def summary(self, decimals: int = 0) -> str:
         """For a person: "azimuth 30°, elevation 45° ± 4.0°, 90 % sure", angles with that many decimals."""
         sigma = "" if self.sigma_rad is None else f" ± {math.degrees(self.sigma_rad):.1f}°"
         sure = "" if self.confidence is None else f", {100 * self.confidence:.0f} % sure"

@@ -59,7 +59,7 @@ def debug_pictures(
         pictures.append(DebugPicture("red: not explained, green: not seen", rest))
     camera_marker = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
     rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_marker)
-    summary = "; ".join(light.said() for light in estimate.lights) or f"none: {estimate.reason}"
+    summary = "; ".join(light.summary() for light in estimate.lights) or f"none: {estimate.reason}"
     pictures.append(DebugPicture(summary, centred(rose, photo.shape)))
     return pictures
 

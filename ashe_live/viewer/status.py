@@ -27,7 +27,7 @@ def light_line(session: Session) -> str:
         assert estimate is not None
         text = f"no clear light: {estimate.reason}"
     else:
-        text = f"{'light' if session.hand.light is None else 'light by hand'}: {light.said()}"
+        text = f"{'light' if session.hand.light is None else 'light by hand'}: {light.summary()}"
         if session.fusion is not None and session.fusion.count > 1:
             text += f", of {session.fusion.count} estimates"
         if (count := len(session.lit_by.lights)) > 1:

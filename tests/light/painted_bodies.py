@@ -13,7 +13,7 @@ from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import object_cost
-from ashe_live.light.shape.body import Body, LitBody, Place
+from ashe_live.light.shape.body import Body, BodyFrame, LitBody
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.light_points import at_infinity
@@ -24,9 +24,9 @@ from tests.light.painted_scenes import BOX, Caster
 BOX_YAW_RAD = math.radians(70 - 45)
 
 
-def place_of(caster: Caster) -> Place:
+def frame_of(caster: Caster) -> BodyFrame:
     """In units of its height."""
-    return Place(np.array(caster.at), caster.height_m)
+    return BodyFrame(np.array(caster.at), caster.height_m)
 
 
 def sight_of(region: Region) -> Sight:
@@ -42,7 +42,7 @@ def body_of(here: PaintedRegion, caster: Caster, *to_lights: Float) -> LitBody:
         family, shape = "box", [0.0, 0.0, BOX_YAW_RAD, math.log(half), math.log(half), 0.0]
     else:
         family, shape = "frustum", [0.0, 0.0, 0.0, half, half]
-    return LitBody(Body(place_of(caster), FAMILIES[family], np.array(shape)), lights)
+    return LitBody(Body(frame_of(caster), FAMILIES[family], np.array(shape)), lights)
 
 
 def costs_of(here: PaintedRegion) -> Costs:

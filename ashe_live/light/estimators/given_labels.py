@@ -12,13 +12,13 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
-from ashe_live.light.explanation.explain import Proposal, explained, sharpened
+from ashe_live.light.explanation.explain import Proposal, explained, refined_by_tangents
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.ground.regions import Region, region_of
 from ashe_live.light.ground.shadow_shift import shift_within
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials, materials_of
-from ashe_live.light.labels.two_lights import are_two, materials_of_two
+from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
 from ashe_live.light.pixels.view import View
 
 
@@ -63,13 +63,13 @@ def directions_from_labels(
     order = sorted(range(len(shadows)), key=lambda i: shifts[i][0])
     parts = tuple(shadows[i] for i in order)
     materials = _materials(region, ground, [shifts[i] for i in order])
-    if materials is None or (materials.lights == 2 and not are_two(parts)):
+    if materials is None or (materials.lights == 2 and not are_two_shadows(parts)):
         return None
     split = Split(body, np.logical_or.reduce(parts), None, parts if len(parts) > 1 else ())
     (found,) = explained([Proposal(region, materials, split)], steps.fine_fit)
     if found is None:
         return None
-    lights = sharpened(found).lights
+    lights = refined_by_tangents(found).lights
     return [lights[order.index(i)].to_light_marker for i in range(len(order))]
 
 

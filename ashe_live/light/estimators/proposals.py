@@ -5,12 +5,18 @@ from dataclasses import replace
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.explain import Proposal
-from ashe_live.light.explanation.judge import promise
+from ashe_live.light.explanation.judge import split_score
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import distinct, doubted, splits
+from ashe_live.light.labels.associate import distinct, splits, with_near_shadow_undecided
 from ashe_live.light.labels.materials import materials_of
-from ashe_live.light.labels.two_lights import are_two, likeliest_pairs, materials_of_two, parted, savings
+from ashe_live.light.labels.two_lights import (
+    are_two_shadows,
+    cost_reduction,
+    likeliest_pairs,
+    materials_of_two,
+    separated_shadows,
+)
 
 SHADOWS_PER_SHIFT = 2  # number of areas that are tried as the shadow, the largest first
 PAIRS, PAIRS_TRIED = 1, 1  # number of pairs of two lights' shifts that are split, and of such splits that are fitted
@@ -27,21 +33,21 @@ def proposals_of(
     together = [materials for materials in both if materials is not None]
     for materials in alone + together:
         for whole in splits(region, ground, materials, SHADOWS_PER_SHIFT):
-            split = replace(whole, parts=parted(materials, whole.shadow_mask))
+            split = replace(whole, parts=separated_shadows(materials, whole.shadow_mask))
             if materials.lights == 2:
-                if are_two(split.parts):
+                if are_two_shadows(split.parts):
                     yield Proposal(region, materials, split)
                 continue
             yield Proposal(region, materials, split)
-            doubtful = doubted(split)
+            doubtful = with_near_shadow_undecided(split)
             if doubtful is not None:
                 yield Proposal(region, materials, doubtful)
 
 
-def worth_a_fit(proposals: Sequence[Proposal], count: int) -> list[Proposal]:
+def selected_for_fit(proposals: Sequence[Proposal], count: int) -> list[Proposal]:
     """The `count` best-looking different proposals by one light, then the PAIRS_TRIED best by two."""
     alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
     together = [proposal for proposal in proposals if proposal.materials.lights == 2]
-    alone.sort(key=lambda one: promise(one.region, one.materials, one.split), reverse=True)
-    together.sort(key=lambda one: savings(one.region, one.materials, one.split), reverse=True)
+    alone.sort(key=lambda one: split_score(one.region, one.materials, one.split), reverse=True)
+    together.sort(key=lambda one: cost_reduction(one.region, one.materials, one.split), reverse=True)
     return distinct(alone, Proposal.is_like, count) + together[:PAIRS_TRIED]

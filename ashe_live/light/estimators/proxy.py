@@ -11,11 +11,11 @@ from dataclasses import replace
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
-from ashe_live.light.estimators.proposals import proposals_of, worth_a_fit
+from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
-from ashe_live.light.explanation.explain import are_alike, explained, finer, sharpened
+from ashe_live.light.explanation.explain import are_alike, explained, refined, refined_by_tangents
 from ashe_live.light.explanation.judge import LEAST_CONFIDENCE, best_of, lights_of, likeliest, log_odds
 from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
@@ -25,7 +25,7 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_scene,
 )
 from ashe_live.light.explanation.penumbra import angular_size
-from ashe_live.light.explanation.second_light import with_their_lights
+from ashe_live.light.explanation.second_light import with_lights_counted
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
@@ -79,19 +79,19 @@ class ProxyEstimator:
         paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
         proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired)]
         clock.end("associate")
-        trace.proposals = worth_a_fit(proposals, steps.tried)
+        trace.proposals = selected_for_fit(proposals, steps.tried)
         trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
-        refined = distinct(sorted(rough, key=log_odds, reverse=True), are_alike, steps.refined)
-        refined = finer(refined, steps.fine_fit)
-        refined = with_their_lights(refined, rough, fine, coarse, ground, steps.region_px)
-        trace.refined = refined = [sharpened(explanation) for explanation in refined]
+        candidates = distinct(sorted(rough, key=log_odds, reverse=True), are_alike, steps.refined)
+        candidates = refined(candidates, steps.fine_fit)
+        candidates = with_lights_counted(candidates, rough, fine, coarse, ground, steps.region_px)
+        trace.refined = candidates = [refined_by_tangents(explanation) for explanation in candidates]
         clock.end("fit")
-        if not refined:
+        if not candidates:
             return none(NO_SHADOW)
-        best, confidence = best_of(refined)
+        best, confidence = best_of(candidates)
         clock.end("judge")
         if confidence < LEAST_CONFIDENCE:
-            rejected = likeliest(refined)
+            rejected = likeliest(candidates)
             return none(fault_of_scene(rejected), *_masks_of(rejected))
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
         # With two lights there is a third shift, that where both are blocked.
@@ -129,4 +129,4 @@ def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
 
 def _angular_size(best: Explanation) -> float | None:
     towards = best.lights[0].to_light_marker
-    return angular_size(best.proxy, towards, best.materials.share, best.predicted, best.region.view)
+    return angular_size(best.proxy, towards, best.materials.shift_fraction, best.predicted, best.region.view)

@@ -11,7 +11,7 @@ FIRST_FIT = fit.FAST  # of the selected splits
 
 @dataclass(frozen=True, slots=True)
 class ProxySteps:
-    """How much work the estimator spends: the numbers that the presets differ in."""
+    """How much work the estimator spends: the counts and sizes that the presets differ in."""
 
     coarse_width_px: int  # at which the ground is modelled and unlit regions are found
     fine_width_px: int  # width of the frame at the finest resolution used

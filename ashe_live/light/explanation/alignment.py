@@ -18,20 +18,20 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.explanation.borders import PLACES, Borders, Places, borders_at, evenly_spread
+from ashe_live.light.explanation.borders import POINTS_PER_OUTLINE, Borders, OutlinePoints, borders_at, evenly_spaced
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.outline_fit.search import stiffness_of
+from ashe_live.light.outline_fit.search import prior_information
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.family import padded, parts_of
-from ashe_live.light.shape.layout import Layout, numbers_of
+from ashe_live.light.shape.layout import Layout, light_parameters
 from ashe_live.light.shape.predicted import Predicted, lit_outlines, painted
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.supports import outline_supports
 
 # Search range for a border on either side of the outline, as a fraction of the object's size: it shrinks every round.
-REACHES, LEAST_REACH_PX = (0.14, 0.1, 0.06, 0.05), 3.0
+SEARCH_RANGES, LEAST_RANGE_PX = (0.14, 0.1, 0.06, 0.05), 3.0
 OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # scale of Cauchy's loss in the last round: of the object's size, and at least
-FORGIVING = 3.0  # times that scale in the rounds before
+EARLY_LOSS_FACTOR = 3.0  # times that scale in the rounds before
 DAMPING, LARGEST_STEP = 1e-3, 1.0
 # Penalty per parameter: the ln n of the Bayesian information criterion, n the region's pixels, times the number of
 # pixels whose errors are correlated, as a colour model is wrong over whole patches.
@@ -41,7 +41,7 @@ FARTHEST_PX = 5e3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Placed:
+class PlacedBody:
     """A body in a picture, and the region's total unary cost with it there."""
 
     lit: LitBody
@@ -70,9 +70,9 @@ class Placed:
 class Alignment:
     """A body moved onto the picture's borders, and how well it agrees with them."""
 
-    placed: Placed
+    placed: PlacedBody
     normal: Float  # (split + q, split + q) matrix of the normal equations: the information on theta
-    missed_px: float  # robust root mean square distance between the outlines and the borders
+    misfit_px: float  # robust root mean square distance between the outlines and the borders
     clear_body: float  # mean clarity of the border along the observable part of the body's outline, 0 to 1
     clear_shadow: float  # the same along the outlines of all shadows
     clear_shadows: tuple[float, ...]  # the same along each shadow's outline
@@ -102,7 +102,7 @@ def aligned(several: Sequence[Start]) -> list[Alignment | None]:
     return found
 
 
-def criterion(placed: Placed) -> float:
+def criterion(placed: PlacedBody) -> float:
     """Model selection criterion: the total unary cost plus a penalty per shape parameter; lower is likelier."""
     return placed.cost + COST_PER_PARAMETER * len(placed.lit.body.shape)
 
@@ -112,36 +112,38 @@ def _aligned(several: Sequence[Start]) -> list[Alignment | None]:
     candidates = iter(_placed([(lit, start.sight, start.costs) for start in several for lit in start.bodies]))
     best = [min((next(candidates) for _ in start.bodies), key=criterion) for start in several]
     here = list(best)
-    for number, share in enumerate(REACHES):
-        left = [i for i, one in enumerate(here) if one.is_in_view]
-        if not left:
+    for number, range_share in enumerate(SEARCH_RANGES):
+        in_view = [i for i, one in enumerate(here) if one.is_in_view]
+        if not in_view:
             break
-        steps = _pulled([here[i] for i in left], share, 1.0 if number == len(REACHES) - 1 else FORGIVING).steps()
-        stepping = [(here[i], step) for i, step in zip(left, steps, strict=True)]
+        steps = _normal_equations(
+            [here[i] for i in in_view], range_share, 1.0 if number == len(SEARCH_RANGES) - 1 else EARLY_LOSS_FACTOR
+        ).steps()
+        stepping = [(here[i], step) for i, step in zip(in_view, steps, strict=True)]
         moved = _placed([(one.lit.moved(step), one.sight, one.costs) for one, step in stepping])
-        for i, one in zip(left, moved, strict=True):
+        for i, one in zip(in_view, moved, strict=True):
             here[i] = one
             best[i] = min(best[i], one, key=attrgetter("cost"))
-    seen = iter(_appraised([one for one in best if one.is_in_view]))
+    seen = iter(_measured([one for one in best if one.is_in_view]))
     return [next(seen) if one.is_in_view else None for one in best]
 
 
-def _placed(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[Placed]:
+def _placed(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[PlacedBody]:
     """Projects and paints each body in its picture, and adds up the unary costs."""
     outlines = lit_outlines([lit for lit, _, _ in several], [Sight.of(costs.region.view) for _, _, costs in several])
     found = []
     for (lit, sight, costs), hulls in zip(several, outlines, strict=True):
         predicted = painted(hulls, costs.as_object.shape)
-        found.append(Placed(lit, sight, costs, hulls, predicted, costs.of(predicted)))
+        found.append(PlacedBody(lit, sight, costs, hulls, predicted, costs.of(predicted)))
     return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Pull:
+class _NormalEquations:
     """Weighted normal equations of n bodies, from the residuals at r = (1 + l) p points of their outlines."""
 
     borders: Borders
-    away_px: Float  # (n, r) distance of each border outside of the outline
+    offset_px: Float  # (n, r) distance of each border outside of the outline
     weight: Float  # (n, r) information of each border, reduced for outliers
     by_theta: Float  # (n, split + q, r) derivatives of the points' outward movement by theta
     normal: Float  # (n, split + q, split + q) information matrix of theta, the prior included
@@ -151,45 +153,48 @@ class _Pull:
         damped, diagonal = self.normal.copy(), np.arange(self.normal.shape[1])
         curvature = self.normal[:, diagonal, diagonal]
         damped[:, diagonal, diagonal] += DAMPING * curvature + 1e-6 * curvature.max(axis=1, keepdims=True) + 1e-12
-        gradient = self.by_theta @ (self.weight * self.away_px)[..., None]
+        gradient = self.by_theta @ (self.weight * self.offset_px)[..., None]
         return np.asarray(np.clip(np.linalg.solve(damped, gradient)[..., 0], -LARGEST_STEP, LARGEST_STEP))
 
 
-def _pulled(several: Sequence[Placed], reach_share: float, forgiving: float) -> _Pull:
-    """Sets up the normal equations of bodies in view, with borders searched within `reach_share` of the object's size.
+def _normal_equations(several: Sequence[PlacedBody], range_share: float, loss_factor: float) -> _NormalEquations:
+    """Sets up the normal equations of bodies in view, with borders searched within `range_share` of the object's size.
 
-    forgiving: factor on the scale of Cauchy's loss.
+    loss_factor: factor on the scale of Cauchy's loss.
     """
     n, outlines = len(several), len(several[0].hulls_px)
-    reach_px = np.array([max(reach_share * one.object_px, LEAST_REACH_PX) for one in several])
+    reach_px = np.array([max(range_share * one.object_px, LEAST_RANGE_PX) for one in several])
     sides = [
         side for one, reach in zip(several, reach_px, strict=True) for side in one.costs.sides(one.predicted, reach)
     ]
-    places = evenly_spread([hull for one in several for hull in one.hulls_px if hull is not None])
-    borders = borders_at(places, sides, reach_px.repeat(outlines))
-    away = borders.away_px.reshape(n, -1)
-    scale_px = np.array([[forgiving * one.outlier_px] for one in several])
+    points = evenly_spaced([hull for one in several for hull in one.hulls_px if hull is not None])
+    borders = borders_at(points, sides, reach_px.repeat(outlines))
+    away = borders.offset_px.reshape(n, -1)
+    scale_px = np.array([[loss_factor * one.outlier_px] for one in several])
     weight = borders.information.reshape(n, -1) / (1 + (away / scale_px) ** 2)
-    by_theta = _slopes([one.lit for one in several], [one.sight for one in several], places)
+    by_theta = _derivatives_by_theta([one.lit for one in several], [one.sight for one in several], points)
     normal = (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2)
     diagonal = np.arange(normal.shape[1])
-    normal[:, diagonal, diagonal] += padded([stiffness_of(one.lit.body.family, one.lit.layout) for one in several])
-    return _Pull(borders, away, weight, by_theta, normal)
+    normal[:, diagonal, diagonal] += padded([prior_information(one.lit.body.family, one.lit.layout) for one in several])
+    return _NormalEquations(borders, away, weight, by_theta, normal)
 
 
-def _appraised(several: Sequence[Placed]) -> list[Alignment]:
+def _measured(several: Sequence[PlacedBody]) -> list[Alignment]:
     """Measures misfit, clarity and information of bodies in view, where they stand."""
     if not several:
         return []
-    pull = _pulled(several, REACHES[-1], 1.0)
-    squares = (pull.weight * pull.away_px**2).sum(axis=1) / np.maximum(pull.weight.sum(axis=1), 1e-9)
+    pull = _normal_equations(several, SEARCH_RANGES[-1], 1.0)
+    squares = (pull.weight * pull.offset_px**2).sum(axis=1) / np.maximum(pull.weight.sum(axis=1), 1e-9)
     clarity = pull.borders.clarity.reshape(len(several), -1)
     found = []
-    in_view = pull.borders.in_view.reshape(len(several), -1, PLACES)
+    in_view = pull.borders.in_view.reshape(len(several), -1, POINTS_PER_OUTLINE)
     for i, (one, normal, square, clear) in enumerate(zip(several, pull.normal, squares, clarity, strict=True)):
         size = one.lit.layout.split + len(one.lit.body.shape)
-        clear_body, clear_shadow = _mean_of_known(clear[:PLACES]), _mean_of_known(clear[PLACES:])
-        each = tuple(_mean_of_known(shadow) for shadow in clear[PLACES:].reshape(-1, PLACES))
+        clear_body, clear_shadow = (
+            _mean_of_known(clear[:POINTS_PER_OUTLINE]),
+            _mean_of_known(clear[POINTS_PER_OUTLINE:]),
+        )
+        each = tuple(_mean_of_known(shadow) for shadow in clear[POINTS_PER_OUTLINE:].reshape(-1, POINTS_PER_OUTLINE))
         ends = _ends_in_view(one.lit.lights, pull.by_theta[i], in_view[i, 1:])
         found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow, each, ends))
     return found
@@ -201,8 +206,8 @@ def _ends_in_view(lights: Float, by_theta: Float, in_view: Mask) -> tuple[float,
     in_view: (l, p) whether each point of the shadows' outlines lies inside the picture.
     """
     ends, layout = [], Layout(len(lights))
-    for i, slant in enumerate(numbers_of(lights)):
-        outward = slant @ by_theta[layout.light(i)].reshape(len(slant), -1, PLACES)[:, 1 + i]
+    for i, displacement in enumerate(light_parameters(lights)):
+        outward = displacement @ by_theta[layout.light(i)].reshape(len(displacement), -1, POINTS_PER_OUTLINE)[:, 1 + i]
         end_weights = np.maximum(outward, 0) ** 2
         # A shadow straight below its object has no far end.
         ends.append(min(float(end_weights @ in_view[i] / end_weights.sum()), 1.0) if end_weights.any() else 1.0)
@@ -214,7 +219,7 @@ def _mean_of_known(values: Float) -> float:
     return float(finite.mean()) if len(finite) > 2 else 0.0
 
 
-def _slopes(several: Sequence[LitBody], sights: Sequence[Sight], places: Places) -> Float:
+def _derivatives_by_theta(several: Sequence[LitBody], sights: Sequence[Sight], points: OutlinePoints) -> Float:
     """(n, split + q, (1 + l) p) derivatives by theta of the outward movement of points on n bodies' outlines.
 
     A point on a straight edge moves by interpolation between the edge's two ends, which may belong to different
@@ -222,14 +227,19 @@ def _slopes(several: Sequence[LitBody], sights: Sequence[Sight], places: Places)
     """
     n, bodies = len(several), [lit.body for lit in several]
     c, s = math.cos(TURN_RAD), math.sin(TURN_RAD)
-    normals, share = places.normals.reshape(n, -1, PLACES, 2).swapaxes(2, 3), places.share.reshape(n, -1, PLACES)
+    normals, along_edge = (
+        points.normals.reshape(n, -1, POINTS_PER_OUTLINE, 2).swapaxes(2, 3),
+        points.along_edge.reshape(n, -1, POINTS_PER_OUTLINE),
+    )
     aside = s * normals[:, :, ::-1] * [[-1], [1]]
     outward = np.concatenate([normals, normals], axis=3)
     turned = np.concatenate([c * normals - aside, c * normals + aside], axis=3)
     parts, by_shape = parts_of([body.family for body in bodies], padded([body.shape for body in bodies]))
-    P = np.array([sight.P(body.place) for sight, body in zip(sights, bodies, strict=True)])
-    lights = np.array([lit.own_lights for lit in several])
+    P = np.array([sight.P(body.frame) for sight, body in zip(sights, bodies, strict=True)])
+    lights = np.array([lit.lights_in_body_frame for lit in several])
     supports = outline_supports(P, parts, lights, outward, turned)
     by_theta = supports.by_theta(by_shape)
-    ends = by_theta[..., :PLACES], by_theta[..., PLACES:]
-    return np.asarray(((1 - share)[:, None] * ends[0] + share[:, None] * ends[1]).reshape(n, by_theta.shape[1], -1))
+    ends = by_theta[..., :POINTS_PER_OUTLINE], by_theta[..., POINTS_PER_OUTLINE:]
+    return np.asarray(
+        ((1 - along_edge)[:, None] * ends[0] + along_edge[:, None] * ends[1]).reshape(n, by_theta.shape[1], -1)
+    )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.labels.costs import Side
 
-PLACES = 48  # points of an outline at which its border is searched
+POINTS_PER_OUTLINE = 48  # points of an outline at which its border is searched
 STEPS = 33  # samples of the search along the normal at a point, from inside to outside
 BENT_PX = 0.01  # a corner that stands out less than this from an edge is taken to lie on it
 EXPECTED_SHARE = 0.6  # sigma of the prior on a border's distance from the outline, as a fraction of the reach
@@ -23,26 +23,26 @@ CLEAR = 4.0  # extra cost of taking both sides for the same material, from which
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Places:
+class OutlinePoints:
     """Sample points spread evenly over n closed outlines, the same number p on each."""
 
     points: Float  # (n, p, 2) pixels
     normals: Float  # (n, p, 2) outward
-    share: Float  # (n, p) position between the ends of the point's straight edge, 0 to 1, in the sense from x to y
+    along_edge: Float  # (n, p) position between the ends of the point's straight edge, 0 to 1, in the sense from x to y
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Borders:
     """The borders measured at p points of each of n outlines."""
 
-    away_px: Float  # (n, p) distance of the border outside of the point, along the normal
+    offset_px: Float  # (n, p) distance of the border outside of the point, along the normal
     information: Float  # (n, p) one over the variance of that distance; 0 where no border can be observed
     clarity: Float  # (n, p) 0: both sides look like one material, 1: they surely do not; nan: cannot be observed
     in_view: Mask  # (n, p) whether the point lies on ground inside the picture, even if the object hides it
 
 
-def evenly_spread(hulls_px: Sequence[Float]) -> Places:
-    """PLACES points on the outline of each of n convex hulls (m, 2), pixels."""
+def evenly_spaced(hulls_px: Sequence[Float]) -> OutlinePoints:
+    """Points on the outline of each of n convex hulls (m, 2), pixels."""
     hulls = [cv2.approxPolyDP(hull.astype(np.float32), BENT_PX, True)[:, 0] for hull in hulls_px]
     most = max(len(hull) for hull in hulls)
     # Hulls with fewer corners are padded with copies of their last one.
@@ -52,20 +52,20 @@ def evenly_spread(hulls_px: Sequence[Float]) -> Places:
     edges = np.concatenate([corners[:, 1:], corners[:, :1]], axis=1) - corners
     lengths = np.hypot(edges[..., 0], edges[..., 1])
     ends = lengths.cumsum(axis=1)
-    at = (np.arange(PLACES) + 0.5) / PLACES * ends[:, -1:]
+    at = (np.arange(POINTS_PER_OUTLINE) + 0.5) / POINTS_PER_OUTLINE * ends[:, -1:]
     edge = np.minimum((ends[:, None] <= at[..., None]).sum(axis=2), most - 1)
     row = np.arange(len(hulls))[:, None]
     length = np.maximum(lengths[row, edge], 1e-9)
-    share = 1 - (ends[row, edge] - at) / length
+    along_edge = 1 - (ends[row, edge] - at) / length
     along = edges[row, edge]
-    points = corners[row, edge] + share[..., None] * along
+    points = corners[row, edge] + along_edge[..., None] * along
     twice_area = (corners[..., 0] * edges[..., 1] - corners[..., 1] * edges[..., 0]).sum(axis=1)
     sense = np.where(twice_area > 0, 1.0, -1.0)[:, None]  # of the corners' order: from x to y, or the other way
     normals = along[..., ::-1] * (1, -1) * (sense / length)[..., None]
-    return Places(points, normals, np.where(sense > 0, share, 1 - share))
+    return OutlinePoints(points, normals, np.where(sense > 0, along_edge, 1 - along_edge))
 
 
-def borders_at(places: Places, sides: Sequence[Side], reach_px: Float) -> Borders:
+def borders_at(places: OutlinePoints, sides: Sequence[Side], reach_px: Float) -> Borders:
     """The borders within `reach_px` (n,) of the points of n outlines, one `Side` for each outline.
 
     The posterior of a border's position along the normal follows from the costs of both sides (docs/maths.md, (17)).

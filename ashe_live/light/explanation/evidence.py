@@ -68,7 +68,7 @@ EVIDENCE = (
 def evidence(explanation: Explanation) -> Float:
     """(15,) features in the order of EVIDENCE; docs/maths.md, "Evidence", defines each."""
     alignment, shading = explanation.alignment, _shading(explanation)
-    misfit = math.log(max(alignment.missed_px, 0.05) / alignment.placed.object_px)
+    misfit = math.log(max(alignment.misfit_px, 0.05) / alignment.placed.object_px)
     looks = appearance(explanation.region, explanation.materials, explanation.predicted)
     clear = alignment.clear_body, alignment.clear_shadow
     shown = max(shading.contrast, LEAST_CONTRAST), math.asinh(shading.sunlit)
@@ -84,8 +84,8 @@ def _flatness(explanation: Explanation) -> float:
 
 def _shading(explanation: Explanation) -> Shading:
     lights = [light.to_light_marker for light in explanation.lights]
-    left_over = [math.exp(shift[0]) for shift in explanation.materials.shifts[: len(lights)]]
-    return shading_of(explanation.region, explanation.predicted.body, explanation.proxy, lights, left_over)
+    shadow_ratios = [math.exp(shift[0]) for shift in explanation.materials.shifts[: len(lights)]]
+    return shading_of(explanation.region, explanation.predicted.body, explanation.proxy, lights, shadow_ratios)
 
 
 def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
@@ -119,13 +119,13 @@ def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
     low, high = RING_PX
     # A window that holds the ring around the shadow, and all that distances in the ring are measured from.
     window = window_around(masks.shadow, math.ceil(2 * high))
-    shadow, body, share = masks.shadow[window], masks.body[window], materials.share[window]
+    shadow, body, fraction = masks.shadow[window], masks.body[window], materials.shift_fraction[window]
     whole = shadow | body
     within, without = distance_to(~whole), distance_to(whole)
     clear = region.is_ground[window] & (distance_to(body) > BESIDE_OBJECT_PX)
     inner = shadow & clear & (within > low) & (within <= high)
     outer = clear & (without > low) & (without <= high) & grown(shadow, int(high))
-    return _median(share[inner]) - _median(share[outer])
+    return _median(fraction[inner]) - _median(fraction[outer])
 
 
 def _lit_side(region: Region, masks: Predicted) -> float:

@@ -13,17 +13,17 @@ from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, object_cost
 from ashe_live.light.labels.relabel import relabelled
-from ashe_live.light.labels.two_lights import are_two
+from ashe_live.light.labels.two_lights import are_two_shadows
 from ashe_live.light.outline_fit.fit import FitFailure, FitPreset, Masks, fit_bodies
 from ashe_live.light.outline_fit.search import information_on_lights
-from ashe_live.light.outline_fit.tangents import sharpened_lights
+from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import (
     FittedLight,
-    above_the_ground,
+    corrected_for_cut_shadow,
     fitted_lights,
-    information_on_slant,
-    with_end_in_view,
+    information_on_displacement,
+    with_hemisphere_prior,
 )
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
@@ -36,8 +36,8 @@ FEW_PX = 20
 # The number of borders over their effective sample size, as errors of neighbouring borders are correlated; and the
 # misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. Both
 # are calibrated so that 68 % of the errors lie within sigma (docs/accuracy.md).
-BORDERS_PER_SAMPLE, WRONG_BODY_SHARE = 2.3, 0.007
-END_IN_VIEW = 0.5  # share of a shadow's far end that must be in the picture for its length to be known
+BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE = 2.3, 0.007
+END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
 
@@ -73,11 +73,13 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
     ]
     fits = fit_bodies(masks, preset)
     pairs = zip(proposals, fits, strict=True)
-    found = iter(suited([(one, fit.bodies, fit.sight) for one, fit in pairs if not isinstance(fit, FitFailure)]))
+    found = iter(
+        aligned_explanations([(one, fit.bodies, fit.sight) for one, fit in pairs if not isinstance(fit, FitFailure)])
+    )
     return [None if isinstance(fit, FitFailure) else next(found) for fit in fits]
 
 
-def suited(several: Sequence[tuple[Proposal, Sequence[LitBody], Sight]]) -> list[Explanation | None]:
+def aligned_explanations(several: Sequence[tuple[Proposal, Sequence[LitBody], Sight]]) -> list[Explanation | None]:
     """Aligns fitted bodies with the picture; several: a proposal, its bodies (likeliest first), and their sight.
 
     None where the cheapest body is not in view.
@@ -86,7 +88,7 @@ def suited(several: Sequence[tuple[Proposal, Sequence[LitBody], Sight]]) -> list
     return [_explanation(each[0], found) for each, found in zip(several, aligned(starts), strict=True)]
 
 
-def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
+def refined(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
     """Relabels each explanation's pixels by its own prediction, fits anew, and keeps the cheaper of the two.
 
     A right explanation survives its own relabelling; one whose labels no longer allow a fit is dropped.
@@ -96,7 +98,7 @@ def finer(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]
     return [_better(rough, fine) for (rough, _), fine in zip(pairs, fines, strict=True) if fine is not None]
 
 
-def sharpened(explanation: Explanation) -> Explanation:
+def refined_by_tangents(explanation: Explanation) -> Explanation:
     """The explanation with its light refined by the common tangents of its labels, which hold for any body.
 
     They decide where the fitted body is a poor model. Two lights are left as they are, as labels do not show how far
@@ -113,16 +115,18 @@ def sharpened(explanation: Explanation) -> Explanation:
     if isinstance(outlines, str):
         return explanation
     body = alignment.placed.lit.body
-    spheroids = body.spheroids if _wrongness(alignment) < 1 else None
+    spheroids = body.spheroids if _relative_misfit(alignment) < 1 else None
     # The labels may be newer than those that the body was fitted to, with another centre.
-    P = Sight(view.camera, view.T_cam_marker, outlines.centre_px).P(body.place)
+    P = Sight(view.camera, view.T_cam_marker, outlines.centre_px).P(body.frame)
     (light,) = explanation.lights
-    in_body_frame = body.place.lights(light.point)
-    sharp = sharpened_lights(P, outlines, in_body_frame, information_on_slant(light), EDGE_SIGMA_PX, spheroids)
+    in_body_frame = body.frame.lights(light.point)
+    sharp = lights_refined_by_tangents(
+        P, outlines, in_body_frame, information_on_displacement(light), EDGE_SIGMA_PX, spheroids
+    )
     return replace(explanation, lights=fitted_lights(*sharp))
 
 
-def price(explanation: Explanation) -> float:
+def explanation_criterion(explanation: Explanation) -> float:
     """The explanation's criterion under its own unary costs: those of the region's pixels, and of its parameters."""
     costs = Costs(explanation.region, explanation.materials, explanation.as_object)
     return criterion(replace(explanation.alignment.placed, cost=costs.of(explanation.predicted)))
@@ -139,13 +143,13 @@ def are_alike(one: Explanation, other: Explanation) -> bool:
 
 def _better(rough: Explanation, fine: Explanation) -> Explanation:
     """The one with the lower criterion, both under the rough one's colours; a rough one gets the newer labels."""
-    return fine if criterion(fine.alignment.placed) < price(rough) else replace(rough, split=fine.split)
+    return fine if criterion(fine.alignment.placed) < explanation_criterion(rough) else replace(rough, split=fine.split)
 
 
 def _relabelled(last: Explanation) -> Proposal | None:
     """A proposal with the pixels relabelled by the last body; None where two lights' shadows have merged into one."""
     split = relabelled(last.region, last.materials, last.as_object, last.predicted)
-    if last.materials.lights == 2 and not are_two(split.parts):
+    if last.materials.lights == 2 and not are_two_shadows(split.parts):
         return None
     lit = last.alignment.placed.lit
     start = lit.lights if min(towards[2] for towards in lit.to_lights_marker) > LOWEST_Z else None
@@ -178,16 +182,20 @@ def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
 def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
     covariance = np.asarray(np.linalg.inv(_information(alignment)))
     lights = fitted_lights(alignment.placed.lit.lights, covariance)
-    return tuple(with_end_in_view(light, share) for light, share in zip(lights, alignment.ends_in_view, strict=True))
+    return tuple(
+        corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, alignment.ends_in_view, strict=True)
+    )
 
 
 def _information(alignment: Alignment) -> Float:
     """(split, split) information on the lights, lowered where the misfit shows that the body is a poor model."""
     lit = alignment.placed.lit
     information = information_on_lights(alignment.normal, lit.layout)
-    return above_the_ground(information / (BORDERS_PER_SAMPLE * (1 + _wrongness(alignment) ** 2)), lit.lights)
+    return with_hemisphere_prior(
+        information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2)), lit.lights
+    )
 
 
-def _wrongness(alignment: Alignment) -> float:
-    """The alignment's misfit in units of WRONG_BODY_SHARE."""
-    return alignment.missed_px / (WRONG_BODY_SHARE * alignment.placed.object_px)
+def _relative_misfit(alignment: Alignment) -> float:
+    """The alignment's misfit in units of MODEL_ERROR_SHARE."""
+    return alignment.misfit_px / (MODEL_ERROR_SHARE * alignment.placed.object_px)

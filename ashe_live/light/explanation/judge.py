@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import DirectionalLight, TrackedFrame
 from ashe_live.light.explanation.evidence import Explanation, appearance, evidence
-from ashe_live.light.explanation.uncertainty import of_direction, of_doubt, of_outlines
+from ashe_live.light.explanation.uncertainty import covariance_of_direction, covariance_of_doubt, covariance_of_outlines
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials
@@ -27,22 +27,22 @@ RAYLEIGH_68 = math.log(1 - 0.68)
 OFFSET = -8.75
 WEIGHTS = np.array([-0.79, 2.93, 2.7, -1.27, 2.29, 0.69, -3.38, -6.98, 0.19, 0.4, -0.74, -0.43, 1.19, -3.89, 0.3])
 # Logistic regression, on `appearance` alone, of whether the right light will follow from a split.
-PROMISE = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
+SPLIT_WEIGHTS = np.array([-3.65, -6.41, -0.26, -1.39, 0.96, -0.58, 1.51, -4.47, 0.3])
 # Logistic regression of the best explanation's being right on the three numbers of `contest`.
 CONTEST_OFFSET = -0.35
 CONTEST_WEIGHTS = np.array([1.02, 0.87, 0.58])
 
 
-def promise(region: Region, materials: Materials, split: Split) -> float:
-    """Score of a split before any fit: the larger, the likelier the right light follows from it (weights PROMISE)."""
+def split_score(region: Region, materials: Materials, split: Split) -> float:
+    """Score of a split before any fit, weighted by SPLIT_WEIGHTS: the larger, the likelier the right light follows."""
     doubtful = split.shadow_mask if split.undecided is None else split.shadow_mask | split.undecided
-    return float(PROMISE @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
+    return float(SPLIT_WEIGHTS @ appearance(region, materials, Predicted(split.object_mask, doubtful)))
 
 
 def log_odds(explanation: Explanation) -> float:
     """Log odds of the probability that the explanation is right and its direction within GOOD_RAD of the truth."""
     is_right = 1 / (1 + math.exp(-_score(explanation)))
-    radius = max(radius_of_68_percent(of_outlines(light.covariance_rad2)) for light in explanation.lights)
+    radius = max(radius_of_68_percent(covariance_of_outlines(light.covariance_rad2)) for light in explanation.lights)
     is_good = -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2)
     probability = min(max(is_right * is_good, 1e-6), 1 - 1e-6)
     return math.log(probability / (1 - probability))
@@ -83,7 +83,9 @@ def lights_of(explanation: Explanation, confidence: float, tracked: TrackedFrame
     """The lights of an explanation with covariance, sigma and confidence, the strongest first as in its shifts."""
     lights = []
     for fitted in explanation.lights:
-        covariance = of_direction(fitted.covariance_rad2, fitted.to_light_marker, tracked) + of_doubt(confidence)
+        covariance = covariance_of_direction(
+            fitted.covariance_rad2, fitted.to_light_marker, tracked
+        ) + covariance_of_doubt(confidence)
         sigma_rad = radius_of_68_percent(covariance)
         lights.append(DirectionalLight(fitted.to_light_marker, covariance, sigma_rad, confidence))
     return lights

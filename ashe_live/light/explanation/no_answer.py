@@ -17,7 +17,7 @@ TOO_BRIGHT = "the picture is overexposed, the table is plain white in it: a shor
 # Values of the brightest channel, 0 to 255. Below the first, quantisation steps are as large as a pale shadow's
 # contrast; from the second on, the camera's response curve is saturated.
 DARK, CLIPPED = 28, 250
-MOST_CLIPPED = 0.5  # share of the ground
+MOST_CLIPPED = 0.5  # fraction of the ground
 
 
 def fault_of_exposure(view: View) -> str | None:

@@ -10,7 +10,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.directions import direction_by_slant, slant_of
+from ashe_live.light.shape.directions import direction_by_displacement, displacement_of
 from ashe_live.light.shape.light_points import at_infinity, cast_on_ground
 from ashe_live.light.shape.predicted import Predicted
 
@@ -18,27 +18,29 @@ REACH_PX = 11.0  # on either side of the edge
 STEP_PX = 0.5
 END_SAMPLES = 6  # at each end of a profile, whose medians are the levels inside and outside
 LEAST_DEPTH = 0.6  # least step between these two levels, as a fraction of the shift, in an edge worth measuring
-APART_M, MOST_PLACES = 0.004, 50  # distance between the points on a straight edge, and their largest number
+APART_M, MOST_POINTS = 0.004, 50  # distance between the points on a straight edge, and their largest number
 ACROSS_M = 1e-3
 BESIDE_OBJECT_PX = 2
 FEWEST_EDGES = 12
 # The penumbra's variance at the widest edges, over that of the picture's blur, below which the two cannot be separated.
-VISIBLE = 0.5
-SURELY = 3.0  # standard errors by which the squared diameter must differ from 0
-PLACES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their number over the effective sample size
+LEAST_VARIANCE_RATIO = 0.5
+LEAST_SIGMAS = 3.0  # standard errors by which the squared diameter must differ from 0
+EDGES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their number over the effective sample size
 LARGEST_RAD = math.radians(20)
 ROBUST_ROUNDS = 6
 
 
-def angular_size(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicted, view: View) -> float | None:
+def angular_size(
+    proxy: Proxy, to_light_marker: Float, shift_fraction: Float32, masks: Predicted, view: View
+) -> float | None:
     """The light's angular diameter (rad); None where its penumbra cannot be separated from the picture's own blur.
 
-    to_light_marker: (3,) unit vector. share: (h, w) fraction of the shadow's colour shift that each pixel of `view`
-    shows. A disc of diameter d blurs the edge cast from height z with the standard deviation z |J'n| d / 4 across the
-    edge (n its normal on the ground, J the derivative of the displacement s by the direction); the picture's blur adds
-    a constant variance. A robust linear regression of variances gives d squared (docs/maths.md, "Penumbra").
+    to_light_marker: (3,) unit vector. shift_fraction: (h, w) fraction of the shadow's colour shift that each pixel of
+    `view` shows. A disc of diameter d blurs the edge cast from height z with the standard deviation z |J'n| d / 4
+    across the edge (n its normal on the ground, J the derivative of the displacement s by the direction); the picture's
+    blur adds a constant variance. A robust linear regression of variances gives d squared (docs/maths.md, "Penumbra").
     """
-    spreads, variances = _edges(proxy, to_light_marker, share, masks, view)
+    spreads, variances = _edges(proxy, to_light_marker, shift_fraction, masks, view)
     if len(spreads) < FEWEST_EDGES:
         return None
     design = np.column_stack([np.ones(len(spreads)), spreads**2])
@@ -50,19 +52,23 @@ def angular_size(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Pr
         scale = 1.48 * float(np.median(np.abs(rest))) + 1e-3
         weights = 1 / np.sqrt(1 + (rest / (2 * scale)) ** 2)
     information = (design * weights[:, None]).T @ (design * weights[:, None])
-    error = scale * math.sqrt(PLACES_PER_SAMPLE * float(np.linalg.inv(information)[1, 1]))
-    if squared <= SURELY * error or squared * np.percentile(spreads, 90) ** 2 < VISIBLE * max(blur, 0.25):
+    error = scale * math.sqrt(EDGES_PER_SAMPLE * float(np.linalg.inv(information)[1, 1]))
+    if squared <= LEAST_SIGMAS * error or squared * np.percentile(spreads, 90) ** 2 < LEAST_VARIANCE_RATIO * max(
+        blur, 0.25
+    ):
         return None
     size = math.sqrt(squared)
     return size if size < LARGEST_RAD else None
 
 
-def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
+def _edges(
+    proxy: Proxy, to_light_marker: Float, shift_fraction: Float32, masks: Predicted, view: View
+) -> tuple[Float, Float]:
     """(n,) standard deviations (px) that a light of 1 rad would give the shadow's edge at n points; (n,) the variances
     (px^2) measured there.
     """
     points = proxy.points_marker()
-    slant = slant_of(to_light_marker)
+    displacement = displacement_of(to_light_marker)
     shadows = cast_on_ground(points, at_infinity(to_light_marker))
     if shadows is None:
         return np.empty(0), np.empty(0)
@@ -74,7 +80,7 @@ def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicte
     outward = np.column_stack([along[:, 1], -along[:, 0]]) / np.maximum(length, 1e-9)[:, None]
     outward[((corners + 0.5 * along - corners.mean(axis=0)) * outward).sum(axis=1) < 0] *= -1
 
-    count = np.where(length < 1e-9, 0, np.clip(length / APART_M, 1, MOST_PLACES).astype(int))
+    count = np.where(length < 1e-9, 0, np.clip(length / APART_M, 1, MOST_POINTS).astype(int))
     edge = np.repeat(np.arange(len(count)), count)
     part = (np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count) + 0.5) / count[edge]
     ends = np.zeros((len(edge), 2, 3))
@@ -85,17 +91,17 @@ def _edges(proxy: Proxy, to_light_marker: Float, share: Float32, masks: Predicte
     scale = np.hypot(*across.T)
     seen = scale > 1e-6  # which is false for NaN, the projection of what lies behind the camera
 
-    by_direction = np.linalg.inv(direction_by_slant(slant))
+    by_direction = np.linalg.inv(direction_by_displacement(displacement))
     smeared = np.linalg.norm(outward @ by_direction, axis=1)[edge]
     spreads = (heights[edge] + part * rise[edge]) * smeared / 4 * scale / ACROSS_M
     clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)
-    kept, variances = _variances(share, clear, pixels[seen, 0], across[seen] / scale[seen, None])
+    kept, variances = _variances(shift_fraction, clear, pixels[seen, 0], across[seen] / scale[seen, None])
     return spreads[seen][kept], variances
 
 
-def _variances(share: Float32, clear: Mask, places: Float, across: Float) -> tuple[Mask, Float]:
+def _variances(shift_fraction: Float32, clear: Mask, places: Float, across: Float) -> tuple[Mask, Float]:
     """(n,) at which points (n, 2) there is a clear step from shadow to light along `across`; those edges' variances."""
-    height, width = share.shape
+    height, width = shift_fraction.shape
     offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
     lines = places[:, None] + offsets[:, None] * across[:, None]
     column, row = np.moveaxis(np.rint(np.clip(lines, -1e6, 1e6)).astype(int), 2, 0)
@@ -104,7 +110,7 @@ def _variances(share: Float32, clear: Mask, places: Float, across: Float) -> tup
     if not kept.any():
         return kept, np.empty(0)
     x, y = np.moveaxis(lines[kept].astype(np.float32), 2, 0)
-    profiles = cv2.remap(share, x, y, cv2.INTER_LINEAR)
+    profiles = cv2.remap(shift_fraction, x, y, cv2.INTER_LINEAR)
     dark, lit = (np.median(end, axis=1) for end in (profiles[:, :END_SAMPLES], profiles[:, -END_SAMPLES:]))
     deep = dark - lit >= LEAST_DEPTH
     kept[kept] = deep

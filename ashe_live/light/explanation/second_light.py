@@ -14,16 +14,16 @@ import numpy as np
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.explain import Proposal, price, suited
+from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
 from ashe_live.light.explanation.judge import log_odds
-from ashe_live.light.explanation.second_shadow import Glimpse, glimpses
+from ashe_live.light.explanation.second_shadow import ShadowCandidate, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import region_of
 from ashe_live.light.ground.shadow_shift import shift_near
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
-from ashe_live.light.labels.two_lights import are_two, materials_of_two
+from ashe_live.light.labels.two_lights import are_two_shadows, materials_of_two
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
@@ -35,7 +35,7 @@ LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18
 NEAR_RAD = math.radians(10)
 
 
-def with_their_lights(
+def with_lights_counted(
     explanations: Sequence[Explanation],
     rough: Sequence[Explanation],
     fine: View,
@@ -55,8 +55,8 @@ def with_their_lights(
     one = max(kept, key=log_odds, default=None)
     if one is None or len(one.lights) > 1:
         return kept
-    found = glimpses(one.proxy, one.alignment.placed.lit.to_lights_marker[0], coarse, ground, TRIED)
-    tried = [_tried(one, glimpse, fine, coarse, ground, region_px) for glimpse in found]
+    found = shadow_candidates(one.proxy, one.alignment.placed.lit.to_lights_marker[0], coarse, ground, TRIED)
+    tried = [_tried(one, candidate, fine, coarse, ground, region_px) for candidate in found]
     gain, both = max((pair for pair in tried if pair is not None), key=itemgetter(0), default=(0.0, one))
     if gain < LEAST_GAIN:
         return kept
@@ -67,7 +67,11 @@ def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
     """Whether both shadows have clear borders, and no single light explains the region at a lower criterion."""
     if min(both.alignment.clear_shadows) < LEAST_CLARITY:
         return False
-    return all(price(both) <= price(single) for single in singles if single.region is both.region)
+    return all(
+        explanation_criterion(both) <= explanation_criterion(single)
+        for single in singles
+        if single.region is both.region
+    )
 
 
 def _is_part_of(both: Explanation, other: Explanation) -> bool:
@@ -79,27 +83,29 @@ def _is_part_of(both: Explanation, other: Explanation) -> bool:
 
 
 def _tried(
-    one: Explanation, glimpse: Glimpse, fine: View, coarse: View, ground: LitGround, region_px: int
+    one: Explanation, candidate: ShadowCandidate, fine: View, coarse: View, ground: LitGround, region_px: int
 ) -> tuple[float, Explanation] | None:
     """By how much a second light lowers the unary costs, and the explanation with it; None if it is rejected."""
-    shift = shift_near(ground.colours[glimpse.area], ground, glimpse.darker)
+    shift = shift_near(ground.colours[candidate.area], ground, candidate.darker)
     if shift is None or shift[0] > PALEST:
         return None
     lit = one.alignment.placed.lit
     seen = predicted(one.proxy, lit.lights, coarse).whole & coarse.is_ground
-    region = region_of(fine, seen | glimpse.area, ground, region_px)
+    region = region_of(fine, seen | candidate.area, ground, region_px)
     known, new = (materials_of(region, ground, each) for each in (one.materials.shift, shift))
     materials = materials_of_two(region, ground, known, new)
     if materials is None:
         return None
     second = 1 if materials.shifts[1] is shift else 0
-    start = replace(lit, lights=np.insert(lit.lights, second, glimpse.light, axis=0))
+    start = replace(lit, lights=np.insert(lit.lights, second, candidate.light, axis=0))
     masks = predicted(one.proxy, start.lights, region.view)
     as_object = object_cost(region, masks.body & region.is_ground)
     split = relabelled(region, materials, as_object, masks)
-    if not are_two(split.parts):
+    if not are_two_shadows(split.parts):
         return None
-    (both,) = suited([(Proposal(region, materials, split, None, as_object), [start], Sight.of(region.view))])
+    (both,) = aligned_explanations(
+        [(Proposal(region, materials, split, None, as_object), [start], Sight.of(region.view))]
+    )
     if both is None or both.alignment.clear_shadows[second] < LEAST_CLARITY:
         return None
     costs = Costs(region, materials, as_object)

@@ -37,7 +37,7 @@ APART_RAD = math.radians(12)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Glimpse:
+class ShadowCandidate:
     """A candidate for a further shadow."""
 
     light: Float  # (4,) homogeneous point, marker frame, with z = 1
@@ -46,7 +46,9 @@ class Glimpse:
     clear: float  # signal-to-noise ratio of that difference, the noise being the ground's own unevenness
 
 
-def glimpses(proxy: Proxy, to_light_marker: Float, coarse: View, ground: LitGround, count: int) -> list[Glimpse]:
+def shadow_candidates(
+    proxy: Proxy, to_light_marker: Float, coarse: View, ground: LitGround, count: int
+) -> list[ShadowCandidate]:
     """Up to `count` candidates for a further shadow of a body with one known light, by falling signal-to-noise ratio.
 
     to_light_marker: (3,) unit vector of the known light. coarse: the view that `ground` was fitted to.
@@ -59,7 +61,7 @@ def glimpses(proxy: Proxy, to_light_marker: Float, coarse: View, ground: LitGrou
     lookout = _Lookout.of(proxy, coarse, free, uneven)
     azimuths, lengths = (each.ravel() for each in np.meshgrid(np.radians(AZIMUTHS), LENGTHS))
     clear, _ = lookout.at(azimuths, lengths)
-    found: list[Glimpse] = []
+    found: list[ShadowCandidate] = []
     others = [to_light_marker]
     for place in np.argsort(-clear, kind="stable"):
         if clear[place] < LEAST_CLEAR or len(found) == count:
@@ -74,7 +76,7 @@ def glimpses(proxy: Proxy, to_light_marker: Float, coarse: View, ground: LitGrou
             towards = _towards(nearby[0][best], nearby[1][best])
             light = at_infinity(towards)
             area = predicted(proxy, light[None], coarse).shadow & free
-            found.append(Glimpse(light, area, darker[best], float(clearer[best])))
+            found.append(ShadowCandidate(light, area, darker[best], float(clearer[best])))
     return found
 
 
@@ -84,7 +86,7 @@ def _towards(azimuth: float, length: float) -> Float:
 
 def _unevenness(ground: LitGround, free: Mask, reach_px: float) -> Float32:
     """(h, w, 3) difference of each pixel's colour from the mean of the lit ground around it, clipped."""
-    lit = (free & (ground.surprise < LIT)).astype(np.float32)
+    lit = (free & (ground.squared_distance < LIT)).astype(np.float32)
     size = (2 * int(reach_px) + 1,) * 2
     count, total = (
         cv2.boxFilter(values, -1, size, normalize=False, borderType=cv2.BORDER_CONSTANT)
@@ -113,10 +115,10 @@ class _Lookout:
 
     def at(self, azimuths: Float, lengths: Float) -> tuple[Float, Float]:
         """(m,) signal-to-noise ratios, 0 where too little is seen, and (m, 3) colour differences of m displacements."""
-        slants = lengths[:, None] * np.column_stack([np.cos(azimuths), np.sin(azimuths)])
-        outlines, is_seen = self._outlines(slants)
+        displacements = lengths[:, None] * np.column_stack([np.cos(azimuths), np.sin(azimuths)])
+        outlines, is_seen = self._outlines(displacements)
         sides = np.roll(outlines, -1, axis=1) - outlines
-        places = (outlines[:, :, None] + ALONG[:, None] * sides[:, :, None]).reshape(len(slants), -1, 2)
+        places = (outlines[:, :, None] + ALONG[:, None] * sides[:, :, None]).reshape(len(displacements), -1, 2)
         centre = outlines.mean(axis=1, keepdims=True)
         arms = outlines - centre
         nearer = np.concatenate([centre + share * (places - centre) for share in WITHIN], axis=1)
@@ -134,9 +136,9 @@ class _Lookout:
         seen = is_seen & (np.minimum(inside_px, outside_px) > LEAST_PX) & (darker[:, 0] < -LEAST_DARKER)
         return np.where(seen, clear, 0.0), darker
 
-    def _outlines(self, slants: Float) -> tuple[Float, Mask]:
+    def _outlines(self, displacements: Float) -> tuple[Float, Mask]:
         """(m, CORNERS, 2) pixels where shadows reach farthest along DIRECTIONS; (m,) whether in front of the camera."""
-        cast = self.points[:, :2] - self.points[:, 2:] * slants[:, None]
+        cast = self.points[:, :2] - self.points[:, 2:] * displacements[:, None]
         image = cast @ self.image_from_ground[:, :2].T + self.image_from_ground[:, 2]
         depth = image[..., 2:]
         is_seen = np.asarray((depth > 0).all(axis=(1, 2)))

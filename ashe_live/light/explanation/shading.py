@@ -20,12 +20,12 @@ DARKEST = 0.02
 LOWEST_Z = 0.1
 FARTHEST_PX = 1e5
 LEAST_PX = 30
-FINEST = 0.03  # added to both spreads: smaller differences in log brightness are noise
+SPREAD_OF_NOISE = 0.03  # added to both spreads: smaller differences in log brightness are noise
 # Prior on the amplitudes of the sky's shading and of the light's, means and standard deviations: both would be 1 if the
 # object were matt, of one colour, and exactly of the body's shape.
-USUAL, DEVIATION = np.array([1.0, 0.5]), np.array([0.7, 0.5])
+PRIOR_MEAN, PRIOR_SIGMA = np.array([1.0, 0.5]), np.array([0.7, 0.5])
 LEAST_NOISE = 0.05
-TOGETHER_PX = 40  # pixels over their effective sample size: an object's colours come in patches
+PIXELS_PER_SAMPLE_OF_OBJECT = 40  # pixels over their effective sample size: an object's colours come in patches
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,21 +40,23 @@ UNKNOWN = Shading(0.0, 0.0)
 
 
 def shading_of(
-    region: Region, body: Mask, proxy: Proxy, to_lights_marker: Sequence[Float], left_over: Sequence[float]
+    region: Region, body: Mask, proxy: Proxy, to_lights_marker: Sequence[Float], shadow_ratios: Sequence[float]
 ) -> Shading:
     """Compares the object's pixels `body` (h, w) with a Lambertian `proxy` in these lights and under the sky.
 
-    to_lights_marker: (3,) unit vectors, marker frame. left_over: shadow ratio of the ground's brightness for each
+    to_lights_marker: (3,) unit vectors, marker frame. shadow_ratios: shadow ratio of the ground's brightness for each
     light, from which its strength follows: a light whose shadow halves the ground's brightness must shade the object as
     strongly, whereas a flat dark patch beside an object implies a light that the shading does not show.
     """
-    lit, under_sky = _irradiances(region, proxy, to_lights_marker, left_over)
+    lit, under_sky = _irradiances(region, proxy, to_lights_marker, shadow_ratios)
     core = shrunk(body, 1) & region.is_ground & (lit > 0)
     if np.count_nonzero(core) <= LEAST_PX:
         return UNKNOWN
     brightness = region.colours[..., 0][core].astype(np.float64)
     by_light, by_sky = (np.log(picture[core] + DARKEST, dtype=np.float64) for picture in (lit, under_sky))
-    contrast = math.log((_spread(brightness - by_sky) + FINEST) / (_spread(brightness - by_light) + FINEST))
+    contrast = math.log(
+        (_spread(brightness - by_sky) + SPREAD_OF_NOISE) / (_spread(brightness - by_light) + SPREAD_OF_NOISE)
+    )
     return Shading(contrast, _sunlit(brightness, by_sky, by_light - by_sky))
 
 
@@ -64,12 +66,12 @@ def _sunlit(brightness: Float, by_sky: Float, by_light: Float) -> float:
     """
     parts = np.column_stack([values - values.mean() for values in (by_sky, by_light)])
     shown = brightness - brightness.mean()
-    noise = max(float(np.std(shown - parts @ USUAL)), LEAST_NOISE)
-    weight = 1 / (TOGETHER_PX * noise**2)
-    information = weight * (parts.T @ parts) + np.diag(DEVIATION**-2.0)
-    amplitude = np.linalg.solve(information, weight * (parts.T @ shown) + USUAL / DEVIATION**2)[1]
+    noise = max(float(np.std(shown - parts @ PRIOR_MEAN)), LEAST_NOISE)
+    weight = 1 / (PIXELS_PER_SAMPLE_OF_OBJECT * noise**2)
+    information = weight * (parts.T @ parts) + np.diag(PRIOR_SIGMA**-2.0)
+    amplitude = np.linalg.solve(information, weight * (parts.T @ shown) + PRIOR_MEAN / PRIOR_SIGMA**2)[1]
     variance = float(np.linalg.inv(information)[1, 1])
-    return float(amplitude / math.sqrt(variance) * (1 - variance / DEVIATION[1] ** 2))
+    return float(amplitude / math.sqrt(variance) * (1 - variance / PRIOR_SIGMA[1] ** 2))
 
 
 def _spread(values: Float) -> float:
@@ -78,7 +80,7 @@ def _spread(values: Float) -> float:
 
 
 def _irradiances(
-    region: Region, proxy: Proxy, to_lights_marker: Sequence[Float], left_over: Sequence[float]
+    region: Region, proxy: Proxy, to_lights_marker: Sequence[Float], shadow_ratios: Sequence[float]
 ) -> tuple[Float32, Float32]:
     """(h, w) each: irradiance of the body's surface in the lights, and under the sky alone, in units of lit ground's.
 
@@ -96,9 +98,9 @@ def _irradiances(
     normals = normals[front] / lengths[front, None]
     up = normals[:, 2]
     from_sky, bounced = (1 + up) / 2, BOUNCE * (1 - up) / 2
-    irradiance = max(1 - sum(1 - left for left in left_over), 0.0) * from_sky + bounced
-    for to_light, left in zip(to_lights_marker, left_over, strict=True):
-        irradiance += (1 - left) / max(to_light[2], LOWEST_Z) * np.maximum(normals @ to_light, 0)
+    irradiance = max(1 - sum(1 - ratio for ratio in shadow_ratios), 0.0) * from_sky + bounced
+    for to_light, ratio in zip(to_lights_marker, shadow_ratios, strict=True):
+        irradiance += (1 - ratio) / max(to_light[2], LOWEST_Z) * np.maximum(normals @ to_light, 0)
     corners = np.round(pixels[front] * 2**SUBPIXEL_BITS).astype(np.int32)
     # Facets share the pixels of a common edge: the brighter one gets them, however the marker is rotated.
     order = np.argsort(irradiance)

@@ -15,15 +15,15 @@ ASSUMED_FOCAL_RAD = math.radians(0.6)  # the same, for a field of view that nobo
 DOUBT_RAD = math.radians(30)
 
 
-def of_outlines(covariance_rad2: Float) -> Float:
+def covariance_of_outlines(covariance_rad2: Float) -> Float:
     """(2, 2) rad^2: a direction's covariance from that of its outlines alone, with the floor of systematic errors."""
     return np.asarray(covariance_rad2 + FLOOR_RAD**2 * np.eye(2))
 
 
-def of_direction(covariance_rad2: Float, to_light_marker: Float, tracked: TrackedFrame) -> Float:
-    """(2, 2) rad^2 on the direction's tangent basis: as `of_outlines`, and the uncertainty of pose and focal length."""
+def covariance_of_direction(covariance_rad2: Float, to_light_marker: Float, tracked: TrackedFrame) -> Float:
+    """(2, 2) rad^2 on the direction's tangent basis: as `covariance_of_outlines`, plus pose and focal length."""
     assert tracked.marker is not None
-    total = of_outlines(covariance_rad2)
+    total = covariance_of_outlines(covariance_rad2)
     if tracked.camera.source == "assumed":
         total = total + ASSUMED_FOCAL_RAD**2 * np.eye(2)
     if tracked.marker.covariance is not None:
@@ -34,6 +34,6 @@ def of_direction(covariance_rad2: Float, to_light_marker: Float, tracked: Tracke
     return np.asarray(0.5 * (total + total.T))
 
 
-def of_doubt(confidence: float) -> Float:
+def covariance_of_doubt(confidence: float) -> Float:
     """(2, 2) rad^2: the covariance to add for the chance that the outlines are not the object's and its shadow's."""
     return np.asarray((DOUBT_RAD * (1 - confidence) ** 3) ** 2 * np.eye(2))

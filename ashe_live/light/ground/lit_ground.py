@@ -23,17 +23,15 @@ Floats = TypeVar("Floats", Float, Float32)
 
 CELLS = (8, 6)
 # Squared Mahalanobis distance from the palette beyond which a colour is not the lit ground's, and its upper limit.
-SURPRISING, MOST_SURPRISING = 6.0, 60.0
+UNLIT_DISTANCE, MOST_DISTANCE = 6.0, 60.0
 SAMPLES, LEAST_SAMPLES = 2000, 500
 # Thresholds on a colour's spread, absolute and relative to the median one (the lower of the two applies): above WIDE it
 # is the ground's, below RARE it is rare.
-WIDE, WIDE_OF_USUAL = 0.3, 0.6
-RARE, RARE_OF_USUAL = 0.35, 0.75
-NEAR_PX = 3  # the reach of the smoothing of `surprise`
-AVERAGED = (
-    1 / 3
-)  # scale at which colours are averaged to find objects that a coarse-grained ground explains pixel by pixel
-LEAST_AVERAGED_PX = 12
+WIDE, WIDE_OF_TYPICAL = 0.3, 0.6
+RARE, RARE_OF_TYPICAL = 0.35, 0.75
+NEAR_PX = 3  # the reach of the smoothing of `squared_distance`
+# Scale at which colours are averaged, and the least area there, in pixels, of an object found by its mean colour.
+AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
 
 
@@ -54,7 +52,7 @@ class LitGround:
     field: Float32  # (5, 3) that shading: coefficients of a quadratic in the image's coordinates, without a constant
     palette: Mixture  # of the lit ground
     rare: Mask  # (h, w) where the pixel's colour has a small spread over the frame
-    surprise: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from rare colours
+    squared_distance: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from rare colours
     sheen: Mask  # (h, w) ground that is brighter than the palette by specular or reflected light
 
 
@@ -68,8 +66,8 @@ def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> Lit
         return None
     bases = _slow_bases((*is_ground.shape,))
     field, spread = _wider_spread(colours, bases, is_ground, steps.spread_colours)
-    usual, spread = float(_median(spread[is_ground])), smoothed(spread)
-    lit = is_ground & (spread > min(WIDE, WIDE_OF_USUAL * usual))
+    typical, spread = float(_median(spread[is_ground])), smoothed(spread)
+    lit = is_ground & (spread > min(WIDE, WIDE_OF_TYPICAL * typical))
     chosen = _samples(shrunk(lit, 1))
     if len(chosen) < LEAST_SAMPLES:
         return None
@@ -82,12 +80,12 @@ def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> Lit
     if palette is None:
         return None
     flat = colours - (bases @ field).reshape(colours.shape)
-    rare = spread < min(RARE, RARE_OF_USUAL * usual)
+    rare = spread < min(RARE, RARE_OF_TYPICAL * typical)
     near = grown(is_ground & rare, NEAR_PX)
     squared = np.zeros(lit.shape, np.float32)
-    squared[near] = np.minimum(nearest_squared_distance(flat[near], palette), MOST_SURPRISING)
-    surprise = np.asarray(cv2.GaussianBlur(squared, (0, 0), 0.7), dtype=np.float32)
-    return LitGround(flat, field, palette, rare, surprise, sheen_on(flat, surprise, is_ground, palette))
+    squared[near] = np.minimum(nearest_squared_distance(flat[near], palette), MOST_DISTANCE)
+    squared_distance = np.asarray(cv2.GaussianBlur(squared, (0, 0), 0.7), dtype=np.float32)
+    return LitGround(flat, field, palette, rare, squared_distance, sheen_on(flat, squared_distance, is_ground, palette))
 
 
 def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float32:
@@ -109,15 +107,15 @@ def lit_rgb(ground: LitGround) -> Float:
 
 def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
     """(h, w) objects and shadows: compact areas of at least `least_px` pixels that the lit ground does not explain."""
-    surprising = (ground.surprise > SURPRISING) & ~ground.sheen
-    return large_areas(cleaned(is_ground & ground.rare & surprising), least_px)
+    unexplained = (ground.squared_distance > UNLIT_DISTANCE) & ~ground.sheen
+    return large_areas(cleaned(is_ground & ground.rare & unexplained), least_px)
 
 
 def with_unlit_on_average(unlit: Mask, view: View, steps: GroundSteps) -> Mask:
-    """(h, w) `unlit` and the areas beside it whose mean colour is none of the ground's, though their pixels' colours may be.
+    """(h, w) `unlit` (h, w) of `view`, and the areas whose mean colour is not the ground's, as their pixels' may be.
 
-    A coarse-grained ground, such as brick or gravel, has specks of nearly every colour, and explains a plain object pixel by
-    pixel; averaged, its colours are few. Only what is thicker than the averages' blur is added.
+    A coarse-grained ground, such as brick or gravel, has specks of nearly every colour, and explains a plain object
+    pixel by pixel; averaged, its colours are few. Only what is thicker than the averages' blur is added.
     """
     small = view.scaled(round(view.size[0] * AVERAGED))
     ground = fit_lit_ground(small.image_bgr, small.is_ground, steps)
@@ -127,7 +125,7 @@ def with_unlit_on_average(unlit: Mask, view: View, steps: GroundSteps) -> Mask:
     whole = cv2.resize(averaged.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST) > 0
     reach = round(1 / AVERAGED)
     thick = grown(shrunk(whole & view.is_ground & ~grown(unlit, 1), reach), reach)
-    return np.asarray(unlit | (thick & view.is_ground))
+    return unlit | (thick & view.is_ground)
 
 
 def _slow_bases(shape: tuple[int, ...], window: Window = (slice(None), slice(None))) -> Float32:
@@ -151,14 +149,14 @@ def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int)
     chosen, cells = _samples(is_ground), _cells(is_ground.shape).ravel()
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
 
-    def usual(labels: NDArray[np.intp]) -> float:
+    def typical(labels: NDArray[np.intp]) -> float:
         return float(_median(_spreads(labels, cells[chosen])[labels]))
 
     trend = _robust_trend(values, slow)
     labels, centres = clusters(values, count)
     flat_labels, flat_centres = clusters(values - slow @ trend, count, labels)
     field = np.zeros_like(trend)
-    if usual(flat_labels) > usual(labels):
+    if typical(flat_labels) > typical(labels):
         field, centres = trend, flat_centres
     labels = nearest_centres(colours.reshape(-1, 3) - bases @ field, centres)
     inside = is_ground.ravel()
@@ -186,9 +184,9 @@ def _spreads(labels: NDArray[np.intp], cells: NDArray[np.intp], count: int = 0) 
 def _median(values: Floats) -> Floats:
     """Median over the last axis; np.median also checks for NaN, and takes several times as long."""
     middle = values.shape[-1] // 2
-    parted = np.partition(values, middle, axis=-1)
-    upper = parted[..., middle]
-    return upper if values.shape[-1] % 2 else 0.5 * (upper + parted[..., :middle].max(axis=-1))
+    separated_shadows = np.partition(values, middle, axis=-1)
+    upper = separated_shadows[..., middle]
+    return upper if values.shape[-1] % 2 else 0.5 * (upper + separated_shadows[..., :middle].max(axis=-1))
 
 
 def _robust_trend(values: Float32, slow: Float32) -> Float32:

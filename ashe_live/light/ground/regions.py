@@ -17,8 +17,9 @@ from ashe_live.light.pixels.view import View, Window
 APART_PX = 3  # of the coarse picture: areas nearer to each other than twice this belong together
 MARGIN_PX = 10
 UNRELIABLE_PX = 2
-# An object that partly looks like lit ground leaves a gap between the rest of it and its shadow: pairs of the largest areas are
-# also tried as one where the gap is at most this fraction of the smaller one's size.
+# An object that partly looks like lit ground leaves a gap between the rest of it and its shadow. Of so many of the
+# largest areas, pairs are also tried as one, where the gap is at most this fraction of the smaller one's size; the gap's
+# pixels are those whose distances to both add up to less than BULGE times its width.
 JOINED, WIDEST_GAP, BULGE = 2, 0.8, 1.4
 # Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
 UNLIT_DISTANCE, MOST_DISTANCE = 7.0, 60.0
@@ -100,5 +101,5 @@ def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shap
 
 def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> Mask:
     squared = nearest_squared_distance(colours.reshape(-1, 3), ground.palette).reshape(area.shape)
-    surprising = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8) > UNLIT_DISTANCE
-    return majority((surprising & grown(area, 2) & is_ground) | shrunk(area, 1))
+    unexplained = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8) > UNLIT_DISTANCE
+    return majority((unexplained & grown(area, 2) & is_ground) | shrunk(area, 1))

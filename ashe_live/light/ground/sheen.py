@@ -18,16 +18,16 @@ LEAST_SHARE = 0.02  # least area of even lit ground that a sheen adjoins, as a f
 LIT_SHARE_AROUND = 0.45  # least fraction of lit ground along a sheen's border
 
 
-def sheen_on(colours: Float32, surprise: Float32, is_ground: Mask, palette: Mixture) -> Mask:
+def sheen_on(colours: Float32, squared_distance: Float32, is_ground: Mask, palette: Mixture) -> Mask:
     """(h, w) ground that differs from the palette only by being brighter, with a smooth transition.
 
-    colours: (h, w, 3) log-opponent. surprise: (h, w) squared distance to the palette's nearest colour, smoothed.
+    colours: (h, w, 3) log-opponent. squared_distance: (h, w) that to the palette's nearest colour, smoothed.
     """
     brightness = cv2.GaussianBlur(colours[..., 0], (0, 0), 1.0)
     slopes = [cv2.Sobel(brightness, cv2.CV_32F, dx, 1 - dx, scale=1 / 8) for dx in (0, 1)]
     even = is_ground & (cv2.magnitude(*slopes) < STEEPEST)
-    lit = is_ground & (surprise <= BRIGHT_DISTANCE)
-    bright = even & (surprise > BRIGHT_DISTANCE)
+    lit = is_ground & (squared_distance <= BRIGHT_DISTANCE)
+    bright = even & (squared_distance > BRIGHT_DISTANCE)
     candidates = brightness[bright]
     bright[bright] = candidates > palette.centres[nearest_centres(colours[bright], palette.centres), 0] + BRIGHTER
     sheen = np.zeros_like(is_ground)

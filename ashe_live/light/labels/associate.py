@@ -98,7 +98,7 @@ def distinct(several: Iterable[T], are_alike: Callable[[T, T], bool], most: int 
     return kept
 
 
-def doubted(split: Split) -> Split | None:
+def with_near_shadow_undecided(split: Split) -> Split | None:
     """The same split with only the far part of the shadow certain: the near part may be the object's own dark side.
 
     That part becomes `undecided`. None where the split has no shadow, or too little certain shadow remains.
@@ -121,7 +121,7 @@ def _shadow_like(region: Region, ground: LitGround, shifts: tuple[Float, ...]) -
         np.concatenate(shadows), np.broadcast_to(noise, (len(centres) * count, 3, 3)), np.tile(weights, count)
     )
     likeness = np.exp(-0.5 * np.minimum(nearest_squared_distance(region.quantised.colours, shadowed), 50))
-    return majority(region.unlit & (smoothed(region.quantised.pictured(likeness)) > SHADOW_LIKE))
+    return majority(region.unlit & (smoothed(region.quantised.as_picture(likeness)) > SHADOW_LIKE))
 
 
 def _splits_with(shadow: Mask, shadow_like: Mask, unlit: Mask) -> list[Split]:

@@ -17,13 +17,13 @@ from ashe_live.light.pixels.mixtures import UNEXPLAINED, cost, mixture_of
 OBJECT_COLOURS = 4
 # Pairs of the fraction of the shift that a pixel may show, and the extra cost of that fraction: a penumbra and the
 # pixel's own width mix lit and shadowed ground, and near the object the sky is hidden as well.
-LIT_SHARES = ((0.0, 0.0), (0.25, 2.0), (0.42, 2.0))
-SHADED_SHARES = ((1.0, 0.0), (0.55, 2.0), (0.78, 1.0), (1.25, 1.0))
-CONTACT_SHARES = ((1.5, 2.0), (1.8, 3.0))
+LIT_FRACTIONS = ((0.0, 0.0), (0.25, 2.0), (0.42, 2.0))
+SHADED_FRACTIONS = ((1.0, 0.0), (0.55, 2.0), (0.78, 1.0), (1.25, 1.0))
+CONTACT_FRACTIONS = ((1.5, 2.0), (1.8, 3.0))
 WIDENED = 0.5  # relative growth of the palette's covariances by a full shift
 MOST_COLOURS = 400  # pixels that the object's mixture is fitted to
 FEWEST_COLOURS = 12
-COMMON = 0.02  # least weight of a palette colour that shares of the shift are measured from
+COMMON = 0.02  # least weight of a palette colour that fractions of the shift are measured from
 NOISE = SHIFT_NOISE.astype(np.float32)
 
 
@@ -35,7 +35,7 @@ class Materials:
     lit: Float32  # (h, w) cost of lit ground
     shaded: Float32  # (h, w) cost of shadow
     contact: Float32  # (h, w) cost of shadow, also where the object hides the sky
-    share: Float32  # (h, w) fraction of the shift that a pixel of ground shows: 0 in full light, 1 in shadow
+    shift_fraction: Float32  # (h, w) fraction of the shift that a pixel of ground shows: 0 in full light, 1 in shadow
     layers: tuple[Float32, ...] = ()  # (h, w) cost of shadow by each of the shifts, if there are two lights
 
     @property
@@ -50,17 +50,20 @@ class Materials:
 def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
     """The region's materials if its shadow has the colour shift `shift` (3,)."""
     lit, shaded, deepest = (
-        cost_of_shift(region, ground, shift, shares) for shares in (LIT_SHARES, SHADED_SHARES, CONTACT_SHARES)
+        cost_of_shift(region, ground, shift, fractions)
+        for fractions in (LIT_FRACTIONS, SHADED_FRACTIONS, CONTACT_FRACTIONS)
     )
-    return Materials((shift,), lit, shaded, np.minimum(shaded, deepest), share_of_shift(region, ground, shift))
+    return Materials((shift,), lit, shaded, np.minimum(shaded, deepest), fraction_of_shift(region, ground, shift))
 
 
-def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple[tuple[float, float], ...]) -> Float32:
-    """(h, w) cost of ground that shows the likeliest of some fractions of a shift; shares: (fraction, extra cost)."""
-    share, extra = np.array(shares).T
-    shown = ground.palette.shifted(shift, share, 1 + WIDENED * share)
+def cost_of_shift(
+    region: Region, ground: LitGround, shift: Float, fractions: tuple[tuple[float, float], ...]
+) -> Float32:
+    """(h, w) cost of ground that shows the likeliest of some fractions (each with an extra cost) of a shift."""
+    fraction, extra = np.array(fractions).T
+    shown = ground.palette.shifted(shift, fraction, 1 + WIDENED * fraction)
     costs = cost(region.quantised.colours, shown, np.repeat(extra, len(ground.palette.weights)))
-    return smoothed(region.quantised.pictured(costs))
+    return smoothed(region.quantised.as_picture(costs))
 
 
 def object_cost(region: Region, mask: Mask) -> Float32:
@@ -80,10 +83,10 @@ def object_cost(region: Region, mask: Mask) -> Float32:
     mixture = mixture_of(samples, OBJECT_COLOURS, 1.2)
     if mixture is None:
         return np.full(mask.shape, UNEXPLAINED, np.float32)
-    return smoothed(region.quantised.pictured(cost(region.quantised.colours, mixture)))
+    return smoothed(region.quantised.as_picture(cost(region.quantised.colours, mixture)))
 
 
-def share_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
+def fraction_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
     """(h, w) each colour's position on the line from the likeliest palette colour, 0, to its shadowed colour, 1."""
     common = ground.palette.weights >= COMMON
     # In units of the noise, so that Euclidean distances to that line are Mahalanobis distances of colours.
@@ -91,8 +94,8 @@ def share_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
     way = (shift / SHIFT_NOISE).astype(np.float32)
     length = way @ way
     along = ((colours @ way) - (centres @ way)[:, None]) / length
-    share = np.clip(along, -0.3, 1.6)
+    fraction = np.clip(along, -0.3, 1.6)
     away = (centres**2).sum(axis=1)[:, None] - 2 * (centres @ colours.T)
-    off = away + length * share * (share - 2 * along) - 2 * np.log(ground.palette.weights[common])[:, None]
-    likeliest = np.take_along_axis(share, off.argmin(axis=0)[None], axis=0)[0]
-    return region.quantised.pictured(likeliest)
+    off = away + length * fraction * (fraction - 2 * along) - 2 * np.log(ground.palette.weights[common])[:, None]
+    likeliest = np.take_along_axis(fraction, off.argmin(axis=0)[None], axis=0)[0]
+    return region.quantised.as_picture(likeliest)

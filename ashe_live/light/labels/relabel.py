@@ -8,7 +8,7 @@ from ashe_live.core.arrays import Float32, Mask
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import LEAST_SHADOW_PX, Split
 from ashe_live.light.labels.materials import Materials
-from ashe_live.light.labels.two_lights import parted
+from ashe_live.light.labels.two_lights import separated_shadows
 from ashe_live.light.pixels.areas import cleaned, distance_to, filled, large_areas, majority, overlapping, thick
 from ashe_live.light.shape.predicted import Predicted
 
@@ -41,7 +41,7 @@ def relabelled(region: Region, materials: Materials, object_cost: Float32, fitte
     shadow = large_areas(cleaned((shadow | (narrow & (as_shadow <= as_object))) & ~body), LEAST_SHADOW_PX)
     undecided = broad & ~body & ~shadow
     doubt = undecided if np.count_nonzero(undecided) > LEAST_DOUBT * np.count_nonzero(whole) else None
-    return Split(body, shadow, doubt, parted(materials, shadow, fitted))
+    return Split(body, shadow, doubt, separated_shadows(materials, shadow, fitted))
 
 
 def _penalty(mask: Mask, free_px: float) -> Float32:

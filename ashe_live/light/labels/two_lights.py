@@ -11,7 +11,7 @@ from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shadow_ratio, shift_of_ratio
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.labels.materials import SHADED_SHARES, Materials, cost_of_shift, object_cost, share_of_shift
+from ashe_live.light.labels.materials import SHADED_FRACTIONS, Materials, cost_of_shift, fraction_of_shift, object_cost
 from ashe_live.light.pixels.areas import distance_to, large_areas, majority, smoothed
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture, nearest_squared_distance
 from ashe_live.light.shape.predicted import Predicted
@@ -62,21 +62,21 @@ def materials_of_two(region: Region, ground: LitGround, first: Materials, second
     both = shifts_of_both(ground, first.shift, second.shift)
     if both is None:
         return None
-    cost_of_both = cost_of_shift(region, ground, both, SHADED_SHARES)
+    cost_of_both = cost_of_shift(region, ground, both, SHADED_FRACTIONS)
     layers = np.stack([first.shaded, second.shaded, cost_of_both])
-    shares = np.stack([first.share, second.share, share_of_shift(region, ground, both)])
-    share = np.take_along_axis(shares, layers.argmin(axis=0)[None], axis=0)[0]
+    fractions = np.stack([first.shift_fraction, second.shift_fraction, fraction_of_shift(region, ground, both)])
+    fraction = np.take_along_axis(fractions, layers.argmin(axis=0)[None], axis=0)[0]
     return Materials(
         (first.shift, second.shift, both),
         np.minimum(first.lit, second.lit),
         layers.min(axis=0),
         np.minimum(np.minimum(first.contact, second.contact), cost_of_both),
-        share,
+        fraction,
         tuple(layers),
     )
 
 
-def parted(materials: Materials, shadow: Mask, fitted: Predicted | None = None) -> tuple[Mask, ...]:
+def separated_shadows(materials: Materials, shadow: Mask, fitted: Predicted | None = None) -> tuple[Mask, ...]:
     """The first and the second light's shadows (h, w), which overlap where both are blocked; empty for one light.
 
     Without a fit, colours alone decide; with one, `fitted`, only those near its outlines.
@@ -94,7 +94,7 @@ def parted(materials: Materials, shadow: Mask, fitted: Predicted | None = None) 
     return tuple(large_areas(part, LEAST_ALONE_PX) for part in parts)
 
 
-def are_two(parts: tuple[Mask, ...]) -> bool:
+def are_two_shadows(parts: tuple[Mask, ...]) -> bool:
     """Whether there are two shadows and each has pixels that the other does not cover."""
     if len(parts) != 2:
         return False
@@ -102,7 +102,7 @@ def are_two(parts: tuple[Mask, ...]) -> bool:
     return bool(min(np.count_nonzero(one & ~other), np.count_nonzero(other & ~one)) >= LEAST_ALONE_PX)
 
 
-def savings(region: Region, materials: Materials, split: Split) -> float:
+def cost_reduction(region: Region, materials: Materials, split: Split) -> float:
     """The mean reduction of unary cost per unlit pixel by the split, against labelling all as lit ground."""
     masks = Predicted(split.object_mask, split.shadow_mask, split.parts)
     costs = Costs(region, materials, object_cost(region, split.object_mask))

@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import inverse_rigid
-from ashe_live.light.shape.body import Place
+from ashe_live.light.shape.body import BodyFrame
 from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import Outlines
@@ -20,10 +20,10 @@ HIGHEST = 0.85  # guessed height as a fraction of that at which a slab's far edg
 class FirstGuess:
     """An upright cylinder on the ground, in units of the larger of its radius and height, and the lights."""
 
-    place: Place
+    frame: BodyFrame
     radius: float
     height: float
-    lights: Float  # (l, 4) homogeneous points, in the frame of `place`
+    lights: Float  # (l, 4) homogeneous points, in that frame
 
 
 def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
@@ -61,11 +61,11 @@ def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
     height = HIGHEST * missing / gain if gain > 0 else math.inf
     height = min(max(height, FLATTEST * radius), SLENDEREST * radius)
     unit = max(radius, height)
-    place = Place(centre, unit)
-    if not (math.isfinite(unit) and unit > 0 and P[2] @ place.T_marker_own[:, 3] > 0):
+    frame = BodyFrame(centre, unit)
+    if not (math.isfinite(unit) and unit > 0 and P[2] @ frame.T_marker_body[:, 3] > 0):
         return "the object lies above the horizon"
 
-    layout, slants = Layout(len(outlines.shadows)), []
+    layout, displacements = Layout(len(outlines.shadows)), []
     for shadow in outlines.shadows:
         points = _on_ground(ground_from_image, shadow.hull_px)
         if not len(points):
@@ -74,8 +74,8 @@ def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
         mean = offsets.mean(axis=0)
         towards = mean / max(float(np.linalg.norm(mean)), 1e-12)
         reach = float((offsets @ towards).max()) - 0.7 * radius / unit
-        slants.append(-towards * max(reach, 0.1 * radius / unit) * unit / height)
-    return FirstGuess(place, radius / unit, height / unit, layout.lights_of(np.concatenate(slants)))
+        displacements.append(-towards * max(reach, 0.1 * radius / unit) * unit / height)
+    return FirstGuess(frame, radius / unit, height / unit, layout.lights_of(np.concatenate(displacements)))
 
 
 def _ground_from_image(P: Float) -> Float | None:

@@ -27,7 +27,9 @@ DIRECTIONS_PER_SAMPLE = 4.0
 # Scale of Cauchy's loss, as a fraction of the object's size and its limits: larger errors are outliers (a handle, a
 # hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
-ENOUGH_SHARE = 0.005  # limit to `FitPreset.enough`, as a fraction of the object's size: small objects need all families
+SUFFICIENT_SHARE = (
+    0.005  # limit to `FitPreset.sufficient_rms`, as a fraction of the object's size: small objects need all families
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +39,9 @@ class FitPreset:
     directions: int  # in which outlines are compared
     families: tuple[str, ...]  # tried in this order, each after the one that it grows from
     iterations: int
-    enough: float  # no further families are tried once one has a smaller rms residual, in sigmas of the masks' edges
+    sufficient_rms: (
+        float  # no further families are tried once one has a smaller rms residual, in sigmas of the masks' edges
+    )
 
 
 FAST = FitPreset(32, ("frustum", "box", "sphere", "vase", "lump"), 8, 1.5)
@@ -106,9 +110,9 @@ class _Scene:
     def outlier_px(self) -> float:
         return min(max(OUTLIER_SHARE * self.outlines.size_px, OUTLIER_PX[0]), OUTLIER_PX[1])
 
-    def is_explained(self, enough: float) -> bool:
+    def is_explained(self, sufficient_rms: float) -> bool:
         least = min((solution.mean_square for solution in self.solutions.values()), default=math.inf)
-        return math.sqrt(least) < min(enough * self.edge_sigma_px, ENOUGH_SHARE * self.outlines.size_px)
+        return math.sqrt(least) < min(sufficient_rms * self.edge_sigma_px, SUFFICIENT_SHARE * self.outlines.size_px)
 
     def problem(self, number: int, family: Family) -> Problem:
         """The search among a family's members; number: this scene's index in the observations."""
@@ -126,7 +130,7 @@ class _Scene:
 
     def fitted(self) -> FittedBodies:
         ranked = (self.solutions[name] for name in self.ranked())
-        bodies = [LitBody(Body(self.guess.place, one.family, one.shape), one.lights) for one in ranked]
+        bodies = [LitBody(Body(self.guess.frame, one.family, one.shape), one.lights) for one in ranked]
         return FittedBodies(bodies, self.sight)
 
     @property
@@ -160,7 +164,7 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
 def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
     """Solves scenes that have the same number of lights, adding to their `solutions`."""
     observations = Observations.stacked(
-        [scene.sight.P(scene.guess.place) for scene in scenes],
+        [scene.sight.P(scene.guess.frame) for scene in scenes],
         [scene.outlines for scene in scenes],
         [scene.outlier_px for scene in scenes],
     )
@@ -170,7 +174,7 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
             scene.problem(number, family)
             for family in families
             for number, scene in enumerate(scenes)
-            if not (family.grows_from and scene.is_explained(preset.enough))
+            if not (family.grows_from and scene.is_explained(preset.sufficient_rms))
         ]
         if not problems:
             break
@@ -185,15 +189,17 @@ def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
 
     Raises ValueError where a parent is not among them.
     """
-    left = [FAMILIES[name] for name in names]
+    remaining = [FAMILIES[name] for name in names]
     tried: set[str | None] = {None}
-    while left:
-        ripe = [family for family in left if family.grows_from in tried]
-        if not ripe:
-            raise ValueError(f"{left[0].name} grows from {left[0].grows_from}, which is not among the families tried")
-        yield ripe
-        tried |= {family.name for family in ripe}
-        left = [family for family in left if family not in ripe]
+    while remaining:
+        ready = [family for family in remaining if family.grows_from in tried]
+        if not ready:
+            raise ValueError(
+                f"{remaining[0].name} grows from {remaining[0].grows_from}, which is not among the families tried"
+            )
+        yield ready
+        tried |= {family.name for family in ready}
+        remaining = [family for family in remaining if family not in ready]
 
 
 def _information_criterion(solution: Solution, edge_sigma_px: float) -> float:

@@ -15,12 +15,15 @@ from ashe_live.light.outline_fit.residuals import Indices, Observations, Stacked
 from ashe_live.light.shape.family import Family, padded
 from ashe_live.light.shape.layout import Layout
 
-SOLID_PRIOR = 0.25  # px^2, cost of a parameter one `spread` from its start: it settles what the outlines leave open
+PRIOR_COST = 0.25  # px^2, cost of a parameter one `spread` from its start: it may_converge what the outlines leave open
 LARGEST_STEP = 1.5
-THINNING, TRIAL = 2, 4  # iterations after which a third of the starts, and then only the best one, are kept
+FIRST_SELECTION, LAST_SELECTION = (
+    2,
+    4,
+)  # iterations after which a third of the starts, and then only the best one, are kept
 CONVERGED = 1e-2  # relative gain of the cost
 FIRST_DAMPING, HIGHEST_DAMPING = 1e-2, 1e5
-HOPELESS = 3.0  # a search whose cost remains above this multiple of its scene's best is given up
+GIVE_UP_FACTOR = 3.0  # a search whose cost remains above this multiple of its scene's best is given up
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,24 +60,24 @@ def search(
     now = stack.started(problems)
     solved: dict[int, Solution] = {}
     for iteration in range(iterations):
-        if iteration in (THINNING, TRIAL):
-            now = now.of(now.best(1 / 3 if iteration == THINNING else 0.0))
+        if iteration in (FIRST_SELECTION, LAST_SELECTION):
+            now = now.of(now.best(1 / 3 if iteration == FIRST_SELECTION else 0.0))
         candidate = now.theta + stack.step(now)
-        gain = now.improved(candidate, *stack.evaluated(now.problem, now.start, candidate))
-        if iteration >= TRIAL:
+        gain = now.accept(candidate, *stack.evaluated(now.problem, now.start, candidate))
+        if iteration >= LAST_SELECTION:
             least_cost = stack.lowered(least_cost, now)
-            over = now.over(gain, HOPELESS * least_cost[stack.scene], iteration > TRIAL)
-            solved |= stack.solutions(now.of(over))
-            now = now.of(~over)
+            finished = now.finished(gain, GIVE_UP_FACTOR * least_cost[stack.scene], iteration > LAST_SELECTION)
+            solved |= stack.solutions(now.of(finished))
+            now = now.of(~finished)
             if not len(now.problem):
                 break
     solved |= stack.solutions(now)
     return [solved[i] for i in range(len(problems))]
 
 
-def stiffness_of(family: Family, layout: Layout) -> Float:
+def prior_information(family: Family, layout: Layout) -> Float:
     """(split + q,) px^2 diagonal of the prior's information on theta about its start; 0 for the lights."""
-    return np.asarray(SOLID_PRIOR / np.array([np.inf] * layout.split + list(family.spread)) ** 2)
+    return np.asarray(PRIOR_COST / np.array([np.inf] * layout.split + list(family.spread)) ** 2)
 
 
 def information_on_lights(normal: Float, layout: Layout) -> Float:
@@ -99,14 +102,14 @@ class _Candidates(Stacked):
     by_theta: Float  # (n, split + q, r)
     cost: Float  # (n,)
 
-    def best(self, share: float = 0.0) -> Indices:
-        """Indices of each problem's cheapest candidates: the fraction `share` of them, at least one."""
+    def best(self, fraction: float = 0.0) -> Indices:
+        """Indices of each problem's cheapest candidates: the given fraction of them, at least one."""
         order = np.lexsort((self.cost, self.problem))
         rank = np.arange(len(order)) - np.searchsorted(self.problem, self.problem)
         count = np.bincount(self.problem)[self.problem]
-        return np.asarray(order[rank < np.maximum(1, (share * count).astype(int))])
+        return np.asarray(order[rank < np.maximum(1, (fraction * count).astype(int))])
 
-    def improved(self, theta: Float, missed: Float, by_theta: Float, cost: Float) -> Float:
+    def accept(self, theta: Float, missed: Float, by_theta: Float, cost: Float) -> Float:
         """Accepts, in place, the steps that lower the cost, and adapts the damping; returns (n,) the reductions."""
         better = cost < self.cost
         gain = np.where(better, self.cost - cost, 0.0)
@@ -115,18 +118,19 @@ class _Candidates(Stacked):
         self.damping[:] = np.clip(self.damping * np.where(better, 0.2, 6.0), 1e-7, 1e7)
         return gain
 
-    def over(self, gain: Float, hopeless: Float, settles: bool) -> Mask:
-        """(n,) whether each one's problem is finished: converged, stuck, or given up as it costs more than `hopeless`.
+    def finished(self, gain: Float, cost_limit: Float, may_converge: bool) -> Mask:
+        """(n,) whether each one's problem is finished: converged, stuck, or given up as it costs too much.
 
-        hopeless: (m,) a cost for each problem. settles: whether a small gain counts as convergence yet.
+        cost_limit: (m,) the highest cost that is not given up, for each problem. may_converge: whether a small gain
+        counts as convergence yet.
         """
         first = np.flatnonzero(np.diff(self.problem, prepend=-1))
-        over = np.minimum.reduceat(self.cost, first) > hopeless[self.problem[first]]
-        over |= np.minimum.reduceat(self.damping, first) > HIGHEST_DAMPING
-        if settles:
+        finished = np.minimum.reduceat(self.cost, first) > cost_limit[self.problem[first]]
+        finished |= np.minimum.reduceat(self.damping, first) > HIGHEST_DAMPING
+        if may_converge:
             much = gain - CONVERGED * (self.cost + gain)
-            over |= (np.maximum.reduceat(gain, first) > 0) & (np.maximum.reduceat(much, first) <= 0)
-        return np.repeat(over, np.diff(first, append=len(self.problem)))
+            finished |= (np.maximum.reduceat(gain, first) > 0) & (np.maximum.reduceat(much, first) <= 0)
+        return np.repeat(finished, np.diff(first, append=len(self.problem)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +140,7 @@ class _Stack:
     families: Sequence[Family]
     scene: Indices  # (m,)
     observations: Observations  # of each problem
-    stiffness: Float  # (m, split + q)
+    prior: Float  # (m, split + q)
     layout: Layout
 
     @classmethod
@@ -144,8 +148,8 @@ class _Stack:
         families = [problem.family for problem in problems]
         scene = np.array([problem.scene for problem in problems])
         layout = Layout(problems[0].lights.shape[1])
-        stiffness = padded([stiffness_of(family, layout) for family in families])
-        return cls(families, scene, observations.of(scene), stiffness, layout)
+        prior = padded([prior_information(family, layout) for family in families])
+        return cls(families, scene, observations.of(scene), prior, layout)
 
     def started(self, problems: Sequence[Problem]) -> _Candidates:
         start = padded(
@@ -165,18 +169,18 @@ class _Stack:
         families = [self.families[i] for i in problem]
         missed, by_theta = residuals(observed, families, layout.lights_of(theta), layout.shape_of(theta))
         loss = (observed.scale_px**2 * np.log1p((missed / observed.scale_px) ** 2)).sum(axis=1)
-        return missed, by_theta, loss + ((theta - start) ** 2 * self.stiffness[problem]).sum(axis=1)
+        return missed, by_theta, loss + ((theta - start) ** 2 * self.prior[problem]).sum(axis=1)
 
     def step(self, now: _Candidates) -> Float:
         """(n, split + q) Levenberg-Marquardt steps, clipped to LARGEST_STEP."""
-        stiffness = self.stiffness[now.problem]
+        prior = self.prior[now.problem]
         weight = (now.missed != 0) / (1 + (now.missed / self.observations.scale_px[now.problem]) ** 2)
         normal, gradient = _normal_equations(now, weight)
-        gradient += (now.theta - now.start) * stiffness
-        diagonal = np.arange(stiffness.shape[1])
+        gradient += (now.theta - now.start) * prior
+        diagonal = np.arange(prior.shape[1])
         curvature = normal[:, diagonal, diagonal]
         floor = 1e-6 * curvature.max(axis=1, keepdims=True) + 1e-12
-        normal[:, diagonal, diagonal] += now.damping[:, None] * (curvature + floor) + floor + stiffness
+        normal[:, diagonal, diagonal] += now.damping[:, None] * (curvature + floor) + floor + prior
         step = np.linalg.solve(normal, -gradient[..., None])[..., 0]
         return np.asarray(np.clip(step, -LARGEST_STEP, LARGEST_STEP))
 

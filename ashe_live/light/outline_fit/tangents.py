@@ -1,7 +1,7 @@
 """Common tangents of object and shadow from the light's vanishing point, which exist whatever the object's shape.
 
 A plane through the camera's centre and the light's direction meets both silhouettes or neither (docs/maths.md,
-"Common tangents"). Each of the two outermost planes gives one equation in the two numbers of s, free of a body model.
+"Common tangents"). Each of the two outermost planes gives one equation in the components of s, free of a body model.
 """
 
 import math
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.layout import Layout, numbers_of
+from ashe_live.light.shape.layout import Layout, light_parameters
 from ashe_live.light.shape.silhouettes import Outlines, Silhouette
 
 NARROWEST = 0.05  # least distance from an outline to the vanishing point, relative to that from the origin
@@ -21,23 +21,23 @@ GROUNDED_SHARE = 0.15  # of the body's height: a tangent that touches it lower m
 ITERATIONS = 15
 
 
-def sharpened_lights(
+def lights_refined_by_tangents(
     P: Float, outlines: Outlines, lights: Float, information: Float, edge_sigma_px: float, spheroids: Float | None
 ) -> tuple[Float, Float]:
     """Maximum a posteriori lights given those of a fitted body, as the prior, and the common tangents.
 
     P: (3, 4) pixels from the body's frame, counted from the outlines' centre. lights: (l, 4) in that frame, with
-    `information` (split, split) on their numbers, which must be positive definite. spheroids: (k, 5) the body, if it is
-    a good enough model to show where a tangent touches it; else None. Returns the lights (l, 4) and the covariance
-    (split, split) of their numbers.
+    `information` (split, split) on their parameters, which must be positive definite. spheroids: (k, 5) the body, if it
+    is a good enough model to show where a tangent touches it; else None. Returns the lights (l, 4) and the covariance
+    (split, split) of their parameters.
     """
-    layout, numbers = Layout(len(lights)), numbers_of(lights)
+    layout, fitted = Layout(len(lights)), light_parameters(lights)
     sigma = TANGENT_SIGMAS * max(edge_sigma_px, 0.05)
-    feet = [None if spheroids is None else _stands_there(P, spheroids, light) for light in lights]
+    feet = [None if spheroids is None else _touches_near_ground(P, spheroids, light) for light in lights]
 
     def evaluate(candidate: Float) -> tuple[float, Float, Float, Float]:
         """The cost, half its gradient, half its curvature, and the part of the latter that is not from mere bounds."""
-        offset = (candidate - numbers).ravel()
+        offset = (candidate - fitted).ravel()
         gradient, curvature, two_sided = information @ offset, information.copy(), information.copy()
         cost = float(offset @ gradient)
         for i, (shadow, foot) in enumerate(zip(outlines.shadows, feet, strict=True)):
@@ -51,11 +51,11 @@ def sharpened_lights(
             two_sided[block, block] += slope.T @ (np.where(bounds_only[0], 0.0, weight)[:, None] * slope)
         return cost, gradient, curvature, two_sided
 
-    best, damping = numbers, 1e-3
+    best, damping = fitted, 1e-3
     cost, gradient, curvature, two_sided = evaluate(best)
     for _ in range(ITERATIONS):
         step = np.linalg.solve(curvature + damping * np.diag(np.diag(curvature)), -gradient)
-        candidate = best + step.reshape(numbers.shape)
+        candidate = best + step.reshape(fitted.shape)
         new_cost, *new_slopes = evaluate(candidate)
         if new_cost < cost:
             settled = cost - new_cost < 1e-4 * cost
@@ -76,9 +76,9 @@ def tangent_gaps(
 
     P: (3, 4) pixels counted from the silhouettes' centre. lights: (n, 4) candidates for the shadow's light. foot: (2,)
     sides on which the object's tangent touches its foot, where it hides its own shadow. Returns gaps (n, 2) in pixels
-    on the first and second side, their derivatives (n, 2, 2) by the light's numbers, and (n, 2) whether they are mere
-    bounds, as an outline that is hidden or cut may extend further. A gap that such an extension explains is 0, and so
-    is the gap of a vanishing point within the outlines, from which there are no tangents.
+    on the first and second side, their derivatives (n, 2, 2) by the light's parameters, and (n, 2) whether they are
+    mere bounds, as an outline that is hidden or cut may extend further. A gap that such an extension explains is 0, and
+    so is the gap of a vanishing point within the outlines, from which there are no tangents.
     """
     foot = np.zeros(2, dtype=np.bool_) if foot is None else foot
     v = _vanishing_points(P, lights)
@@ -97,10 +97,10 @@ def tangent_gaps(
 
 def _vanishing_points(P: Float, lights: Float) -> Float:
     """(n, 3) the homogeneous images of lights (n, 4), divided by the lights' z."""
-    return np.asarray(numbers_of(lights) @ P[:, :2].T + P[:, 2] + lights[:, 3:] / lights[:, 2:3] * P[:, 3])
+    return np.asarray(light_parameters(lights) @ P[:, :2].T + P[:, 2] + lights[:, 3:] / lights[:, 2:3] * P[:, 3])
 
 
-def _stands_there(P: Float, spheroids: Float, light: Float) -> Mask:
+def _touches_near_ground(P: Float, spheroids: Float, light: Float) -> Mask:
     """(2,) whether the first and the second tangent from the light's vanishing point touch the body near the ground."""
     angles = np.arange(16) * (2 * math.pi / 16)
     rim = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(16)])

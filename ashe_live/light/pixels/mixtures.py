@@ -28,13 +28,13 @@ class Mixture:
     covariances: Float32  # (k, 3, 3)
     weights: Float32  # (k,) mixing proportions
 
-    def shifted(self, shift: Float, shares: Float, widenings: Float) -> "Mixture":
+    def shifted(self, shift: Float, fractions: Float, widenings: Float) -> "Mixture":
         """The union of s copies of the mixture: each shifted by its fraction (s,) of `shift` (3,), its covariances
         multiplied by its `widenings` (s,).
         """
-        centres = self.centres + (shares[:, None, None] * shift).astype(np.float32)
+        centres = self.centres + (fractions[:, None, None] * shift).astype(np.float32)
         covariances = self.covariances * widenings[:, None, None, None].astype(np.float32)
-        return Mixture(centres.reshape(-1, 3), covariances.reshape(-1, 3, 3), np.tile(self.weights, len(shares)))
+        return Mixture(centres.reshape(-1, 3), covariances.reshape(-1, 3, 3), np.tile(self.weights, len(fractions)))
 
 
 def clusters(colours: Float32, count: int, start: NDArray[np.intp] | None = None) -> tuple[NDArray[np.intp], Float32]:
@@ -120,12 +120,12 @@ def nearest_squared_distance(colours: Float32, mixture: Mixture, costs: Float | 
     return nearest
 
 
-def cost(colours: Float32, mixture: Mixture, more: Float | float = 0.0) -> Float32:
+def cost(colours: Float32, mixture: Mixture, extra_costs: Float | float = 0.0) -> Float32:
     """(n,) cost of colours (n, 3): twice their negative log density by the likeliest component, at most UNEXPLAINED.
 
-    more: (k,) extra costs of the components; the least of them is added to UNEXPLAINED too.
+    extra_costs: (k,) extra costs of the components; the least of them is added to UNEXPLAINED too.
     """
     spread = np.linalg.slogdet(mixture.covariances.astype(np.float64))[1]
     rarity = -2 * np.log(np.maximum(mixture.weights, 1e-3))
-    costs = nearest_squared_distance(colours, mixture, spread + rarity + NORMAL + more)
-    return np.minimum(costs, np.float32(UNEXPLAINED + np.min(more)))
+    costs = nearest_squared_distance(colours, mixture, spread + rarity + NORMAL + extra_costs)
+    return np.minimum(costs, np.float32(UNEXPLAINED + np.min(extra_costs)))

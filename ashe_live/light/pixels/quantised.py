@@ -28,6 +28,6 @@ class Quantised:
         sums = np.stack([np.bincount(cell, channel) for channel in flat.T], axis=1)
         return Quantised((sums / counts[:, None]).astype(np.float32), cell.reshape(colours.shape[:2]))
 
-    def pictured(self, values: Float32) -> Float32:
+    def as_picture(self, values: Float32) -> Float32:
         """(h, w) the values (k,) of the cells, spread over their pixels."""
         return values.take(self.cell)

@@ -8,18 +8,18 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import normalised
 from ashe_live.light.shape.family import Family
-from ashe_live.light.shape.layout import Layout, numbers_of
+from ashe_live.light.shape.layout import Layout, light_parameters
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Place:
+class BodyFrame:
     """The body frame, in which a family's parameters are given: upright, on the ground, its unit the body's size."""
 
     origin_marker: Float  # (2,) metres, on the ground
     unit_m: float
 
     @property
-    def T_marker_own(self) -> Float:
+    def T_marker_body(self) -> Float:
         """(4, 4) similarity transform from the body frame to the marker frame."""
         M = np.diag([self.unit_m, self.unit_m, self.unit_m, 1.0])
         M[:2, 3] = self.origin_marker
@@ -37,7 +37,7 @@ class Place:
 class Body:
     """A member of a family, somewhere on the ground."""
 
-    place: Place
+    frame: BodyFrame
     family: Family
     shape: Float  # (q,) the family's parameters
 
@@ -51,8 +51,8 @@ class Body:
     @property
     def proxy(self) -> Proxy:
         """The body as a proxy in the marker frame, metres."""
-        spheroids = self.spheroids * self.place.unit_m
-        spheroids[:, :2] += self.place.origin_marker
+        spheroids = self.spheroids * self.frame.unit_m
+        spheroids[:, :2] += self.frame.origin_marker
         return Proxy(self.family.name, spheroids)
 
 
@@ -68,14 +68,14 @@ class LitBody:
         return Layout(len(self.lights))
 
     @property
-    def own_lights(self) -> Float:
+    def lights_in_body_frame(self) -> Float:
         """(l, 4) the lights in the body frame."""
-        return self.body.place.lights(self.lights)
+        return self.body.frame.lights(self.lights)
 
     @property
     def to_lights_marker(self) -> list[Float]:
         """(3,) unit vectors towards the lights, marker frame; all lights are taken to be at infinity."""
-        return [normalised(np.array([*slant, 1.0])) for slant in numbers_of(self.lights)]
+        return [normalised(np.array([*displacement, 1.0])) for displacement in light_parameters(self.lights)]
 
     def moved(self, step: Float) -> "LitBody":
         """After a step in theta; a step longer than (split + q,) is padded for others of its batch, and cut."""

@@ -70,20 +70,20 @@ def _crossings(level: NDArray[Any]) -> NDArray[np.float32]:
     return np.concatenate(points).astype(np.float32)
 
 
-def cutting(shape: tuple[int, ...], unreliable: Mask | None) -> Mask:
+def truncation_mask(shape: tuple[int, ...], unreliable: Mask | None) -> Mask:
     """(h, w) where an outline may be truncated: at the frame's border, and beside unreliable pixels (h, w)."""
     border = np.ones(shape, np.bool_)
     border[CUT_PX:-CUT_PX, CUT_PX:-CUT_PX] = False
     return border if unreliable is None else border | (cv2.dilate(unreliable.astype(np.uint8), BESIDE) > 0)
 
 
-def at(points: Float, mask: Mask) -> Mask:
+def values_at(points: Float, mask: Mask) -> Mask:
     """(m,) the mask's values at points (m, 2); outside of the picture, at its nearest pixel."""
     x, y = np.rint(points).astype(np.intp).T
     return np.asarray(mask[np.clip(y, 0, mask.shape[0] - 1), np.clip(x, 0, mask.shape[1] - 1)])
 
 
-def beside(points: Float, contour: Contour, margin: float) -> Mask:
+def are_beside(points: Float, contour: Contour, margin: float) -> Mask:
     """(m,) whether points (m, 2) lie within `margin` pixels of a contour."""
     squared = (contour.points_px**2).sum(axis=1) - 2 * points @ contour.points_px.T
     return np.asarray(squared.min(axis=1) + (points**2).sum(axis=1) <= margin**2)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
 from ashe_live.core.transforms import normalised, tangent_basis
-from ashe_live.light.shape.layout import Layout, numbers_of
+from ashe_live.light.shape.layout import Layout, light_parameters
 from ashe_live.light.shape.light_points import at_infinity
 
 HEMISPHERE_RAD = 0.7  # sigma of the prior that a light is somewhere on the hemisphere
@@ -40,39 +40,39 @@ class FittedLight:
 def fitted_lights(lights: Float, covariance: Float) -> tuple[FittedLight, ...]:
     """The directions of lights (l, 4) at infinity, from the covariance (split, split) of their displacements s."""
     fitted, layout = [], Layout(len(lights))
-    for i, slant in enumerate(numbers_of(lights)):
-        block, slope = layout.light(i), direction_by_slant(slant)
+    for i, displacement in enumerate(light_parameters(lights)):
+        block, slope = layout.light(i), direction_by_displacement(displacement)
         spread = slope @ covariance[block, block] @ slope.T
-        fitted.append(FittedLight(np.array([*slant, 1.0]), 0.5 * (spread + spread.T)))
+        fitted.append(FittedLight(np.array([*displacement, 1.0]), 0.5 * (spread + spread.T)))
     return tuple(fitted)
 
 
-def slant_of(to_light_marker: Float) -> Float:
+def displacement_of(to_light_marker: Float) -> Float:
     """(2,) displacement s, per unit of height, of the shadows in a light above the ground."""
     return np.asarray(to_light_marker[:2] / to_light_marker[2])
 
 
-def information_on_slant(light: FittedLight) -> Float:
+def information_on_displacement(light: FittedLight) -> Float:
     """(2, 2) information on the displacement s of a light, whose covariance must be positive definite."""
-    slope = direction_by_slant(slant_of(light.to_light_marker))
+    slope = direction_by_displacement(displacement_of(light.to_light_marker))
     return np.asarray(slope.T @ np.linalg.solve(light.covariance_rad2, slope))
 
 
-def above_the_ground(information: Float, lights: Float) -> Float:
+def with_hemisphere_prior(information: Float, lights: Float) -> Float:
     """`information` (split, split) on the displacements of lights (l, 4), plus the prior on the hemisphere."""
     total, layout = information.copy(), Layout(len(lights))
-    for i, slant in enumerate(numbers_of(lights)):
-        block, slope = layout.light(i), direction_by_slant(slant)
+    for i, displacement in enumerate(light_parameters(lights)):
+        block, slope = layout.light(i), direction_by_displacement(displacement)
         total[block, block] += slope.T @ slope / HEMISPHERE_RAD**2
     return total
 
 
-def with_end_in_view(light: FittedLight, share: float) -> FittedLight:
+def corrected_for_cut_shadow(light: FittedLight, visible_fraction: float) -> FittedLight:
     """The light with its height corrected for a shadow whose far end is only partly in the picture.
 
-    share: the fraction of the far end in the picture, 0 to 1. Outside of it a shadow may be longer than was fitted but
-    not shorter, so the light may be lower but not higher. The posterior of its height combines the covariance, which
-    must be positive definite, with a prior by which long ends out of view are rarer than short ones ((22b) of
+    visible_fraction: that of the far end in the picture, 0 to 1. Outside of it a shadow may be longer than was fitted
+    but not shorter, so the light may be lower but not higher. The posterior of its height combines the covariance,
+    which must be positive definite, with a prior by which long ends out of view are rarer than short ones ((22b) of
     docs/maths.md).
     """
     height, deviation = math.asin(light.to_light_marker[2]), math.sqrt(light.covariance_rad2[1, 1])
@@ -81,15 +81,15 @@ def with_end_in_view(light: FittedLight, share: float) -> FittedLight:
     likelihood = heights * np.exp(-0.5 * ((heights - height) / deviation) ** 2)
     mean = np.average(heights, weights=likelihood)
     variance = np.average((heights - mean) ** 2, weights=likelihood) + UNSEEN_END_RAD**2
-    down = (1 - share) ** 2 * (height - mean)
+    down = (1 - visible_fraction) ** 2 * (height - mean)
     lowered = math.cos(down) * light.to_light_marker - math.sin(down) * tangent_basis(light.to_light_marker)[1]
     # The azimuth keeps its uncertainty as an angle, which is a longer arc at a lower elevation.
     wider = max(1.0, math.cos(height - down) / max(math.cos(height), math.sqrt(light.covariance_rad2[0, 0])))
-    change = np.array([wider, share + (1 - share) * math.sqrt(variance) / deviation])
+    change = np.array([wider, visible_fraction + (1 - visible_fraction) * math.sqrt(variance) / deviation])
     return FittedLight(lowered, light.covariance_rad2 * np.outer(change, change))
 
 
-def direction_by_slant(slant: Float) -> Float:
+def direction_by_displacement(displacement: Float) -> Float:
     """(2, 2) derivative by s of the direction (s, 1) / |(s, 1)|, on its tangent basis."""
-    towards = np.array([*slant, 1.0])
+    towards = np.array([*displacement, 1.0])
     return np.asarray(tangent_basis(towards)[:, :2] / np.linalg.norm(towards))

@@ -6,7 +6,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.shape.family import Family, Parts
-from ashe_live.light.shape.jets import Jet, exp, joined, parameters, share, stacked, turn
+from ashe_live.light.shape.jets import Jet, exp, joined, logistic, parameters, stacked, unit_complex
 
 # Corners of a box: x and y as multiples of half its sides, z of its height; the lower four first.
 CORNER_X = np.array([-1.0, 1.0, 1.0, -1.0] * 2)
@@ -28,7 +28,7 @@ def _vase(theta: Float) -> Parts:
     """A frustum with a third radius between."""
     x, y, height, below, between, above, level = parameters(theta)
     top = exp(height)
-    rings = [(x, y, None, below, None), (x, y, share(level) * top, between, None), (x, y, top, above, None)]
+    rings = [(x, y, None, below, None), (x, y, logistic(level) * top, between, None), (x, y, top, above, None)]
     return stacked(rings, [1, 1, 1])
 
 
@@ -50,7 +50,7 @@ def _ell(theta: Float) -> Parts:
     half, top = exp(breadth), exp(height)
     across = joined(half.times(CORNER_X), (half + exp(length)).times(SIDE_X))
     along = exp(depth).times(np.append(CORNER_Y, SIDE_Y))
-    levels = joined(top.times(CORNER_Z), (share(level) * top).times(SIDE_Z))
+    levels = joined(top.times(CORNER_Z), (logistic(level) * top).times(SIDE_Z))
     return stacked([(*_turned(x, y, yaw, across, along), levels, None, None)], [12])
 
 
@@ -58,13 +58,13 @@ def _wagon(theta: Float) -> Parts:
     """An L raised above the ground, on four feet."""
     x, y, yaw, breadth, depth, height, length, level, clearance, inset = parameters(theta)
     half, top = exp(breadth), exp(height)
-    lift, front = share(clearance) * top, half + exp(length)
+    lift, front = logistic(clearance) * top, half + exp(length)
     rise = top - lift
     middle, span = (front - half).times(HALF), (front + half).times(HALF)
-    feet = middle + (span * share(inset)).times(CORNER_X[:4])
+    feet = middle + (span * logistic(inset)).times(CORNER_X[:4])
     across = joined(half.times(CORNER_X), front.times(SIDE_X), feet)
     along = exp(depth).times(np.concatenate([CORNER_Y, SIDE_Y, CORNER_Y[:4]]))
-    tall, low = rise.times(CORNER_Z) + lift, (share(level) * rise).times(SIDE_Z) + lift
+    tall, low = rise.times(CORNER_Z) + lift, (logistic(level) * rise).times(SIDE_Z) + lift
     corners = _turned(x, y, yaw, across, along)
     return stacked([(*corners, joined(tall, low, lift.times(NOTHING)), None, None)], [16])
 
@@ -74,14 +74,16 @@ def _pylon(theta: Float) -> Parts:
     x, y, yaw, breadth, thickness, height, radius = parameters(theta)
     half, top = exp(breadth), exp(height)
     plate = _turned(x, y, yaw, half.times(CORNER_X), half.times(CORNER_Y))
-    return stacked([(*plate, (share(thickness) * top).times(CORNER_Z), None, None), (x, y, top, radius, None)], [8, 1])
+    return stacked(
+        [(*plate, (logistic(thickness) * top).times(CORNER_Z), None, None), (x, y, top, radius, None)], [8, 1]
+    )
 
 
 def _mug(theta: Float) -> Parts:
     """A frustum with a handle, which is a spheroid at its side."""
     x, y, height, below, above, dx, dy, level, radius, half = parameters(theta)
     top = exp(height)
-    handle = (x + dx, y + dy, share(level) * top, exp(radius), exp(half))
+    handle = (x + dx, y + dy, logistic(level) * top, exp(radius), exp(half))
     return stacked([(x, y, None, below, None), (x, y, top, above, None), handle], [1, 1, 1])
 
 
@@ -92,12 +94,12 @@ def _lump(theta: Float) -> Parts:
     spheroids: list[tuple[Jet | None, ...]] = [(x, y, half, exp(size), half)]
     for dx, dy, level, ball in (balls[:4], balls[4:]):
         radius = exp(ball)
-        spheroids.append((x + dx, y + dy, (share(level) * half).times(TWICE), radius, radius))
+        spheroids.append((x + dx, y + dy, (logistic(level) * half).times(TWICE), radius, radius))
     return stacked(spheroids, [1, 1, 1])
 
 
 def _turned(x: Jet, y: Jet, yaw: Jet, across: Jet, along: Jet) -> tuple[Jet, Jet]:
-    places = x + y.times(UPWARDS) + turn(yaw) * (across + along.times(UPWARDS))
+    places = x + y.times(UPWARDS) + unit_complex(yaw) * (across + along.times(UPWARDS))
     return places.real, places.imag
 
 

@@ -1,7 +1,7 @@
 """Families of bodies, and the batching of bodies of several families.
 
 A family maps parameters to spheroids (x, y, z, horizontal radius, half height) and their derivatives. Lengths are in
-the units of the body frame (`body.Place`); those that must stay positive enter as logarithms.
+the units of the body frame (`body.BodyFrame`); those that must stay positive enter as logarithms.
 """
 
 from collections.abc import Callable, Sequence

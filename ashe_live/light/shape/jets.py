@@ -54,13 +54,13 @@ def exp(jet: Jet) -> Jet:
     return _chained(jet, value, value)
 
 
-def share(jet: Jet) -> Jet:
+def logistic(jet: Jet) -> Jet:
     """The logistic function: a fraction between 0 and 1."""
     value = 1 / (1 + np.exp(np.minimum(np.maximum(-jet.numbers[..., :1], -30.0), 30.0)))
     return _chained(jet, value, value * (1 - value))
 
 
-def turn(jet: Jet) -> Jet:
+def unit_complex(jet: Jet) -> Jet:
     """exp(i angle): the complex number that rotates the plane by an angle."""
     value = np.exp(1j * jet.numbers[..., :1])
     return _chained(jet, value, 1j * value)

@@ -1,4 +1,4 @@
-"""The layout of theta, the parameter vector of a fit: the lights' numbers, light after light, then the shape's."""
+"""The layout of theta, the parameter vector of a fit: those of the lights, one after the other, then the shape's."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -27,9 +27,9 @@ class Layout:
 
     def lights_of(self, theta: Float) -> Float:
         """(..., l, 4) the lights as homogeneous points with z = 1."""
-        numbers = theta[..., : self.split].reshape(*theta.shape[:-1], self.lights, self.PER_LIGHT)
-        points = np.zeros((*numbers.shape[:-1], 4))
-        points[..., : self.PER_LIGHT], points[..., 2] = numbers, 1.0
+        parameters = theta[..., : self.split].reshape(*theta.shape[:-1], self.lights, self.PER_LIGHT)
+        points = np.zeros((*parameters.shape[:-1], 4))
+        points[..., : self.PER_LIGHT], points[..., 2] = parameters, 1.0
         return points
 
     def shape_of(self, theta: Float) -> Float:
@@ -39,9 +39,9 @@ class Layout:
     @classmethod
     def theta(cls, lights: Float, shape: Float) -> Float:
         """(split + q,) the parameter vector of lights (l, 4), which must be directions, and a shape (q,)."""
-        return np.append(numbers_of(lights), shape)
+        return np.append(light_parameters(lights), shape)
 
 
-def numbers_of(lights: Float) -> Float:
+def light_parameters(lights: Float) -> Float:
     """(..., l, 2) the parameters of lights (..., l, 4): the displacement s = (x, y) / z of each."""
     return np.asarray(lights[..., : Layout.PER_LIGHT] / lights[..., 2:3])

@@ -1,7 +1,7 @@
 """Lights as homogeneous points (x, y, z, w): w = 0 for a direction, else a lamp at (x, y, z) / w.
 
 Any light above the plane z = 0 casts shadows on it by one planar projection (Blinn, "Me and My (Fake) Shadow", IEEE
-Computer Graphics and Applications 8(1), 1988). Divided by its z, a light has three numbers: the displacement
+Computer Graphics and Applications 8(1), 1988). Divided by its z, a light has three parameters: the displacement
 s = (x, y) / z of a shadow per unit of height, and w / z, by which shadows grow with height; it is 0 for a direction.
 """
 
@@ -41,6 +41,6 @@ def cast_on_ground(points: Float, light: Float) -> Float | None:
     return np.asarray((points - points[:, 2:] * (light[:3] / light[2])) / height_left)
 
 
-def towards(light: Float, place: Float) -> Float:
-    """(3,) the unit vector from a place (3,) towards a light (4,)."""
-    return normalised(light[:3] - light[3] * place)
+def towards(light: Float, point: Float) -> Float:
+    """(3,) the unit vector from a point (3,) towards a light (4,)."""
+    return normalised(light[:3] - light[3] * point)

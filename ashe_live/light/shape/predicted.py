@@ -84,9 +84,11 @@ def lit_outlines(several: Sequence[LitBody], sights: Sequence[Sight]) -> list[li
 
     All have the same number of lights, and the sights' pixels are counted from the picture's corner.
     """
-    P = np.array([sight.P(lit.body.place) for lit, sight in zip(several, sights, strict=True)])
+    P = np.array([sight.P(lit.body.frame) for lit, sight in zip(several, sights, strict=True)])
     parts, _ = parts_of([lit.body.family for lit in several], padded([lit.body.shape for lit in several]))
-    clouds = outline_points(P, parts, np.array([lit.own_lights for lit in several]), AROUND).astype(np.float32)
+    clouds = outline_points(P, parts, np.array([lit.lights_in_body_frame for lit in several]), AROUND).astype(
+        np.float32
+    )
     # What seems very large may extend behind the camera, and needs the slower projection with clipping.
     are_large = ~(np.abs(clouds).max(axis=(1, 2, 3, 4)) < LARGE_PX)
     return [

@@ -7,7 +7,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.body import Place
+from ashe_live.light.shape.body import BodyFrame
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,6 +30,6 @@ class Sight:
         about = np.array([[1.0, 0.0, -x], [0.0, 1.0, -y], [0.0, 0.0, 1.0]])
         return np.asarray(about @ self.camera.K @ self.T_cam_marker[:3])
 
-    def P(self, place: Place) -> Float:
-        """(3, 4) projection from the body frame of `place` to pixels about `centre_px`."""
-        return np.asarray(self.P_marker @ place.T_marker_own)
+    def P(self, frame: BodyFrame) -> Float:
+        """(3, 4) projection from a body frame to pixels about `centre_px`."""
+        return np.asarray(self.P_marker @ frame.T_marker_body)

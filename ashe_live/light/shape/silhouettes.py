@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.contours import AnyMask, Contour, at, beside, contour_of, cutting
+from ashe_live.light.shape.contours import AnyMask, Contour, are_beside, contour_of, truncation_mask, values_at
 
 # A shadow's outline this near to the object may continue behind it.
 CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0
@@ -80,13 +80,13 @@ def observe_outlines(
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
     margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * edge_sigma_px
 
-    cut_off = cutting(body.shape, unreliable)
+    cut_off = truncation_mask(body.shape, unreliable)
 
     def is_cut(points: Float) -> Mask:
-        return at(points, cut_off)
+        return values_at(points, cut_off)
 
     def is_hidden(points: Float) -> Mask:
-        return beside(points, body_contour, margin)
+        return are_beside(points, body_contour, margin)
 
     angles = np.arange(direction_count) * (2 * math.pi / direction_count)
     blocks = [np.column_stack([np.cos(angles), np.sin(angles)])]
@@ -115,7 +115,7 @@ def observe_outlines(
     least, most = np.stack(least_px), np.stack(most_px)
     whole = np.full(len(directions), -np.inf), np.full(len(directions), np.inf)
     if whole_contour is not None:
-        cut = at(whole_contour.hull_px, cutting(body.shape, really_unreliable))
+        cut = values_at(whole_contour.hull_px, truncation_mask(body.shape, really_unreliable))
         whole = _bounds_of_whole(whole_contour.hull_px - centre, cut, directions, least, most)
     least, most = np.vstack([least, whole[0]]), np.vstack([most, whole[1]])
     outlines = Outlines(directions, centre, size, silhouettes[0], tuple(silhouettes[1:]), least, most)

@@ -36,7 +36,7 @@ class Supports:
     reach_px: Float  # (n, 1 + l, d) max of u . p over the outline of body n, for direction u
     part: NDArray[np.intp]  # (n, 1 + l, d) index of the spheroid that reaches farthest
     by_part: Float  # (n, 1 + l, 5, d) derivative by that spheroid's x, y, z, radius, half height
-    by_light: Float  # (n, l, 2, d) derivative of a shadow's reach by its light's numbers in theta
+    by_light: Float  # (n, l, 2, d) derivative of a shadow's reach by its light's parameters in theta
 
     def by_theta(self, by_shape: Float) -> Float:
         """(n, split + q, 1 + l, d) derivatives by theta; by_shape: (n, k, 5, q) those of the spheroids by the shape."""

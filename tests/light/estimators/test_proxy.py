@@ -298,9 +298,9 @@ NOTHING_TO_SEE = {
 }
 
 
-@pytest.mark.parametrize("left_over", [0.015, 0.03, 0.6])
-def test_shadows_may_be_nearly_black_or_pale(left_over: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(painted_scenes, "SHADOW_RATIO", left_over * np.array([0.9, 1.0, 1.1]))
+@pytest.mark.parametrize("shadow_ratios", [0.015, 0.03, 0.6])
+def test_shadows_may_be_nearly_black_or_pale(shadow_ratios: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(painted_scenes, "SHADOW_RATIO", shadow_ratios * np.array([0.9, 1.0, 1.1]))
     scene = paint(BOX)
     assert apart_deg(towards(scene.tracked), scene.to_light) < 1.0
 

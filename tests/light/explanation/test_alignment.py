@@ -11,19 +11,19 @@ from hypothesis import strategies as st
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.camera import Size
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.alignment import Alignment, Start, _slopes
+from ashe_live.light.explanation.alignment import Alignment, Start, _derivatives_by_theta
 from ashe_live.light.explanation.alignment import aligned as all_aligned
-from ashe_live.light.explanation.borders import PLACES, Places, evenly_spread
+from ashe_live.light.explanation.borders import POINTS_PER_OUTLINE, OutlinePoints, evenly_spaced
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials
 from ashe_live.light.outline_fit.search import information_on_lights
 from ashe_live.light.shape.body import Body, LitBody
 from ashe_live.light.shape.families import FAMILIES
-from ashe_live.light.shape.layout import Layout, numbers_of
+from ashe_live.light.shape.layout import Layout, light_parameters
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import Predicted, outline, predicted
-from tests.light.painted_bodies import body_of, costs_of, place_of, sight_of
+from tests.light.painted_bodies import body_of, costs_of, frame_of, sight_of
 from tests.light.painted_regions import PaintedRegion, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, overlap
 from tests.light.synthetic_masks import direction
@@ -38,7 +38,7 @@ SHAPES = {
 
 
 def body(family: str, lights: list[Float]) -> LitBody:
-    return LitBody(Body(place_of(BOX), FAMILIES[family], np.array(SHAPES[family])), at_infinity(np.array(lights)))
+    return LitBody(Body(frame_of(BOX), FAMILIES[family], np.array(SHAPES[family])), at_infinity(np.array(lights)))
 
 
 def aligned(bodies: list[LitBody], costs: Costs) -> Alignment | None:
@@ -66,7 +66,7 @@ def moved_outward(points: Float, outward: Float, hull_px: Float) -> Float:
     return np.asarray(reached.min(axis=1))
 
 
-def measured_slopes(lit: LitBody, region: Region, places: Places, step: float = 2e-3) -> Float:
+def measured_slopes(lit: LitBody, region: Region, places: OutlinePoints, step: float = 2e-3) -> Float:
     """(2 l + q, n) by central differences of the outlines that are drawn."""
     columns = []
     for unit in np.eye(lit.layout.split + len(lit.body.shape)):
@@ -86,9 +86,12 @@ def measured_slopes(lit: LitBody, region: Region, places: Places, step: float = 
 def test_slopes_are_those_of_the_outlines(family: str, lights: list[Float]) -> None:
     region = painted_region(BOX).region
     here = body(family, lights)
-    places = evenly_spread(smooth_outlines(here, region))
-    (slopes,), measured = _slopes([here], [sight_of(region)], places), measured_slopes(here, region, places)
-    assert slopes.shape == (here.layout.split + len(here.body.shape), (1 + len(lights)) * PLACES)
+    places = evenly_spaced(smooth_outlines(here, region))
+    (slopes,), measured = (
+        _derivatives_by_theta([here], [sight_of(region)], places),
+        measured_slopes(here, region, places),
+    )
+    assert slopes.shape == (here.layout.split + len(here.body.shape), (1 + len(lights)) * POINTS_PER_OUTLINE)
     error = np.abs(slopes - measured)
     # A place next to a corner, or where a straight edge goes over into a round one, moves as neither of them does.
     assert np.quantile(error.max(axis=0), 0.98) < 0.03 * np.abs(measured).max()
@@ -118,7 +121,7 @@ def test_a_body_that_is_displaced_comes_back(ground: str, caster: Caster, spoilt
     found = aligned([displaced], costs)
     assert found is not None
     assert light_error_deg(found.placed.lit, here) < 1
-    assert found.missed_px < 0.5
+    assert found.misfit_px < 0.5
     assert min(found.clear_body, found.clear_shadow) > 0.9
     start = predicted(displaced.body.proxy, displaced.lights, here.region.view)
     assert found.placed.cost < costs.of(start)
@@ -161,8 +164,8 @@ def test_from_anywhere_the_cost_never_rises_and_no_number_is_none(seed: int, sca
         return
     assert found.placed.cost <= costs.of(predicted(there.body.proxy, there.lights, here.region.view)) + 1e-3
     assert np.isfinite(found.normal).all()
-    assert np.isfinite([found.missed_px, found.placed.cost]).all()
-    assert np.isfinite(numbers_of(found.placed.lit.lights)).all()
+    assert np.isfinite([found.misfit_px, found.placed.cost]).all()
+    assert np.isfinite(light_parameters(found.placed.lit.lights)).all()
     assert 0 <= found.clear_body <= 1
     assert 0 <= found.clear_shadow <= 1
     assert np.linalg.eigvalsh(found.normal).min() > -1e-6 * np.abs(found.normal).max()
@@ -171,8 +174,8 @@ def test_from_anywhere_the_cost_never_rises_and_no_number_is_none(seed: int, sca
 def test_what_is_not_in_view_is_no_alignment() -> None:
     here = painted_region(BOX)
     truth, costs = body_of(here, BOX), costs_of(here)
-    place = replace(truth.body.place, origin_marker=np.array([0.0, -50.0]))
-    behind = replace(truth, body=replace(truth.body, place=place))
+    elsewhere = replace(truth.body.frame, origin_marker=np.array([0.0, -50.0]))
+    behind = replace(truth, body=replace(truth.body, frame=elsewhere))
     endless = replace(truth, lights=np.array([[1e12, 0.0, 1.0, 0.0]]))
     for body in (behind, endless):
         assert aligned([body], costs) is None
@@ -194,7 +197,7 @@ def test_of_a_shadow_whose_tip_is_out_of_the_picture_the_length_is_not_known(ele
     here = painted_region(BOX, azimuth_deg=110.0, elevation_deg=elevation_deg)
     found = aligned([body_of(here, BOX)], costs_of(here))
     assert found is not None
-    along = numbers_of(found.placed.lit.lights)[0] / np.linalg.norm(numbers_of(found.placed.lit.lights)[0])
+    along = light_parameters(found.placed.lit.lights)[0] / np.linalg.norm(light_parameters(found.placed.lit.lights)[0])
     across = along[::-1] * (-1, 1)
     known = information_on_lights(found.normal, Layout(1))
     assert along @ known @ along < 1e-3 * (across @ known @ across)
@@ -256,7 +259,7 @@ def test_tiny_regions_break_nothing(size: Size) -> None:
     )
     lit, shaded, contact, share = (
         each[window]
-        for each in (here.materials.lit, here.materials.shaded, here.materials.contact, here.materials.share)
+        for each in (here.materials.lit, here.materials.shaded, here.materials.contact, here.materials.shift_fraction)
     )
     costs = Costs(region, Materials((here.true_shift,), lit, shaded, contact, share), costs_of(here).as_object[window])
     found = aligned([body_of(here, BOX)], costs)

@@ -1,4 +1,4 @@
-"""Places on outlines, and the borders that a picture shows across them."""
+"""OutlinePoints on outlines, and the borders that a picture shows across them."""
 
 import dataclasses
 import math
@@ -12,12 +12,12 @@ from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.light.explanation.borders import (
     CLEAR,
     LEAST_VARIANCE,
-    PLACES,
+    POINTS_PER_OUTLINE,
     STEPS,
     Borders,
-    Places,
+    OutlinePoints,
     borders_at,
-    evenly_spread,
+    evenly_spaced,
 )
 from ashe_live.light.labels.costs import Side
 
@@ -41,15 +41,15 @@ def gain_within(radius: float, clarity: float = 8.0, blur_px: float = 0.5) -> Fl
     return np.asarray(clarity * np.clip(inside / blur_px, -1, 1), np.float32)
 
 
-def spread_over(hull: Float) -> Places:
+def spread_over(hull: Float) -> OutlinePoints:
     """On one outline: points and normals (n, 2), share (n,)."""
-    places = evenly_spread([hull])
-    return Places(places.points[0], places.normals[0], places.share[0])
+    places = evenly_spaced([hull])
+    return OutlinePoints(places.points[0], places.normals[0], places.along_edge[0])
 
 
 def borders_of(hull: Float, side: Side, reach_px: float = REACH_PX) -> Borders:
     """(n,) of one outline."""
-    borders = borders_at(evenly_spread([hull]), [side], np.array([reach_px]))
+    borders = borders_at(evenly_spaced([hull]), [side], np.array([reach_px]))
     return Borders(*(getattr(borders, field.name)[0] for field in dataclasses.fields(borders)))
 
 
@@ -57,15 +57,15 @@ def found(gain: Float32, trusted: Mask = ALL, visible: Mask = ALL, reach_px: flo
     return borders_of(disc(), Side(gain, trusted, visible), reach_px)
 
 
-# Places
+# OutlinePoints
 
 
 @pytest.mark.parametrize("hull", TURNED.values(), ids=TURNED)
 def test_places_are_equidistant_along_the_outline(hull: Float) -> None:
     points = spread_over(hull).points
-    assert points.shape == (PLACES, 2)
+    assert points.shape == (POINTS_PER_OUTLINE, 2)
     steps = np.abs(np.roll(points, -1, axis=0) - points).sum(axis=1)  # along a square's sides, round its corners
-    np.testing.assert_allclose(steps, 8 * RADIUS / PLACES)
+    np.testing.assert_allclose(steps, 8 * RADIUS / POINTS_PER_OUTLINE)
     np.testing.assert_allclose(np.abs(points - CENTRE).max(axis=1), RADIUS)
 
 
@@ -81,9 +81,9 @@ def test_shares_go_from_one_end_of_an_edge_to_the_other_from_x_to_y(hull: Float)
     places = spread_over(hull)
     along = places.normals[:, ::-1] * (-1, 1)
     expected = (((places.points - CENTRE) * along).sum(axis=1) + RADIUS) / (2 * RADIUS)
-    np.testing.assert_allclose(places.share, expected)
-    assert places.share.min() > 0
-    assert places.share.max() < 1
+    np.testing.assert_allclose(places.along_edge, expected)
+    assert places.along_edge.min() > 0
+    assert places.along_edge.max() < 1
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)
@@ -94,7 +94,7 @@ def test_any_polygon_has_places_on_it(sides: int, scale: float, turns_back: bool
     inner = scale * RADIUS * math.cos(math.pi / sides)
     away = (places.points * places.normals).sum(axis=1)
     np.testing.assert_allclose(away, inner, rtol=1e-5)
-    assert ((places.share >= 0) & (places.share <= 1)).all()
+    assert ((places.along_edge >= 0) & (places.along_edge <= 1)).all()
 
 
 def test_a_corner_on_a_straight_edge_is_none() -> None:
@@ -102,7 +102,7 @@ def test_a_corner_on_a_straight_edge_is_none() -> None:
     between = np.insert(SQUARE, 2, SQUARE[1] + (0.001, 15.0), axis=0)
     plain, same = spread_over(SQUARE), spread_over(between)
     np.testing.assert_allclose(same.normals, plain.normals, atol=1e-6)
-    np.testing.assert_allclose(same.share, plain.share, atol=1e-3)
+    np.testing.assert_allclose(same.along_edge, plain.along_edge, atol=1e-3)
 
 
 @pytest.mark.parametrize("hull", [np.zeros((3, 2)), np.array([(0.0, 0), (0, 0), (5, 0)]), np.ones((4, 2)) * 1e5])
@@ -110,16 +110,16 @@ def test_outlines_without_area_have_finite_places(hull: Float) -> None:
     places = spread_over(hull)
     assert np.isfinite(places.points).all()
     assert np.isfinite(places.normals).all()
-    assert np.isfinite(places.share).all()
+    assert np.isfinite(places.along_edge).all()
 
 
 # Borders
 
 
-@pytest.mark.parametrize("away_px", [-5.0, -3.0, -1.0, -0.4, 0.0, 0.25, 0.5, 2.0, 3.5, 5.0])
-def test_a_border_is_found_where_it_is(away_px: float) -> None:
-    borders = found(gain_within(RADIUS + away_px))
-    np.testing.assert_allclose(borders.away_px, away_px, atol=0.3)
+@pytest.mark.parametrize("offset_px", [-5.0, -3.0, -1.0, -0.4, 0.0, 0.25, 0.5, 2.0, 3.5, 5.0])
+def test_a_border_is_found_where_it_is(offset_px: float) -> None:
+    borders = found(gain_within(RADIUS + offset_px))
+    np.testing.assert_allclose(borders.offset_px, offset_px, atol=0.3)
     np.testing.assert_allclose(borders.clarity, 1)
 
 
@@ -133,7 +133,7 @@ def test_the_sharper_a_border_the_more_is_known() -> None:
 
 def test_a_flat_picture_has_no_border() -> None:
     flat = found(np.zeros(SHAPE, np.float32))
-    np.testing.assert_allclose(flat.away_px, 0, atol=1e-6)
+    np.testing.assert_allclose(flat.offset_px, 0, atol=1e-6)
     np.testing.assert_array_equal(flat.clarity, 0)
     assert flat.information.max() < 0.05 * found(gain_within(RADIUS)).information.min()
 
@@ -142,7 +142,7 @@ def test_a_flat_picture_has_no_border() -> None:
 def test_the_same_material_on_both_sides_is_no_clear_border(gain: float) -> None:
     borders = found(np.full(SHAPE, gain, np.float32))
     np.testing.assert_array_equal(borders.clarity, 0)
-    np.testing.assert_allclose(np.sign(borders.away_px), np.sign(gain))
+    np.testing.assert_allclose(np.sign(borders.offset_px), np.sign(gain))
     assert borders.information.max() < 0.5 * found(gain_within(RADIUS, 40.0)).information.min()
 
 
@@ -168,20 +168,20 @@ def test_what_is_not_trusted_does_not_matter() -> None:
     clear = gain_within(RADIUS + 1)
     trusted = np.indices(SHAPE)[1] > CENTRE[0]
     spoilt = np.where(trusted, clear, np.float32(np.nan))
-    np.testing.assert_array_equal(found(spoilt, trusted).away_px, found(clear, trusted).away_px)
+    np.testing.assert_array_equal(found(spoilt, trusted).offset_px, found(clear, trusted).offset_px)
 
 
 def test_a_border_at_the_end_of_the_reach_counts_little() -> None:
-    near, far = (found(gain_within(RADIUS + away_px, 40.0)) for away_px in (2.0, REACH_PX + 3))
+    near, far = (found(gain_within(RADIUS + offset_px, 40.0)) for offset_px in (2.0, REACH_PX + 3))
     assert far.information.max() < 0.5 * near.information.min()
-    assert (far.away_px > REACH_PX / 2).all()
+    assert (far.offset_px > REACH_PX / 2).all()
 
 
 @pytest.mark.parametrize("by", [(-500.0, 0.0), (0.0, 500.0), (1e5, 1e5)])
 def test_out_of_the_picture_nothing_is_known(by: tuple[float, float]) -> None:
     borders = borders_of(disc() + by, Side(gain_within(RADIUS), ALL, ALL))
     np.testing.assert_array_equal(borders.information, 0)
-    assert np.isfinite(borders.away_px).all()
+    assert np.isfinite(borders.offset_px).all()
     assert np.isnan(borders.clarity).all()
 
 
@@ -193,7 +193,7 @@ def test_a_mirrored_picture_has_mirrored_borders() -> None:
     there = borders_of(np.column_stack(mirrored), Side(np.ascontiguousarray(gain[:, ::-1]), ALL, ALL))
     here = borders_of(hull, Side(gain, ALL, ALL))
     # cv2.remap knows places to 1/32 of a pixel.
-    np.testing.assert_allclose(there.away_px, here.away_px, atol=0.1)
+    np.testing.assert_allclose(there.offset_px, here.offset_px, atol=0.1)
 
 
 def test_several_outlines_are_worked_on_as_each_is_alone() -> None:
@@ -205,9 +205,9 @@ def test_several_outlines_are_worked_on_as_each_is_alone() -> None:
         Side(gain_within(RADIUS, 3.0), left, ALL),
         Side(gain_within(RADIUS - 1), ALL, left),
     ]
-    together = borders_at(evenly_spread(hulls), sides, np.array(reaches))
+    together = borders_at(evenly_spaced(hulls), sides, np.array(reaches))
     for i, alone in enumerate(map(borders_of, hulls, sides, reaches)):
-        np.testing.assert_array_equal(together.away_px[i], alone.away_px)
+        np.testing.assert_array_equal(together.offset_px[i], alone.offset_px)
         np.testing.assert_array_equal(together.information[i], alone.information)
         np.testing.assert_array_equal(together.clarity[i], alone.clarity)
 
@@ -218,8 +218,8 @@ def test_no_picture_makes_numbers_that_are_none(reach_px: float, cost: float, se
     rng = np.random.default_rng(seed)
     gain = (cost * rng.normal(0, 1, SHAPE)).astype(np.float32)
     borders = found(gain, rng.random(SHAPE) < 0.9, rng.random(SHAPE) < 0.9, reach_px)
-    assert np.isfinite(borders.away_px).all()
-    assert (np.abs(borders.away_px) <= reach_px * (1 + 1 / (STEPS - 1)) + 1e-6).all()
+    assert np.isfinite(borders.offset_px).all()
+    assert (np.abs(borders.offset_px) <= reach_px * (1 + 1 / (STEPS - 1)) + 1e-6).all()
     assert np.isfinite(borders.information).all()
     assert (borders.information >= 0).all()
     known = borders.clarity[borders.information > 0]

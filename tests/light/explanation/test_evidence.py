@@ -146,7 +146,7 @@ def test_a_slab_is_flat_by_how_much_wider_than_high_it_is(height_m: float) -> No
 def test_all_evidence_has_a_name_and_the_misfit_comes_first() -> None:
     here = painted_region(BOX)
     good, bad = (
-        evidence(explanation_of(here, alignment=alignment_of(here, missed_px=missed_px))) for missed_px in (0.3, 3.0)
+        evidence(explanation_of(here, alignment=alignment_of(here, misfit_px=misfit_px))) for misfit_px in (0.3, 3.0)
     )
     assert good.shape == (len(EVIDENCE),)
     assert EVIDENCE[0] == "misfit"
@@ -154,10 +154,10 @@ def test_all_evidence_has_a_name_and_the_misfit_comes_first() -> None:
     np.testing.assert_array_equal(bad[1:], good[1:])
 
 
-@pytest.mark.parametrize("missed_px", [0.0, 1e9])
-def test_no_misfit_is_without_bounds(missed_px: float) -> None:
+@pytest.mark.parametrize("misfit_px", [0.0, 1e9])
+def test_no_misfit_is_without_bounds(misfit_px: float) -> None:
     here = painted_region(BOX)
-    assert np.isfinite(evidence(explanation_of(here, alignment=alignment_of(here, missed_px=missed_px)))).all()
+    assert np.isfinite(evidence(explanation_of(here, alignment=alignment_of(here, misfit_px=misfit_px)))).all()
 
 
 @pytest.mark.parametrize("body", ["nothing", "all", "one pixel", "specks"])

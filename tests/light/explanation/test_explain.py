@@ -1,4 +1,4 @@
-"""From splits to explanations: true ones find the light, finer ones cost no more, and what has nothing left is none."""
+"""From splits to explanations: true ones find the light, refined ones cost no more, what has nothing left is none."""
 
 import math
 from dataclasses import replace
@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.explain import Proposal, are_alike, explained, finer, sharpened
+from ashe_live.light.explanation.explain import Proposal, are_alike, explained, refined, refined_by_tangents
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit import fit
@@ -45,7 +45,7 @@ def test_the_true_split_is_explained_by_the_true_light(ground: str, caster: Cast
     (found,) = explained([true_proposal(here)], fit.FAST)
     assert found is not None
     assert error_deg(found, here) < 1.5
-    (better,) = finer([found], fit.BALANCED)
+    (better,) = refined([found], fit.BALANCED)
     assert error_deg(better, here) < 1.5
     assert cost(better, found) <= cost(found, found)
 
@@ -69,12 +69,12 @@ def test_tangents_keep_a_true_light_and_do_not_ask_from_where_its_body_was_drawn
     here = painted_region(caster)
     (one,) = explained([true_proposal(here)], fit.BALANCED)
     assert one is not None
-    sharp = sharpened(one)
+    sharp = refined_by_tangents(one)
     assert error_deg(sharp, here) < 1
     placed = one.alignment.placed
     elsewhere = replace(placed, sight=replace(placed.sight, centre_px=np.array([70.0, -20.0])))
     other = replace(one, alignment=replace(one.alignment, placed=elsewhere))
-    assert angle_between(sharp.lights[0].to_light_marker, sharpened(other).lights[0].to_light_marker) < 1e-9
+    assert angle_between(sharp.lights[0].to_light_marker, refined_by_tangents(other).lights[0].to_light_marker) < 1e-9
 
 
 def test_an_explanation_of_which_nothing_is_left_is_dropped() -> None:
@@ -82,10 +82,10 @@ def test_an_explanation_of_which_nothing_is_left_is_dropped() -> None:
     here = painted_region(BOX)
     lit = replace(here.materials, lit=np.full_like(here.materials.lit, -100))
     truth = explanation_of(here)
-    assert len(finer([truth], fit.FAST)) == 1
-    assert finer([replace(truth, materials=lit)], fit.FAST) == []
-    assert len(finer([replace(truth, materials=lit), truth], fit.FAST)) == 1
-    assert finer([], fit.FAST) == []
+    assert len(refined([truth], fit.FAST)) == 1
+    assert refined([replace(truth, materials=lit)], fit.FAST) == []
+    assert len(refined([replace(truth, materials=lit), truth], fit.FAST)) == 1
+    assert refined([], fit.FAST) == []
 
 
 def test_explanations_of_nearly_the_same_pixels_are_alike_either_way_round() -> None:

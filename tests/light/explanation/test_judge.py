@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.judge import GOOD_RAD, best_of, contest, likeliest, log_odds, promise
+from ashe_live.light.explanation.judge import GOOD_RAD, best_of, contest, likeliest, log_odds, split_score
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.directions import FittedLight
@@ -27,20 +27,20 @@ def covariance(larger_deg: float, smaller_deg: float, turn_rad: float = 0.4) -> 
 
 
 def explanation(
-    missed_px: float = 0.3, covariance_rad2: Float | None = None, to_light: Float = TO_LIGHT
+    misfit_px: float = 0.3, covariance_rad2: Float | None = None, to_light: Float = TO_LIGHT
 ) -> Explanation:
     """The painted truth, missed by this much."""
     here = painted_region(BOX)
     spread = covariance(1.0, 0.7) if covariance_rad2 is None else covariance_rad2
     lights = (FittedLight(to_light, spread),)
-    return explanation_of(here, alignment=alignment_of(here, missed_px=missed_px), lights=lights)
+    return explanation_of(here, alignment=alignment_of(here, misfit_px=misfit_px), lights=lights)
 
 
 # One explanation
 
 
 def test_odds_fall_as_the_outlines_fit_worse() -> None:
-    odds = [log_odds(explanation(missed_px)) for missed_px in (0.2, 0.5, 1, 2, 5, 20)]
+    odds = [log_odds(explanation(misfit_px)) for misfit_px in (0.2, 0.5, 1, 2, 5, 20)]
     assert (np.diff(odds) < 0).all()
 
 
@@ -72,22 +72,22 @@ def test_object_and_shadow_do_not_change_places() -> None:
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
 @pytest.mark.parametrize("ground", GROUNDS)
-def test_the_true_split_promises_more_than_wrong_ones(ground: str, caster: Caster) -> None:
+def test_the_true_split_scores_higher_than_wrong_ones(ground: str, caster: Caster) -> None:
     here = painted_region(caster, ground=ground)
 
-    def promised(split: Split) -> float:
-        return promise(here.region, here.materials, split)
+    def score(split: Split) -> float:
+        return split_score(here.region, here.materials, split)
 
     rows = np.arange(here.body.shape[0])[:, None] < np.median(np.nonzero(here.body)[0])
-    truth = promised(Split(here.body, here.shadow))
-    assert truth > promised(Split(here.shadow, here.body))
-    assert truth > promised(Split(here.body & rows, here.body & ~rows))
+    truth = score(Split(here.body, here.shadow))
+    assert truth > score(Split(here.shadow, here.body))
+    assert truth > score(Split(here.body & rows, here.body & ~rows))
 
 
-@pytest.mark.parametrize("missed_px", [0.0, 1e-12, 1e3, 1e9])
+@pytest.mark.parametrize("misfit_px", [0.0, 1e-12, 1e3, 1e9])
 @pytest.mark.parametrize("spread_deg", [0.0, 1e-9, 60.0, 1e6])
-def test_odds_are_finite_at_the_extremes(missed_px: float, spread_deg: float) -> None:
-    extreme = explanation(missed_px, covariance(spread_deg, 0.0))
+def test_odds_are_finite_at_the_extremes(misfit_px: float, spread_deg: float) -> None:
+    extreme = explanation(misfit_px, covariance(spread_deg, 0.0))
     assert np.isfinite(log_odds(extreme))
     _, confidence = best_of([extreme])
     assert 0 <= confidence <= 1

@@ -11,7 +11,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.explanation.second_shadow import glimpses
+from ashe_live.light.explanation.second_shadow import shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
 from ashe_live.light.labels.two_lights import likeliest_pairs, shifts_of_both
@@ -48,26 +48,24 @@ def errors_deg(estimate: LightEstimate, *truths: Float) -> list[float]:
     [("plain", PALE), ("plain", STRONG), ("checkered", STRONG), ("bricks", STRONG)],
     ids=["pale", "strong", "strong on checks", "strong on bricks"],
 )
-def test_a_glimpse_shows_where_the_second_light_is_and_how_much_of_the_light_is_its(
-    ground: str, other: OtherLight
-) -> None:
+def test_a_shadow_candidate_tells_direction_and_strength_of_the_second_light(ground: str, other: OtherLight) -> None:
     painted = paint(CYLINDER, ground=ground, other=other)
-    found = glimpses(BODY, painted.to_light, *seen(painted), 1)
+    found = shadow_candidates(BODY, painted.to_light, *seen(painted), 1)
     assert len(found) == 1
     assert math.degrees(angle_between(found[0].light[:3], other.to_light)) < 8
     darker = math.log(1 - np.mean(other.blocked_rgb))
     assert found[0].darker[0] == pytest.approx(darker, rel=0.35)
 
 
-def test_one_light_leaves_nothing_to_glimpse_on_an_even_ground() -> None:
+def test_one_light_leaves_no_further_candidate_on_an_even_ground() -> None:
     painted = paint(CYLINDER)
-    assert glimpses(BODY, painted.to_light, *seen(painted), 2) == []
+    assert shadow_candidates(BODY, painted.to_light, *seen(painted), 2) == []
 
 
-def test_what_lies_out_of_view_is_no_glimpse() -> None:
+def test_what_lies_out_of_view_is_no_candidate() -> None:
     coarse, ground = seen(paint(CYLINDER, other=PALE))
     far = Proxy("frustum", BODY.spheroids_marker + np.array([50.0, 0, 0, 0, 0]))
-    assert glimpses(far, np.array([0.0, 0, 1]), coarse, ground, 2) == []
+    assert shadow_candidates(far, np.array([0.0, 0, 1]), coarse, ground, 2) == []
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=["box", "cylinder"])

@@ -95,8 +95,8 @@ def test_a_ball_under_the_sky_alone_shows_no_light_however_much_darker_the_groun
     azimuth_deg: float,
 ) -> None:
     region, where = shown(ball_under_the_sky())
-    for left_over in (0.2, 0.5):
-        shading = shading_of(region, where, BALL, [direction(azimuth_deg, 40.0)], [left_over])
+    for ratio in (0.2, 0.5):
+        shading = shading_of(region, where, BALL, [direction(azimuth_deg, 40.0)], [ratio])
         assert shading.contrast < -0.5
         assert shading.sunlit < 1
 
@@ -167,13 +167,13 @@ def test_turning_the_marker_by_quarters_changes_nothing(quarters: int) -> None:
 
 
 @pytest.mark.parametrize("light", [(1, 0, 0), (0, 0, 1), (0.6, 0.8, 1e-9), (0, 1, -0.5)])
-@pytest.mark.parametrize("left_over", [0.0, 1.0, 3.0])
+@pytest.mark.parametrize("ratio", [0.0, 1.0, 3.0])
 @pytest.mark.parametrize("spheroid", [(0.12, 0, 0, 0, 0), (0.12, 0, 0.03, 0.03, 0.03), (0, -9.0, 1, 1, 1)])
 def test_any_body_and_light_has_a_finite_shading(
-    light: tuple[float, ...], left_over: float, spheroid: tuple[float, ...]
+    light: tuple[float, ...], ratio: float, spheroid: tuple[float, ...]
 ) -> None:
     here = painted_region(BOX)
     proxy = Proxy("sphere", np.array([spheroid]))
-    shading = shading_of(here.region, here.body, proxy, [normalised(np.array(light, float))], [left_over])
+    shading = shading_of(here.region, here.body, proxy, [normalised(np.array(light, float))], [ratio])
     assert np.isfinite([shading.contrast, shading.sunlit]).all()
     assert predicted(proxy, np.empty((0, 4)), here.region.view).body.shape == here.body.shape

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import radius_of_68_percent
-from ashe_live.light.explanation.uncertainty import of_doubt
+from ashe_live.light.explanation.uncertainty import covariance_of_doubt
 
 
 def held_by(radius: float, deviations: tuple[float, float]) -> float:
@@ -31,11 +31,11 @@ def test_no_spread_has_no_radius() -> None:
 
 
 def test_the_less_confident_an_answer_is_the_wider_it_is() -> None:
-    radii = [radius_of_68_percent(of_doubt(confidence)) for confidence in np.linspace(0, 1, 11)]
+    radii = [radius_of_68_percent(covariance_of_doubt(confidence)) for confidence in np.linspace(0, 1, 11)]
     assert radii[-1] == 0.0
     assert np.all(np.diff(radii) < 0)
 
 
 def test_doubt_has_no_direction() -> None:
-    smaller, larger = np.linalg.eigvalsh(of_doubt(0.3))
+    smaller, larger = np.linalg.eigvalsh(covariance_of_doubt(0.3))
     assert smaller == pytest.approx(larger)

@@ -75,7 +75,7 @@ def test_the_palette_holds_the_ground_and_not_the_object():
     np.testing.assert_allclose(ground.palette.weights.sum(), 1, atol=0.01)
     assert (np.linalg.eigvalsh(ground.palette.covariances) > 0).all()
     lit = scene.beside_sheet & ~scene.body & ~scene.shadow
-    assert np.median(ground.surprise[lit]) < 6 < np.median(ground.surprise[scene.body])
+    assert np.median(ground.squared_distance[lit]) < 6 < np.median(ground.squared_distance[scene.body])
     assert ground.rare[lit].mean() < 0.1
     assert ground.rare[scene.body].mean() > 0.9
 
@@ -152,5 +152,5 @@ def test_the_same_picture_gives_the_same_bits():
     again = fit_lit_ground(image, is_ground, STEPS)
     assert first is not None
     assert again is not None
-    np.testing.assert_array_equal(first.surprise, again.surprise)
+    np.testing.assert_array_equal(first.squared_distance, again.squared_distance)
     np.testing.assert_array_equal(first.rare, again.rare)

@@ -7,7 +7,7 @@ import pytest
 from ashe_live.core.arrays import Mask
 from ashe_live.light.estimators.proposals import SHADOWS_PER_SHIFT
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import Split, distinct, doubted, splits
+from ashe_live.light.labels.associate import Split, distinct, splits, with_near_shadow_undecided
 from ashe_live.light.labels.materials import materials_of
 from tests.light.painted_regions import PaintedRegion, in_region, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster, overlap
@@ -103,7 +103,7 @@ def test_splits_are_alike_when_hardly_a_pixel_is_explained_otherwise() -> None:
 
 def test_a_doubted_split_is_another_one() -> None:
     split = Split(*halves())
-    doubtful = doubted(split)
+    doubtful = with_near_shadow_undecided(split)
     assert doubtful is not None
     assert doubtful.is_like(doubtful)
     assert not split.is_like(doubtful)
@@ -130,7 +130,7 @@ def test_nothing_is_too_small() -> None:
 
 def test_doubt_takes_the_shadow_near_the_object_and_leaves_the_rest() -> None:
     body, shadow = halves()
-    split = doubted(Split(body, shadow))
+    split = with_near_shadow_undecided(Split(body, shadow))
     assert split is not None
     assert split.undecided is not None
     np.testing.assert_array_equal(split.object_mask, body)
@@ -147,7 +147,7 @@ def test_a_shadow_of_few_pixels_is_not_doubted() -> None:
     shadow = np.zeros_like(body)
     shadow[20, 30:38] = True
     assert Split(body, shadow).is_large_enough
-    assert doubted(Split(body, shadow)) is None
+    assert with_near_shadow_undecided(Split(body, shadow)) is None
 
 
 # Extremes

@@ -62,7 +62,7 @@ def test_the_cheapest_label_is_the_true_one(ground: str, caster: Caster) -> None
 def test_the_share_of_the_shift_is_all_in_shadow_and_nothing_in_light(ground: str) -> None:
     here = painted_region(CYLINDER, ground=ground)
     lit = here.region.is_ground & ~here.body & ~here.shadow
-    share = here.materials.share
+    share = here.materials.shift_fraction
     assert np.median(share[here.shadow]) == pytest.approx(1, abs=0.1)
     assert np.median(share[lit]) == pytest.approx(0, abs=0.1)
 
@@ -80,7 +80,7 @@ def test_costs_change_places_half_way_between_light_and_shadow(ratio: tuple[floa
 def test_the_share_of_the_shift_is_read_off_the_colours() -> None:
     shares, shift = np.linspace(0, 1.4, 71), shift_of()
     materials = materials_of(ramp(shares, shift), ground_of(LIT), shift)
-    np.testing.assert_allclose(materials.share[4], shares, atol=0.02)
+    np.testing.assert_allclose(materials.shift_fraction[4], shares, atol=0.02)
 
 
 def test_where_the_sky_is_hidden_too_only_contact_shadow_is_cheap() -> None:
@@ -122,7 +122,7 @@ def test_regions_of_any_size_have_costs(shape: tuple[int, int]) -> None:
     region = region_of(np.random.default_rng(0).normal(-1, 1, (*shape, 3)))
     materials = materials_of(region, ground_of(LIT), shift_of())
     nowhere = np.zeros(shape, bool)
-    for costs in (materials.lit, materials.shaded, materials.contact, materials.share):
+    for costs in (materials.lit, materials.shaded, materials.contact, materials.shift_fraction):
         assert costs.shape == shape
         assert np.isfinite(costs).all()
     for mask in (nowhere, ~nowhere):

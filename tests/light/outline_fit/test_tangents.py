@@ -8,8 +8,8 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.outline_fit.tangents import sharpened_lights, tangent_gaps
-from ashe_live.light.shape.layout import numbers_of
+from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents, tangent_gaps
+from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 from tests.light.synthetic_masks import MaskedScene, ball, camera_towards, direction, render
@@ -61,7 +61,7 @@ def test_their_derivatives_are_exact() -> None:
 def test_they_find_the_light_without_a_body() -> None:
     P, outlines = seen(floating_scene())
     start = direction(148.0, 46.0)
-    lights, covariance = sharpened_lights(P, outlines, at_infinity(start[None]), 1e-2 * np.eye(2), 0.2, None)
+    lights, covariance = lights_refined_by_tangents(P, outlines, at_infinity(start[None]), 1e-2 * np.eye(2), 0.2, None)
     found = lights[0, :3]
     assert math.degrees(angle_between(found, LIGHT)) < 2.0
     assert math.degrees(angle_between(found, LIGHT)) < 0.5 * math.degrees(angle_between(start, LIGHT))
@@ -78,9 +78,9 @@ def test_a_shadow_that_is_cut_bounds_the_light_but_makes_it_no_more_certain() ->
     for azimuth_deg in (125.0, 140.0, 155.0):
         wrong = direction(azimuth_deg, 40.0)
         start = at_infinity(wrong[None])
-        lights, covariance = sharpened_lights(P, cut, start, information, 0.2, None)
+        lights, covariance = lights_refined_by_tangents(P, cut, start, information, 0.2, None)
         np.testing.assert_allclose(covariance, np.linalg.inv(information), rtol=1e-9)
-        moved.append(float(np.abs(numbers_of(lights) - numbers_of(start)).max()))
+        moved.append(float(np.abs(light_parameters(lights) - light_parameters(start)).max()))
     assert max(moved) > 0.01
 
 

@@ -30,7 +30,7 @@ def test_each_colour_is_the_mean_of_its_pixels() -> None:
 def test_a_value_of_each_colour_is_pictured_where_the_colour_is() -> None:
     colours = picture((20, 30), 0.02)
     quantised = Quantised.of(colours)
-    np.testing.assert_allclose(quantised.pictured(quantised.colours[:, 0]), colours[..., 0], atol=COLOUR_NOISE[0])
+    np.testing.assert_allclose(quantised.as_picture(quantised.colours[:, 0]), colours[..., 0], atol=COLOUR_NOISE[0])
 
 
 @pytest.mark.parametrize("extreme", [0.0, -5.5, 1e3])

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.light.shape.body import Body, LitBody, Place
+from ashe_live.light.shape.body import Body, BodyFrame, LitBody
 from ashe_live.light.shape.families import FAMILIES
-from ashe_live.light.shape.layout import numbers_of
+from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.predicted import lit_outlines, outlines
 from ashe_live.light.shape.sight import Sight
 from tests.light.painted_bodies import body_of
@@ -50,19 +50,19 @@ def test_lights_are_unit_vectors_from_which_the_shadow_falls() -> None:
 def test_steps_go_to_the_lights_first_and_back_again(name: str) -> None:
     start = body_of(painted_region(BOX), BOX, direction(30.0, 40.0), direction(110.0, 70.0))
     count = len(FAMILIES[name].spread)
-    body = Body(start.body.place, FAMILIES[name], np.linspace(-1, 1, count))
+    body = Body(start.body.frame, FAMILIES[name], np.linspace(-1, 1, count))
     lit = LitBody(body, start.lights)
     step = np.arange(4.0 + count)
     there = lit.moved(step)
-    np.testing.assert_array_equal(numbers_of(there.lights), numbers_of(lit.lights) + step[:4].reshape(2, 2))
+    np.testing.assert_array_equal(light_parameters(there.lights), light_parameters(lit.lights) + step[:4].reshape(2, 2))
     np.testing.assert_array_equal(there.body.shape, body.shape + step[4:])
     np.testing.assert_allclose(there.moved(-step).body.proxy.spheroids_marker, body.proxy.spheroids_marker, atol=1e-12)
     assert (body.proxy.spheroids_marker[:, 3:] >= 0).all()
 
 
 def test_a_lamp_in_a_bodys_own_frame_stands_where_it_stood() -> None:
-    place, lamp = Place(np.array([0.3, -0.2]), 0.05), np.array([[0.4, 0.1, 0.8, 1.0]])
-    x, y, z, w = (place.T_marker_own @ place.lights(lamp)[0]).tolist()
+    place, lamp = BodyFrame(np.array([0.3, -0.2]), 0.05), np.array([[0.4, 0.1, 0.8, 1.0]])
+    x, y, z, w = (place.T_marker_body @ place.lights(lamp)[0]).tolist()
     np.testing.assert_allclose(np.array([x, y, z]) / w, lamp[0, :3])
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.shape.layout import Layout, numbers_of
+from ashe_live.light.shape.layout import Layout, light_parameters
 from ashe_live.light.shape.light_points import at_infinity, cast_on_ground, shadow_projection, towards
 from tests.light.synthetic_masks import direction
 
@@ -46,4 +46,4 @@ def test_theta_holds_the_lights_first_and_gives_them_back() -> None:
     np.testing.assert_array_equal(layout.shape_of(theta), shape)
     np.testing.assert_allclose(layout.lights_of(theta), lights / lights[:, 2:3])
     for i in range(2):
-        np.testing.assert_array_equal(theta[layout.light(i)], numbers_of(lights)[i])
+        np.testing.assert_array_equal(theta[layout.light(i)], light_parameters(lights)[i])

@@ -11,7 +11,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family, padded, parts_of
-from ashe_live.light.shape.layout import Layout, numbers_of
+from ashe_live.light.shape.layout import Layout, light_parameters
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.supports import outline_points, outline_supports
 from tests.light.synthetic_masks import camera_towards
@@ -90,7 +90,7 @@ def test_reaches_have_exact_derivatives(name: str) -> None:
             lights[:, light, :2] = numbers * lights[:, light, 2:3]
             return outline_supports(P[None], parts, lights, DIRECTIONS.T[None]).reach_px
 
-        expected = numerical(reach, numbers_of(LIGHTS[:, light]))
+        expected = numerical(reach, light_parameters(LIGHTS[:, light]))
         by_light = by_theta[:, Layout(2).light(light)]
         assert np.allclose(by_light, np.moveaxis(expected, 3, 1), atol=2e-2, rtol=1e-4)
         assert (np.delete(by_light, 1 + light, axis=2) == 0).all()
