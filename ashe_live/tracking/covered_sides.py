@@ -36,7 +36,7 @@ def checked(
     side_px = float(side_lengths_px(square.corners_px).mean())
     blurred = alignment.blurred(light, square.corners_px)
     samples = alignment.sampled(blurred, square.corners_px, camera, origin_px)
-    is_print = alignment.likeness(samples) >= alignment.least_likeness
+    is_print = alignment.is_print(samples)
     if leaves_frame(square, camera):
         return square if is_print and square.sides_seen >= LEAST_SEEN else None
     if not alignment.tells_place:
