@@ -61,7 +61,7 @@ def along_edges(
     growth = side_lengths_px(square.corners_px) / side_lengths_px(expected)
     if growth.min() < SMALLEST_NEAR or growth.max() > LARGEST_NEAR:
         return None
-    return checked(square, light, marker.alignment, camera, start)
+    return checked(square, light, marker.alignment, camera, start, samples)
 
 
 def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:
@@ -96,7 +96,7 @@ def refined(marker: Marker, image_bgr: Image, camera: Camera, coarse_px: Float, 
     square = fitted_square(light, ideal, samples, off_by_px, camera, start)
     if square is None and is_front_of_square(ideal):
         square = FittedSquare.guessed(ideal, off_by_px)
-    return None if square is None else checked(square, light, marker.alignment, camera, start)
+    return None if square is None else checked(square, light, marker.alignment, camera, start, samples)
 
 
 def _found(marker: Marker, grey: Image, scale: float, min_side_px: float, thorough: bool) -> list[Float]:
