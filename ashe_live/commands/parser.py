@@ -136,6 +136,7 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
 
     tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
     tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
+    tracking.add_argument("--photos", type=Path, metavar="DIR", help="also look for absent ids in the pictures there")
     _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no trade of settings")
     tracking.add_argument("--quality", choices=("fast", "balanced", "accurate"), default="balanced")

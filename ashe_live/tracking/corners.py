@@ -5,6 +5,7 @@ Edges are measured in linear light, where blur moves none of them (in the encode
 in ideal pixels (see `lens`), where they are straight.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import cv2
@@ -154,18 +155,21 @@ def fitted_square(
     off_by_px: float = 1.0,
     camera: Camera | None = None,
     origin_px: tuple[int, int] = (0, 0),
+    most_reach_px: float = math.inf,
 ) -> FittedSquare | None:
     """The black square near `corners_px` (4, 2), ideal pixels of the whole picture that may be `off_by_px` off.
 
     `light` (h, w) is linear, and a part of the picture that begins at `origin_px`; a `camera` bends the way from ideal
-    pixels to the picture's. None when the corners are no square or what was found is not the one that was asked for;
-    where a side shows no edge it stays as it was and says next to nothing.
+    pixels to the picture's. Edges are looked for no farther than `most_reach_px` from the sides. None when the corners
+    are no square or what was found is not the one that was asked for; where a side shows no edge it stays as it was
+    and says next to nothing.
     """
     if not is_front_of_square(corners_px):
         return None
     lengths = side_lengths_px(corners_px)
     extents = abs(cv2.contourArea(corners_px.astype(np.float32))) / lengths
     reaches = np.maximum(REACH_RATIO * extents, max(MIN_REACH_PX, 1.5 * off_by_px))
+    reaches = np.minimum(reaches, most_reach_px)
     view = _View(light, camera, np.asarray(origin_px, dtype=np.float64))
     sharp = np.clip(SPREAD_RATIO * extents, *SHARP_SPREADS_PX)
     spreads = np.maximum(sharp, reaches / 4)

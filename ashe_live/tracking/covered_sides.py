@@ -9,7 +9,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
-from ashe_live.tracking.corners import FittedSquare, Light, is_front_of_square, side_lengths_px
+from ashe_live.tracking.corners import (
+    LAST_REACH_PX,
+    FittedSquare,
+    Light,
+    fitted_square,
+    is_front_of_square,
+    side_lengths_px,
+)
 from ashe_live.tracking.lens import source_from_ideal
 from ashe_live.tracking.print_alignment import Aligned, PrintAlignment, in_units
 
@@ -27,22 +34,27 @@ ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
 
 
 def checked(
-    square: FittedSquare, light: Light, alignment: PrintAlignment, camera: Camera, origin_px: tuple[int, int]
+    square: FittedSquare,
+    light: Light,
+    alignment: PrintAlignment,
+    camera: Camera,
+    origin_px: tuple[int, int],
+    samples: int,
 ) -> FittedSquare | None:
     """`square` as it is, or without the sides that are not the print's; None when it is not the print.
 
-    `light`, `camera` and `origin_px` as in fitted_square.
+    `light`, `samples`, `camera` and `origin_px` as in fitted_square.
     """
     side_px = float(side_lengths_px(square.corners_px).mean())
     blurred = alignment.blurred(light, square.corners_px)
-    samples = alignment.sampled(blurred, square.corners_px, camera, origin_px)
-    is_print = alignment.likeness(samples) >= alignment.least_likeness
+    seen_print = alignment.sampled(blurred, square.corners_px, camera, origin_px)
+    is_print = alignment.is_print(seen_print)
     if leaves_frame(square, camera):
         return square if is_print and square.sides_seen >= LEAST_SEEN else None
     if not alignment.tells_place:
         return square if is_print and square.sides_seen == 4 else None
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
-    seen = alignment.look(samples, side_px)
+    seen = alignment.look(seen_print, side_px)
     # A print that lies elsewhere explains the samples badly: then one step says little, and is as unsure.
     is_sure = seen is not None and square.sides_seen == 4 and seen.sigma <= SURE_SIGMA
     if seen is not None and is_sure and not _off(seen.step, seen, tolerance).any():
@@ -51,6 +63,13 @@ def checked(
     if found is None or found.seen.inside < MIN_INSIDE:
         return None
     off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
+    if off.sum() > MOST_COVERED:
+        # Other edges than the print's were taken, as of its paper on a bright floor: the inside says where to look.
+        again = fitted_square(light, found.corners_px, samples, 1.0, camera, origin_px, LAST_REACH_PX)
+        if again is not None:
+            square = again
+            off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
+            is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, camera, origin_px))
     if not off.any():
         return square if is_print else None
     if off.sum() > MOST_COVERED:

@@ -23,7 +23,7 @@ BORDER_LEVEL, COARSE_BORDER_LEVEL = 0.35, 0.5
 MIN_CONTRAST = 10
 EDGE_SAMPLES = 16
 # Of what is followed with the whole print.
-MIN_LIKENESS = 0.66
+MIN_LIKENESS = 0.8
 # Side of the square at which the print is aligned: two of them in the narrowest border.
 ALIGNED_SAMPLES = 48
 
@@ -90,9 +90,7 @@ class PatternMarker:
         border = np.ones(samples.shape, dtype=bool)
         border[self._inside, self._inside] = False
         dark, light = np.percentile(samples[~border], (5, 90))
-        return bool(
-            light - dark >= MIN_CONTRAST and np.percentile(samples[border], 90) <= dark + level * (light - dark)
-        )
+        return bool(light - dark >= MIN_CONTRAST and np.median(samples[border]) <= dark + level * (light - dark))
 
 
 def _rectified(grey: Image, quad: Float) -> Float:

@@ -22,6 +22,8 @@ from ashe_live.tracking.pose_refinement import Solution, covariance_of, refined_
 # and by curled paper. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the error.
 DECISIVE_RATIO = 2.0
 NOISE_SIGMAS, MIN_NOISE_PX = 1.4, 0.1
+# What a pose may leave unexplained of the right print: in pixels, or over the square's side, as of curled paper.
+MOST_RMS_PX, MOST_RMS = 2.0, 0.04
 # What corners of unknown origin may be off.
 CORNER_SIGMA_PX = 0.5
 
@@ -90,6 +92,12 @@ def pose_of_squares(
     chosen, *others = solutions
     if refines and previous is not None:
         chosen = refined(chosen)
+    # With another focal length than the camera's, the right print fits badly too.
+    is_known = camera.source in ("file", "flag")
+    if is_known and chosen.rms_px > max(
+        MOST_RMS_PX, MOST_RMS * float(side_lengths_px(largest.square.corners_px).mean())
+    ):
+        return None
     T_cam_marker = rigid(chosen.R, chosen.t)
     seen_whole = len(sightings) == 1 and largest.square.sides_seen == 4
     corners_px = pixels if seen_whole else project(camera, T_cam_marker, square_corners(side_m))

@@ -92,4 +92,9 @@ def _jacobian(turned: Float, in_camera: Float, K: Float) -> Float:
 def _inverse(hessian: Float) -> Float:
     """Scaled to a unit diagonal first, as radians and metres may lie far apart."""
     scale = 1 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
-    return np.asarray(scale[:, None] * np.linalg.pinv(scale[:, None] * hessian * scale, hermitian=True) * scale)
+    scaled = scale[:, None] * hessian * scale
+    try:
+        inverse = np.linalg.inv(scaled)
+    except np.linalg.LinAlgError:
+        inverse = np.linalg.pinv(scaled, hermitian=True)
+    return np.asarray(scale[:, None] * inverse * scale)

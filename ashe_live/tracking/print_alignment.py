@@ -27,7 +27,10 @@ AVERAGED = 1.5
 # Standard deviations of the blur, in samples, with which the print is compared.
 BLURS = (0.0, 1.5, 3.0, 4.5)
 # The print seen whole correlates with itself by so much, blurred as it may be; the likest other things by less.
-MIN_LIKENESS = 0.8
+MIN_LIKENESS = 0.83
+# No cell of it differs from its print by more than this part of the contrast: a shadow's edge leaves half, another
+# number's cell all of it.
+MOST_AMISS = 0.75
 STEPS = 12
 SMALL_STEP = 1e-3  # of the side
 MIN_SIGMA_PX = 0.05
@@ -64,7 +67,8 @@ class PrintAlignment:
         `tells_place`: whether the inside lies exactly where `print_grey` has it within the border.
         """
         self.tells_place = tells_place
-        self.least_likeness = least_likeness  # of what is taken for the print
+        self._least_likeness = least_likeness
+        self._cells = round(1 / border)
         n = len(print_grey)
         self._margin = max(1, round(min(PAPER * border, MOST_PAPER) * n))
         self._side = n + 2 * self._margin
@@ -128,8 +132,24 @@ class PrintAlignment:
         return np.asarray(cv2.blur(light, (width, width)), dtype=np.float32) if width > 1 else light
 
     def likeness(self, samples: Light) -> float:
-        """Correlation in [-1, 1] of samples with the whole print and the paper around it, blurred as suits best."""
-        return float((self._prints @ _normalised(samples.ravel())).max())
+        """Correlation in [-1, 1] of samples with the whole print and the paper around it, blurred as suits best.
+
+        In a curve like the eye's, in which a shadow over a part of the print changes less.
+        """
+        return float((self._prints @ _normalised(np.sqrt(samples.ravel()))).max())
+
+    def is_print(self, samples: Light) -> bool:
+        """Whether samples look like the whole print, and each of its cells like itself."""
+        seen = _normalised(np.sqrt(samples.ravel()))
+        correlations = self._prints @ seen
+        best = int(correlations.argmax())
+        likeness = float(correlations[best])
+        if likeness < self._least_likeness:
+            return False
+        whole = slice(self._margin, self._side - self._margin)
+        amiss = (seen / likeness - self._prints[best]).reshape(self._side, self._side)[whole, whole]
+        cells = np.abs(cv2.resize(amiss, (self._cells, self._cells), interpolation=cv2.INTER_AREA))
+        return float(cells.max()) <= MOST_AMISS * float(np.ptp(self._prints[0]))
 
     def look(self, samples: Light, side_px: float) -> Aligned | None:
         """One step from samples taken where the print is thought to be; None where nothing of it is seen."""

@@ -9,6 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.tracking.corners import (
+    LAST_REACH_PX,
     REACH_RATIO,
     FittedSquare,
     fitted_square,
@@ -22,6 +23,8 @@ from ashe_live.tracking.lens import ideal_from_source
 from ashe_live.tracking.markers import Marker
 from ashe_live.tracking.quads import MIN_SIDE_PX
 
+# How far from where it is expected a marker may be that moves on as it did.
+NEAR_PX = 2.0
 # Fewer sides do not determine the pose.
 MIN_SIDES_SEEN = 3
 # The region searched: the last corners' bounding box, grown on each side by this part of its longer side.
@@ -38,22 +41,27 @@ COARSE_PX = 1.0
 
 
 def along_edges(
-    marker: Marker, image_bgr: Image, camera: Camera, expected_px: Float, samples: int
+    marker: Marker, image_bgr: Image, camera: Camera, expected_px: Float, samples: int, is_predictable: bool = False
 ) -> FittedSquare | None:
-    """The marker whose corners (4, 2) are expected, in picture pixels, to within a tenth of its size."""
+    """The marker whose corners (4, 2) are expected, in picture pixels, to within a tenth of its size.
+
+    Where its motion `is_predictable`, it is first looked for within NEAR_PX, which takes half the time.
+    """
     region = region_around(expected_px, 6, REACH_RATIO, image_bgr.shape)
     if region is None:
         return None
     start, end = region
     light = linear_light(_grey(image_bgr[start[1] : end[1], start[0] : end[0]]))
     expected = ideal_from_source(camera, expected_px)
-    square = fitted_square(light, expected, samples, 1.0, camera, start)
+    square = fitted_square(light, expected, samples, 1.0, camera, start, LAST_REACH_PX) if is_predictable else None
+    if square is None or square.sides_seen < 4 or np.abs(square.corners_px - expected).max() > NEAR_PX:
+        square = fitted_square(light, expected, samples, 1.0, camera, start)
     if square is None or square.sides_seen < MIN_SIDES_SEEN:
         return None
     growth = side_lengths_px(square.corners_px) / side_lengths_px(expected)
     if growth.min() < SMALLEST_NEAR or growth.max() > LARGEST_NEAR:
         return None
-    return checked(square, light, marker.alignment, camera, start)
+    return checked(square, light, marker.alignment, camera, start, samples)
 
 
 def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:
@@ -88,7 +96,7 @@ def refined(marker: Marker, image_bgr: Image, camera: Camera, coarse_px: Float, 
     square = fitted_square(light, ideal, samples, off_by_px, camera, start)
     if square is None and is_front_of_square(ideal):
         square = FittedSquare.guessed(ideal, off_by_px)
-    return None if square is None else checked(square, light, marker.alignment, camera, start)
+    return None if square is None else checked(square, light, marker.alignment, camera, start, samples)
 
 
 def _found(marker: Marker, grey: Image, scale: float, min_side_px: float, thorough: bool) -> list[Float]:

@@ -20,7 +20,7 @@ from ashe_live.tracking.markers import Marker
 from ashe_live.tracking.pose import Sighting, pose_of_squares
 from ashe_live.tracking.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.search import along_edges, anywhere, nearby, refined
+from ashe_live.tracking.search import NEAR_PX, along_edges, anywhere, nearby, refined
 
 # After so long without the marker, its last pose says nothing about the next one.
 MEMORY_S = 0.5
@@ -45,6 +45,7 @@ class _Memory:
     corners_px: dict[int, Float]  # by member, (4, 2) picture pixels
     velocities_px_s: dict[int, Float]  # by member, (4, 2)
     bridged: int  # frames in a row
+    is_predictable: bool  # each member was where its motion had led one to expect it
 
 
 class MarkerTracker:
@@ -127,12 +128,15 @@ class MarkerTracker:
         squares: dict[int, FittedSquare | None] = {}
         if last is not None:
             for number, expected_px in self._expected(camera, last, frame.time_s).items():
-                squares[number] = along_edges(self._members[number].marker, image, camera, expected_px, samples)
+                marker = self._members[number].marker
+                found = along_edges(marker, image, camera, expected_px, samples, last.is_predictable)
+                squares[number] = found
             if not any(squares.values()):
                 for number, corners_px in last.corners_px.items():
-                    found = self._nearest(nearby(self._members[number].marker, image, corners_px), corners_px)
                     marker = self._members[number].marker
-                    squares[number] = None if found is None else refined(marker, image, camera, found, samples)
+                    coarse_px = self._nearest(nearby(marker, image, corners_px), corners_px)
+                    if coarse_px is not None:
+                        squares[number] = refined(marker, image, camera, coarse_px, samples)
         if not any(squares.values()):
             squares = self._search(image, camera, last)
         elif self._census_s is None or not 0 <= frame.time_s - self._census_s < CENSUS_EVERY_S:
@@ -218,13 +222,24 @@ class MarkerTracker:
         if len(self._members) == 1:
             corners_px = {0: pose.corners_px}
         velocities = {}
+        is_predictable = False
         if last is not None and frame.time_s > last.time_s:
             elapsed_s = frame.time_s - last.time_s
             for number in corners_px.keys() & last.corners_px.keys():
                 velocities[number] = (corners_px[number] - last.corners_px[number]) / elapsed_s
-        self._last = _Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, bridged)
+            is_predictable = _was_expected(velocities, last, elapsed_s)
+        self._last = _Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, bridged, is_predictable)
         self._lost_frames = 0
         self._before_jump = None
+
+
+def _was_expected(velocities: dict[int, Float], last: _Memory, elapsed_s: float) -> bool:
+    """Whether every member that was seen before moved on as it did, to within NEAR_PX."""
+    changes = [
+        (velocity - last.velocities_px_s.get(number, np.zeros((4, 2)))) * elapsed_s
+        for number, velocity in velocities.items()
+    ]
+    return all(float(np.abs(change).max()) <= NEAR_PX for change in changes)
 
 
 def _resized(camera: Camera, size: Size) -> Camera:

@@ -11,6 +11,9 @@ import numpy as np
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.machine import measured_with
 from ashe_live.bench.plots import SUFFIXES, draw_trade, points_of
+from ashe_live.bench.track.attacks.hard_prints import hard_print_figures
+from ashe_live.bench.track.attacks.impostors import impostor_figures
+from ashe_live.bench.track.attacks.strips import strip_figures
 from ashe_live.bench.track.clips import ClipFigures, follow_clips
 from ashe_live.bench.track.contenders import Answer, Contender, OpencvReference, Ours, answers, found_share
 from ashe_live.bench.track.focal import focal_figures
@@ -24,14 +27,18 @@ from ashe_live.bench.track.measures import (
     rotation_errors_deg,
 )
 from ashe_live.bench.track.tables import Figure, print_clips, print_figures
-from ashe_live.bench.track.takes import HD, LENS, Take, at_rest, roaming, scattered, sliding
+from ashe_live.bench.track.takes import HD, LENS, SMALL, Take, at_rest, roaming, scattered, sliding
 from ashe_live.bench.track.trade import COST, SETTLED_FRAMES, print_trade, sweep
+from ashe_live.core.camera import Camera
 from ashe_live.core.contract import Json
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.preset import TrackingPreset
 
 TRADE = "trade"
 QUICK_SHARE = 6
+# Of the attacks: views of each material, and pictures.
+STRIP_VIEWS, QUICK_VIEWS = 40, 3
+IMPOSTOR_PICTURES, QUICK_PICTURES = 25, 1
 REFERENCE, UNREFINED, OURS = "OpenCV", "OpenCV, unrefined", "ours"
 
 
@@ -41,6 +48,7 @@ class TrackBench(Bench):
 
     preset: TrackingPreset = BALANCED.tracking
     real: Path | None = None
+    photos: Path | None = None  # a folder of others' pictures, without the ids that are asked for
     quick: bool = False  # a few frames of each take, and no sweep of the settings
 
     def parts(self) -> Iterator[Json]:
@@ -108,16 +116,25 @@ class TrackBench(Bench):
         yield from self._detection("20 px", scattered("s20", 20, frames))
         yield from self._detection("12 px", scattered("s12", 12, frames))
         yield from focal_figures(self.preset, self._frames(300))
+        yield from strip_figures(self.preset, QUICK_VIEWS if self.quick else STRIP_VIEWS)
+        yield from impostor_figures(self.preset, QUICK_PICTURES if self.quick else IMPOSTOR_PICTURES, self.photos)
+        yield from hard_print_figures(self.preset, QUICK_VIEWS if self.quick else STRIP_VIEWS)
 
     def _cost(self) -> Iterator[Figure]:
-        given = self._contend(roaming("hd", 133, 30, self._frames(240), HD))
+        for camera, most in ((HD, 0.4), (SMALL, 0.8)):
+            yield from self._cost_at(camera, most)
+
+    def _cost_at(self, camera: Camera, most: float) -> Iterator[Figure]:
+        """`most`: of what OpenCV takes."""
+        given = self._contend(roaming("cost", 133, 30, self._frames(240), camera))
+        where = f"{camera.size[0]}x{camera.size[1]}, 133 px"
         # The first frames include one-time initialisation.
         ms = {name: float(np.median([answer.ms for answer in every[5:]])) for name, every in given.items()}
         worst = {name: float(np.percentile([answer.ms for answer in every[5:]], 95)) for name, every in given.items()}
-        yield Figure("cost, 1280x720, 133 px (95th percentile)", "ms", worst[REFERENCE], worst[OURS], None)
+        yield Figure(f"cost, {where} (95th percentile)", "ms", worst[REFERENCE], worst[OURS], None)
         cpu = {name: float(np.median([answer.cpu_ms for answer in every[5:]])) for name, every in given.items()}
-        yield Figure("cost, 1280x720, 133 px (median)", "ms", ms[REFERENCE], ms[OURS], 0.4 * ms[REFERENCE])
-        yield Figure("the same in processor time", "ms", cpu[REFERENCE], cpu[OURS], 0.4 * cpu[REFERENCE])
+        yield Figure(f"cost, {where} (median)", "ms", ms[REFERENCE], ms[OURS], most * ms[REFERENCE])
+        yield Figure(f"the same in processor time, {where}", "ms", cpu[REFERENCE], cpu[OURS], most * cpu[REFERENCE])
 
     def _errors(self, name: str, take: Take, most_deg: float | None, flips: bool = False) -> Iterator[Figure]:
         given = self._contend(take)

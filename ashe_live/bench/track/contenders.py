@@ -66,8 +66,8 @@ class OpencvReference:
 class Ours:
     """Our tracker; with `cold`, it is reset before each frame."""
 
-    def __init__(self, camera: Camera, preset: TrackingPreset, cold: bool = False) -> None:
-        self._tracker = MarkerTracker(parse_marker(SPEC), camera, SIDE_M, preset)
+    def __init__(self, camera: Camera, preset: TrackingPreset, cold: bool = False, spec: str = SPEC) -> None:
+        self._tracker = MarkerTracker(parse_marker(spec), camera, SIDE_M, preset)
         self._cold = cold
 
     def look(self, frame: Frame) -> MarkerPose | None:
