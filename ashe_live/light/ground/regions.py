@@ -18,8 +18,8 @@ APART_PX = 3  # of the coarse picture: areas nearer to each other than twice thi
 MARGIN_PX = 10
 UNRELIABLE_PX = 2
 # An object that partly looks like lit ground leaves a gap between the rest of it and its shadow. Of so many of the
-# largest areas, pairs are also tried as one, where the gap is at most this fraction of the smaller one's size; the gap's
-# pixels are those whose distances to both add up to less than BULGE times its width.
+# largest areas, pairs are also tried as one, where the gap is at most this fraction of the smaller one's size. The
+# gap's pixels are those whose distances to both add up to less than BULGE times its width.
 JOINED, WIDEST_GAP, BULGE = 2, 0.8, 1.4
 # Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
 UNLIT_DISTANCE, MOST_DISTANCE = 7.0, 60.0
