@@ -1,7 +1,7 @@
 """Pictures with a known light: rendered scenes and photos, read from a folder's ground_truth.json."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,8 @@ from ashe_live.tracking.pose import estimate_pose, square_corners
 GROUND_TRUTH = "ground_truth.json"
 MOST_TRUTH_BYTES, MOST_PICTURE_BYTES = 100_000_000, 200_000_000
 PHOTO_CATEGORY = "photo"
+# Kinds of families that a set's pictures are drawn from, as far as its ground truth tells them.
+KINDS = ("object_family", "material", "ground", "camera", "surroundings")
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +36,7 @@ class Case:
     marker: MarkerPose
     to_lights_marker: Float | None  # (n, 3) unit, strongest first; n = 0: no directional light, None: not known
     mask_paths: Mapping[str, Path]  # by name: object, shadow, ...; 1-bit pictures
+    tags: Mapping[str, str] = field(default_factory=dict)  # the families that the picture belongs to, by kind: KINDS
 
     def __post_init__(self) -> None:
         if self.to_lights_marker is not None:
@@ -82,7 +85,7 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
         camera = Camera(
             (width, height), np.array(scene["K"]), np.array(scene.get("dist") or np.zeros(5), dtype=np.float64), "file"
         )
-        marker = scene["marker"]
+        marker, tags = scene["marker"], scene.get("tags", {})
         T_cam_marker = rigid(scene["R"], scene["t"])
         corners_px = _corners_px(camera, T_cam_marker, marker)
         rms_px = _reprojection_rms_px(camera, T_cam_marker, corners_px, marker["side_m"])
@@ -96,6 +99,7 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
             MarkerPose(T_cam_marker, corners_px, marker["side_m"], rms_px, None),
             _to_lights_marker(scene),
             {name: folder / file for name, file in scene.get("masks", {}).items()},
+            {kind: str(tags[kind]) for kind in KINDS if kind in tags},
         )
 
 

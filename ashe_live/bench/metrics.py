@@ -11,6 +11,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import angle_between, normalised, tangent_basis
 
 # Squared Mahalanobis radius of the ellipse that holds a sample of a 2D normal distribution with probability 0.95.
+ELLIPSE_68 = -2 * math.log(1 - 0.68)
 ELLIPSE_95 = -2 * math.log(1 - 0.95)
 
 

@@ -8,7 +8,8 @@ from ashe_live.quality import QUALITIES, Quality
 
 
 def run(options: argparse.Namespace) -> int:
-    {"viewer": _viewer, "soak": _soak, "render": _render, "light": _light, "track": _track}[options.bench](options)
+    benches = {"viewer": _viewer, "soak": _soak, "render": _render, "light": _light, "track": _track}
+    {**benches, "fit-judge": _fit_judge}[options.bench](options)
     return ExitStatus.ANSWERED
 
 
@@ -63,3 +64,9 @@ def _track(options: argparse.Namespace) -> None:
 
     bench = TrackBench(QUALITIES[options.quality].tracking, options.real, options.photos, options.quick)
     bench.run(options.out, options.overwrite)
+
+
+def _fit_judge(options: argparse.Namespace) -> None:
+    from ashe_live.bench.judge.bench import JudgeBench
+
+    JudgeBench(options.scenes, options.limit).run(options.out, options.overwrite)

@@ -134,6 +134,11 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
     light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
     light.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
 
+    judge = benches.add_parser("fit-judge", help="fits confidence to scenes whose light is known")
+    judge.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    _add_results_folder(judge)
+    judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+
     tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
     tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
     tracking.add_argument("--photos", type=Path, metavar="DIR", help="also look for absent ids in the pictures there")

@@ -25,6 +25,7 @@ from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted
 
 RIM_PX = 2  # width of the rim of an unlit area, where colours mix
+MOST_EXPLANATIONS = 4  # that are drawn, the likeliest
 REACH_SHARE = 0.08  # sigma of the Gaussian by which unlit areas are inpainted, as a fraction of the picture's width
 
 
@@ -65,7 +66,7 @@ def debug_pictures(
 
 
 def traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
-    """The estimator's model of the ground, its regions, and the refined explanations with their probabilities.
+    """The estimator's model of the ground, its regions, and the likeliest explanations with their probabilities.
 
     `view` is of the frame that `trace` is of, at the size to draw at; the ground has the trace's own. Without a ground
     the list is empty.
@@ -80,8 +81,8 @@ def traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
     for region in trace.regions:
         marked = tinted(marked, enlarged(region.in_frame(region.unlit), marked.shape), UNEXPLAINED_BGR)
     pictures.append(DebugPicture(f"regions {len(trace.regions)}, splits fitted {len(trace.proposals)}", marked))
-    if trace.refined:
-        likely = sorted(zip(trace.probabilities(), trace.refined, strict=True), key=itemgetter(0))
+    if trace.judged:
+        likely = sorted(zip(trace.probabilities, trace.judged, strict=True), key=itemgetter(0))[-MOST_EXPLANATIONS:]
         overlaid = view.image_bgr
         for _, each in likely:  # the likeliest on top
             lights = [DirectionalLight(light.to_light_marker) for light in each.lights]

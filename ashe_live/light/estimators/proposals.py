@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.explain import Proposal
-from ashe_live.light.explanation.judge import split_score
+from ashe_live.light.explanation.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import distinct, splits, with_near_shadow_undecided
@@ -44,10 +44,10 @@ def proposals_of(
                 yield Proposal(region, materials, doubtful)
 
 
-def selected_for_fit(proposals: Sequence[Proposal], count: int) -> list[Proposal]:
+def selected_for_fit(proposals: Sequence[Proposal], count: int, judge: Judge) -> list[Proposal]:
     """The `count` best-looking different proposals by one light, then the PAIRS_TRIED best by two."""
     alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
     together = [proposal for proposal in proposals if proposal.materials.lights == 2]
-    alone.sort(key=lambda one: split_score(one.region, one.materials, one.split), reverse=True)
+    alone.sort(key=lambda one: judge.split_score(one.region, one.materials, one.split), reverse=True)
     together.sort(key=lambda one: cost_reduction(one.region, one.materials, one.split), reverse=True)
     return distinct(alone, Proposal.is_like, count) + together[:PAIRS_TRIED]

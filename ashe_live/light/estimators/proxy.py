@@ -16,7 +16,7 @@ from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
 from ashe_live.light.explanation.explain import are_alike, explained, refined, refined_by_tangents
-from ashe_live.light.explanation.judge import LEAST_CONFIDENCE, best_of, lights_of, likeliest, log_odds
+from ashe_live.light.explanation.judge import Judge, fitted_judge
 from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
     NOTHING_THERE,
@@ -41,8 +41,10 @@ class ProxyEstimator:
 
     name = "proxy"
 
-    def __init__(self, steps: ProxySteps = BALANCED) -> None:
+    def __init__(self, steps: ProxySteps = BALANCED, judge: Judge | None = None) -> None:
+        """judge: None for the one that comes with the package."""
         self._steps = steps
+        self._judge = judge or fitted_judge()
 
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
         """As Estimator.estimate; the masks show the whole frame at the scale of the explained region."""
@@ -54,7 +56,7 @@ class ProxyEstimator:
         if tracked.marker is None:
             raise ValueError("a frame without a marker has no marker frame to answer in")
         clock = StageClock()
-        steps = self._steps
+        steps, judge = self._steps, self._judge
         fine = View.of(tracked, steps.fine_width_px)
         coarse = fine.scaled(steps.coarse_width_px)
         trace = Trace(coarse)
@@ -70,7 +72,7 @@ class ProxyEstimator:
             return none(TOO_LITTLE_GROUND)
         unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
         trace.unlit = unlit = with_unlit_on_average(unlit, coarse, steps.ground)
-        trace.regions = regions = unlit_regions(fine, unlit, coarse.is_ground, ground, steps.region_px, steps.regions)
+        trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
         clock.end("segment")
         if not regions:
             return none(NOTHING_THERE)
@@ -79,23 +81,27 @@ class ProxyEstimator:
         paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
         proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired)]
         clock.end("associate")
-        trace.proposals = selected_for_fit(proposals, steps.tried)
+        trace.proposals = selected_for_fit(proposals, steps.tried, judge)
         trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
-        candidates = distinct(sorted(rough, key=log_odds, reverse=True), are_alike, steps.refined)
-        candidates = refined(candidates, steps.fine_fit)
-        candidates = with_lights_counted(candidates, rough, fine, coarse, ground, steps.region_px)
-        trace.refined = candidates = [refined_by_tangents(explanation) for explanation in candidates]
+        ranked = sorted(rough, key=judge.log_odds, reverse=True)
+        chosen = distinct(ranked, are_alike, steps.refined)
+        candidates = refined(chosen, steps.fine_fit)
+        candidates = with_lights_counted(candidates, rough, fine, coarse, ground, steps.region_px, judge)
+        candidates = [refined_by_tangents(explanation) for explanation in candidates]
+        # Those that were not refined are judged as well: they are what else the picture may show.
+        others = distinct((each for each in ranked if not any(each is one for one in chosen)), are_alike)
+        candidates += [each for each in others if not any(are_alike(each, one) for one in [*chosen, *candidates])]
         clock.end("fit")
         if not candidates:
             return none(NO_SHADOW)
-        best, confidence = best_of(candidates)
+        trace.judged, trace.probabilities = candidates, judge.probabilities(candidates).tolist()
+        best, confidence = judge.best_of(candidates)
         clock.end("judge")
-        if confidence < LEAST_CONFIDENCE:
-            rejected = likeliest(candidates)
-            return none(fault_of_scene(rejected), *_masks_of(rejected))
+        if confidence < judge.least_confidence:
+            return none(fault_of_scene(best), *_masks_of(best))
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
         # With two lights there is a third shift, that where both are blocked.
-        answers = zip(lights_of(best, confidence, tracked), ratios, strict=False)
+        answers = zip(judge.lights_of(best, confidence, tracked), ratios, strict=False)
         lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
         if len(lights) == 1:
             lights = [replace(lights[0], angular_size_rad=_angular_size(best))]

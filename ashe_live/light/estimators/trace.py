@@ -1,12 +1,10 @@
 """The trace of an estimate: its intermediate results."""
 
-import math
 from dataclasses import dataclass, field
 
 from ashe_live.core.arrays import Mask
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import Proposal
-from ashe_live.light.explanation.judge import log_odds
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.view import View
@@ -22,8 +20,6 @@ class Trace:
     regions: list[Region] = field(default_factory=list)
     proposals: list[Proposal] = field(default_factory=list)  # those that were fitted
     rough: list[Explanation] = field(default_factory=list)  # the proposals, fitted and aligned
-    refined: list[Explanation] = field(default_factory=list)  # the likeliest different ones, relabelled and refitted
-
-    def probabilities(self) -> list[float]:
-        """For each of `refined`, the probability that it is right and its direction good, by its evidence alone."""
-        return [1 / (1 + math.exp(-log_odds(explanation))) for explanation in self.refined]
+    # What the judge chose from: the likeliest different ones, relabelled and refitted; then the other fitted ones.
+    judged: list[Explanation] = field(default_factory=list)
+    probabilities: list[float] = field(default_factory=list)  # of each of `judged` to be the right one

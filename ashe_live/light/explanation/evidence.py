@@ -1,6 +1,7 @@
 """Explanations of a region, and the features by which their probability of being right is judged."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,33 +47,39 @@ class Explanation:
         return self.alignment.placed.lit.body.proxy
 
 
-EVIDENCE = (
-    "misfit",
-    "clear body",
-    "clear shadow",
-    "flat",
-    "contrast",
-    "sunlit",
-    "hue",
-    "brightness",
-    "short",
-    "long",
-    "lit side",
-    "missed",
-    "edge",
-    "border",
-    "second",
-)
+# The features, and the sign with which physics lets each count for an explanation (docs/maths.md, "Evidence").
+SIGNS: Mapping[str, int] = {
+    "misfit": -1,
+    "clear body": 1,
+    "clear shadow": 1,
+    "flat": -1,
+    "contrast": 1,
+    "sunlit": 1,
+    "hue": -1,
+    "brightness": -1,
+    "short": -1,
+    "long": -1,
+    "lit side": 1,
+    "missed": -1,
+    "edge": 1,
+    "border": -1,
+    "second": -1,
+    "constrained": 1,
+}
 
 
-def evidence(explanation: Explanation) -> Float:
-    """(15,) features in the order of EVIDENCE; docs/maths.md, "Evidence", defines each."""
+def evidence(explanation: Explanation) -> dict[str, float]:
+    """The features of an explanation that its picture shows; docs/maths.md, "Evidence", defines each."""
     alignment, shading = explanation.alignment, _shading(explanation)
-    misfit = math.log(max(alignment.misfit_px, 0.05) / alignment.placed.object_px)
-    looks = appearance(explanation.region, explanation.materials, explanation.predicted)
-    clear = alignment.clear_body, alignment.clear_shadow
-    shown = max(shading.contrast, LEAST_CONTRAST), math.asinh(shading.sunlit)
-    return np.array([misfit, *clear, _flatness(explanation), *shown, *looks])
+    return {
+        "misfit": math.log(max(alignment.misfit_px, 0.05) / alignment.placed.object_px),
+        "clear body": alignment.clear_body,
+        "clear shadow": alignment.clear_shadow,
+        "flat": _flatness(explanation),
+        "contrast": max(shading.contrast, LEAST_CONTRAST),
+        "sunlit": math.asinh(shading.sunlit),
+        **appearance(explanation.region, explanation.materials, explanation.predicted),
+    }
 
 
 def _flatness(explanation: Explanation) -> float:
@@ -88,24 +95,22 @@ def _shading(explanation: Explanation) -> Shading:
     return shading_of(explanation.region, explanation.predicted.body, explanation.proxy, lights, shadow_ratios)
 
 
-def appearance(region: Region, materials: Materials, masks: Predicted) -> Float:
-    """(9,) the features that need no fit: how the picture looks where `masks` place the object and its shadow."""
+def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[str, float]:
+    """The features that need no fit: how the picture looks where `masks` place the object and its shadow."""
     brightness, red_blue, green = materials.shift
     size = max(_pixels(region.unlit), 1)
     longer = math.log(max(_pixels(masks.shadow) / max(_pixels(masks.body), 1), 1e-3))
-    return np.array(
-        [
-            abs(green + 0.25 * red_blue),
-            max(brightness + 0.5, 0.0),
-            max(-longer - 1.0, 0.0),
-            max(longer, 0.0),
-            _lit_side(region, masks),
-            math.log(0.02 + _pixels(region.unlit & ~masks.whole) / size),
-            min(_sharpness(region, materials, masks), 1.0),
-            _border_share(masks.shadow, masks.body),
-            materials.lights - 1.0,
-        ]
-    )
+    return {
+        "hue": abs(green + 0.25 * red_blue),
+        "brightness": max(brightness + 0.5, 0.0),
+        "short": max(-longer - 1.0, 0.0),
+        "long": max(longer, 0.0),
+        "lit side": _lit_side(region, masks),
+        "missed": math.log(0.02 + _pixels(region.unlit & ~masks.whole) / size),
+        "edge": min(_sharpness(region, materials, masks), 1.0),
+        "border": _border_share(masks.shadow, masks.body),
+        "second": materials.lights - 1.0,
+    }
 
 
 def shadow_core(region: Region, masks: Predicted) -> Mask:

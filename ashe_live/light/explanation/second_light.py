@@ -15,7 +15,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
-from ashe_live.light.explanation.judge import log_odds
+from ashe_live.light.explanation.judge import Judge
 from ashe_live.light.explanation.second_shadow import ShadowCandidate, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import region_of
@@ -42,6 +42,7 @@ def with_lights_counted(
     coarse: View,
     ground: LitGround,
     region_px: int,
+    judge: Judge,
 ) -> list[Explanation]:
     """Settles the number of lights: drops explanations by two lights where the picture shows one, and tries a second.
 
@@ -52,7 +53,7 @@ def with_lights_counted(
     """
     singles = [each for each in [*explanations, *rough] if len(each.lights) == 1]
     kept = [each for each in explanations if len(each.lights) == 1 or _shows_both(each, singles)]
-    one = max(kept, key=log_odds, default=None)
+    one = max(kept, key=judge.log_odds, default=None)
     if one is None or len(one.lights) > 1:
         return kept
     found = shadow_candidates(one.proxy, one.alignment.placed.lit.to_lights_marker[0], coarse, ground, TRIED)

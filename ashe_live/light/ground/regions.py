@@ -52,12 +52,10 @@ class Region:
         return whole
 
 
-def unlit_regions(
-    fine: View, coarse_unlit: Mask, coarse_is_ground: Mask, ground: LitGround, size_px: int, count: int
-) -> list[Region]:
+def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
     """The regions around the `count` largest groups of unlit areas of a coarser picture.
 
-    Each is scaled to about `size_px`, as far as the resolution of `fine` allows.
+    Then those around two of them and the gap between, where it is small. Each is scaled to about `size_px`, as far as the resolution of `fine` allows.
     """
     _, labels = cv2.connectedComponents(grown(coarse_unlit, APART_PX).astype(np.uint8), connectivity=8)
     labels[~coarse_unlit] = 0
@@ -65,7 +63,7 @@ def unlit_regions(
     largest = np.argsort(-sizes, kind="stable")[:count]
     areas = [labels == index + 1 for index in largest if sizes[index] > 0]
     pairs = (_joined(one, other) for one, other in combinations(areas[:JOINED], 2))
-    together = [area & coarse_is_ground for area in pairs if area is not None]
+    together = [area for area in pairs if area is not None]
     return [region_of(fine, area, ground, size_px) for area in areas + together]
 
 
@@ -102,4 +100,4 @@ def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shap
 def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> Mask:
     squared = nearest_squared_distance(colours.reshape(-1, 3), ground.palette).reshape(area.shape)
     unexplained = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8) > UNLIT_DISTANCE
-    return majority((unexplained & grown(area, 2) & is_ground) | shrunk(area, 1))
+    return majority((unexplained & grown(area, 2) & is_ground) | (shrunk(area, 1) & is_ground))

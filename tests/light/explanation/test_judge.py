@@ -1,14 +1,16 @@
 """How far an explanation is believed: what its odds fall with, and what rivals take from the best."""
 
 import dataclasses
+import json
 
 import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.judge import GOOD_RAD, best_of, contest, likeliest, log_odds, split_score
+from ashe_live.light.explanation.evidence import SIGNS, Explanation
+from ashe_live.light.explanation.judge import GOOD_RAD, Judge, best_direction, fitted_judge
+from ashe_live.light.explanation.judge_tables import Curve, read_tables
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.directions import FittedLight
@@ -19,6 +21,7 @@ from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
 from tests.light.synthetic_masks import direction
 
 TO_LIGHT = direction(200.0, 40.0)
+JUDGE = fitted_judge()
 
 
 def covariance(larger_deg: float, smaller_deg: float, turn_rad: float = 0.4) -> Float:
@@ -40,26 +43,30 @@ def explanation(
 
 
 def test_odds_fall_as_the_outlines_fit_worse() -> None:
-    odds = [log_odds(explanation(misfit_px)) for misfit_px in (0.2, 0.5, 1, 2, 5, 20)]
-    assert (np.diff(odds) < 0).all()
+    odds = [JUDGE.log_odds(explanation(misfit_px)) for misfit_px in (0.2, 0.5, 1, 2, 5, 20)]
+    assert (np.diff(odds) <= 0).all()
+    assert odds[-1] < odds[0] - 1
 
 
 def test_odds_fall_as_the_direction_is_less_certain() -> None:
-    odds = [log_odds(explanation(covariance_rad2=covariance(deg, 0.5))) for deg in (3, 5, 10, 20, 40)]
+    odds = [JUDGE.log_odds(explanation(covariance_rad2=covariance(deg, 0.5))) for deg in (3, 5, 10, 20, 40)]
     assert (np.diff(odds) < 0).all()
 
 
 @pytest.mark.parametrize("outline", ["clear_body", "clear_shadow"])
 def test_odds_fall_as_borders_are_less_clear(outline: str) -> None:
     here = painted_region(BOX)
-    odds = [log_odds(explanation_of(here, alignment=alignment_of(here, **{outline: share}))) for share in (1, 0.7, 0.3)]
+    odds = [
+        JUDGE.log_odds(explanation_of(here, alignment=alignment_of(here, **{outline: share})))
+        for share in (1, 0.7, 0.3)
+    ]
     assert (np.diff(odds) < 0).all()
 
 
 def test_a_shadow_of_another_hue_than_daylights_is_less_believed() -> None:
     here = painted_region(BOX)
     green = materials_of(here.region, here.ground, here.true_shift + np.array([0, 0, 0.6]))
-    assert log_odds(dataclasses.replace(explanation(), materials=green)) < log_odds(explanation())
+    assert JUDGE.log_odds(dataclasses.replace(explanation(), materials=green)) < JUDGE.log_odds(explanation())
 
 
 def test_object_and_shadow_do_not_change_places() -> None:
@@ -67,7 +74,7 @@ def test_object_and_shadow_do_not_change_places() -> None:
     truth = alignment_of(here)
     swapped = dataclasses.replace(truth.placed, predicted=Predicted(here.shadow, here.body))
     changed = dataclasses.replace(explanation(), alignment=dataclasses.replace(truth, placed=swapped))
-    assert log_odds(changed) < log_odds(explanation()) - 1
+    assert JUDGE.log_odds(changed) < JUDGE.log_odds(explanation()) - 1
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
@@ -76,7 +83,7 @@ def test_the_true_split_scores_higher_than_wrong_ones(ground: str, caster: Caste
     here = painted_region(caster, ground=ground)
 
     def score(split: Split) -> float:
-        return split_score(here.region, here.materials, split)
+        return JUDGE.split_score(here.region, here.materials, split)
 
     rows = np.arange(here.body.shape[0])[:, None] < np.median(np.nonzero(here.body)[0])
     truth = score(Split(here.body, here.shadow))
@@ -88,8 +95,8 @@ def test_the_true_split_scores_higher_than_wrong_ones(ground: str, caster: Caste
 @pytest.mark.parametrize("spread_deg", [0.0, 1e-9, 60.0, 1e6])
 def test_odds_are_finite_at_the_extremes(misfit_px: float, spread_deg: float) -> None:
     extreme = explanation(misfit_px, covariance(spread_deg, 0.0))
-    assert np.isfinite(log_odds(extreme))
-    _, confidence = best_of([extreme])
+    assert np.isfinite(JUDGE.log_odds(extreme))
+    _, confidence = JUDGE.best_of([extreme])
     assert 0 <= confidence <= 1
 
 
@@ -100,77 +107,93 @@ def directions(*angles_deg: tuple[float, float]) -> Float:
     return np.array([direction(*angles) for angles in angles_deg])
 
 
-def test_one_explanation_has_no_rivals() -> None:
-    for odds in (-30.0, -2.0, 0.0, 4.0, 30.0):
-        np.testing.assert_array_equal(contest(np.array([odds]), TO_LIGHT[None]), [odds, 0, 0])
+def test_all_explanations_and_none_of_them_share_one_probability() -> None:
+    several = [explanation(misfit_px) for misfit_px in (0.3, 1.0, 3.0)]
+    odds = np.exp([JUDGE.log_odds(each) for each in several])
+    np.testing.assert_allclose(JUDGE.probabilities(several), odds / (1 + odds.sum()))
+    assert JUDGE.probabilities(several).sum() < 1
 
 
-def test_shares_are_logs_of_shares() -> None:
-    rng = np.random.default_rng(0)
-    for count in range(1, 12):
-        odds = rng.normal(0, 5, count)
-        best, share, near = contest(odds, np.array([normalised(rng.normal(size=3)) for _ in range(count)]))
-        assert best == odds.max()
-        assert share <= 1e-12
-        assert near <= 1e-12
-        assert np.exp(share) >= 1 / count - 1e-12
-        assert np.exp(near) >= 1 / count - 1e-12
-
-
-def test_a_rival_elsewhere_takes_its_share_and_one_nearby_does_not() -> None:
-    odds = np.array([1.0, 1.0])
-    apart = contest(odds, directions((200, 40), (20, 40)))
-    together = contest(odds, directions((200, 40), (203, 42)))
-    np.testing.assert_allclose(apart, [1, np.log(0.5), np.log(0.5)])
-    np.testing.assert_allclose(together, [1, 0, 0], atol=1e-12)
-
-
-def test_rivals_of_one_direction_count_once_and_their_word_all_the_same() -> None:
-    _, share, near = contest(np.zeros(4), directions((200, 40), (20, 40), (21, 40), (22, 40)))
-    assert np.exp(share) == pytest.approx(1 / 2)
-    assert np.exp(near) == pytest.approx(1 / 4)
-
-
-def test_the_weaker_a_rival_the_less_it_takes() -> None:
-    shares = [
-        contest(np.array([2.0, rival]), directions((200, 40), (20, 40)))[1:] for rival in (2.0, 1.0, 0.0, -3.0, -30.0)
+def test_more_work_that_finds_nothing_better_makes_less_sure() -> None:
+    """The look-elsewhere effect is paid for: every further wrong explanation takes its part."""
+    good, far = explanation(0.3), direction(20.0, 40.0)
+    confidences = [
+        JUDGE.best_of([good, *(explanation(1.0, to_light=far) for _ in range(count))])[1] for count in range(5)
     ]
-    assert (np.diff(shares, axis=0) > 0).all()
-    np.testing.assert_allclose(shares[-1], 0, atol=1e-8)
+    assert (np.diff(confidences) < 0).all()
+
+
+def test_a_rival_elsewhere_takes_its_share_and_one_nearby_gives_it() -> None:
+    probabilities = np.array([0.5, 0.4])
+    assert best_direction(probabilities, directions((200, 40), (20, 40))) == (0, 0.5)
+    assert best_direction(probabilities, directions((200, 40), (203, 42))) == (0, pytest.approx(0.9))
+
+
+def test_several_of_one_direction_outweigh_one_elsewhere() -> None:
+    index, confidence = best_direction(np.array([0.4, 0.2, 0.3]), directions((200, 40), (20, 40), (22, 41)))
+    assert index == 2
+    assert confidence == pytest.approx(0.5)
 
 
 def test_the_order_of_explanations_does_not_matter() -> None:
     rng = np.random.default_rng(1)
-    odds, towards = rng.normal(0, 2, 9), np.array([normalised(rng.normal(size=3)) for _ in range(9)])
+    probabilities, towards = rng.dirichlet(np.ones(9)), np.array([normalised(rng.normal(size=3)) for _ in range(9)])
     order = rng.permutation(9)
-    np.testing.assert_allclose(contest(odds, towards), contest(odds[order], towards[order]))
+    index, confidence = best_direction(probabilities, towards)
+    other, same = best_direction(probabilities[order], towards[order])
+    assert order[other] == index
+    assert same == pytest.approx(confidence)
 
 
 def test_within_ten_degrees_is_near() -> None:
     good_deg = np.degrees(GOOD_RAD)
     near, far = (
-        contest(np.zeros(2), directions((200, 40), (200, 40 + apart_deg)))[1]
+        best_direction(np.array([0.5, 0.5]), directions((200, 40), (200, 40 + apart_deg)))[1]
         for apart_deg in (good_deg - 0.1, good_deg + 0.1)
     )
-    assert far < near == pytest.approx(0, abs=1e-12)
+    assert far == 0.5
+    assert near == 1.0
 
 
 def test_the_best_explanation_wins_and_a_strong_rival_makes_it_less_believed() -> None:
     good, worse = explanation(0.3), explanation(3.0)
     rival = explanation(0.4, to_light=direction(20.0, 40.0))
     ally = explanation(0.4, to_light=direction(202.0, 41.0))
-    alone = best_of([good])
+    alone = JUDGE.best_of([good])
     for others in ([worse], [rival], [ally], [rival, ally, worse]):
-        best, confidence = best_of([*others, good])
+        best, confidence = JUDGE.best_of([*others, good])
         assert best is good
         assert 0 < confidence < 1
-    assert best_of([rival, good])[1] < alone[1]
-    assert best_of([rival, good])[1] < best_of([ally, good])[1]
-    assert best_of([worse])[1] < alone[1]
+    assert JUDGE.best_of([rival, good])[1] < alone[1]
+    assert JUDGE.best_of([rival, good])[1] < JUDGE.best_of([ally, good])[1]
+    assert JUDGE.best_of([worse])[1] < alone[1]
 
 
-def test_the_likeliest_explanation_is_so_however_little_is_known_of_its_light() -> None:
-    vague, poor = explanation(0.3, covariance(40.0, 30.0)), explanation(1.0)
-    assert log_odds(vague) < log_odds(poor)
-    assert best_of([vague, poor])[0] is poor
-    assert likeliest([poor, vague]) is vague
+# The tables
+
+
+@pytest.mark.parametrize("score", ["split", "explanation"])
+def test_nothing_counts_with_a_sign_that_physics_forbids(score: str) -> None:
+    for name, curve in getattr(JUDGE.tables, score).curves.items():
+        assert (SIGNS[name] * np.diff(curve.log_odds) >= 0).all(), name
+
+
+def test_tables_read_as_written() -> None:
+    again = Judge(read_tables(json.dumps(JUDGE.tables.as_json())))
+    assert again.tables.as_json() == JUDGE.tables.as_json()
+    assert again.log_odds(explanation()) == JUDGE.log_odds(explanation())
+
+
+def test_the_tables_say_where_they_come_from() -> None:
+    assert {"command", "scenes", "pictures", "date"} <= JUDGE.tables.origin.keys()
+
+
+@pytest.mark.parametrize("at", [(0.0,), (0.0, 0.0, 1.0), (1.0, 0.0, 2.0)])
+def test_a_curve_needs_rising_values(at: tuple[float, ...]) -> None:
+    with pytest.raises(ValueError, match="rising values"):
+        Curve(at, (0.0, 1.0, 2.0)[: len(at)])
+
+
+def test_a_curve_is_monotone() -> None:
+    with pytest.raises(ValueError, match="rises or falls"):
+        Curve((0.0, 1.0, 2.0), (0.0, 1.0, 0.5))

@@ -4,7 +4,17 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import radius_of_68_percent
-from ashe_live.light.explanation.uncertainty import covariance_of_doubt
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.explanation.uncertainty import Calibration
+from tests.light.painted_scenes import BOX, paint
+from tests.light.synthetic_masks import direction
+
+TO_LIGHT = direction(200.0, 40.0)
+
+
+@pytest.fixture(scope="module")
+def tracked() -> TrackedFrame:
+    return paint(BOX).tracked
 
 
 def held_by(radius: float, deviations: tuple[float, float]) -> float:
@@ -30,12 +40,23 @@ def test_no_spread_has_no_radius() -> None:
     assert radius_of_68_percent(np.diag([-1e-18, 0.0])) == 0
 
 
-def test_the_less_confident_an_answer_is_the_wider_it_is() -> None:
-    radii = [radius_of_68_percent(covariance_of_doubt(confidence)) for confidence in np.linspace(0, 1, 11)]
-    assert radii[-1] == 0.0
-    assert np.all(np.diff(radii) < 0)
+def test_the_less_confident_an_answer_is_the_wider_it_is(tracked: TrackedFrame) -> None:
+    calibration = Calibration(1.0, 0.5, 2.0)
+    spreads = [
+        calibration.covariance(np.diag([1e-4, 4e-4]), TO_LIGHT, confidence, tracked)
+        for confidence in np.linspace(0, 1, 11)
+    ]
+    assert np.all(np.diff([radius_of_68_percent(each) for each in spreads]) < 0)
+    doubt = spreads[3] - spreads[-1]
+    np.testing.assert_allclose(doubt, (0.5 * 0.7**2) ** 2 * np.eye(2), atol=1e-12)
 
 
-def test_doubt_has_no_direction() -> None:
-    smaller, larger = np.linalg.eigvalsh(covariance_of_doubt(0.3))
-    assert smaller == pytest.approx(larger)
+@pytest.mark.parametrize("overdispersion", [0.5, 1.0, 3.0])
+def test_overdispersion_widens_what_the_outlines_state_and_nothing_else(
+    overdispersion: float, tracked: TrackedFrame
+) -> None:
+    stated = np.diag([1e-4, 4e-4])
+    none, some = (
+        Calibration(factor, 0.5, 2.0).covariance(stated, TO_LIGHT, 1.0, tracked) for factor in (0.0, overdispersion)
+    )
+    np.testing.assert_allclose(some - none, overdispersion * stated)

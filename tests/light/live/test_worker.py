@@ -68,7 +68,7 @@ def test_what_led_to_the_answer_comes_only_when_asked_for(scene):
         outcome = worker.wait(PATIENCE_S)
     estimate, trace = make_estimator("proxy", "fast").traced(scene.tracked)
     assert outcome.estimate.light.to_light_marker.tobytes() == estimate.light.to_light_marker.tobytes()
-    assert outcome.trace.probabilities() == trace.probabilities()
+    assert outcome.trace.probabilities == trace.probabilities
     assert len(outcome.trace.proposals) == len(trace.proposals)
     np.testing.assert_array_equal(outcome.trace.unlit, trace.unlit)
 

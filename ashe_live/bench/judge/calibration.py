@@ -1,0 +1,68 @@
+"""Fits how much errors exceed what outlines imply, so that 68 and 95 % of them lie within what is stated.
+
+Quantile regression (Koenker and Bassett, 1978) of the errors' logs: a few answers that are wrong by much more than any
+covariance states weigh no more than others, as they would not in a likelihood.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import astuple, dataclass
+
+import numpy as np
+
+from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95
+from ashe_live.core.arrays import Float
+from ashe_live.light.explanation.uncertainty import Calibration, covariance_of_outlines
+
+# Where the search begins, its factors on each parameter from coarse to fine, and the ranges that make sense.
+START = Calibration(1.0, math.radians(20.0), 2.0)
+FACTORS = (2.0, 1.4, 1.1, 1.03, 1.01)
+LEAST, MOST = (0.1, math.radians(1), 0.5), (20.0, math.radians(90), 6.0)
+# The share of errors and the squared Mahalanobis distance of each quantile that is fitted.
+QUANTILES = ((0.68, ELLIPSE_68), (0.95, ELLIPSE_95))
+LEAST_ERROR = 1e-4  # rad: a smaller one is as good as none
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """A judged answer: its confidence, the error of its light by axis, and the covariance by its outlines."""
+
+    confidence: float
+    error_by_axis: Float  # (2,) rad on the light's tangent basis
+    covariance_rad2: Float  # (2, 2)
+
+
+def fitted_calibration(answers: Sequence[Answer]) -> Calibration:
+    """The calibration with the least sum of quantile losses, by coordinate descent in the parameters' logs."""
+    best, least = astuple(START), _loss(START, answers)
+    for factor in FACTORS:
+        improved = True
+        while improved:
+            improved = False
+            for index in range(len(best)):
+                for by in (factor, 1 / factor):
+                    tried = list(best)
+                    tried[index] = float(np.clip(best[index] * by, LEAST[index], MOST[index]))
+                    loss = _loss(Calibration(*tried), answers)
+                    if loss < least - 1e-9:
+                        best, least, improved = tuple(tried), loss, True
+    return Calibration(*(round(value, 4) for value in best))
+
+
+def squared_distances(calibration: Calibration, answers: Sequence[Answer]) -> Float:
+    """(n,) squared Mahalanobis distance of each error under the calibrated covariance."""
+    confidence = np.array([answer.confidence for answer in answers])
+    errors = np.array([answer.error_by_axis for answer in answers])
+    outlines = np.array([answer.covariance_rad2 for answer in answers])
+    doubt = calibration.doubt_rad * (1 - confidence) ** calibration.doubt_power
+    total = covariance_of_outlines(calibration.overdispersion * outlines) + (doubt**2)[:, None, None] * np.eye(2)
+    return np.asarray((errors * np.linalg.solve(total, errors[..., None])[..., 0]).sum(axis=1))
+
+
+def _loss(calibration: Calibration, answers: Sequence[Answer]) -> float:
+    logs = np.log(np.maximum(squared_distances(calibration, answers), LEAST_ERROR))
+    total = 0.0
+    for share, within in QUANTILES:
+        beyond = logs - math.log(within)
+        total += float(np.where(beyond > 0, share * beyond, (share - 1) * beyond).mean())
+    return total

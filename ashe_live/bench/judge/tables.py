@@ -1,0 +1,68 @@
+"""The printed tables of `ashe-live bench fit-judge`."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+from rich.table import Table
+
+from ashe_live.bench.judge.calibration import squared_distances
+from ashe_live.bench.judge.validation import Judged, calibration_error, risk_by_coverage
+from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95
+from ashe_live.bench.tables import figures_table
+from ashe_live.light.explanation.judge_tables import Score
+from ashe_live.light.explanation.uncertainty import Calibration
+
+COVERAGES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95)
+
+
+def score_table(name: str, score: Score) -> Table:
+    """The curves of a score: from which value of a feature to which, and what that adds to the log odds."""
+    table = figures_table(f"{name}: constant {score.constant:+.2f}", "feature", "at", "adds to the log odds")
+    for feature, curve in score.curves.items():
+        values = ", ".join(f"{value:.2f}" for value in curve.at)
+        table.add_row(feature, values, ", ".join(f"{value:+.2f}" for value in curve.log_odds))
+    return table
+
+
+def families_table(held_out: Sequence[tuple[str, str, Sequence[Judged]]]) -> Table:
+    """How tables that were fitted without a family judge its pictures."""
+    table = figures_table("families left out of the fit", "kind", "pictures", "sure and wrong", "calibration error")
+    for kind, family, answers in held_out:
+        pictures = len({each.sample.case for each in answers})
+        bad = np.mean([each.is_bad for each in answers])
+        error = calibration_error(answers, bins=5)
+        table.add_row(f"{kind}: {family}", str(pictures), f"{100 * bad:.1f} %", f"{error:.3f}")
+    return table
+
+
+def risk_table(name: str, answers: Sequence[Judged]) -> Table:
+    """For each preset, the share of answers that are over 10° off, as more of the lit pictures are answered."""
+    presets = list(dict.fromkeys(each.sample.preset for each in answers))
+    table = figures_table(f"{name}: risk (over 10° off) by coverage", "coverage", *presets)
+    curves = [risk_by_coverage([each for each in answers if each.sample.preset == preset]) for preset in presets]
+    for coverage in COVERAGES:
+        cells = []
+        for curve in curves:
+            reached = [(confidence, risk) for confidence, covered, risk in curve if covered >= coverage]
+            cells.append(f"{100 * reached[0][1]:.1f} % from {reached[0][0]:.2f}" if reached else "-")
+        table.add_row(f"{100 * coverage:.0f} %", *cells)
+    return table
+
+
+def calibration_table(calibration: Calibration, answers: Sequence[Judged]) -> Table:
+    """The shares of errors within what is stated, by confidence."""
+    title = (
+        f"calibration: overdispersion {calibration.overdispersion:.2f}, "
+        f"doubt {np.degrees(calibration.doubt_rad):.1f}° (1 - confidence)^{calibration.doubt_power:.2f}"
+    )
+    table = figures_table(title, "confidence", "answers", "good", "within 68 %", "within 95 %")
+    edges = (0.0, 0.3, 0.5, 0.7, 0.85, 0.95, 1.0001)
+    for low, high in pairwise(edges):
+        inside = [each for each in answers if low <= each.confidence < high and each.answer is not None]
+        if inside:
+            squared = squared_distances(calibration, [each.answer for each in inside if each.answer is not None])
+            good = np.mean([each.is_good for each in inside])
+            shares = (good, *(np.mean(squared <= within) for within in (ELLIPSE_68, ELLIPSE_95)))
+            table.add_row(f"{low:.2f} to {min(high, 1):.2f}", str(len(inside)), *(f"{100 * s:.0f} %" for s in shares))
+    return table

@@ -1,0 +1,83 @@
+"""The tables of the judge: what each feature contributes to the log odds, as `ashe-live bench fit-judge` fits them."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ashe_live.light.explanation.uncertainty import Calibration
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A feature's contribution to the log odds: monotone and piecewise linear in it, constant beyond both ends."""
+
+    at: tuple[float, ...]  # values of the feature, rising
+    log_odds: tuple[float, ...]  # the contributions there
+
+    def __post_init__(self) -> None:
+        steps = np.diff(self.log_odds)
+        if len(self.at) != len(self.log_odds) or len(self.at) < 2 or (np.diff(self.at) <= 0).any():
+            raise ValueError(f"a curve needs as many rising values as contributions, not {self.at}, {self.log_odds}")
+        if not ((steps >= 0).all() or (steps <= 0).all()):
+            raise ValueError(f"a curve rises or falls, not both: {self.log_odds}")
+
+    def __call__(self, value: float) -> float:
+        return float(np.interp(value, self.at, self.log_odds))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Score:
+    """Log odds as a constant and a sum of curves, one for each feature."""
+
+    constant: float
+    curves: Mapping[str, Curve]
+
+    def log_odds(self, features: Mapping[str, float]) -> float:
+        """Raises KeyError where a feature is missing that a curve is of."""
+        return self.constant + sum(curve(features[name]) for name, curve in self.curves.items())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tables:
+    """All that is fitted of the judge, and what it was fitted to."""
+
+    split: Score
+    explanation: Score
+    least_confidence: float
+    calibration: Calibration
+    origin: Mapping[str, Any]  # sets, seeds, counts, date, scores
+
+    def as_json(self) -> dict[str, Any]:
+        return {
+            "origin": dict(self.origin),
+            "least_confidence": self.least_confidence,
+            "calibration": {name: getattr(self.calibration, name) for name in Calibration.__slots__},
+            "split": _score_json(self.split),
+            "explanation": _score_json(self.explanation),
+        }
+
+
+def read_tables(text: str) -> Tables:
+    """The tables from the text that `Tables.as_json` was written as; raises ValueError or KeyError for another."""
+    content = json.loads(text)
+    return Tables(
+        _score(content["split"]),
+        _score(content["explanation"]),
+        float(content["least_confidence"]),
+        Calibration(**content["calibration"]),
+        MappingProxyType(content["origin"]),
+    )
+
+
+def _score(content: Mapping[str, Any]) -> Score:
+    curves = {name: Curve(tuple(each["at"]), tuple(each["log_odds"])) for name, each in content["curves"].items()}
+    return Score(float(content["constant"]), MappingProxyType(curves))
+
+
+def _score_json(score: Score) -> dict[str, Any]:
+    curves = {name: {"at": curve.at, "log_odds": curve.log_odds} for name, curve in score.curves.items()}
+    return {"constant": score.constant, "curves": curves}
