@@ -119,11 +119,12 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     # The labels may be newer than those that the body was fitted to, with another centre.
     P = Sight(view.camera, view.T_cam_marker, outlines.centre_px).P(body.frame)
     (light,) = explanation.lights
-    in_body_frame = body.frame.lights(light.point)
+    in_body_frame = body.frame.lights(light.light[None])
     sharp = lights_refined_by_tangents(
         P, outlines, in_body_frame, information_on_displacement(light), EDGE_SIGMA_PX, spheroids
     )
-    return replace(explanation, lights=fitted_lights(*sharp))
+    lights, covariance = sharp
+    return replace(explanation, lights=fitted_lights(body.frame.lights_marker(lights), covariance))
 
 
 def explanation_criterion(explanation: Explanation) -> float:
@@ -192,7 +193,7 @@ def _information(alignment: Alignment) -> Float:
     lit = alignment.placed.lit
     information = information_on_lights(alignment.normal, lit.layout)
     return with_hemisphere_prior(
-        information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2)), lit.lights
+        information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2)), lit.lights_in_body_frame
     )
 
 

@@ -102,7 +102,7 @@ class _Scene:
     outlines: Outlines
     sight: Sight  # its pixels counted from the outlines' centre
     guess: FirstGuess
-    starts: list[Float]  # (l, 4) each, lights to start from
+    starts: list[Float]  # (l, 4) each, lights to start from, in the frame of the guess
     edge_sigma_px: float
     solutions: dict[str, Solution] = field(default_factory=dict)  # by family
 
@@ -130,7 +130,8 @@ class _Scene:
 
     def fitted(self) -> FittedBodies:
         ranked = (self.solutions[name] for name in self.ranked())
-        bodies = [LitBody(Body(self.guess.frame, one.family, one.shape), one.lights) for one in ranked]
+        frame = self.guess.frame
+        bodies = [LitBody(Body(frame, one.family, one.shape), frame.lights_marker(one.lights)) for one in ranked]
         return FittedBodies(bodies, self.sight)
 
     @property
@@ -157,7 +158,7 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
     guess = guess_scene(sight, outlines)
     if isinstance(guess, str):
         return FitFailure(guess)
-    starts = [guess.lights] if masks.start is None else [guess.lights, masks.start]
+    starts = [guess.lights] if masks.start is None else [guess.lights, guess.frame.lights(masks.start)]
     return _Scene(outlines, sight, guess, starts, masks.edge_sigma_px)
 
 
