@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         make_folder(options.debug)
     named = named_files(options.files)
     check_outputs([options.sheet], [*named, options.camera_file], options.overwrite)
-    estimator = make_estimator(options.estimator, quality_of(options).name)
+    estimator = make_estimator(options.estimator, quality_of(options).light)
     camera_for = camera_chooser(options)
     page = LightPage()
     statuses = set()

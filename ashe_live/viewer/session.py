@@ -7,6 +7,7 @@ from pathlib import Path
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
+from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.live.fusion import LightFusion
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import WorkerFailure
@@ -58,7 +59,7 @@ class Session:
         self.shown = Illumination()  # on its way to `lit_by`
         self.hand = Hand()
         self.fusion: LightFusion | None = LightFusion() if policy.automatic else None  # None: each estimate by itself
-        self.light_preset = "balanced"
+        self.light_preset = BALANCED
         self.show_light = False
         self.show_masks = False
         self.show_help = False

@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import Outcome
 from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
 
@@ -106,7 +107,7 @@ class FakeWorker:
         self.picture: Image | None = None  # goes with an answer that it was asked for with
         self.busy = self.draws = False
 
-    def request(self, frozen: TrackedFrame, _preset: str, draw: Draw | None) -> bool:
+    def request(self, frozen: TrackedFrame, _preset: ProxySteps, draw: Draw | None) -> bool:
         if self.busy:
             return False
         self.busy, self.draws = True, draw is not None

@@ -14,7 +14,8 @@ from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.labels.two_lights import are_two_shadows
-from ashe_live.light.outline_fit.fit import FitFailure, FitPreset, Masks, fit_bodies
+from ashe_live.light.outline_fit.fit import FitFailure, Masks, fit_bodies
+from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.outline_fit.search import information_on_lights
 from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents
 from ashe_live.light.shape.body import LitBody

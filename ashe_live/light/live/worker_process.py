@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ashe_live.core.arrays import Image
     from ashe_live.core.types import LightEstimate, TrackedFrame
     from ashe_live.light.estimators.estimator import Estimator
+    from ashe_live.light.estimators.steps import ProxySteps
     from ashe_live.light.estimators.trace import Trace
 
 Draw = Callable[["TrackedFrame", "LightEstimate", "Trace"], "Image"]  # a picture (h, w, 3), BGR, of an estimate's trace
@@ -33,7 +34,7 @@ class WorkerFailure:
     message: str  # one line, for the user
 
 
-def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
+def run(connection: Connection, make: "Callable[[ProxySteps], Estimator]") -> None:
     """Answers each request (a tracked frame, a preset, what to draw its trace by) with an Answer or a WorkerFailure.
 
     Returns when the connection is closed.
@@ -42,7 +43,7 @@ def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
 
     # The other cores are left to the viewer's loop.
     cv2.setNumThreads(1)
-    estimators: dict[str, Estimator] = {}
+    estimators: dict[ProxySteps, Estimator] = {}
     # EOFError and BrokenPipeError: the viewer has gone, and no answer is needed.
     with suppress(EOFError, OSError):
         while True:

@@ -13,6 +13,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.light.estimators.steps import BALANCED, FAST, ProxySteps
 from ashe_live.light.live import worker as worker_module
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.light.live.worker_process import Answer, WorkerFailure
@@ -21,11 +22,11 @@ from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
 PATIENCE_S = 60.0
 
 
-def quick(preset: str = "balanced") -> PaperEstimator:  # noqa: ARG001
+def quick(preset: ProxySteps = BALANCED) -> PaperEstimator:  # noqa: ARG001
     return PaperEstimator(PaperSteps(size=(160, 120), grabcut_iterations=2))
 
 
-def endless(preset: str) -> PaperEstimator:  # noqa: ARG001
+def endless(preset: ProxySteps) -> PaperEstimator:  # noqa: ARG001
     return PaperEstimator(PaperSteps(grabcut_iterations=10**6))
 
 
@@ -63,11 +64,11 @@ def test_it_answers_as_a_direct_call_does(worker, scene):
 
 def test_what_led_to_the_answer_is_drawn_only_when_asked_for(scene):
     with LightWorker("proxy") as worker:
-        worker.request(scene.tracked, "fast")
+        worker.request(scene.tracked, FAST)
         assert worker.wait(PATIENCE_S).picture_bgr is None
-        worker.request(scene.tracked, "fast", steps_sheet)
+        worker.request(scene.tracked, FAST, steps_sheet)
         outcome = worker.wait(PATIENCE_S)
-    estimate, trace = make_estimator("proxy", "fast").traced(scene.tracked)
+    estimate, trace = make_estimator("proxy", FAST).traced(scene.tracked)
     assert outcome.estimate.light.to_light_marker.tobytes() == estimate.light.to_light_marker.tobytes()
     np.testing.assert_array_equal(outcome.picture_bgr, steps_sheet(scene.tracked, estimate, trace))
 
