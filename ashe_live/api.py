@@ -59,7 +59,7 @@ def make_estimator(name: str = "proxy", quality: str = "balanced") -> "LightEsti
 
     Raises UserError for an estimator that is not there, ValueError for such a quality.
     """
-    return LightEstimator(arguments.text(name, "name"), _quality(quality).name)
+    return LightEstimator(arguments.text(name, "name"), quality)
 
 
 class LightEstimator:
@@ -67,7 +67,7 @@ class LightEstimator:
 
     def __init__(self, name: str, quality: str) -> None:
         """As `make_estimator`."""
-        self._estimator = estimators.make_estimator(name, quality)
+        self._estimator = estimators.make_estimator(name, _quality(quality).light)
 
     @property
     def name(self) -> str:

@@ -1,10 +1,12 @@
 """The notches on the trade of speed for accuracy: what `--quality` chooses, each with the parts' own presets.
 
-The estimator of the light has presets of the same names, in its own process (`light/estimators/steps.py`).
+They are values without what they configure: knowing them loads neither OpenCV nor OpenGL.
 """
 
 from dataclasses import dataclass
 
+from ashe_live.light.estimators import steps as lighting
+from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.render import preset as rendering
 from ashe_live.render.preset import RenderPreset
 from ashe_live.tracking import preset as tracking
@@ -18,10 +20,11 @@ class Quality:
     name: str
     tracking: TrackingPreset
     render: RenderPreset
+    light: ProxySteps  # of the estimator `proxy`, which runs in a process of its own
 
 
-FAST = Quality("fast", tracking.FAST, rendering.FAST)
-BALANCED = Quality("balanced", tracking.BALANCED, rendering.BALANCED)
-ACCURATE = Quality("accurate", tracking.ACCURATE, rendering.ACCURATE)
+FAST = Quality("fast", tracking.FAST, rendering.FAST, lighting.FAST)
+BALANCED = Quality("balanced", tracking.BALANCED, rendering.BALANCED, lighting.BALANCED)
+ACCURATE = Quality("accurate", tracking.ACCURATE, rendering.ACCURATE, lighting.ACCURATE)
 
 QUALITIES: dict[str, Quality] = {quality.name: quality for quality in (FAST, BALANCED, ACCURATE)}

@@ -40,13 +40,13 @@ ROOMS: dict[str, set[str]] = {
     "light.live": {"core", "light.estimators", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},
     "render": {"core", "errors", "files", "models", "process"},
-    "quality": {"tracking", "render"},
+    "quality": {"tracking", "light.estimators", "render"},
     "viewer": {
-        "quality", "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators",
+        "quality", "core", "errors", "files", "models", "capture", "tracking", "light.estimators",
         "light.live", "drawing", "process", "render",
     },
     "api": {"quality", "core", "models", "capture", "tracking", "light.estimators", "render"},
-    "": {"core", "errors", "models", "capture", "light.estimators", "api"},  # `import ashe_live` itself
+    "": {"core", "errors", "models", "capture", "api"},  # `import ashe_live` itself
     "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer", "process"},
     "bench.light": {
         "quality", "core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit",
@@ -71,16 +71,16 @@ ROOMS: dict[str, set[str]] = {
 }  # fmt: skip
 MOST_ROOMS = 4  # of `light` that one of its modules imports from, beside its own
 
-# What a package may load beside Python and NumPy, itself or through what it imports.
+# What a package loads beside Python and NumPy, itself or through what it imports.
 HEAVY = {"cv2", "av", "PIL", "trimesh", "moderngl", "glfw", "rich", "pyrr", "platformdirs", "matplotlib"}
 LOADS = {
-    "core": {"pyrr", "platformdirs"},
-    "models": {"pyrr", "platformdirs", "PIL", "trimesh"},
-    "capture": {"pyrr", "platformdirs", "PIL", "cv2", "av"},
+    "core": {"pyrr"},
+    "models": {"PIL", "trimesh"},
+    "capture": {"pyrr", "PIL", "cv2", "av"},
     "tracking": {"pyrr", "platformdirs", "PIL", "cv2"},
     "light": {"pyrr", "cv2"},
     "drawing": {"pyrr", "PIL", "cv2"},
-    "render": {"pyrr", "platformdirs", "PIL", "cv2", "trimesh", "moderngl"},
+    "render": {"pyrr", "PIL", "cv2", "moderngl"},
 }
 
 LOAD_EVERY_MODULE = """
@@ -151,6 +151,11 @@ def test_a_room_imports_what_its_list_allows(room: str) -> None:
         assert rooms_imported(path) - {room} <= ROOMS[room], path
 
 
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_list_allows_nothing_that_its_room_does_not_import(room: str) -> None:
+    assert ROOMS[room] <= set().union(*(rooms_imported(path) for path in FILES[room]))
+
+
 def test_imports_have_one_direction() -> None:
     above: set[str] = set()
     for room, allowed in ROOMS.items():
@@ -173,16 +178,22 @@ def test_a_rooms_own_words_say_what_it_may_import(room: str) -> None:
 
 
 @pytest.mark.parametrize("package", LOADS)
-def test_a_package_loads_what_its_list_allows(package: str) -> None:
+def test_a_package_loads_what_its_list_says(package: str) -> None:
     loaded = modules_after(LOAD_EVERY_MODULE, f"ashe_live.{package}")
     assert f"ashe_live.{package}" in loaded
-    assert loaded & HEAVY <= LOADS[package]
+    assert loaded & HEAVY == LOADS[package]
 
 
 def test_help_is_instant_because_it_loads_nothing_heavy() -> None:
     loaded = modules_after(LOAD_HELP)
     assert "ashe_live.cli" in loaded
     assert not loaded & (HEAVY | {"numpy"})
+
+
+def test_presets_are_values_that_load_nothing_of_what_they_configure() -> None:
+    loaded = modules_after("import json, sys, ashe_live.quality; print(json.dumps(sorted(sys.modules)))")
+    assert "ashe_live.light.estimators.steps" in loaded
+    assert not loaded & (HEAVY)
 
 
 def test_only_render_names_moderngl_and_only_the_viewer_glfw() -> None:

@@ -11,7 +11,6 @@ from pathlib import Path
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from ashe_live.capture.contact_sheet import contact_sheet
 from ashe_live.capture.snapshot import write_png
 from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.light_page import LightPage, picture_of
@@ -19,6 +18,7 @@ from ashe_live.commands.named_files import named_files
 from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
 from ashe_live.core.contract import FileRecord
 from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.drawing.contact_sheet import contact_sheet
 from ashe_live.drawing.steps import DebugPicture, debug_pictures
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, make_folder, unused_name
@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         make_folder(options.debug)
     named = named_files(options.files)
     check_outputs([options.sheet], [*named, options.camera_file], options.overwrite)
-    estimator = make_estimator(options.estimator, quality_of(options).name)
+    estimator = make_estimator(options.estimator, quality_of(options).light)
     camera_for = camera_chooser(options)
     page = LightPage()
     statuses = set()

@@ -22,6 +22,11 @@ class Proxy:
     def __post_init__(self) -> None:
         set_frozen(self, spheroids_marker=frozen_floats(self.spheroids_marker, (-1, 5), "spheroids_marker"))
 
+    @property
+    def foot_marker(self) -> Float:
+        """(3,) the point on the ground below the middle of the spheroids' centres, marker frame, metres."""
+        return np.array([*self.spheroids_marker[:, :2].mean(axis=0), 0.0])
+
     def points_marker(self, around: int = 24) -> Float:
         """(m, 3) points on the body, marker frame, metres, whose convex hull it is (nearly, where it is round)."""
         circle = _circle(around)

@@ -84,7 +84,7 @@ class Display:
         if not session.show_masks or estimate is None or frozen is None:
             return ()
         if self._inset is None or self._inset[0] is not estimate or self._inset[1] != size:
-            self._inset = estimate, size, inset_overlays(estimate, frozen, size, session.trace)
+            self._inset = estimate, size, inset_overlays(estimate, frozen, size, session.steps_bgr)
         return self._inset[2]
 
 

@@ -218,7 +218,7 @@ class LiveViewer:
         start = QUALITIES.get(name, QUALITIES["balanced"])
         self._auto = AutoQuality(self._interval_s * 1e3, start) if name == AUTO else None
         # The estimator has a process of its own: its preset need not step down when the renderer's does.
-        self._session.light_preset = start.name
+        self._session.light_preset = start.light
         self._apply(start)
 
     def _apply(self, quality: Quality) -> None:

@@ -3,10 +3,11 @@
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Image
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
+from ashe_live.drawing.steps_sheet import steps_sheet
+from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.live.fusion import LightFusion
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import WorkerFailure
@@ -16,9 +17,6 @@ from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
 from ashe_live.viewer.hand import Hand, HandContext
 from ashe_live.viewer.shelf import Shelf
-
-if TYPE_CHECKING:
-    from ashe_live.light.estimators.trace import Trace
 
 NOTICE_S = 4.0
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
@@ -57,11 +55,11 @@ class Session:
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
         self.estimated_from: TrackedFrame | None = None
-        self.trace: Trace | None = None  # of the last estimate that `estimate` is made of; None: it was not kept
+        self.steps_bgr: Image | None = None  # sheet of the steps to the last estimate; None: nobody asked for it
         self.shown = Illumination()  # on its way to `lit_by`
         self.hand = Hand()
         self.fusion: LightFusion | None = LightFusion() if policy.automatic else None  # None: each estimate by itself
-        self.light_preset = "balanced"
+        self.light_preset = BALANCED
         self.show_light = False
         self.show_masks = False
         self.show_help = False
@@ -136,7 +134,7 @@ class Session:
 
     def begin_anew(self, steadiness: Steadiness) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
-        self.tracked = self.estimate = self.estimated_from = self.trace = self._frozen = None
+        self.tracked = self.estimate = self.estimated_from = self.steps_bgr = self._frozen = None
         self.true_to_light_marker = None
         self._estimated = Illumination()
         self.shown = self._easing.jump(self._estimated)
@@ -154,7 +152,7 @@ class Session:
         """Hands the current frame to the worker and returns True; shows a message when that is not possible."""
         if self.tracked is None or self.tracked.marker is None:
             self.say("no marker in view: point the camera at it, then press Space", now_s)
-        elif not self._worker.request(self.tracked, self.light_preset, with_trace=self.show_masks):
+        elif not self._worker.request(self.tracked, self.light_preset, steps_sheet if self.show_masks else None):
             self.say("still estimating", now_s)
         else:
             self._frozen, self._asked_s = self.tracked, now_s
@@ -202,7 +200,7 @@ class Session:
                 self.show_masks = not self.show_masks
                 if self.show_masks and self.estimate is None:
                     self.say("nothing has been estimated yet: Space does it", now_s)
-                elif self.show_masks and self.trace is None:
+                elif self.show_masks and self.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
             case Command.MOVE_LIGHT | Command.MOVE_MODEL | Command.SCALE_MODEL | Command.TURN_MODEL:
                 self._obey_hand(request, now_s)
@@ -225,8 +223,8 @@ class Session:
         answer = outcome.estimate if self.fusion is None else self.fusion.answer
         if answer is not None:
             self._estimated = answer.illumination.as_seen_in(self._frozen)
-        self.estimate, self.estimated_from, self.trace = answer, self._frozen, outcome.trace
-        if self.show_masks and self.trace is None:
+        self.estimate, self.estimated_from, self.steps_bgr = answer, self._frozen, outcome.picture_bgr
+        if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
         # An estimate that was requested before the light was set by hand does not replace it.
         if self.hand.light is not None and self._asked_s >= self._by_hand_s:

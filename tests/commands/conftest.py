@@ -14,7 +14,8 @@ from ashe_live.commands import view
 from ashe_live.commands.parser import DEFAULT_ESTIMATOR
 from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
-from ashe_live.light.live.worker_process import Answer
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.live.worker_process import Answer, Draw
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class InstantWorker:
     def busy(self) -> bool:
         return self._asked is not None
 
-    def request(self, tracked: TrackedFrame, _preset: str, with_trace: bool) -> bool:  # noqa: ARG002
+    def request(self, tracked: TrackedFrame, _preset: ProxySteps, draw: Draw | None) -> bool:  # noqa: ARG002
         self._asked = tracked
         return True
 

@@ -6,11 +6,12 @@ Its process has the viewer's priority, as at the lowest one a crowded machine le
 import sys
 
 from ashe_live.light.estimators import estimator
+from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live import worker_process
 from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
 
 
-def quick(preset: str) -> PaperEstimator:  # noqa: ARG001
+def quick(preset: ProxySteps) -> PaperEstimator:  # noqa: ARG001
     return PaperEstimator(PaperSteps(size=(160, 120)))
 
 

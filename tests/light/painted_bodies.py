@@ -63,7 +63,7 @@ def explanation_of(here: PaintedRegion, caster: Caster = BOX, **changed: Any) ->
         here.materials,
         Split(here.body, here.shadow),
         alignment_of(here, caster),
-        (FittedLight(here.scene.to_light, np.eye(2) * 1e-4),),
+        (FittedLight(at_infinity(here.scene.to_light), np.eye(2) * 1e-4),),
         costs_of(here).as_object,
     )
     return replace(explanation, **changed)

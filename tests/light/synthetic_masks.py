@@ -65,11 +65,13 @@ class MaskedScene:
 
 
 def render(parts: Parts, lights: list[Float], T_cam_marker: Float, size: tuple[int, int] = (640, 480)) -> MaskedScene:
+    """lights: directions (3,) or homogeneous points (4,)."""
     camera = Camera.from_hfov(size, 60.0)
     body = _filled(camera, T_cam_marker, parts)
     shadows = []
     for light in lights:
-        flat = [part - part[:, 2:] * (light / light[2]) for part in parts]
+        x, y, z, w = light if len(light) == 4 else (*light, 0.0)
+        flat = [(part - part[:, 2:] * np.array([x, y, z]) / z) / (1 - part[:, 2:] * w / z) for part in parts]
         shadows.append(_filled(camera, T_cam_marker, flat) & ~body)
     return MaskedScene(camera, T_cam_marker, body, shadows)
 

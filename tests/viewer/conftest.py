@@ -6,12 +6,13 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
-from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import Outcome
-from ashe_live.light.live.worker_process import Answer, WorkerFailure
+from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
 
 SIZE = (64, 48)
 SIDE_M = 0.08
@@ -103,13 +104,13 @@ class FakeWorker:
     def __init__(self) -> None:
         self.requested: list[TrackedFrame] = []
         self.answer: LightEstimate | WorkerFailure | None = None
-        self.trace: Trace | None = None  # goes with an answer that it was asked for with
-        self.busy = self.traces = False
+        self.picture: Image | None = None  # goes with an answer that it was asked for with
+        self.busy = self.draws = False
 
-    def request(self, frozen: TrackedFrame, _preset: str, with_trace: bool) -> bool:
+    def request(self, frozen: TrackedFrame, _preset: ProxySteps, draw: Draw | None) -> bool:
         if self.busy:
             return False
-        self.busy, self.traces = True, with_trace
+        self.busy, self.draws = True, draw is not None
         self.requested.append(frozen)
         return True
 
@@ -118,7 +119,7 @@ class FakeWorker:
             return None
         self.busy = False
         answer, self.answer = self.answer, None
-        return answer if isinstance(answer, WorkerFailure) else Answer(answer, self.trace if self.traces else None)
+        return answer if isinstance(answer, WorkerFailure) else Answer(answer, self.picture if self.draws else None)
 
     def give_up(self) -> None:
         self.busy, self.answer = False, None

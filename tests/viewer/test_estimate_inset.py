@@ -8,6 +8,7 @@ import pytest
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
+from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.ground.lit_ground import fit_lit_ground
@@ -55,10 +56,10 @@ def test_the_rose_stands_above_the_picture(fakes, estimate):
 def test_a_trace_is_one_sheet_with_the_answer_in_it(fakes, estimate):
     frozen = fakes.tracked()
     trace = Trace(View.of(frozen, 64))
-    (answer,) = inset_overlays(estimate, frozen, SIZE, trace)
+    (answer,) = inset_overlays(estimate, frozen, SIZE, steps_sheet(frozen, estimate, trace))
     trace.ground = fit_lit_ground(trace.view.image_bgr, trace.view.is_ground, BALANCED.ground)
     trace.unlit = np.zeros_like(trace.view.is_ground)
-    (steps,) = inset_overlays(estimate, frozen, SIZE, trace)
+    (steps,) = inset_overlays(estimate, frozen, SIZE, steps_sheet(frozen, estimate, trace))
     assert answer.shown_size[1] < steps.shown_size[1] <= SIZE[1]
     assert drawn(steps, OBJECT_BGR).any()
     for sheet in (answer, steps):

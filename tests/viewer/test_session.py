@@ -5,13 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Illumination
 from ashe_live.errors import UserError
-from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.live.worker_process import WorkerFailure
-from ashe_live.light.pixels.view import View
 from ashe_live.models.placement import UNMOVED
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
@@ -175,25 +174,25 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
     session = make()
     session.take(fakes.tracked(), 0.0)
 
-    def estimated(now_s: float) -> Trace | None:
+    def estimated(now_s: float) -> Image | None:
         session.request_estimate(now_s)
-        session._worker.answer, session._worker.trace = fakes.estimate(), trace
+        session._worker.answer, session._worker.picture = fakes.estimate(), picture
         session.poll(now_s)
-        return session.trace
+        return session.steps_bgr
 
-    trace = Trace(View.of(fakes.tracked(), 64))
+    picture = np.zeros((8, 8, 3), np.uint8)
     toggle = Request(Command.TOGGLE_MASKS)
     assert estimated(0.0) is None
     assert session.last_notice is None
     session.handle(toggle, 1.0)
     assert session.last_notice == ANSWER_ALONE
-    assert estimated(10.0) is trace
+    assert estimated(10.0) is picture
     assert session.notice(10.0) is None
     session.handle(toggle, 11.0)
     session.handle(toggle, 12.0)
-    assert session.trace is trace
+    assert session.steps_bgr is picture
     assert session.notice(12.0) is None
-    trace = None  # as of an estimator that keeps none
+    picture = None  # as of an estimator that keeps no trace
     assert estimated(20.0) is None
     assert session.notice(20.0) == ANSWER_ALONE
 

@@ -46,7 +46,7 @@ class LightBench(Bench):
     sweeps: bool = False  # also measures and draws error against time, on some scenes of each category
 
     def parts(self) -> Iterator[Json]:
-        estimators = {preset: make_estimator(self.estimator, preset) for preset in self.presets}
+        estimators = {preset: make_estimator(self.estimator, PRESETS[preset]) for preset in self.presets}
         yield self._measured(estimators)
         if self.sweeps:
             points = sweep(thinned(self.cases(), SWEEP_EVERY), estimators, self.console)

@@ -16,7 +16,7 @@ from ashe_live.bench.tables import figures_table
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
-from ashe_live.light.outline_fit import fit
+from ashe_live.light.outline_fit import preset
 
 MEDIAN_ERROR = "median error, no answer = 90° (degrees)"
 MISSED = f"no answer, or more than {GOOD_DEG:.0f}° off (% of the lit scenes)"
@@ -44,7 +44,7 @@ def _varied(series: str, field: str, *values: int) -> tuple[Variation, ...]:
 
 
 def _fits(series: str, field: str, *presets: str) -> tuple[Variation, ...]:
-    fits = {"fast": fit.FAST, "balanced": fit.BALANCED}
+    fits = {"fast": preset.FAST, "balanced": preset.BALANCED}
     return tuple(Variation(series, name, {field: fits[name]}) for name in presets)
 
 

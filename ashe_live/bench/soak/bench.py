@@ -17,6 +17,7 @@ from ashe_live.capture.known_clip import KnownClip
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.contract import Json
 from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.quality import Quality
 from ashe_live.render.offscreen import offscreen_context
@@ -45,7 +46,7 @@ class SoakBench(Bench):
 
     clip: KnownClip
     quality: Quality
-    estimator: str | Callable[[str], Estimator]
+    estimator: str | Callable[[ProxySteps], Estimator]
     frames: int
 
     def parts(self) -> Iterator[Json]:
@@ -91,7 +92,7 @@ class SoakBench(Bench):
             stack.callback(ctx.release)
             worker = stack.enter_context(LightWorker(self.estimator))
             session = Session(Shelf(MODEL, clip.marker_side_m), worker, EstimatePolicy(), Steadiness())
-            session.light_preset = self.quality.name
+            session.light_preset = self.quality.light
             renderer = SceneRenderer(ctx, self.quality.render, camera.size, switches_at_once=False)
             stack.callback(renderer.release)
             tracker = SoakTracker(

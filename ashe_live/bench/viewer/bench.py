@@ -19,6 +19,7 @@ from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
 from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator
+from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.quality import Quality
 from ashe_live.render.offscreen import offscreen_context
@@ -49,7 +50,7 @@ class ViewerBench(Bench):
 
     clip: KnownClip
     quality: Quality
-    estimator: str | Callable[[str], Estimator]
+    estimator: str | Callable[[ProxySteps], Estimator]
     frames: int  # in each run
     size: Size | None = None  # of the framebuffer; None: the clip's
     starts: int = 5  # runs from the command to the first picture, without a window and in one

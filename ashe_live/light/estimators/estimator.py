@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 
 if TYPE_CHECKING:
     from ashe_live.light.estimators.trace import Trace
@@ -33,25 +34,24 @@ class TracingEstimator(Estimator, Protocol):
         ...
 
 
-def _proxy(preset: str) -> Estimator:
+def _proxy(preset: ProxySteps) -> Estimator:
     from ashe_live.light.estimators.proxy import ProxyEstimator
-    from ashe_live.light.estimators.steps import PRESETS
 
-    return ProxyEstimator(PRESETS[preset])
+    return ProxyEstimator(preset)
 
 
-def _paper(preset: str) -> Estimator:  # noqa: ARG001 - as published, it has no presets
+def _paper(preset: ProxySteps) -> Estimator:  # noqa: ARG001 - as published, it has no presets
     from ashe_live.light.paper.estimator import PaperEstimator
 
     return PaperEstimator()
 
 
-# Factories that take a preset's name; modules are imported on use, as listing the names in --help must not load OpenCV.
-ESTIMATORS: Mapping[str, Callable[[str], Estimator]] = {"proxy": _proxy, "paper": _paper}
+# Factories that take a preset; modules are imported on use, as whoever only names an estimator need not load OpenCV.
+ESTIMATORS: Mapping[str, Callable[[ProxySteps], Estimator]] = {"proxy": _proxy, "paper": _paper}
 
 
-def make_estimator(name: str, preset: str = "balanced") -> Estimator:
-    """A new estimator of that name in ESTIMATORS, with the preset of that name (one of the qualities).
+def make_estimator(name: str, preset: ProxySteps = BALANCED) -> Estimator:
+    """A new estimator of that name in ESTIMATORS; the estimator `paper`, as published, has no presets.
 
     Raises UserError for an unknown estimator.
     """

@@ -134,5 +134,5 @@ def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
 
 
 def _angular_size(best: Explanation) -> float | None:
-    towards = best.lights[0].to_light_marker
-    return angular_size(best.proxy, towards, best.materials.shift_fraction, best.predicted, best.region.view)
+    light = best.lights[0].light
+    return angular_size(best.proxy, light, best.materials.shift_fraction, best.predicted, best.region.view)

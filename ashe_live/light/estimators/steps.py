@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from ashe_live.light.ground.lit_ground import GroundSteps
-from ashe_live.light.outline_fit import fit
-from ashe_live.light.outline_fit.fit import FitPreset
+from ashe_live.light.ground.steps import GroundSteps
+from ashe_live.light.outline_fit import preset
+from ashe_live.light.outline_fit.preset import FitPreset
 
-FIRST_FIT = fit.FAST  # of the selected splits
+FIRST_FIT = preset.FAST  # of the selected splits
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ FAST = ProxySteps(
     tried=4,
     refined=2,
     ground=GroundSteps(12, 8, 1),
-    fine_fit=fit.FAST,
+    fine_fit=preset.FAST,
 )
 BALANCED = ProxySteps(
     coarse_width_px=320,
@@ -44,7 +44,7 @@ BALANCED = ProxySteps(
     tried=6,
     refined=2,
     ground=GroundSteps(),
-    fine_fit=fit.BALANCED,
+    fine_fit=preset.BALANCED,
 )
 ACCURATE = ProxySteps(
     coarse_width_px=320,
@@ -55,7 +55,7 @@ ACCURATE = ProxySteps(
     tried=16,
     refined=4,
     ground=GroundSteps(),
-    fine_fit=fit.BALANCED,
+    fine_fit=preset.BALANCED,
 )
 
 

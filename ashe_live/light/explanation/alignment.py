@@ -195,7 +195,7 @@ def _measured(several: Sequence[PlacedBody]) -> list[Alignment]:
             _mean_of_known(clear[POINTS_PER_OUTLINE:]),
         )
         each = tuple(_mean_of_known(shadow) for shadow in clear[POINTS_PER_OUTLINE:].reshape(-1, POINTS_PER_OUTLINE))
-        ends = _ends_in_view(one.lit.lights, pull.by_theta[i], in_view[i, 1:])
+        ends = _ends_in_view(one.lit.lights_in_body_frame, pull.by_theta[i], in_view[i, 1:])
         found.append(Alignment(one, normal[:size, :size], math.sqrt(square), clear_body, clear_shadow, each, ends))
     return found
 
@@ -203,7 +203,8 @@ def _measured(several: Sequence[PlacedBody]) -> list[Alignment]:
 def _ends_in_view(lights: Float, by_theta: Float, in_view: Mask) -> tuple[float, ...]:
     """(l,) fraction of each shadow's far end in view, weighted by how far its points move as the shadow lengthens.
 
-    in_view: (l, p) whether each point of the shadows' outlines lies inside the picture.
+    lights: (l, 4) in the body frame, where s points from the body's foot. in_view: (l, p) whether each point of the
+    shadows' outlines lies inside the picture.
     """
     ends, layout = [], Layout(len(lights))
     for i, displacement in enumerate(light_parameters(lights)):

@@ -90,7 +90,7 @@ def _flatness(explanation: Explanation) -> float:
 
 
 def _shading(explanation: Explanation) -> Shading:
-    lights = [light.to_light_marker for light in explanation.lights]
+    lights = [light.light for light in explanation.lights]
     shadow_ratios = [math.exp(shift[0]) for shift in explanation.materials.shifts[: len(lights)]]
     return shading_of(explanation.region, explanation.predicted.body, explanation.proxy, lights, shadow_ratios)
 

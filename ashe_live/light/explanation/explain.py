@@ -14,7 +14,8 @@ from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, object_cost
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.labels.two_lights import are_two_shadows
-from ashe_live.light.outline_fit.fit import FitFailure, FitPreset, Masks, fit_bodies
+from ashe_live.light.outline_fit.fit import FitFailure, Masks, fit_bodies
+from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.outline_fit.search import information_on_lights
 from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents
 from ashe_live.light.shape.body import LitBody
@@ -119,11 +120,12 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     # The labels may be newer than those that the body was fitted to, with another centre.
     P = Sight(view.camera, view.T_cam_marker, outlines.centre_px).P(body.frame)
     (light,) = explanation.lights
-    in_body_frame = body.frame.lights(light.point)
+    in_body_frame = body.frame.lights(light.light[None])
     sharp = lights_refined_by_tangents(
         P, outlines, in_body_frame, information_on_displacement(light), EDGE_SIGMA_PX, spheroids
     )
-    return replace(explanation, lights=fitted_lights(*sharp))
+    lights, covariance = sharp
+    return replace(explanation, lights=fitted_lights(body.frame.lights_marker(lights), covariance))
 
 
 def explanation_criterion(explanation: Explanation) -> float:
@@ -192,7 +194,7 @@ def _information(alignment: Alignment) -> Float:
     lit = alignment.placed.lit
     information = information_on_lights(alignment.normal, lit.layout)
     return with_hemisphere_prior(
-        information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2)), lit.lights
+        information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2)), lit.lights_in_body_frame
     )
 
 

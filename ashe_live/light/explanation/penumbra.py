@@ -10,8 +10,9 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.directions import direction_by_displacement, displacement_of
-from ashe_live.light.shape.light_points import at_infinity, cast_on_ground
+from ashe_live.light.shape.directions import direction_by_displacement
+from ashe_live.light.shape.layout import nearness_of
+from ashe_live.light.shape.light_points import cast_on_ground, relative_distances
 from ashe_live.light.shape.predicted import Predicted
 
 REACH_PX = 11.0  # on either side of the edge
@@ -30,17 +31,16 @@ LARGEST_RAD = math.radians(20)
 ROBUST_ROUNDS = 6
 
 
-def angular_size(
-    proxy: Proxy, to_light_marker: Float, shift_fraction: Float32, masks: Predicted, view: View
-) -> float | None:
+def angular_size(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted, view: View) -> float | None:
     """The light's angular diameter (rad); None where its penumbra cannot be separated from the picture's own blur.
 
-    to_light_marker: (3,) unit vector. shift_fraction: (h, w) fraction of the shadow's colour shift that each pixel of
-    `view` shows. A disc of diameter d blurs the edge cast from height z with the standard deviation z |J'n| d / 4
-    across the edge (n its normal on the ground, J the derivative of the displacement s by the direction); the picture's
-    blur adds a constant variance. A robust linear regression of variances gives d squared (docs/maths.md, "Penumbra").
+    light: (4,) homogeneous point, marker frame; the diameter of a lamp is that seen from the marker's centre.
+    shift_fraction: (h, w) fraction of the shadow's colour shift that each pixel of `view` shows. A disc of diameter d
+    blurs the edge cast from height z with the standard deviation z |J'n| d / 4 across the edge (n its normal on the
+    ground, J the derivative of the displacement s by the direction); the picture's blur adds a constant variance. A
+    robust linear regression of variances gives d squared (docs/maths.md, "Penumbra").
     """
-    spreads, variances = _edges(proxy, to_light_marker, shift_fraction, masks, view)
+    spreads, variances = _edges(proxy, light, shift_fraction, masks, view)
     if len(spreads) < FEWEST_EDGES:
         return None
     design = np.column_stack([np.ones(len(spreads)), spreads**2])
@@ -61,21 +61,18 @@ def angular_size(
     return size if size < LARGEST_RAD else None
 
 
-def _edges(
-    proxy: Proxy, to_light_marker: Float, shift_fraction: Float32, masks: Predicted, view: View
-) -> tuple[Float, Float]:
+def _edges(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
     """(n,) standard deviations (px) that a light of 1 rad would give the shadow's edge at n points; (n,) the variances
     (px^2) measured there.
     """
     points = proxy.points_marker()
-    displacement = displacement_of(to_light_marker)
-    shadows = cast_on_ground(points, at_infinity(to_light_marker))
+    shadows = cast_on_ground(points, light)
     if shadows is None:
         return np.empty(0), np.empty(0)
     cast = shadows[:, :2]
     rim = cv2.convexHull(cast.astype(np.float32), returnPoints=False)[:, 0]
-    corners, heights = cast[rim], points[rim, 2]
-    along, rise = np.roll(corners, -1, axis=0) - corners, np.roll(heights, -1) - heights
+    corners, casting = cast[rim], points[rim]
+    along = np.roll(corners, -1, axis=0) - corners
     length = np.hypot(*along.T)
     outward = np.column_stack([along[:, 1], -along[:, 0]]) / np.maximum(length, 1e-9)[:, None]
     outward[((corners + 0.5 * along - corners.mean(axis=0)) * outward).sum(axis=1) < 0] *= -1
@@ -91,12 +88,31 @@ def _edges(
     scale = np.hypot(*across.T)
     seen = scale > 1e-6  # which is false for NaN, the projection of what lies behind the camera
 
-    by_direction = np.linalg.inv(direction_by_displacement(displacement))
-    smeared = np.linalg.norm(outward @ by_direction, axis=1)[edge]
-    spreads = (heights[edge] + part * rise[edge]) * smeared / 4 * scale / ACROSS_M
+    # Points of the body's edge between two corners cast theirs in the ratio of the corners' homogeneous scales.
+    begin, end = (1 - each[edge, 2:] * nearness_of(light) for each in (casting, np.roll(casting, -1, axis=0)))
+    way = part[:, None] * begin / (part[:, None] * begin + (1 - part[:, None]) * end)
+    points = casting[edge] + way * (np.roll(casting, -1, axis=0) - casting)[edge]
+    spreads = points[:, 2] * _blur_per_height(light, points, outward[edge]) / 4 * scale / ACROSS_M
     clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)
     kept, variances = _variances(shift_fraction, clear, pixels[seen, 0], across[seen] / scale[seen, None])
     return spreads[seen][kept], variances
+
+
+def _blur_per_height(light: Float, points: Float, normals: Float) -> Float:
+    """(n,) how far the shadows on the ground of points (n, 3) move along normals (n, 2), over the points' heights, as
+    the light moves by 1 rad, seen from the marker's centre.
+
+    normals: unit vectors on the ground.
+    """
+    offsets = light[:3] - light[3] * points
+    # All points see a light at infinity in one direction.
+    several, which = np.unique(offsets[:, :2] / offsets[:, 2:], axis=0, return_inverse=True)
+    moved = np.empty(len(points))
+    for number, displacement in enumerate(several):
+        seen_there = which.reshape(-1) == number
+        by_direction = np.linalg.inv(direction_by_displacement(displacement))
+        moved[seen_there] = np.linalg.norm(normals[seen_there] @ by_direction, axis=1)
+    return moved / relative_distances(light, points, np.zeros(3))
 
 
 def _variances(shift_fraction: Float32, clear: Mask, places: Float, across: Float) -> tuple[Mask, Float]:

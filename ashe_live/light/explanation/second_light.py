@@ -56,7 +56,7 @@ def with_lights_counted(
     one = max(kept, key=judge.log_odds, default=None)
     if one is None or len(one.lights) > 1:
         return kept
-    found = shadow_candidates(one.proxy, one.alignment.placed.lit.to_lights_marker[0], coarse, ground, TRIED)
+    found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights[0], coarse, ground, TRIED)
     tried = [_tried(one, candidate, fine, coarse, ground, region_px) for candidate in found]
     gain, both = max((pair for pair in tried if pair is not None), key=itemgetter(0), default=(0.0, one))
     if gain < LEAST_GAIN:
@@ -87,7 +87,7 @@ def _tried(
     one: Explanation, candidate: ShadowCandidate, fine: View, coarse: View, ground: LitGround, region_px: int
 ) -> tuple[float, Explanation] | None:
     """By how much a second light lowers the unary costs, and the explanation with it; None if it is rejected."""
-    shift = shift_near(ground.colours[candidate.area], ground, candidate.darker)
+    shift = shift_near(ground.colours[candidate.area], ground, candidate.difference)
     if shift is None or shift[0] > PALEST:
         return None
     lit = one.alignment.placed.lit

@@ -16,7 +16,8 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.light_points import at_infinity
+from ashe_live.light.shape.layout import light_parameters, nearness_of
+from ashe_live.light.shape.light_points import at_infinity, towards
 from ashe_live.light.shape.predicted import predicted
 
 # Displacements that are searched: a coarse grid of azimuth and length first, then a fine one around each candidate.
@@ -24,15 +25,15 @@ AZIMUTHS, LENGTHS = np.arange(0, 360, 10), (0.4, 0.6, 0.85, 1.2, 1.7, 2.4)
 TURNS, STRETCHES = (-5.0, 0.0, 5.0), (0.8, 0.9, 1.0, 1.12, 1.25)
 # Where a shadow is sampled: positions along each side of its outline; and radii from its centre, 1 at the outline, with
 # the fraction of the area that each of these stands for.
-CORNERS, ALONG = 16, np.array([1 / 6, 1 / 2, 5 / 6])
-WITHIN, SHARES = np.array([0.4, 0.8]), np.array([0.4, 0.6])
+CORNERS, ALONG_SIDE = 16, np.array([1 / 6, 1 / 2, 5 / 6])
+RADII, AREA_FRACTIONS = np.array([0.4, 0.8]), np.array([0.4, 0.6])
 OUTSIDE_PX, BLUR_PX = 3.0, 1.2
 AROUND = 8  # points on a body's rings
 BESIDE_PX, LEAST_PX = 2, 25
 DARKEST, BRIGHTEST = -0.8, 0.5  # clip of a pixel's log-opponent difference from its surroundings, against outliers
 LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
 SURROUNDINGS = 2.0  # radius of the surroundings, in units of the body's size
-LEAST_DARKER, LEAST_CLEAR = 0.07, 20.0
+LEAST_DARKENING, LEAST_SIGNAL_TO_NOISE = 0.07, 20.0
 APART_RAD = math.radians(12)
 
 
@@ -40,48 +41,48 @@ APART_RAD = math.radians(12)
 class ShadowCandidate:
     """A candidate for a further shadow."""
 
-    light: Float  # (4,) homogeneous point, marker frame, with z = 1
+    light: Float  # (4,) homogeneous point at infinity, marker frame, with z = 1
     area: Mask  # (h, w) its visible part in the coarse picture, outside of the body and of the first shadow
-    darker: Float  # (3,) mean log-opponent colour of the area less that of the ground around it
-    clear: float  # signal-to-noise ratio of that difference, the noise being the ground's own unevenness
+    difference: Float  # (3,) mean log-opponent colour of the area less that of the ground around it
+    signal_to_noise: float  # of that difference, the noise being the ground's own unevenness
 
 
 def shadow_candidates(
-    proxy: Proxy, to_light_marker: Float, coarse: View, ground: LitGround, count: int
+    proxy: Proxy, known_light: Float, coarse: View, ground: LitGround, count: int
 ) -> list[ShadowCandidate]:
     """Up to `count` candidates for a further shadow of a body with one known light, by falling signal-to-noise ratio.
 
-    to_light_marker: (3,) unit vector of the known light. coarse: the view that `ground` was fitted to.
+    known_light: (4,) homogeneous point, marker frame. coarse: the view that `ground` was fitted to.
     """
-    known = predicted(proxy, at_infinity(to_light_marker[None]), coarse)
+    known = predicted(proxy, known_light[None], coarse)
     free = coarse.is_ground & ~grown(known.whole, BESIDE_PX)
     if np.count_nonzero(free) < LEAST_PX:
         return []
     uneven = _unevenness(ground, free, SURROUNDINGS * math.sqrt(known.body.sum()))
-    lookout = _Lookout.of(proxy, coarse, free, uneven)
+    matched_filter = _MatchedFilter.of(proxy, coarse, free, uneven)
     azimuths, lengths = (each.ravel() for each in np.meshgrid(np.radians(AZIMUTHS), LENGTHS))
-    clear, _ = lookout.at(azimuths, lengths)
+    ratios, _ = matched_filter.responses(_lights(azimuths, lengths))
     found: list[ShadowCandidate] = []
-    others = [to_light_marker]
-    for place in np.argsort(-clear, kind="stable"):
-        if clear[place] < LEAST_CLEAR or len(found) == count:
+    directions = [towards(known_light, proxy.foot_marker)]
+    for index in np.argsort(-ratios, kind="stable"):
+        if ratios[index] < LEAST_SIGNAL_TO_NOISE or len(found) == count:
             break
-        towards = _towards(azimuths[place], lengths[place])
-        if all(angle_between(towards, other) > APART_RAD for other in others):
-            others.append(towards)
+        (coarsely,) = _lights(azimuths[index], lengths[index])
+        if all(angle_between(coarsely[:3], other) > APART_RAD for other in directions):
+            directions.append(coarsely[:3])
             turns, stretches = (each.ravel() for each in np.meshgrid(np.radians(TURNS), STRETCHES))
-            nearby = azimuths[place] + turns, lengths[place] * stretches
-            clearer, darker = lookout.at(*nearby)
-            best = int(clearer.argmax())
-            towards = _towards(nearby[0][best], nearby[1][best])
-            light = at_infinity(towards)
-            area = predicted(proxy, light[None], coarse).shadow & free
-            found.append(ShadowCandidate(light, area, darker[best], float(clearer[best])))
+            nearby = _lights(azimuths[index] + turns, lengths[index] * stretches)
+            ratios_nearby, differences = matched_filter.responses(nearby)
+            best = int(ratios_nearby.argmax())
+            area = predicted(proxy, nearby[best : best + 1], coarse).shadow & free
+            found.append(ShadowCandidate(nearby[best], area, differences[best], float(ratios_nearby[best])))
     return found
 
 
-def _towards(azimuth: float, length: float) -> Float:
-    return np.array([length * math.cos(azimuth), length * math.sin(azimuth), 1.0])
+def _lights(azimuths: Float, lengths: Float) -> Float:
+    """(m, 4) lights at infinity with z = 1 in these azimuths, whose shadows are so long per unit of height."""
+    x, y = lengths * np.cos(azimuths), lengths * np.sin(azimuths)
+    return at_infinity(np.column_stack([x, y, np.ones_like(x)]))
 
 
 def _unevenness(ground: LitGround, free: Mask, reach_px: float) -> Float32:
@@ -97,8 +98,8 @@ def _unevenness(ground: LitGround, free: Mask, reach_px: float) -> Float32:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Lookout:
-    """A body and the ground around it, prepared for testing many displacements."""
+class _MatchedFilter:
+    """A body and the ground around it, prepared for testing its shadows in many lights."""
 
     points: Float  # (n, 3) of the body, marker frame
     image_from_ground: Float  # (3, 3)
@@ -106,50 +107,51 @@ class _Lookout:
     precision: Float  # (3, 3) inverse covariance of the unevenness
 
     @staticmethod
-    def of(proxy: Proxy, view: View, free: Mask, uneven: Float32) -> "_Lookout":
+    def of(proxy: Proxy, view: View, free: Mask, uneven: Float32) -> "_MatchedFilter":
         image_from_ground = (view.camera.K @ view.T_cam_marker[:3])[:, [0, 1, 3]]
         precision = np.asarray(np.linalg.inv(np.cov(uneven[free][::5].T) + 1e-4 * np.eye(3)), dtype=np.float64)
         layers = np.dstack([uneven * free[..., None], free]).astype(np.float32)
         layers = np.asarray(cv2.GaussianBlur(layers, (0, 0), BLUR_PX), dtype=np.float32)
-        return _Lookout(proxy.points_marker(AROUND), image_from_ground, layers, precision)
+        return _MatchedFilter(proxy.points_marker(AROUND), image_from_ground, layers, precision)
 
-    def at(self, azimuths: Float, lengths: Float) -> tuple[Float, Float]:
-        """(m,) signal-to-noise ratios, 0 where too little is seen, and (m, 3) colour differences of m displacements."""
-        displacements = lengths[:, None] * np.column_stack([np.cos(azimuths), np.sin(azimuths)])
-        outlines, is_seen = self._outlines(displacements)
+    def responses(self, lights: Float) -> tuple[Float, Float]:
+        """(m,) signal-to-noise ratios, 0 where too little is seen, and (m, 3) colour differences of the shadows in
+        lights (m, 4).
+        """
+        outlines, is_seen = self._outlines(lights)
         sides = np.roll(outlines, -1, axis=1) - outlines
-        places = (outlines[:, :, None] + ALONG[:, None] * sides[:, :, None]).reshape(len(displacements), -1, 2)
+        points = (outlines[:, :, None] + ALONG_SIDE[:, None] * sides[:, :, None]).reshape(len(lights), -1, 2)
         centre = outlines.mean(axis=1, keepdims=True)
         arms = outlines - centre
-        nearer = np.concatenate([centre + share * (places - centre) for share in WITHIN], axis=1)
+        inner = np.concatenate([centre + radius * (points - centre) for radius in RADII], axis=1)
         areas = 0.5 * np.abs(arms[..., 0] * sides[..., 1] - arms[..., 1] * sides[..., 0])
-        areas = np.repeat(areas / len(ALONG), len(ALONG), axis=1)
-        within, inside_px = self._mean(nearer, np.concatenate([share * areas for share in SHARES], axis=1))
-        along = np.repeat(np.linalg.norm(sides, axis=2) / len(ALONG), len(ALONG), axis=1)
-        around, outside_px = self._mean(
-            places + OUTSIDE_PX * np.repeat(NORMALS, len(ALONG), axis=0), OUTSIDE_PX * along
-        )
-        darker = within - around
+        areas = np.repeat(areas / len(ALONG_SIDE), len(ALONG_SIDE), axis=1)
+        inside, inside_px = self._mean(inner, np.concatenate([part * areas for part in AREA_FRACTIONS], axis=1))
+        lengths = np.repeat(np.linalg.norm(sides, axis=2) / len(ALONG_SIDE), len(ALONG_SIDE), axis=1)
+        outer = points + OUTSIDE_PX * np.repeat(NORMALS, len(ALONG_SIDE), axis=0)
+        outside, outside_px = self._mean(outer, OUTSIDE_PX * lengths)
+        difference = inside - outside
         # The variance of a difference of two means adds up.
         sample_size = inside_px * outside_px / np.maximum(inside_px + outside_px, 1.0)
-        clear = np.sqrt(np.einsum("mi,ij,mj->m", darker, self.precision, darker) * sample_size)
-        seen = is_seen & (np.minimum(inside_px, outside_px) > LEAST_PX) & (darker[:, 0] < -LEAST_DARKER)
-        return np.where(seen, clear, 0.0), darker
+        ratio = np.sqrt(np.einsum("mi,ij,mj->m", difference, self.precision, difference) * sample_size)
+        is_dark = difference[:, 0] < -LEAST_DARKENING
+        return np.where(is_seen & (np.minimum(inside_px, outside_px) > LEAST_PX) & is_dark, ratio, 0.0), difference
 
-    def _outlines(self, displacements: Float) -> tuple[Float, Mask]:
+    def _outlines(self, lights: Float) -> tuple[Float, Mask]:
         """(m, CORNERS, 2) pixels where shadows reach farthest along DIRECTIONS; (m,) whether in front of the camera."""
-        cast = self.points[:, :2] - self.points[:, 2:] * displacements[:, None]
-        image = cast @ self.image_from_ground[:, :2].T + self.image_from_ground[:, 2]
+        heights, scale = self.points[:, 2:], 1 - self.points[:, 2:] * nearness_of(lights)[:, None, None]
+        cast = self.points[:, :2] - heights * light_parameters(lights)[:, None]
+        image = cast @ self.image_from_ground[:, :2].T + scale * self.image_from_ground[:, 2]
         depth = image[..., 2:]
-        is_seen = np.asarray((depth > 0).all(axis=(1, 2)))
+        is_seen = np.asarray(((depth > 0) & (scale > 0)).all(axis=(1, 2)))
         pixels = image[..., :2] / np.where(depth > 0, depth, 1.0)
         farthest = (pixels @ DIRECTIONS.T).argmax(axis=1)
         return np.take_along_axis(pixels, farthest[..., None], axis=1), is_seen
 
-    def _mean(self, places: Float, weights: Float) -> tuple[Float, Float]:
+    def _mean(self, points: Float, weights: Float) -> tuple[Float, Float]:
         """(m, 3) weighted means of the unevenness at (m, k) points; (m,) the sum of weights at unexplained ground."""
         height, width = self.layers.shape[:2]
-        columns, rows = np.round(places).astype(np.intp).transpose(2, 0, 1)
+        columns, rows = np.round(points).astype(np.intp).transpose(2, 0, 1)
         inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
         seen = self.layers[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         total = np.einsum("mk,mkc->mc", weights * inside, seen)

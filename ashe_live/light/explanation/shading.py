@@ -12,6 +12,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import inverse_rigid, project
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import shrunk
+from ashe_live.light.shape.light_points import relative_irradiance, towards
 from ashe_live.light.shape.predicted import SUBPIXEL_BITS
 
 AROUND, UPWARDS = 16, 9
@@ -40,15 +41,16 @@ UNKNOWN = Shading(0.0, 0.0)
 
 
 def shading_of(
-    region: Region, body: Mask, proxy: Proxy, to_lights_marker: Sequence[Float], shadow_ratios: Sequence[float]
+    region: Region, body: Mask, proxy: Proxy, lights: Sequence[Float], shadow_ratios: Sequence[float]
 ) -> Shading:
     """Compares the object's pixels `body` (h, w) with a Lambertian `proxy` in these lights and under the sky.
 
-    to_lights_marker: (3,) unit vectors, marker frame. shadow_ratios: shadow ratio of the ground's brightness for each
-    light, from which its strength follows: a light whose shadow halves the ground's brightness must shade the object as
-    strongly, whereas a flat dark patch beside an object implies a light that the shading does not show.
+    lights: (4,) homogeneous points, marker frame. shadow_ratios: shadow ratio of the ground's brightness for each of
+    them, beside the object, from which its strength follows: a light whose shadow halves the ground's brightness must
+    shade the object as strongly, whereas a flat dark patch beside an object implies a light that the shading does not
+    show.
     """
-    lit, under_sky = _irradiances(region, proxy, to_lights_marker, shadow_ratios)
+    lit, under_sky = _irradiances(region, proxy, lights, shadow_ratios)
     core = shrunk(body, 1) & region.is_ground & (lit > 0)
     if np.count_nonzero(core) <= LEAST_PX:
         return UNKNOWN
@@ -80,9 +82,10 @@ def _spread(values: Float) -> float:
 
 
 def _irradiances(
-    region: Region, proxy: Proxy, to_lights_marker: Sequence[Float], shadow_ratios: Sequence[float]
+    region: Region, proxy: Proxy, lights: Sequence[Float], shadow_ratios: Sequence[float]
 ) -> tuple[Float32, Float32]:
-    """(h, w) each: irradiance of the body's surface in the lights, and under the sky alone, in units of lit ground's.
+    """(h, w) each: irradiance of the body's surface in the lights, and under the sky alone, in units of that of
+    the lit ground at the body's foot.
 
     Both are 0 outside of the body.
     """
@@ -99,8 +102,10 @@ def _irradiances(
     up = normals[:, 2]
     from_sky, bounced = (1 + up) / 2, BOUNCE * (1 - up) / 2
     irradiance = max(1 - sum(1 - ratio for ratio in shadow_ratios), 0.0) * from_sky + bounced
-    for to_light, ratio in zip(to_lights_marker, shadow_ratios, strict=True):
-        irradiance += (1 - ratio) / max(to_light[2], LOWEST_Z) * np.maximum(normals @ to_light, 0)
+    foot, centres = proxy.foot_marker, points[triangles[front]].mean(axis=1)
+    for light, ratio in zip(lights, shadow_ratios, strict=True):
+        to_light = towards(light, foot)
+        irradiance += (1 - ratio) / max(to_light[2], LOWEST_Z) * relative_irradiance(light, centres, normals, foot)
     corners = np.round(pixels[front] * 2**SUBPIXEL_BITS).astype(np.int32)
     # Facets share the pixels of a common edge: the brighter one gets them, however the marker is rotated.
     order = np.argsort(irradiance)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
+from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.areas import cleaned, grown, large_areas, shrunk, smoothed
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
 from ashe_live.light.pixels.mixtures import Mixture, clusters, mixture_of, nearest_centres, nearest_squared_distance
@@ -33,15 +34,6 @@ NEAR_PX = 3  # the reach of the smoothing of `squared_distance`
 # Scale at which colours are averaged, and the least area there, in pixels, of an object found by its mean colour.
 AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
-
-
-@dataclass(frozen=True, slots=True)
-class GroundSteps:
-    """How finely the ground is modelled."""
-
-    spread_colours: int = 20  # clusters whose spread over the frame is measured
-    palette_colours: int = 10  # clusters of the lit ground
-    field_rounds: int = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)

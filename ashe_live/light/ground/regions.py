@@ -55,7 +55,8 @@ class Region:
 def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
     """The regions around the `count` largest groups of unlit areas of a coarser picture.
 
-    Then those around two of them and the gap between, where it is small. Each is scaled to about `size_px`, as far as the resolution of `fine` allows.
+    Then those around two of them and the gap between, where it is small. Each is scaled to about `size_px`, as far as
+    the resolution of `fine` allows.
     """
     _, labels = cv2.connectedComponents(grown(coarse_unlit, APART_PX).astype(np.uint8), connectivity=8)
     labels[~coarse_unlit] = 0

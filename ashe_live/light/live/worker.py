@@ -17,8 +17,9 @@ from typing import Self
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_estimator
+from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.live import worker_process
-from ashe_live.light.live.worker_process import Answer, WorkerFailure
+from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
 from ashe_live.process import children
 from ashe_live.process.pipes import receive_value, send_value
 
@@ -35,10 +36,10 @@ class LightWorker:
     """One process that answers one request at a time; for use from one thread, which it never blocks.
 
     `estimator` is a name in ESTIMATORS (UserError for another one), or a picklable callable that makes an estimator
-    from a preset's name. The process starts here, so that its imports are done when the first request comes.
+    from a preset. The process starts here, so that its imports are done when the first request comes.
     """
 
-    def __init__(self, estimator: str | Callable[[str], Estimator]) -> None:
+    def __init__(self, estimator: str | Callable[[ProxySteps], Estimator]) -> None:
         if isinstance(estimator, str) and estimator not in ESTIMATORS:
             make_estimator(estimator)  # raises here, not later in the process
         self._make = partial(make_estimator, estimator) if isinstance(estimator, str) else estimator
@@ -52,11 +53,11 @@ class LightWorker:
         """Whether there is a request whose outcome has not been collected yet."""
         return self._asked_index is not None
 
-    def request(self, tracked: TrackedFrame, preset: str = "balanced", with_trace: bool = False) -> bool:
-        """Requests an estimate of `tracked` with the named preset; returns False, and does nothing, while busy.
+    def request(self, tracked: TrackedFrame, preset: ProxySteps = BALANCED, draw: Draw | None = None) -> bool:
+        """Requests an estimate of `tracked` with a preset; returns False, and does nothing, while busy.
 
-        `with_trace` also asks for the trace of what led to it, a few megabytes, where the estimator keeps one. Raises
-        ValueError when closed.
+        `draw`, a function of a module, draws what led to the estimate in the process, where the estimator keeps a
+        trace of it; the picture comes with the answer. Raises ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -66,7 +67,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
-        self._process.send(tracked, preset, with_trace)
+        self._process.send(tracked, preset, draw)
         return True
 
     def poll(self) -> Outcome | None:
@@ -119,7 +120,7 @@ class LightWorker:
 class _Process:
     """One instance of the process; when it ends, the mailbox of its outcomes is closed with EOFError."""
 
-    def __init__(self, make: Callable[[str], Estimator]) -> None:
+    def __init__(self, make: Callable[[ProxySteps], Estimator]) -> None:
         self.outcomes: LatestMailbox[Outcome] = LatestMailbox()
         self._connection, far_end = multiprocessing.Pipe()
         self._process = children.started(worker_process.run, (make,), "ashe-live light worker", LIMITS, far_end)
@@ -129,9 +130,9 @@ class _Process:
     def has_ended(self) -> bool:
         return self.outcomes.is_closed or not self._process.is_alive()
 
-    def send(self, tracked: TrackedFrame, preset: str, with_trace: bool) -> None:
+    def send(self, tracked: TrackedFrame, preset: ProxySteps, draw: Draw | None) -> None:
         """Sends the frame from a thread, as writing to the pipe blocks until the process reads."""
-        self._threads[1:] = [self._thread(_send, self._connection, (tracked, preset, with_trace))]
+        self._threads[1:] = [self._thread(_send, self._connection, (tracked, preset, draw))]
 
     def kill(self) -> None:
         self._process.kill()
@@ -149,7 +150,7 @@ class _Process:
         return thread
 
 
-def _send(connection: Connection, request: tuple[TrackedFrame, str, bool]) -> None:
+def _send(connection: Connection, request: tuple[TrackedFrame, ProxySteps, Draw | None]) -> None:
     # The receiving thread meets a broken pipe too, and reports it.
     with suppress(OSError):
         send_value(connection, request)

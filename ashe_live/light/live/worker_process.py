@@ -9,9 +9,13 @@ from typing import TYPE_CHECKING
 from ashe_live.process.pipes import receive_value, send_value
 
 if TYPE_CHECKING:
+    from ashe_live.core.arrays import Image
     from ashe_live.core.types import LightEstimate, TrackedFrame
     from ashe_live.light.estimators.estimator import Estimator
+    from ashe_live.light.estimators.steps import ProxySteps
     from ashe_live.light.estimators.trace import Trace
+
+Draw = Callable[["TrackedFrame", "LightEstimate", "Trace"], "Image"]  # a picture (h, w, 3), BGR, of an estimate's trace
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +23,7 @@ class Answer:
     """What came of a request."""
 
     estimate: "LightEstimate"
-    trace: "Trace | None" = None  # None where none was asked for, or the estimator keeps none
+    picture_bgr: "Image | None" = None  # of the trace; None where none was asked for, or the estimator keeps no trace
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +34,8 @@ class WorkerFailure:
     message: str  # one line, for the user
 
 
-def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
-    """Answers each request (a tracked frame, a preset, whether to trace) with an Answer or a WorkerFailure.
+def run(connection: Connection, make: "Callable[[ProxySteps], Estimator]") -> None:
+    """Answers each request (a tracked frame, a preset, what to draw its trace by) with an Answer or a WorkerFailure.
 
     Returns when the connection is closed.
     """
@@ -39,23 +43,24 @@ def run(connection: Connection, make: "Callable[[str], Estimator]") -> None:
 
     # The other cores are left to the viewer's loop.
     cv2.setNumThreads(1)
-    estimators: dict[str, Estimator] = {}
+    estimators: dict[ProxySteps, Estimator] = {}
     # EOFError and BrokenPipeError: the viewer has gone, and no answer is needed.
     with suppress(EOFError, OSError):
         while True:
-            tracked, preset, with_trace = receive_value(connection)
+            tracked, preset, draw = receive_value(connection)
             if preset not in estimators:
                 estimators[preset] = make(preset)
-            send_value(connection, _answer(estimators[preset], tracked, with_trace))
+            send_value(connection, _answer(estimators[preset], tracked, draw))
 
 
-def _answer(estimator: "Estimator", tracked: "TrackedFrame", with_trace: bool) -> Answer | WorkerFailure:
+def _answer(estimator: "Estimator", tracked: "TrackedFrame", draw: Draw | None) -> Answer | WorkerFailure:
     """The estimate, or a failure for any exception, so that the process goes on."""
     from ashe_live.light.estimators.estimator import TracingEstimator
 
     try:
-        if with_trace and isinstance(estimator, TracingEstimator):
-            return Answer(*estimator.traced(tracked))
+        if draw is not None and isinstance(estimator, TracingEstimator):
+            estimate, trace = estimator.traced(tracked)
+            return Answer(estimate, draw(tracked, estimate, trace))
         return Answer(estimator.estimate(tracked))
     except Exception as error:
         first_line = (str(error).strip() or "no message").splitlines()[0]

@@ -12,6 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.outline_fit.first_guess import FirstGuess, guess_scene
+from ashe_live.light.outline_fit.preset import BALANCED, FitPreset
 from ashe_live.light.outline_fit.residuals import Observations
 from ashe_live.light.outline_fit.search import Problem, Solution, search
 from ashe_live.light.shape.body import Body, LitBody
@@ -27,25 +28,8 @@ DIRECTIONS_PER_SAMPLE = 4.0
 # Scale of Cauchy's loss, as a fraction of the object's size and its limits: larger errors are outliers (a handle, a
 # hole in a mask).
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
-SUFFICIENT_SHARE = (
-    0.005  # limit to `FitPreset.sufficient_rms`, as a fraction of the object's size: small objects need all families
-)
-
-
-@dataclass(frozen=True, slots=True)
-class FitPreset:
-    """How much work the fit spends."""
-
-    directions: int  # in which outlines are compared
-    families: tuple[str, ...]  # tried in this order, each after the one that it grows from
-    iterations: int
-    sufficient_rms: (
-        float  # no further families are tried once one has a smaller rms residual, in sigmas of the masks' edges
-    )
-
-
-FAST = FitPreset(32, ("frustum", "box", "sphere", "vase", "lump"), 8, 1.5)
-BALANCED = FitPreset(40, tuple(FAMILIES), 10, 1.25)
+# Limit to `FitPreset.sufficient_rms`, as a fraction of the object's size: small objects need all families.
+SUFFICIENT_SHARE = 0.005
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +86,7 @@ class _Scene:
     outlines: Outlines
     sight: Sight  # its pixels counted from the outlines' centre
     guess: FirstGuess
-    starts: list[Float]  # (l, 4) each, lights to start from
+    starts: list[Float]  # (l, 4) each, lights to start from, in the frame of the guess
     edge_sigma_px: float
     solutions: dict[str, Solution] = field(default_factory=dict)  # by family
 
@@ -130,7 +114,8 @@ class _Scene:
 
     def fitted(self) -> FittedBodies:
         ranked = (self.solutions[name] for name in self.ranked())
-        bodies = [LitBody(Body(self.guess.frame, one.family, one.shape), one.lights) for one in ranked]
+        frame = self.guess.frame
+        bodies = [LitBody(Body(frame, one.family, one.shape), frame.lights_marker(one.lights)) for one in ranked]
         return FittedBodies(bodies, self.sight)
 
     @property
@@ -157,7 +142,7 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
     guess = guess_scene(sight, outlines)
     if isinstance(guess, str):
         return FitFailure(guess)
-    starts = [guess.lights] if masks.start is None else [guess.lights, masks.start]
+    starts = [guess.lights] if masks.start is None else [guess.lights, guess.frame.lights(masks.start)]
     return _Scene(outlines, sight, guess, starts, masks.edge_sigma_px)
 
 

@@ -32,8 +32,12 @@ class Problem:
 
     scene: int  # index among the observations
     family: Family
-    lights: Float  # (m, l, 4) of m starts
+    lights: Float  # (m, l, 4) of m starts, at infinity
     shapes: Float  # (m, q) of the same starts
+
+    def __post_init__(self) -> None:
+        if self.lights[..., 3].any():
+            raise ValueError("the search varies directions only, and no lamps")
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.layout import Layout, light_parameters
+from ashe_live.light.shape.layout import Layout, light_parameters, nearness_of
 from ashe_live.light.shape.silhouettes import Outlines, Silhouette
 
 NARROWEST = 0.05  # least distance from an outline to the vanishing point, relative to that from the origin
@@ -31,7 +31,7 @@ def lights_refined_by_tangents(
     is a good enough model to show where a tangent touches it; else None. Returns the lights (l, 4) and the covariance
     (split, split) of their parameters.
     """
-    layout, fitted = Layout(len(lights)), light_parameters(lights)
+    layout, fitted, nearness = Layout(len(lights)), light_parameters(lights), nearness_of(lights)
     sigma = TANGENT_SIGMAS * max(edge_sigma_px, 0.05)
     feet = [None if spheroids is None else _touches_near_ground(P, spheroids, light) for light in lights]
 
@@ -41,7 +41,7 @@ def lights_refined_by_tangents(
         gradient, curvature, two_sided = information @ offset, information.copy(), information.copy()
         cost = float(offset @ gradient)
         for i, (shadow, foot) in enumerate(zip(outlines.shadows, feet, strict=True)):
-            light = layout.lights_of(candidate.ravel())[i : i + 1]
+            light = layout.lights_of(candidate.ravel(), nearness)[i : i + 1]
             gaps, by_light, bounds_only = tangent_gaps(P, outlines.body, shadow, light, foot)
             error, slope, block = gaps[0] / sigma, by_light[0] / sigma, layout.light(i)
             weight = 1 / (1 + (error / OUTLIER) ** 2)
@@ -66,7 +66,7 @@ def lights_refined_by_tangents(
         else:
             damping *= 8.0
     # A bound only excludes lights on one side of it; it adds no information about those on the other.
-    return layout.lights_of(best.ravel()), np.asarray(np.linalg.inv(two_sided))
+    return layout.lights_of(best.ravel(), nearness), np.asarray(np.linalg.inv(two_sided))
 
 
 def tangent_gaps(
@@ -97,7 +97,7 @@ def tangent_gaps(
 
 def _vanishing_points(P: Float, lights: Float) -> Float:
     """(n, 3) the homogeneous images of lights (n, 4), divided by the lights' z."""
-    return np.asarray(light_parameters(lights) @ P[:, :2].T + P[:, 2] + lights[:, 3:] / lights[:, 2:3] * P[:, 3])
+    return np.asarray(light_parameters(lights) @ P[:, :2].T + P[:, 2] + nearness_of(lights)[:, None] * P[:, 3])
 
 
 def _touches_near_ground(P: Float, spheroids: Float, light: Float) -> Mask:

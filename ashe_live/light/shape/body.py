@@ -6,9 +6,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import normalised
 from ashe_live.light.shape.family import Family
-from ashe_live.light.shape.layout import Layout, light_parameters
+from ashe_live.light.shape.layout import Layout, nearness_of
+from ashe_live.light.shape.light_points import towards
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,6 +31,13 @@ class BodyFrame:
         in_body_frame[:, :2] -= lights_marker[:, 3:] * self.origin_marker
         in_body_frame[:, 3] *= self.unit_m
         return in_body_frame
+
+    def lights_marker(self, lights: Float) -> Float:
+        """(l, 4) lights of the body frame, transformed to the marker frame: the inverse of `lights`."""
+        in_marker_frame = lights.copy()
+        in_marker_frame[:, 3] /= self.unit_m
+        in_marker_frame[:, :2] += in_marker_frame[:, 3:] * self.origin_marker
+        return in_marker_frame
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,12 +81,17 @@ class LitBody:
 
     @property
     def to_lights_marker(self) -> list[Float]:
-        """(3,) unit vectors towards the lights, marker frame; all lights are taken to be at infinity."""
-        return [normalised(np.array([*displacement, 1.0])) for displacement in light_parameters(self.lights)]
+        """(3,) unit vectors from the body's foot towards the lights, marker frame."""
+        foot = np.array([*self.body.frame.origin_marker, 0.0])
+        return [towards(light, foot) for light in self.lights]
 
     def moved(self, step: Float) -> "LitBody":
-        """After a step in theta; a step longer than (split + q,) is padded for others of its batch, and cut."""
+        """After a step in theta; a step longer than (split + q,) is padded for others of its batch, and cut.
+
+        The nearness of lamps is no part of theta and stays.
+        """
         layout = self.layout
         theta = layout.theta(self.lights, self.body.shape)
         theta = theta + step[: len(theta)]
-        return replace(self, lights=layout.lights_of(theta), body=replace(self.body, shape=layout.shape_of(theta)))
+        lights = layout.lights_of(theta, nearness_of(self.lights))
+        return replace(self, lights=lights, body=replace(self.body, shape=layout.shape_of(theta)))

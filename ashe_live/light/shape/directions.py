@@ -8,7 +8,6 @@ import numpy as np
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
 from ashe_live.core.transforms import normalised, tangent_basis
 from ashe_live.light.shape.layout import Layout, light_parameters
-from ashe_live.light.shape.light_points import at_infinity
 
 HEMISPHERE_RAD = 0.7  # sigma of the prior that a light is somewhere on the hemisphere
 # Sigma of a light's height if its shadow's far end is out of the picture, as the other borders determine lengths only
@@ -19,31 +18,33 @@ HEIGHTS = 64  # at which a probability density is sampled
 
 @dataclass(frozen=True, slots=True)
 class FittedLight:
-    """A direction towards a light, and its covariance by the outlines."""
+    """A light, and the covariance of the direction towards it by the outlines."""
 
-    to_light_marker: Float  # (3,) unit
+    light: Float  # (4,) homogeneous point, marker frame, scaled to a unit vector (x, y, z)
     covariance_rad2: Float  # (2, 2) on the tangent basis: larger azimuth, larger elevation
 
     def __post_init__(self) -> None:
+        light = frozen_floats(self.light, (4,), "light")
+        unit = np.append(normalised(light[:3]), light[3] / np.linalg.norm(light[:3]))
         set_frozen(
             self,
-            to_light_marker=frozen_floats(normalised(self.to_light_marker), (3,), "to_light_marker"),
+            light=frozen_floats(unit, (4,), "light"),
             covariance_rad2=frozen_floats(self.covariance_rad2, (2, 2), "covariance_rad2"),
         )
 
     @property
-    def point(self) -> Float:
-        """(1, 4) the direction as a stack of one homogeneous point."""
-        return at_infinity(self.to_light_marker[None])
+    def to_light_marker(self) -> Float:
+        """(3,) the unit vector from the marker's centre towards the light."""
+        return self.light[:3]
 
 
 def fitted_lights(lights: Float, covariance: Float) -> tuple[FittedLight, ...]:
-    """The directions of lights (l, 4) at infinity, from the covariance (split, split) of their displacements s."""
+    """Lights (l, 4), with the covariance of their directions from that (split, split) of their displacements s."""
     fitted, layout = [], Layout(len(lights))
-    for i, displacement in enumerate(light_parameters(lights)):
+    for i, (light, displacement) in enumerate(zip(lights, light_parameters(lights), strict=True)):
         block, slope = layout.light(i), direction_by_displacement(displacement)
         spread = slope @ covariance[block, block] @ slope.T
-        fitted.append(FittedLight(np.array([*displacement, 1.0]), 0.5 * (spread + spread.T)))
+        fitted.append(FittedLight(light / light[2], 0.5 * (spread + spread.T)))
     return tuple(fitted)
 
 
@@ -86,10 +87,10 @@ def corrected_for_cut_shadow(light: FittedLight, visible_fraction: float) -> Fit
     # The azimuth keeps its uncertainty as an angle, which is a longer arc at a lower elevation.
     wider = max(1.0, math.cos(height - down) / max(math.cos(height), math.sqrt(light.covariance_rad2[0, 0])))
     change = np.array([wider, visible_fraction + (1 - visible_fraction) * math.sqrt(variance) / deviation])
-    return FittedLight(lowered, light.covariance_rad2 * np.outer(change, change))
+    return FittedLight(np.append(lowered, light.light[3]), light.covariance_rad2 * np.outer(change, change))
 
 
 def direction_by_displacement(displacement: Float) -> Float:
     """(2, 2) derivative by s of the direction (s, 1) / |(s, 1)|, on its tangent basis."""
-    towards = np.array([*displacement, 1.0])
-    return np.asarray(tangent_basis(towards)[:, :2] / np.linalg.norm(towards))
+    to_light = np.array([*displacement, 1.0])
+    return np.asarray(tangent_basis(to_light)[:, :2] / np.linalg.norm(to_light))

@@ -25,11 +25,14 @@ class Layout:
         """The parameters of light `number`."""
         return slice(self.PER_LIGHT * number, self.PER_LIGHT * (number + 1))
 
-    def lights_of(self, theta: Float) -> Float:
-        """(..., l, 4) the lights as homogeneous points with z = 1."""
+    def lights_of(self, theta: Float, nearness: Float | float = 0.0) -> Float:
+        """(..., l, 4) the lights as homogeneous points with z = 1.
+
+        nearness: (l,) their w / z, which is no part of theta; 0 for lights at infinity.
+        """
         parameters = theta[..., : self.split].reshape(*theta.shape[:-1], self.lights, self.PER_LIGHT)
         points = np.zeros((*parameters.shape[:-1], 4))
-        points[..., : self.PER_LIGHT], points[..., 2] = parameters, 1.0
+        points[..., : self.PER_LIGHT], points[..., 2], points[..., 3] = parameters, 1.0, nearness
         return points
 
     def shape_of(self, theta: Float) -> Float:
@@ -38,8 +41,13 @@ class Layout:
 
     @classmethod
     def theta(cls, lights: Float, shape: Float) -> Float:
-        """(split + q,) the parameter vector of lights (l, 4), which must be directions, and a shape (q,)."""
+        """(split + q,) the parameter vector of lights (l, 4), without their nearness, and a shape (q,)."""
         return np.append(light_parameters(lights), shape)
+
+
+def nearness_of(lights: Float) -> Float:
+    """(..., l) the nearness w / z of lights (..., l, 4): 0 at infinity, else one over a lamp's height."""
+    return np.asarray(lights[..., 3] / lights[..., 2])
 
 
 def light_parameters(lights: Float) -> Float:

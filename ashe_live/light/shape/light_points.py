@@ -10,6 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 
+NEAREST = 1e-3  # least distance of a light, over that from the reference: nearer ones are taken to be there
 LOWEST_Z = 1e-6  # of the unit vector along (x, y, z): a lower light casts no finite shadow on the plane
 
 
@@ -44,3 +45,22 @@ def cast_on_ground(points: Float, light: Float) -> Float | None:
 def towards(light: Float, point: Float) -> Float:
     """(3,) the unit vector from a point (3,) towards a light (4,)."""
     return normalised(light[:3] - light[3] * point)
+
+
+def relative_distances(light: Float, points: Float, reference: Float) -> Float:
+    """(n,) distances of a light (4,) from points (n, 3), over that from `reference` (3,): 1 for one at infinity."""
+    offsets, to_reference = light[:3] - light[3] * points, light[:3] - light[3] * reference[None]
+    return np.asarray(np.linalg.norm(offsets, axis=1) / np.linalg.norm(to_reference, axis=1))
+
+
+def relative_irradiance(light: Float, points: Float, normals: Float, reference: Float) -> Float:
+    """(n,) irradiance by a light (4,) of facets at points (n, 3), over that of a facet which faces it at `reference`.
+
+    normals: (n, 3) unit vectors. By Lambert's cosine law and the inverse square of the distance; 0 for facets that face
+    away from the light. Facets cast no shadows on each other.
+    """
+    # In units of the distance from `reference`; the sum's second part is exactly 0 for a light at infinity.
+    distance = np.linalg.norm(light[:3] - light[3] * reference)
+    aside = light[3] / distance * (reference - points)
+    cosines = normals @ towards(light, reference) + (aside * normals).sum(axis=1)
+    return np.asarray(np.maximum(cosines, 0) / np.maximum(relative_distances(light, points, reference), NEAREST) ** 3)

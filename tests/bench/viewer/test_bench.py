@@ -16,6 +16,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.errors import UserError
+from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.quality import FAST
 from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import square_corners
@@ -31,7 +32,7 @@ class BlindEstimator:
     name = "blind"
     takes_ms = 1.0
 
-    def __init__(self, _preset: str) -> None: ...
+    def __init__(self, _preset: ProxySteps) -> None: ...
 
     def estimate(self, tracked):
         return LightEstimate(

@@ -28,7 +28,12 @@ from tests.light.painted_regions import PaintedRegion, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, overlap
 from tests.light.synthetic_masks import direction
 
-LIGHTS = {"one light": [direction(200.0, 40.0)], "two lights": [direction(200.0, 40.0), direction(70.0, 55.0)]}
+LAMP = np.array([*((*BOX.at, 0.0) + 0.3 * direction(200.0, 65.0)), 1.0])
+LIGHTS = {
+    "one light": at_infinity(np.array([direction(200.0, 40.0)])),
+    "two lights": at_infinity(np.array([direction(200.0, 40.0), direction(70.0, 55.0)])),
+    "a lamp": LAMP[None],
+}
 SHAPES = {
     "box": [0.1, 0.05, 0.4, -1.1, -1.3, -0.1],
     "frustum": [0.05, -0.1, 0.0, 0.35, 0.2],
@@ -37,8 +42,8 @@ SHAPES = {
 }
 
 
-def body(family: str, lights: list[Float]) -> LitBody:
-    return LitBody(Body(frame_of(BOX), FAMILIES[family], np.array(SHAPES[family])), at_infinity(np.array(lights)))
+def body(family: str, lights: Float) -> LitBody:
+    return LitBody(Body(frame_of(BOX), FAMILIES[family], np.array(SHAPES[family])), lights)
 
 
 def aligned(bodies: list[LitBody], costs: Costs) -> Alignment | None:
@@ -50,7 +55,10 @@ def smooth_outlines(lit: LitBody, region: Region) -> list[Float]:
     """As `outlines` draws them, but round where they are round."""
     proxy = lit.body.proxy
     points = proxy.surface(256, 129)[0] if proxy.spheroids_marker[:, 4].any() else proxy.points_marker(720)
-    cast = [points - points[:, 2:] * (towards / towards[2]) for towards in lit.to_lights_marker]
+    cast = [
+        (points - points[:, 2:] * light[:3] / light[2]) / (1 - points[:, 2:] * light[3] / light[2])
+        for light in lit.lights
+    ]
     hulls = [outline(region.view.camera, region.view.T_cam_marker, each) for each in (points, *cast)]
     return [hull for hull in hulls if hull is not None]
 
@@ -83,7 +91,7 @@ def measured_slopes(lit: LitBody, region: Region, places: OutlinePoints, step: f
 
 @pytest.mark.parametrize("lights", LIGHTS.values(), ids=LIGHTS)
 @pytest.mark.parametrize("family", SHAPES)
-def test_slopes_are_those_of_the_outlines(family: str, lights: list[Float]) -> None:
+def test_slopes_are_those_of_the_outlines(family: str, lights: Float) -> None:
     region = painted_region(BOX).region
     here = body(family, lights)
     places = evenly_spaced(smooth_outlines(here, region))
@@ -236,12 +244,30 @@ def test_two_lights_shadows_come_back_to_their_own_places() -> None:
     assert found.placed.cost < costs.of(predicted(displaced.body.proxy, displaced.lights, here.region.view))
 
 
+def test_a_lamps_shadow_comes_back_to_its_place() -> None:
+    here = painted_region(BOX)
+    truth = replace(body_of(here, BOX), lights=LAMP[None])
+    costs = costs_of_labels(here.region, predicted(truth.body.proxy, truth.lights, here.region.view))
+    displaced = truth.moved(np.array([0.1, -0.1, 0.03, -0.03, 0, 0, 0, 0]))
+    found = aligned([displaced], costs)
+    assert found is not None
+    assert found.ends_in_view == pytest.approx((1.0,), abs=0.05)
+    (x, y, z, w), (was_x, was_y, *_) = found.placed.lit.lights[0], displaced.lights[0] / displaced.lights[0, 3]
+    assert z / w == pytest.approx(LAMP[2])
+    assert math.hypot(x / w - LAMP[0], y / w - LAMP[1]) < 0.3 * math.hypot(was_x - LAMP[0], was_y - LAMP[1])
+
+
 def costs_of_labels(region: Region, seen: Predicted, wrong: float = 20.0) -> Costs:
     """Each pixel costs nothing as what it is, and much as anything else."""
 
     def cost(*own: Mask) -> Float32:
         return np.asarray(np.where(np.logical_or.reduce(own), 0, wrong), np.float32)
 
+    if not seen.parts:
+        lit, shaded = cost(~seen.whole), cost(seen.shadow)
+        return Costs(
+            region, Materials((np.array([-1.0, 0, 0]),), lit, shaded, shaded, np.zeros_like(lit)), cost(seen.body)
+        )
     one, other = seen.parts
     layers = cost(one & ~other), cost(other & ~one), cost(one & other)
     shift = np.array([-1.0, 0, 0])

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Mask
-from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.explanation.evidence import LEAST_CONTRAST, SIGNS, appearance, evidence
 from ashe_live.light.explanation.shading import shading_of
 from ashe_live.light.labels.materials import Materials, materials_of
 from ashe_live.light.pixels.areas import grown, shrunk
 from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import Predicted
 from tests.light.painted_bodies import alignment_of, body_of, explanation_of
 from tests.light.painted_regions import PaintedRegion, painted_region, shift_of
@@ -112,7 +112,7 @@ def test_a_picture_without_shading_speaks_only_so_much_against_its_light() -> No
     colours[..., 0][here.body] = -0.7
     truth = explanation_of(here)
     plain = replace(truth, region=replace(here.region, colours=colours))
-    shown = shading_of(plain.region, here.body, truth.proxy, [here.scene.to_light], [0.1])
+    shown = shading_of(plain.region, here.body, truth.proxy, [at_infinity(here.scene.to_light)], [0.1])
     assert shown.contrast < LEAST_CONTRAST
     assert evidence(plain)["contrast"] == LEAST_CONTRAST < evidence(truth)["contrast"]
 
@@ -120,7 +120,7 @@ def test_a_picture_without_shading_speaks_only_so_much_against_its_light() -> No
 def test_the_object_is_shaded_otherwise_in_another_light() -> None:
     here = painted_region(BOX)
     x, y, z = here.scene.to_light
-    opposite = explanation_of(here, lights=(FittedLight(normalised(np.array([-x, -y, z])), np.eye(2) * 1e-4),))
+    opposite = explanation_of(here, lights=(FittedLight(np.array([-x, -y, z, 0.0]), np.eye(2) * 1e-4),))
     for name in ("contrast", "sunlit"):
         assert evidence(opposite)[name] < evidence(explanation_of(here))[name] - 0.5
 

@@ -11,7 +11,7 @@ from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import Proposal, are_alike, explained, refined, refined_by_tangents
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.outline_fit import fit
+from ashe_live.light.outline_fit import preset
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.shape.predicted import Predicted
 from tests.light.painted_bodies import explanation_of
@@ -42,10 +42,10 @@ def cost(explanation: Explanation, rough: Explanation) -> float:
 @pytest.mark.parametrize("ground", GROUNDS)
 def test_the_true_split_is_explained_by_the_true_light(ground: str, caster: Caster) -> None:
     here = painted_region(caster, ground=ground)
-    (found,) = explained([true_proposal(here)], fit.FAST)
+    (found,) = explained([true_proposal(here)], preset.FAST)
     assert found is not None
     assert error_deg(found, here) < 1.5
-    (better,) = refined([found], fit.BALANCED)
+    (better,) = refined([found], preset.BALANCED)
     assert error_deg(better, here) < 1.5
     assert cost(better, found) <= cost(found, found)
 
@@ -54,10 +54,10 @@ def test_each_proposal_is_explained_as_if_it_were_alone() -> None:
     here, there = painted_region(BOX), painted_region(CYLINDER)
     nothing = Proposal(here.region, here.materials, Split(here.body & False, here.shadow & False))
     proposals = [true_proposal(there), nothing, true_proposal(here)]
-    together = explained(proposals, fit.FAST)
+    together = explained(proposals, preset.FAST)
     assert together[1] is None
     for one, proposal in zip(together, proposals, strict=True):
-        (alone,) = explained([proposal], fit.FAST)
+        (alone,) = explained([proposal], preset.FAST)
         if one is None or alone is None:
             assert one is alone
             continue
@@ -67,7 +67,7 @@ def test_each_proposal_is_explained_as_if_it_were_alone() -> None:
 @pytest.mark.parametrize("caster", [BOX, CYLINDER])
 def test_tangents_keep_a_true_light_and_do_not_ask_from_where_its_body_was_drawn(caster: Caster) -> None:
     here = painted_region(caster)
-    (one,) = explained([true_proposal(here)], fit.BALANCED)
+    (one,) = explained([true_proposal(here)], preset.BALANCED)
     assert one is not None
     sharp = refined_by_tangents(one)
     assert error_deg(sharp, here) < 1
@@ -82,10 +82,10 @@ def test_an_explanation_of_which_nothing_is_left_is_dropped() -> None:
     here = painted_region(BOX)
     lit = replace(here.materials, lit=np.full_like(here.materials.lit, -100))
     truth = explanation_of(here)
-    assert len(refined([truth], fit.FAST)) == 1
-    assert refined([replace(truth, materials=lit)], fit.FAST) == []
-    assert len(refined([replace(truth, materials=lit), truth], fit.FAST)) == 1
-    assert refined([], fit.FAST) == []
+    assert len(refined([truth], preset.FAST)) == 1
+    assert refined([replace(truth, materials=lit)], preset.FAST) == []
+    assert len(refined([replace(truth, materials=lit), truth], preset.FAST)) == 1
+    assert refined([], preset.FAST) == []
 
 
 def test_explanations_of_nearly_the_same_pixels_are_alike_either_way_round() -> None:
@@ -109,9 +109,9 @@ def test_explanations_of_nearly_the_same_pixels_are_alike_either_way_round() -> 
 
 def test_lights_are_less_certain_in_a_soft_shadow() -> None:
     here = painted_region(BOX)
-    (good,) = explained([true_proposal(here)], fit.FAST)
+    (good,) = explained([true_proposal(here)], preset.FAST)
     blurred = painted_region(BOX, penumbra_px=4.0)
-    (worse,) = explained([true_proposal(blurred)], fit.FAST)
+    (worse,) = explained([true_proposal(blurred)], preset.FAST)
     assert good is not None
     assert worse is not None
     sigmas = [math.sqrt(np.linalg.eigvalsh(each.lights[0].covariance_rad2).max()) for each in (good, worse)]

@@ -14,6 +14,7 @@ from ashe_live.light.explanation.judge_tables import Curve, read_tables
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import Predicted
 from tests.light.painted_bodies import alignment_of, explanation_of
 from tests.light.painted_regions import painted_region
@@ -35,7 +36,7 @@ def explanation(
     """The painted truth, missed by this much."""
     here = painted_region(BOX)
     spread = covariance(1.0, 0.7) if covariance_rad2 is None else covariance_rad2
-    lights = (FittedLight(to_light, spread),)
+    lights = (FittedLight(at_infinity(to_light), spread),)
     return explanation_of(here, alignment=alignment_of(here, misfit_px=misfit_px), lights=lights)
 
 

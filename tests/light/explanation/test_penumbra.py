@@ -10,15 +10,16 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, tangent_basis
-from ashe_live.light.explanation.penumbra import angular_size
+from ashe_live.light.explanation.penumbra import _blur_per_height, angular_size
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.light_points import at_infinity
+from ashe_live.light.shape.light_points import at_infinity, cast_on_ground, towards
 from ashe_live.light.shape.predicted import predicted
 from tests.light.synthetic_masks import camera_towards
 
 SIZE = (320, 240)
 PROXY = Proxy("frustum", np.array([[0.05, 0.0, 0.0, 0.03, 0.0], [0.05, 0.0, 0.12, 0.025, 0.0]]))
 TO_LIGHT = direction_from_angles(math.radians(150), math.radians(40))
+SUN, LAMP = at_infinity(TO_LIGHT), np.append(0.5 * TO_LIGHT, 1.0)
 
 
 def view() -> View:
@@ -28,22 +29,25 @@ def view() -> View:
     return View(picture, camera, camera_towards((0.1, 0.0), 0.5, 50.0), 0.08, everywhere)
 
 
-def share_of(diameter_rad: float, blur_px: float, lights: int = 250) -> Float:
-    """(h, w): how much of the disc of lights the body hides from the ground, evenly spread by Vogel's spiral."""
+def share_of(diameter_rad: float, blur_px: float, light: Float = SUN, lights: int = 250) -> Float:
+    """(h, w): how much of the disc of lights the body hides from the ground, evenly spread by Vogel's spiral.
+
+    The disc has that diameter seen from the marker's centre.
+    """
     here = view()
     turn = np.arange(lights) * math.pi * (3 - math.sqrt(5))
     radius = 0.5 * diameter_rad * np.sqrt((np.arange(lights) + 0.5) / lights)
     east, up = tangent_basis(TO_LIGHT)
     total = np.zeros(SIZE[::-1])
     for angle, away in zip(turn, radius, strict=True):
-        towards = TO_LIGHT + away * (math.cos(angle) * east + math.sin(angle) * up)
-        total += predicted(PROXY, at_infinity(towards[None]), here).shadow
+        aside = away * np.linalg.norm(light[:3]) * (math.cos(angle) * east + math.sin(angle) * up)
+        total += predicted(PROXY, (light + np.append(aside, 0))[None], here).shadow
     return cv2.GaussianBlur((total / lights).astype(np.float32), (0, 0), blur_px)
 
 
-def size_of(share: Float) -> float | None:
+def size_of(share: Float, light: Float = SUN) -> float | None:
     here = view()
-    return angular_size(PROXY, TO_LIGHT, share, predicted(PROXY, at_infinity(TO_LIGHT[None]), here), here)
+    return angular_size(PROXY, light, share, predicted(PROXY, light[None], here), here)
 
 
 @pytest.mark.parametrize("blur_px", [0.7, 1.2])
@@ -52,6 +56,36 @@ def test_a_large_light_is_as_large_as_it_is(diameter_deg: float, blur_px: float)
     found = size_of(share_of(math.radians(diameter_deg), blur_px))
     assert found is not None
     assert math.degrees(found) == pytest.approx(diameter_deg, rel=0.2)
+
+
+@pytest.mark.parametrize("diameter_deg", [3.0, 5.0])
+def test_a_near_lamp_is_as_large_as_it_is_seen_from_the_markers_centre(diameter_deg: float) -> None:
+    found = size_of(share_of(math.radians(diameter_deg), 0.7, LAMP), LAMP)
+    assert found is not None
+    assert math.degrees(found) == pytest.approx(diameter_deg, rel=0.2)
+
+
+def test_a_lamp_far_away_is_a_sun() -> None:
+    share = share_of(math.radians(5.0), 0.7)
+    assert size_of(share, np.append(1e6 * TO_LIGHT, 1.0)) == pytest.approx(size_of(share), rel=1e-3)
+
+
+@pytest.mark.parametrize("light", [SUN, LAMP], ids=["sun", "lamp"])
+def test_shadows_move_with_the_light_as_they_are_cast(light: Float) -> None:
+    """By central differences of where the points' shadows fall."""
+    points, angles = PROXY.points_marker(8)[8:], np.arange(8)
+    normals = np.column_stack([np.cos(angles), np.sin(angles)])
+    expected = []
+    for point, normal in zip(points, normals, strict=True):
+        moved = []
+        for axis in tangent_basis(towards(light, point)):
+            step = 1e-5 * np.linalg.norm(light[:3]) * np.append(axis, 0)
+            ahead, behind = (cast_on_ground(point[None], light + each) for each in (step, -step))
+            assert ahead is not None
+            assert behind is not None
+            moved.append((ahead - behind)[0, :2] @ normal / 2e-5)
+        expected.append(math.hypot(*moved))
+    np.testing.assert_allclose(points[:, 2] * _blur_per_height(light, points, normals), expected, rtol=1e-3)
 
 
 @pytest.mark.parametrize("blur_px", [0.7, 1.2, 2.0])

@@ -6,7 +6,8 @@ import pytest
 
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.light.ground.lit_ground import GroundSteps, fit_lit_ground, ground_colours, lit_rgb, unlit_mask
+from ashe_live.light.ground.lit_ground import fit_lit_ground, ground_colours, lit_rgb, unlit_mask
+from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.log_colour import log_opponent
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, overlap, paint
 from tests.light.synthetic_masks import camera_towards

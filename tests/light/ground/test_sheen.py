@@ -4,8 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.light.ground.lit_ground import GroundSteps, fit_lit_ground, ground_colours, unlit_mask
+from ashe_live.light.ground.lit_ground import fit_lit_ground, ground_colours, unlit_mask
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
+from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.mixtures import mixture_of, nearest_squared_distance
 
 SIZE = HEIGHT, WIDTH = 240, 320

@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.light.estimators.steps import BALANCED, FAST, ProxySteps
 from ashe_live.light.live import worker as worker_module
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.light.live.worker_process import Answer, WorkerFailure
@@ -20,11 +22,11 @@ from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
 PATIENCE_S = 60.0
 
 
-def quick(preset: str = "balanced") -> PaperEstimator:  # noqa: ARG001
+def quick(preset: ProxySteps = BALANCED) -> PaperEstimator:  # noqa: ARG001
     return PaperEstimator(PaperSteps(size=(160, 120), grabcut_iterations=2))
 
 
-def endless(preset: str) -> PaperEstimator:  # noqa: ARG001
+def endless(preset: ProxySteps) -> PaperEstimator:  # noqa: ARG001
     return PaperEstimator(PaperSteps(grabcut_iterations=10**6))
 
 
@@ -50,7 +52,7 @@ def test_it_answers_as_a_direct_call_does(worker, scene):
     assert not worker.request(scene.tracked)
     outcome, direct = worker.wait(PATIENCE_S), quick().estimate(scene.tracked)
     assert isinstance(outcome, Answer)
-    assert outcome.trace is None
+    assert outcome.picture_bgr is None
     answer = outcome.estimate
     np.testing.assert_array_equal(answer.light.to_light_marker, direct.light.to_light_marker)
     np.testing.assert_array_equal(answer.object_mask, direct.object_mask)
@@ -60,24 +62,22 @@ def test_it_answers_as_a_direct_call_does(worker, scene):
     assert worker.poll() is None
 
 
-def test_what_led_to_the_answer_comes_only_when_asked_for(scene):
+def test_what_led_to_the_answer_is_drawn_only_when_asked_for(scene):
     with LightWorker("proxy") as worker:
-        worker.request(scene.tracked, "fast")
-        assert worker.wait(PATIENCE_S).trace is None
-        worker.request(scene.tracked, "fast", with_trace=True)
+        worker.request(scene.tracked, FAST)
+        assert worker.wait(PATIENCE_S).picture_bgr is None
+        worker.request(scene.tracked, FAST, steps_sheet)
         outcome = worker.wait(PATIENCE_S)
-    estimate, trace = make_estimator("proxy", "fast").traced(scene.tracked)
+    estimate, trace = make_estimator("proxy", FAST).traced(scene.tracked)
     assert outcome.estimate.light.to_light_marker.tobytes() == estimate.light.to_light_marker.tobytes()
-    assert outcome.trace.probabilities == trace.probabilities
-    assert len(outcome.trace.proposals) == len(trace.proposals)
-    np.testing.assert_array_equal(outcome.trace.unlit, trace.unlit)
+    np.testing.assert_array_equal(outcome.picture_bgr, steps_sheet(scene.tracked, estimate, trace))
 
 
 def test_an_estimator_that_keeps_no_trace_answers_all_the_same(worker, scene):
-    worker.request(scene.tracked, with_trace=True)
+    worker.request(scene.tracked, draw=steps_sheet)
     outcome = worker.wait(PATIENCE_S)
     assert outcome.estimate.light is not None
-    assert outcome.trace is None
+    assert outcome.picture_bgr is None
 
 
 def test_a_picture_that_is_a_cut_out_of_another_arrives_whole(worker, scene):

@@ -11,7 +11,8 @@ from ashe_live.bench.cases import read_cases
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, angles_from_direction, rigid
-from ashe_live.light.outline_fit.fit import BALANCED, FAST, FitFailure, FitPreset, Masks, fit_bodies
+from ashe_live.light.outline_fit.fit import FitFailure, Masks, fit_bodies
+from ashe_live.light.outline_fit.preset import BALANCED, FAST, FitPreset
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.sight import Sight
 from tests.light.synthetic_masks import (

@@ -16,6 +16,7 @@ from tests.light.synthetic_masks import MaskedScene, ball, camera_towards, direc
 
 VIEW = camera_towards((0.08, 0.0), 0.4, 40.0)
 LIGHT = direction(140.0, 40.0)
+LAMP = np.array([*((0.1, 0.0, 0.05) + 0.3 * direction(140.0, 45.0)), 1.0])
 
 
 def floating_scene(light: Float = LIGHT) -> MaskedScene:
@@ -37,6 +38,23 @@ def test_they_meet_for_the_true_light_whatever_the_shape() -> None:
     P, outlines = seen(floating_scene())
     gaps, *_ = tangent_gaps(P, outlines.body, outlines.shadows[0], at_infinity(LIGHT[None]))
     assert (np.abs(gaps) < 0.6).all()
+
+
+def test_they_meet_for_the_true_lamp_and_not_for_a_sun_in_its_direction() -> None:
+    P, outlines = seen(floating_scene(LAMP))
+    sun = at_infinity((LAMP[:3] - (0.1, 0.0, 0.05))[None])
+    (gaps,), (wrong,) = (tangent_gaps(P, outlines.body, outlines.shadows[0], lights)[0] for lights in (LAMP[None], sun))
+    assert (np.abs(gaps) < 0.6).all()
+    assert np.abs(wrong).max() > 2.0
+
+
+def test_they_find_the_lamp_of_a_known_height() -> None:
+    P, outlines = seen(floating_scene(LAMP))
+    across = np.array([LAMP[1], -LAMP[0], 0.0, 0.0]) / np.hypot(*LAMP[:2])
+    start = LAMP[None] + 0.05 * across
+    found, _ = lights_refined_by_tangents(P, outlines, start, 25.0 * np.eye(2), 0.2, None)
+    assert found[0, 2] / found[0, 3] == pytest.approx(LAMP[2])
+    assert abs((found / found[:, 3:] - LAMP)[0] @ across) < 0.4 * 0.05
 
 
 @pytest.mark.parametrize("azimuth_deg", [125.0, 155.0])

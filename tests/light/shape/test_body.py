@@ -64,6 +64,20 @@ def test_a_lamp_in_a_bodys_own_frame_stands_where_it_stood() -> None:
     place, lamp = BodyFrame(np.array([0.3, -0.2]), 0.05), np.array([[0.4, 0.1, 0.8, 1.0]])
     x, y, z, w = (place.T_marker_body @ place.lights(lamp)[0]).tolist()
     np.testing.assert_allclose(np.array([x, y, z]) / w, lamp[0, :3])
+    np.testing.assert_allclose(place.lights_marker(place.lights(lamp)), lamp)
+
+
+def test_a_lamp_is_seen_from_the_bodys_foot() -> None:
+    body, lamp = painted(BOX), np.array([0.4, 0.1, 0.8, 1.0])
+    (towards,) = LitBody(body, lamp[None]).to_lights_marker
+    offset = lamp[:3] - (*BOX.at, 0.0)
+    np.testing.assert_allclose(towards, offset / np.linalg.norm(offset))
+
+
+def test_a_step_leaves_a_lamp_as_high_as_it_was() -> None:
+    lit = LitBody(painted(BOX), np.array([[0.8, 0.2, 1.6, 2.0]]))
+    there = lit.moved(np.array([0.3, -0.1, 0, 0, 0, 0, 0, 0])).lights
+    np.testing.assert_allclose(there / there[:, 3:], [[0.4 + 0.3 * 0.8, 0.1 - 0.1 * 0.8, 0.8, 1.0]])
 
 
 def test_outlines_of_several_bodies_are_those_of_each() -> None:

@@ -14,6 +14,7 @@ from ashe_live.light.shape.directions import (
     fitted_lights,
     information_on_displacement,
 )
+from ashe_live.light.shape.light_points import at_infinity
 from tests.light.synthetic_masks import direction
 
 DEG = math.pi / 180
@@ -24,7 +25,9 @@ def light(azimuth_deg: float, elevation_deg: float, deviation_deg: float) -> Fit
     """Of a known azimuth, and a height that only deviates by so much."""
     deviations = np.array([1.0, deviation_deg]) * DEG
     correlation = np.array([(1.0, CORRELATION), (CORRELATION, 1.0)])
-    return FittedLight(direction(azimuth_deg, elevation_deg), correlation * np.outer(deviations, deviations))
+    return FittedLight(
+        at_infinity(direction(azimuth_deg, elevation_deg)), correlation * np.outer(deviations, deviations)
+    )
 
 
 def height_deg(fitted: FittedLight) -> float:
@@ -65,12 +68,19 @@ def test_with_half_of_the_end_in_view_a_quarter_of_the_way_down_and_half_of_the_
 
 
 @pytest.mark.parametrize("elevation_deg", [5.0, 40.0, 85.0])
-def test_slants_say_of_a_light_what_it_says_of_them(elevation_deg: float) -> None:
+def test_displacements_say_of_a_light_what_it_says_of_them(elevation_deg: float) -> None:
     here = light(130, elevation_deg, 3)
     covariance = np.linalg.inv(information_on_displacement(here))
-    (again,) = fitted_lights(here.point, covariance)
+    (again,) = fitted_lights(here.light[None], covariance)
     np.testing.assert_allclose(again.to_light_marker, here.to_light_marker)
     np.testing.assert_allclose(again.covariance_rad2, here.covariance_rad2)
+
+
+def test_a_lamp_that_is_lowered_stays_as_far_away() -> None:
+    lamp = FittedLight(np.append(3 * direction(40, 24), 2.0), light(40, 24, 3).covariance_rad2)
+    lower, sun = corrected_for_cut_shadow(lamp, 0.2), corrected_for_cut_shadow(light(40, 24, 3), 0.2)
+    assert np.linalg.norm(lower.light[:3]) / lower.light[3] == pytest.approx(1.5)
+    np.testing.assert_allclose(lower.to_light_marker, sun.to_light_marker)
 
 
 def test_a_shadow_of_which_nothing_else_tells_the_length_stands_for_all_lower_lights() -> None:
