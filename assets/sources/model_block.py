@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from model_mesh import Model, grid_faces
+from mesh_grids import grid_faces
+from model_mesh import Model
 from PIL import Image, ImageDraw, ImageFilter, ImageFont
 
 

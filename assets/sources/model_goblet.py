@@ -3,7 +3,8 @@
 import io
 
 import numpy as np
-from model_mesh import Model, lathe, ring
+from mesh_grids import lathe, ring
+from model_mesh import Model
 from PIL import Image
 from trimesh.visual.material import PBRMaterial
 

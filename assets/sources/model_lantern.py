@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from model_mesh import Model, lathe, lathe_at, palette, ring, tint, tube
+from mesh_grids import lathe, lathe_at, ring, tube
+from model_mesh import Model, palette, tint
 
 
 def lantern(rng):

@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from model_mesh import Model, lathe, tube
+from mesh_grids import lathe, tube
+from model_mesh import Model
 from PIL import Image, ImageFilter
 
 

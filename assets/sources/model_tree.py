@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import trimesh
-from model_mesh import Model, lathe, palette, tint, tube
+from mesh_grids import lathe, tube
+from model_mesh import Model, palette, tint
 
 
 def tree(rng):

@@ -1,0 +1,1 @@
+"""Draws specifications: what there may be, and where it stands."""

@@ -1,0 +1,133 @@
+"""Draws a set of scenes as specifications, from a seed: what stands where, made of what, lit and photographed how.
+
+    env/bin/python -m scenes.specify --set training --count 600 --out /tmp/sets/training
+
+writes specifications.json. Scene i of a set depends on the set's seed and on i alone, so that a longer list begins
+with the shorter one. A scene is rendered once and developed into several pictures, as its lights are kept apart.
+"""
+
+import argparse
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from scenes.drawing import families
+from scenes.drawing.families import HELD_OUT, Params, Rng, between, pick
+from scenes.drawing.layout import HELD_OUT_SHARE, layout
+from scenes.drawing.motion import frames
+from scenes.photo.camera import camera_settings
+
+BASES = {"clean": 27, "texture": 22, "clutter": 18, "dark": 9, "partial": 6, "misleading": 18}
+LAMP_BASES = {"clean": 2, "texture": 2, "dark": 1}
+TRIES = 2000
+
+
+@dataclass(frozen=True)
+class SceneSet:
+    """What a set is: its seed, whether it shows the held-out families, lamps near by, or short takes."""
+
+    seed: int
+    sealed: bool = False
+    lamps: bool = False
+    takes: bool = False
+
+
+SETS = {
+    "training": SceneSet(13001),
+    "development": SceneSet(13002),
+    "sealed": SceneSet(13003, sealed=True),
+    "near_training": SceneSet(14001, lamps=True),
+    "near_development": SceneSet(14002, lamps=True),
+    "near_sealed": SceneSet(14003, sealed=True, lamps=True),
+    "takes_training": SceneSet(14011, takes=True),
+    "takes_development": SceneSet(14012, takes=True),
+    "takes_sealed": SceneSet(14013, sealed=True, takes=True),
+    "near_takes_training": SceneSet(14021, lamps=True, takes=True),
+}
+
+
+def specification(set_name: str, index: int) -> Params:
+    """Scene `index` of a set; raises RuntimeError when no layout that fits is found."""
+    about = SETS[set_name]
+    rng = np.random.default_rng([about.seed, index])
+    base = pick(rng, LAMP_BASES if about.lamps else BASES)
+    dark_ground = base == "dark" and rng.random() < 0.4
+    for _ in range(TRIES):
+        ground = families.ground(rng, _ground_family(rng, base, about.sealed), dark_ground)
+        scene = layout(rng, base, ground, about.sealed, base == "dark" and not dark_ground, about.lamps)
+        if scene is not None:
+            break
+    else:
+        raise RuntimeError(f"no layout found for scene {index} of {set_name}")
+    scene = {"id": f"{set_name}_{index:05d}", "set": set_name, "index": index, "base": base} | scene
+    scene["surroundings"] = families.surroundings(rng, pick(rng, families.SURROUNDINGS))
+    scene["pictures"] = _pictures(rng, scene, about.lamps)
+    scene["render_seed"] = int(rng.integers(1 << 30))
+    if about.takes:
+        scene |= frames(rng, scene)
+    return scene
+
+
+def _ground_family(rng: Rng, base: str, sealed: bool) -> str:
+    if sealed and rng.random() < HELD_OUT_SHARE:
+        return str(rng.choice(HELD_OUT["ground"]))
+    only = {"clean": families.PLAIN_GROUNDS, "texture": families.BUSY_GROUNDS}.get(base)
+    return pick(rng, families.GROUNDS, only)
+
+
+def _pictures(rng: Rng, scene: Params, lamps: bool) -> list[Params]:
+    """What is developed from the scene's radiance: which lights shine, how strongly, through which camera."""
+    base, lights = scene["base"], scene["lights"]
+    named = [light["kind"] if light["kind"] in ("soft", "low", "high") else base for light in lights]
+    extra = rng.random()
+    if lamps:
+        wanted = [("near", [0]), ("near", [1])]
+        if extra < 0.25:
+            wanted.append(("near", [0, 2]))
+    elif scene["without_object"]:
+        wanted = [("misleading", [0]), ("misleading", [1])]
+        if scene["patches"]:
+            wanted.append(("misleading", []))
+    elif base == "misleading":
+        wanted = [("misleading", []), ("texture" if named[0] == base else named[0], [0])]
+        if extra < 0.6:
+            wanted.append(("texture" if named[1] == base else named[1], [1]))
+    else:
+        wanted = [(kind, [number]) for number, kind in enumerate(named)]
+        if extra < 0.4:
+            wanted.append(("two", [0, 1]))
+        elif extra < 0.72:
+            wanted.append(("diffuse", []))
+    return [_picture(rng, scene, number, *each) for number, each in enumerate(wanted)]
+
+
+def _picture(rng: Rng, scene: Params, number: int, category: str, shining: list[int]) -> Params:
+    gains = [round(float(np.exp(rng.normal(0, 0.25))), 4) for _ in shining]
+    if len(shining) == 2:  # the weaker one is to be seen: 0.35 to 1 of the stronger one's light on the ground
+        one, other = (scene["lights"][k]["strength"] for k in shining)
+        gains[1] = round(gains[0] * between(rng, 0.35, 1.0) * one / other, 4)
+    misleading = category == "misleading"
+    return {
+        "id": f"{scene['id']}_{number}", "category": category, "lights": [] if misleading else shining, "gains": gains,
+        "unseen_lights": shining if misleading else [], "camera": camera_settings(rng, pick(rng, families.CAMERAS)),
+    }  # fmt: skip
+
+
+def main() -> None:
+    ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    ask.add_argument("--set", choices=SETS, required=True)
+    ask.add_argument("--count", type=int, required=True)
+    ask.add_argument("--out", type=Path, required=True)
+    asked = ask.parse_args()
+    asked.out.mkdir(parents=True, exist_ok=True)
+    scenes = [specification(asked.set, index) for index in range(asked.count)]
+    lines = ",\n".join(json.dumps(scene) for scene in scenes)
+    content = f'{{"format": 1, "set": "{asked.set}", "seed": {SETS[asked.set].seed}, "scenes": [\n{lines}\n]}}\n'
+    (asked.out / "specifications.json").write_text(content)
+    print(f"{len(scenes)} scenes, {sum(len(scene['pictures']) for scene in scenes)} pictures")
+
+
+if __name__ == "__main__":
+    main()

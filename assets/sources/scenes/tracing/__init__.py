@@ -1,0 +1,1 @@
+"""Specifications as Blender scenes (the only modules that need bpy)."""
