@@ -16,7 +16,7 @@ from ashe_live.models.shading_normals import corner_normals, face_normals, is_in
 class RawMesh:
     """Triangles as a file has them, in its own frame; nothing of it is checked but the arrays' shapes."""
 
-    vertices: Float  # (n, 3), in double precision: maps count metres from far away
+    vertices: Float | Float32  # (n, 3), in double precision where the file is: maps count metres from far away
     triangles: NDArray[np.int64]  # (m, 3) indices of vertices
     material: Material
     normals: Float | None = None  # (n, 3) of any length
@@ -34,11 +34,13 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         return None
     if raw.triangles.min() < 0 or len(raw.vertices) <= raw.triangles.max():
         raise MalformedError(f"a triangle names vertex {raw.triangles.max()} of {len(raw.vertices)}")
-    vertices = (raw.vertices @ T[:3, :3].T + T[:3, 3]).astype(np.float32)
+    vertices = raw.vertices if np.array_equal(T, np.eye(4)) else raw.vertices @ T[:3, :3].T + T[:3, 3]
+    vertices = vertices.astype(np.float32)
     if not np.isfinite(vertices).all():
         raise MalformedError("vertices hold a value that is not finite")
     triangles = raw.triangles.astype(np.uint32)
-    triangles = triangles[np.any(face_normals(vertices, triangles) != 0, axis=1)]
+    has_area = np.any(face_normals(vertices, triangles) != 0, axis=1)
+    triangles = triangles if has_area.all() else triangles[has_area]
     if len(triangles) == 0:
         return None
     if np.linalg.det(T[:3, :3]) < 0:

@@ -1,5 +1,6 @@
 """Reads glTF, GLB, OBJ, PLY and STL files; reads beside the file only, never from a network."""
 
+import itertools
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
@@ -87,9 +88,10 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
 
 
 def _extremes(T: Float, mesh: RawMesh) -> Float:
-    """(2, 3) smallest and largest coordinates."""
-    placed = mesh.vertices @ T[:3, :3].T + T[:3, 3]
-    return np.stack([placed.min(axis=0), placed.max(axis=0)])
+    """(2, 3) smallest and largest coordinates of the box around a mesh, where T (4, 4) brings it."""
+    of_file = [(column.min(), column.max()) for column in mesh.vertices.T]
+    corners = np.array(list(itertools.product(*of_file))) @ T[:3, :3].T + T[:3, 3]
+    return np.stack([corners.min(axis=0), corners.max(axis=0)])
 
 
 def _offset(extremes: list[Float]) -> Float:

@@ -21,7 +21,7 @@ FIRST_BYTES = 1000
 def read_stl(content: bytes, _folder: Folder, _notes: Notes) -> Iterator[RawMesh]:
     """One mesh of all solids. Raises MalformedError for what is neither text STL nor binary STL."""
     corners = _of_text(content) if is_text(content) else _of_binary(content)
-    places = corners.reshape(-1, 3).astype(np.float64)
+    places = corners.reshape(-1, 3)
     yield RawMesh(places, np.arange(len(places)).reshape(-1, 3), UNKNOWN)
 
 
