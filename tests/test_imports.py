@@ -45,7 +45,7 @@ ROOMS: dict[str, set[str]] = {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators",
         "light.live", "drawing", "process", "render",
     },
-    "api": {"quality", "core", "models", "capture", "tracking", "light.estimators", "render"},
+    "api": {"quality", "core", "errors", "models", "capture", "tracking", "light.estimators", "render"},
     "": {"core", "errors", "models", "capture", "light.estimators", "api"},  # `import ashe_live` itself
     "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer", "process"},
     "bench.light": {

@@ -2,7 +2,7 @@
 
 import itertools
 import warnings
-from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +21,7 @@ from ashe_live.models.notes import Notes
 from ashe_live.models.obj import read_obj
 from ashe_live.models.ply import read_ply
 from ashe_live.models.stl import read_stl
+from ashe_live.models.up import Y_UP, guessed_up, z_up_from
 
 GLTF_SUFFIXES = (".glb", ".gltf")
 SUFFIXES = (*GLTF_SUFFIXES, ".obj", ".ply", ".stl")
@@ -31,21 +32,19 @@ BROKEN_BODY = {
     ".stl": "it is neither text STL nor binary STL",
 }
 
-# glTF has y up; the model then faces -y, towards a person who reads the marker.
-Z_UP_FROM_Y_UP: Float = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 # Farther from the origin, in extents of the model, single precision would tear it: 1e-7 of the distance are visible.
 FAR = 1000.0
 
 
-def load_model_file(path: Path) -> Model:
+def load_model_file(path: Path, up: str | None = None) -> Model:
     """The model in `path`, its scene graph flattened, z up, in the file's unit.
 
-    One that is far from its origin, as at a map's coordinates, is brought there. Raises UserError when the file is
-    missing, too large, malformed or empty, or names a file that is missing or outside its folder; MemoryError where
-    that is limited.
+    `up`: which axis of the file is (one of UPS); None: y for glTF, as it says, and for others a guess. A model that is
+    far from its origin, as at a map's coordinates, is brought there. Raises UserError when the file is missing, too
+    large, malformed or empty, or names a file that is missing or outside its folder; MemoryError where that is limited.
     """
     try:
-        return _read(path)
+        return _read(path, up)
     except (UserError, MemoryError):
         raise
     except Exception as error:  # a third-party parser of untrusted files raises anything, or its values do when used
@@ -53,23 +52,26 @@ def load_model_file(path: Path) -> Model:
         raise UserError(f"the model file {path} is malformed ({said})", "export it again") from error
 
 
-def _read(path: Path) -> Model:
+def _read(path: Path, up: str | None) -> Model:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise UserError(f"{path} is not a kind of model file known here", f"give one of {', '.join(SUFFIXES)}")
     content = read_bytes(path, MAX_FILE_BYTES)
-    folder, notes, up = Folder(path, MAX_FILE_BYTES), Notes(), np.eye(4)
+    folder, notes = Folder(path, MAX_FILE_BYTES), Notes()
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         # What trimesh, Pillow and NumPy have to say about a damaged file is said by our errors.
         warnings.simplefilter("ignore")
-        meshes: Iterable[tuple[Float, RawMesh]]
+        meshes: list[tuple[Float, RawMesh]]
         if suffix in GLTF_SUFFIXES:
-            meshes, up = read_gltf(path, content, folder, notes), Z_UP_FROM_Y_UP
+            meshes = list(read_gltf(path, content, folder, notes))
+            chosen = up or Y_UP
         else:
             check_text(path, content)
             read = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl}[suffix]
             meshes = [(np.eye(4), mesh) for mesh in read(content, folder, notes)]
-        return _model(path, [(up @ T, mesh) for T, mesh in meshes], notes)
+            chosen = up or guessed_up(suffix, [mesh for _, mesh in meshes])
+        model = _model(path, [(z_up_from(chosen) @ T, mesh) for T, mesh in meshes], notes)
+        return replace(model, up=chosen, is_up_guessed=up is None and suffix not in GLTF_SUFFIXES)
 
 
 def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Model:

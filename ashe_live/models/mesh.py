@@ -59,6 +59,8 @@ class Model:
     name: str
     parts: tuple[Mesh, ...]  # at least one
     notes: tuple[str, ...] = ()  # what is drawn otherwise than the file says, each a part of a sentence about the model
+    up: str = "z"  # which axis of the file is up here: one of UPS (up.py)
+    is_up_guessed: bool = False  # nobody has said so
 
     def __post_init__(self) -> None:
         if not self.parts:

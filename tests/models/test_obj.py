@@ -142,7 +142,7 @@ def test_corners_are_named_in_every_way(tmp_path: Path, face: str) -> None:
 def test_negative_numbers_count_back_from_the_face(tmp_path: Path) -> None:
     text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\nv 9 8 9\nv 8 9 9\nf -3 -2 -1\n"
     model = read(tmp_path, text)
-    np.testing.assert_allclose(model.bounds, [(0, 0, 0), (9, 9, 9)])
+    np.testing.assert_allclose(np.ptp(model.bounds, axis=0), (9, 9, 9))
     assert area(model) == pytest.approx(1)
 
 

@@ -136,6 +136,8 @@ class FakeShelf:
         self.names = ["cube", "lantern", "mug", "tree"]
         self.at = 0
         self.error = None
+        self.words = []
+        self.turned = 0
 
     @property
     def chosen_name(self) -> str:
@@ -156,6 +158,14 @@ class FakeShelf:
 
     def model(self) -> None:
         return None
+
+    def turn_up(self) -> str:
+        self.turned += 1
+        return "z"
+
+    def take_words(self):
+        words, self.words = self.words, []
+        return words
 
     def take_error(self):
         error, self.error = self.error, None
