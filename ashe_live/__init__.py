@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from ashe_live.capture.sources import open_source
     from ashe_live.core.camera import Camera, read_camera_file
     from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose, TrackedFrame
-    from ashe_live.errors import UserError
+    from ashe_live.errors import ModelWarning, UserError
     from ashe_live.models.catalogue import model_names
 
 __version__ = "0.1.0"
@@ -22,6 +22,7 @@ __all__ = [
     "Illumination",
     "LightEstimate",
     "MarkerPose",
+    "ModelWarning",
     "Renderer",
     "TrackedFrame",
     "Tracker",
@@ -41,6 +42,7 @@ _HOMES = {
     "Illumination": "core.types",
     "LightEstimate": "core.types",
     "MarkerPose": "core.types",
+    "ModelWarning": "errors",
     "Renderer": "api",
     "TrackedFrame": "core.types",
     "Tracker": "api",

@@ -2,6 +2,7 @@
 
 import os
 import threading
+import warnings
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -12,6 +13,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.ranges import DRAWN, MARKER_SIDE, Range
 from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
+from ashe_live.errors import ModelWarning
 from ashe_live.light.estimators import estimator as estimators
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
@@ -142,7 +144,8 @@ class Renderer:
         `model` is a shipped model's name (`model_names()`) or the path of a glTF, GLB, OBJ, PLY or STL file.
         `illumination` is an estimate's (`LightEstimate.illumination`) or one of your own; without it, or without a
         light in it, the sky alone gives light. Polished surfaces mirror the frame that it was seen in, whichever is
-        drawn. Without a marker there is no model. Raises UserError for a model that is not there or cannot be read.
+        drawn. Without a marker there is no model. What of a model is drawn otherwise than its file says is a
+        ModelWarning, once. Raises UserError for a model that is not there or cannot be read.
         """
         from ashe_live.render.scene import Scene
 
@@ -182,7 +185,9 @@ class Renderer:
     def _model(self, name: str, side_m: float) -> PlacedModel:
         """The same object again for the same name: it is uploaded once."""
         if (name, side_m) not in self._placed:
-            self._placed[name, side_m] = read_model(name, side_m)
+            placed = self._placed[name, side_m] = read_model(name, side_m)
+            for note in placed.model.notes:
+                warnings.warn(f"{name}: {note}", ModelWarning, stacklevel=3)
         return self._placed[name, side_m]
 
 

@@ -13,6 +13,10 @@ class ExitStatus(IntEnum):
     INTERRUPTED = 130  # by Ctrl-C, as shells have it
 
 
+class ModelWarning(UserWarning):
+    """A model is drawn otherwise than its file says; the text says what is left out."""
+
+
 class UserError(Exception):
     """Something that the user can mend; ends as one line on stderr and exit status 2.
 

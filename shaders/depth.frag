@@ -4,15 +4,16 @@
 uniform float base_alpha;
 uniform float alpha_cutoff;
 #ifdef BASE_MAP
+#define HAS_MAPS
 uniform sampler2D base_map;
-in vec2 uv;
 #endif
+#include "layout.glsl"
 
 void main() {
 #if defined(CUT_OUT) || defined(BLEND)
     float alpha = base_alpha;
 #ifdef BASE_MAP
-    alpha *= texture(base_map, uv).a;
+    alpha *= texture(base_map, laid_out(BASE)).a;
 #endif
 #ifdef CUT_OUT
     if (alpha < alpha_cutoff) discard;

@@ -29,9 +29,7 @@ uniform float alpha_cutoff;
 
 in vec3 position;
 in vec3 normal;
-#ifdef HAS_MAPS
-in vec2 uv;
-#endif
+#include "layout.glsl"
 #ifdef VERTEX_COLOURS
 in vec4 colour;
 #endif
@@ -59,12 +57,12 @@ vec3 surface_normal() {
     // without precomputed tangents", 2013.
     vec3 across = cross(dFdy(position), n);
     vec3 along = cross(n, dFdx(position));
-    vec2 du = dFdx(uv);
-    vec2 dv = dFdy(uv);
+    vec2 du = dFdx(laid_out(NORMAL));
+    vec2 dv = dFdy(laid_out(NORMAL));
     vec3 tangent = across * du.x + along * dv.x;
     vec3 bitangent = across * du.y + along * dv.y;
     float size2 = max(dot(tangent, tangent), dot(bitangent, bitangent));
-    vec3 bump = texture(normal_map, uv).xyz * (255.0 / 127.0) - (128.0 / 127.0);
+    vec3 bump = texture(normal_map, laid_out(NORMAL)).xyz * (255.0 / 127.0) - (128.0 / 127.0);
     if (size2 > 0.0) {
         vec2 slope = bump.xy * normal_scale * inversesqrt(size2);
         n = normalize(tangent * slope.x + bitangent * slope.y + n * max(bump.z, 0.05));
@@ -85,7 +83,7 @@ void main() {
     base *= colour;
 #endif
 #ifdef BASE_MAP
-    base *= texture(base_map, uv);
+    base *= texture(base_map, laid_out(BASE));
 #endif
 #ifdef CUT_OUT
     if (base.a < alpha_cutoff) discard;
@@ -93,7 +91,7 @@ void main() {
     vec3 n = surface_normal();
     float open = 1.0;
 #ifdef OCCLUSION_MAP
-    open += occlusion_strength * (texture(occlusion_map, uv).r - 1.0);
+    open += occlusion_strength * (texture(occlusion_map, laid_out(OCCLUSION)).r - 1.0);
 #endif
     vec3 diffuse = ambient(n) * open;
     vec3 mirrored = vec3(0.0);
@@ -102,7 +100,7 @@ void main() {
     float metal = metallic;
     float rough = roughness;
 #ifdef METALLIC_ROUGHNESS_MAP
-    vec2 mapped = texture(metallic_roughness_map, uv).bg;
+    vec2 mapped = texture(metallic_roughness_map, laid_out(METALLIC_ROUGHNESS)).bg;
     metal *= mapped.x;
     rough *= mapped.y;
 #endif
@@ -138,7 +136,7 @@ void main() {
     vec3 glow = mirrored;
 #ifdef EMITS
 #ifdef EMISSIVE_MAP
-    glow += emissive * texture(emissive_map, uv).rgb;
+    glow += emissive * texture(emissive_map, laid_out(EMISSIVE)).rgb;
 #else
     glow += emissive;
 #endif

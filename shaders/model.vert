@@ -8,7 +8,14 @@ in vec3 in_position;
 in vec3 in_normal;
 #ifdef HAS_MAPS
 in vec2 in_uv;
+#ifdef LAID_OUT
+#ifdef MORE_UVS
+in vec2 in_more_uv;
+#endif
+out vec4 uvs;  // two sets of texture coordinates
+#else
 out vec2 uv;
+#endif
 #endif
 #ifdef VERTEX_COLOURS
 in vec4 in_colour;
@@ -21,7 +28,13 @@ out vec3 normal;
 void main() {
     position = (marker_from_placed * vec4(in_position, 1.0)).xyz;
     normal = mat3(marker_from_placed) * in_normal;
-#ifdef HAS_MAPS
+#ifdef LAID_OUT
+#ifdef MORE_UVS
+    uvs = vec4(in_uv, in_more_uv);
+#else
+    uvs = vec4(in_uv, 0.0, 0.0);
+#endif
+#elif defined(HAS_MAPS)
     uv = in_uv;
 #endif
 #ifdef VERTEX_COLOURS

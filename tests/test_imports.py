@@ -45,13 +45,14 @@ ROOMS: dict[str, set[str]] = {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.estimators",
         "light.live", "drawing", "process", "render",
     },
-    "api": {"quality", "core", "models", "capture", "tracking", "light.estimators", "render"},
+    "api": {"quality", "core", "errors", "models", "capture", "tracking", "light.estimators", "render"},
     "": {"core", "errors", "models", "capture", "api"},  # `import ashe_live` itself
     "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer", "process"},
     "bench.light": {
         "quality", "core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit",
         "bench",
     },
+    "bench.judge": {"core", "files", "light.estimators", "light.explanation", "bench"},
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
     "bench.render": {"quality", "core", "files", "models", "capture", "tracking", "render", "viewer", "bench"},
     "bench.viewer": {
@@ -63,7 +64,7 @@ ROOMS: dict[str, set[str]] = {
     },
     "commands": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators",
-        "light.live", "drawing", "render", "viewer", "bench.light", "bench.track", "bench.render", "bench.viewer",
+        "light.live", "drawing", "render", "viewer", "bench.light", "bench.judge", "bench.track", "bench.render", "bench.viewer",
         "bench.soak", "process", "",
     },
     "cli": {"commands", "errors", "process"},

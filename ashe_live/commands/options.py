@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 from typing import NoReturn
 
-from ashe_live.commands.parser import START, build_parser
+from ashe_live.commands.parser import START, UPS, build_parser
 from ashe_live.errors import UserError
 
 
@@ -14,9 +14,20 @@ def with_command(arguments: Sequence[str]) -> Sequence[str]:
     return arguments if is_there else [START, *arguments]
 
 
+def _with_axes_joined(arguments: Sequence[str]) -> Sequence[str]:
+    """`--up -z` as one word: argparse would take the axis for a flag."""
+    joined: list[str] = []
+    for word in arguments:
+        if joined and joined[-1] == "--up" and word in UPS:
+            joined[-1] = f"--up={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
 def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     """The options, with the settings where no flag says otherwise. Raises UserError for settings that cannot be."""
-    arguments = with_command(arguments)
+    arguments = _with_axes_joined(with_command(arguments))
     options = build_parser().parse_args(arguments)
     # Only here, as --help and wrong use do not come so far.
     from ashe_live.commands.settings_file import COMMANDS, ONE_OF, flags_of, read_settings, settings_path

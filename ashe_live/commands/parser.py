@@ -20,6 +20,7 @@ MARKER_HELP = (
     f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png or "
     f"grid:DICT:COLSxROWS (default {DEFAULT_MARKER})"
 )
+UPS = ("x", "y", "z", "-x", "-y", "-z")
 MEMORY_FRAMES_HELP = "pictures with model switches over which memory is watched (default 1000)"
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
 
@@ -178,6 +179,7 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     view.add_argument(
         "--model", default="cube", metavar="NAME|FILE", help="shipped model, or glTF/GLB/OBJ/PLY/STL file"
     )
+    view.add_argument("--up", choices=UPS, metavar="AXIS", help=f"of the model's file: {', '.join(UPS)} (key U)")
     view.add_argument("--size", type=values.size, metavar="WxH", help="size of the window (default: the source's)")
     view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
     view.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)

@@ -18,6 +18,7 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files import writing as files
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.models.catalogue import model_names
+from ashe_live.models.memory import ModelMemory
 from ashe_live.process.messages import say, tell
 from ashe_live.process.signals import ended_by_signals
 from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
@@ -73,11 +74,13 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     leave_cores_to_renderer()
     policy = EstimatePolicy(not setup.source.is_live, options.estimate_at, options.auto)
     steadiness = Steadiness(1) if setup.source.is_photo else Steadiness()
-    shelf = Shelf(options.model, setup.tracker.side_m)
+    shelf = Shelf(options.model, setup.tracker.side_m, options.up, ModelMemory())
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker)
         session.show_light = setup.shows_light
         session.light_preset = quality_of(options).light
+        if options.headless:
+            session.tell_of_models(0.0)
         yield session
 
 

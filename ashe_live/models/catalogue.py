@@ -17,13 +17,16 @@ def model_names() -> tuple[str, ...]:
     return tuple(sorted(names, key=lambda name: (name != FIRST, name)))
 
 
-def load_model(name_or_path: str) -> Model:
-    """A shipped model by its name, or any model file by its path. Raises UserError when it is neither."""
+def load_model(name_or_path: str, up: str | None = None) -> Model:
+    """A shipped model by its name, or any model file by its path, `up` as in `load_model_file`.
+
+    Raises UserError when it is neither.
+    """
     if name_or_path in model_names():
-        return load_model_file(resource("assets", "models", f"{name_or_path}.glb"))
+        return load_model_file(resource("assets", "models", f"{name_or_path}.glb"), up)
     path = Path(name_or_path)
     if path.suffix.lower() in SUFFIXES or os.path.exists(path):  # noqa: PTH110 - of any name, also one that is too long
-        return load_model_file(path)
+        return load_model_file(path, up)
     raise UserError(
         f"there is no model '{name_or_path}'", f"choose one of {', '.join(model_names())}, or give a file's path"
     )

@@ -1,85 +1,77 @@
 """What a model file may read beside itself: files of its own folder, small enough together, never a network."""
 
-import io
 import os
-from pathlib import Path, PureWindowsPath
+from pathlib import Path, PurePosixPath, PureWindowsPath
 from urllib.parse import unquote
-
-import trimesh
-from PIL import Image as PillowImage
 
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes
-from ashe_live.models.limits import MAX_MATERIALS, MAX_NAMED_FILES
-from ashe_live.models.obj_text import as_utf8
+from ashe_live.models.limits import MAX_NAMED_FILES
 
-MATERIALS = ".mtl"
-WITH_PICTURES_ONLY = (".obj", ".ply")  # what else these name is a picture
+MOST_ENTRIES = 10_000  # of a folder that are looked at for a name in other capitals
 
 
-class FolderResolver(trimesh.resolvers.Resolver):
-    """Lets a model file read what lies in its own folder, and remembers why it was refused something."""
+class Folder:
+    """Lets a model file read what lies in its own folder.
+
+    Names are taken as other systems write them: with backslashes, with other capitals, percent-encoded. Of a path that
+    leads elsewhere (absolute, `../textures/a.png`) the end is looked for within the folder: exporters write where a
+    picture lay on the machine of its maker, and people copy it beside the model.
+    """
 
     def __init__(self, model: Path, most_bytes: int) -> None:
-        self.refusal: UserError | None = None
         self._model = model
         self._folder = model.parent.resolve()
         self._bytes_left = most_bytes
         self._named = 0
 
     def get(self, name: str) -> bytes:
-        try:
-            return self._get(name)
-        except UserError as refusal:
-            # trimesh goes on without a texture that it cannot get.
-            self.refusal = self.refusal or refusal
-            raise
-
-    def _get(self, name: str) -> bytes:
+        """The content of the file of that name. Raises UserError where it must not or cannot be read."""
         self._named += 1
         if self._named > MAX_NAMED_FILES:
             raise UserError(
                 f"the model file {self._model} names files more than {MAX_NAMED_FILES:,} times", "export it with fewer"
             )
-        relative = unquote(name.strip()).replace("\\", "/")
-        # Before it is looked at: on Windows that of another machine would be asked for.
-        is_elsewhere = bool(PureWindowsPath(relative).anchor) or "\0" in relative
-        path = self._folder if is_elsewhere else Path(os.path.realpath(self._folder / relative))
-        if is_elsewhere or not path.is_relative_to(self._folder):
-            raise UserError(
-                f"the model file {self._model} names {name}, outside its own folder", "put what it needs beside it"
-            )
-        is_materials = relative.lower().endswith(MATERIALS)
-        if not os.path.lexists(path):
-            if is_materials:
-                raise FileNotFoundError(path)  # it is drawn in plain plastic
-            raise UserError(
-                f"the model file {self._model} names {name}, which is missing", "put what it needs beside it"
-            )
-        content = read_bytes(path, self._bytes_left)
+        content = read_bytes(self._found(name), self._bytes_left)
         self._bytes_left -= len(content)
-        if is_materials:
-            if content.count(b"newmtl") > MAX_MATERIALS:
-                raise UserError(f"{path} holds more than {MAX_MATERIALS:,} materials", "export it with fewer")
-            return as_utf8(content)
-        if self._model.suffix.lower() in WITH_PICTURES_ONLY:
-            self._check_picture(name, content)
         return content
 
-    def _check_picture(self, name: str, content: bytes) -> None:
-        try:
-            PillowImage.open(io.BytesIO(content)).close()
-        except (OSError, ValueError, SyntaxError, PillowImage.DecompressionBombError):
-            raise UserError(
-                f"the model file {self._model} names {name}, which is no picture that can be read",
-                "save it as PNG or JPEG",
-            ) from None
+    def _found(self, name: str) -> Path:
+        relative = unquote(name.strip()).replace("\\", "/")
+        # Before it is looked at: on Windows that of another machine would be asked for.
+        is_elsewhere = bool(PureWindowsPath(relative).anchor) or "\0" in relative or not self._is_within(relative)
+        if not is_elsewhere:
+            if (path := self._named_like(relative)) is not None:
+                return path
+        elif "\0" not in relative and "://" not in relative:
+            parts = [part for part in PurePosixPath(relative).parts if part not in ("..", "/")]
+            for first in range(max(1 if len(parts) > 1 else 0, len(parts) - 3), len(parts)):
+                if (path := self._named_like("/".join(parts[first:]))) is not None and path.is_file():
+                    return path
+        why = "outside its own folder" if is_elsewhere else "which is missing"
+        raise UserError(f"the model file {self._model} names {name}, {why}", "put what it needs beside it")
 
-    def keys(self) -> list[str]:
-        raise NotImplementedError("only what is named is read")
+    def _is_within(self, relative: str) -> bool:
+        return Path(os.path.realpath(self._folder / relative)).is_relative_to(self._folder)
 
-    def namespaced(self, namespace: str) -> "FolderResolver":
-        raise NotImplementedError(f"a model has one folder: {namespace}")
-
-    def write(self, name: str, data: bytes) -> None:
-        raise NotImplementedError(f"a model is only read: {name}, {len(data)} bytes")
+    def _named_like(self, relative: str) -> Path | None:
+        """Within the folder, also in other capitals; None when there is nothing, or a link leads elsewhere."""
+        path = self._folder
+        for part in PurePosixPath(relative).parts:
+            inside = path / part
+            if part != ".." and not os.path.lexists(inside):
+                try:
+                    with os.scandir(path) as entries:
+                        alike = sorted(
+                            entry.name
+                            for entry, _ in zip(entries, range(MOST_ENTRIES), strict=False)
+                            if entry.name.casefold() == part.casefold()
+                        )
+                except OSError:
+                    return None
+                if not alike:
+                    return None
+                inside = path / alike[0]
+            path = inside
+        real = Path(os.path.realpath(path))
+        return real if real.is_relative_to(self._folder) else None

@@ -6,7 +6,7 @@ from pathlib import Path
 from PIL import Image as PillowImage
 
 from ashe_live.errors import UserError
-from ashe_live.models.gltf_amounts import GltfAmounts
+from ashe_live.models.gltf.amounts import GltfAmounts
 
 MAX_FILE_BYTES = 200_000_000  # of the model's file, and of all others that it names together
 MAX_NAMED_FILES = 1_000

@@ -1,25 +1,27 @@
-"""Reads glTF, GLB, OBJ, PLY and STL files with trimesh; reads beside the file only, never from a network."""
+"""Reads glTF, GLB, OBJ, PLY and STL files; reads beside the file only, never from a network."""
 
-import io
+import itertools
 import warnings
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import trimesh
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes
-from ashe_live.models.folder import FolderResolver
-from ashe_live.models.geometry import placed_mesh
-from ashe_live.models.gltf_header import read_gltf
+from ashe_live.models.folder import Folder
+from ashe_live.models.geometry import RawMesh, placed_mesh
+from ashe_live.models.gltf.reader import read_gltf
 from ashe_live.models.limits import MAX_FILE_BYTES, check_surfaces, check_text, check_triangles
 from ashe_live.models.malformed import MalformedError
 from ashe_live.models.merging import merged
 from ashe_live.models.mesh import Model
-from ashe_live.models.obj_text import drawn_lines
-from ashe_live.models.surfaces import Surfaces
+from ashe_live.models.notes import Notes
+from ashe_live.models.obj import read_obj
+from ashe_live.models.ply import read_ply
+from ashe_live.models.stl import read_stl
+from ashe_live.models.up import Y_UP, guessed_up, z_up_from
 
 GLTF_SUFFIXES = (".glb", ".gltf")
 SUFFIXES = (*GLTF_SUFFIXES, ".obj", ".ply", ".stl")
@@ -30,18 +32,19 @@ BROKEN_BODY = {
     ".stl": "it is neither text STL nor binary STL",
 }
 
-# glTF has y up; the model then faces -y, towards a person who reads the marker.
-Z_UP_FROM_Y_UP: Float = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+# Farther from the origin, in extents of the model, single precision would tear it: 1e-7 of the distance are visible.
+FAR = 1000.0
 
 
-def load_model_file(path: Path) -> Model:
+def load_model_file(path: Path, up: str | None = None) -> Model:
     """The model in `path`, its scene graph flattened, z up, in the file's unit.
 
-    Raises UserError when the file is missing, too large, malformed or empty, or names a file that is missing or outside
-    its folder; MemoryError where that is limited.
+    `up`: which axis of the file is (one of UPS); None: y for glTF, as it says, and for others a guess. A model that is
+    far from its origin, as at a map's coordinates, is brought there. Raises UserError when the file is missing, too
+    large, malformed or empty, or names a file that is missing or outside its folder; MemoryError where that is limited.
     """
     try:
-        return _read(path)
+        return _read(path, up)
     except (UserError, MemoryError):
         raise
     except Exception as error:  # a third-party parser of untrusted files raises anything, or its values do when used
@@ -49,49 +52,56 @@ def load_model_file(path: Path) -> Model:
         raise UserError(f"the model file {path} is malformed ({said})", "export it again") from error
 
 
-def _read(path: Path) -> Model:
+def _read(path: Path, up: str | None) -> Model:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise UserError(f"{path} is not a kind of model file known here", f"give one of {', '.join(SUFFIXES)}")
     content = read_bytes(path, MAX_FILE_BYTES)
-    surfaces, up = Surfaces(), np.eye(4)
-    if suffix in GLTF_SUFFIXES:
-        gltf = read_gltf(path, content)
-        content, surfaces, up = gltf.content, Surfaces(gltf.materials), Z_UP_FROM_Y_UP
-    else:
-        check_text(path, content)
-        if suffix == ".obj":
-            content = drawn_lines(content)
-    resolver = FolderResolver(path, MAX_FILE_BYTES)
+    folder, notes = Folder(path, MAX_FILE_BYTES), Notes()
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         # What trimesh, Pillow and NumPy have to say about a damaged file is said by our errors.
         warnings.simplefilter("ignore")
-        scene = _parsed(content, suffix, resolver)
-        return _converted(path, scene, surfaces, up)
+        meshes: list[tuple[Float, RawMesh]]
+        if suffix in GLTF_SUFFIXES:
+            meshes = list(read_gltf(path, content, folder, notes))
+            chosen = up or Y_UP
+        else:
+            check_text(path, content)
+            read = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl}[suffix]
+            meshes = [(np.eye(4), mesh) for mesh in read(content, folder, notes)]
+            chosen = up or guessed_up(suffix, [mesh for _, mesh in meshes])
+        model = _model(path, [(z_up_from(chosen) @ T, mesh) for T, mesh in meshes], notes)
+        return replace(model, up=chosen, is_up_guessed=up is None and suffix not in GLTF_SUFFIXES)
 
 
-def _parsed(content: bytes, suffix: str, resolver: FolderResolver) -> Any:
-    """trimesh's scene. Raises what `resolver` refused, and whatever trimesh stumbles over."""
-    try:
-        # process=True would merge vertices and thereby average normals that the file keeps apart.
-        return trimesh.load_scene(io.BytesIO(content), file_type=suffix[1:], resolver=resolver, process=False)
-    finally:
-        # trimesh goes on without a texture that it cannot get.
-        if resolver.refusal is not None:
-            raise resolver.refusal
-
-
-def _converted(path: Path, scene: Any, surfaces: Surfaces, up: Float) -> Model:
-    nodes = [scene.graph[node] for node in scene.graph.nodes_geometry]
-    instances = [(up @ np.asarray(T, dtype=np.float64), scene.geometry[name]) for T, name in nodes]
-    meshes = [(T, mesh) for T, mesh in instances if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces)]
-    check_triangles(path, sum(len(mesh.faces) for _, mesh in meshes))
-    parts = merged(part for T, mesh in meshes if (part := placed_mesh(mesh, T, surfaces)) is not None)
+def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Model:
+    check_triangles(path, sum(len(mesh.triangles) for _, mesh in meshes))
+    to_origin = np.eye(4)
+    to_origin[:3, 3] = _offset([_extremes(T, mesh) for T, mesh in meshes if len(mesh.vertices)])
+    parts = merged(part for T, mesh in meshes if (part := placed_mesh(mesh, to_origin @ T)) is not None)
     if not parts:
         raise UserError(f"the model file {path} holds no triangles", "export it as a mesh")
     check_surfaces(path, len(parts))
-    model = Model(path.stem, parts)
+    model = Model(path.stem, parts, notes.lines)
     lower, upper = model.bounds
     if not (np.isfinite(upper - lower).all() and (upper - lower).max() > 0):
         raise UserError(f"the model file {path} has no extent", "export a model that is larger than a point")
     return model
+
+
+def _extremes(T: Float, mesh: RawMesh) -> Float:
+    """(2, 3) smallest and largest coordinates of the box around a mesh, where T (4, 4) brings it."""
+    of_file = [(column.min(), column.max()) for column in mesh.vertices.T]
+    corners = np.array(list(itertools.product(*of_file))) @ T[:3, :3].T + T[:3, 3]
+    return np.stack([corners.min(axis=0), corners.max(axis=0)])
+
+
+def _offset(extremes: list[Float]) -> Float:
+    """(3,) that brings what is far from the origin there; nothing for anything else."""
+    if not extremes:
+        return np.zeros(3)
+    lower = np.min([least for least, _ in extremes], axis=0)
+    upper = np.max([most for _, most in extremes], axis=0)
+    centre = (lower + upper) / 2
+    is_far = np.isfinite(centre).all() and np.abs(centre).max() > FAR * (upper - lower).max()
+    return -centre if is_far else np.zeros(3)

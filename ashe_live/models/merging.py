@@ -14,7 +14,8 @@ def merged(parts: Iterable[Mesh]) -> tuple[Mesh, ...]:
     alike: dict[Hashable, list[Mesh]] = {}
     for number, part in enumerate(parts):
         is_blended = part.material.alpha is Alpha.BLEND
-        key = part.uvs is None, part.colours is None, number if is_blended else _surface(part.material)
+        has = tuple(values is not None for values in (part.uvs, part.more_uvs, part.colours))
+        key = *has, number if is_blended else _surface(part.material)
         alike.setdefault(key, []).append(part)
     return tuple(_joined(group) if len(group) > 1 else group[0] for group in alike.values())
 
@@ -22,13 +23,14 @@ def merged(parts: Iterable[Mesh]) -> tuple[Mesh, ...]:
 def _surface(material: Material) -> Hashable:
     """Equal for materials that look alike: by their numbers, and by where their maps' texels lie."""
     maps = [(name, texels.ctypes.data, texels.shape) for name, texels in material.maps.items()]
-    numbers = [getattr(material, field.name) for field in fields(material) if field.name not in MAPS]
-    return tuple(maps), tuple(numbers)
+    numbers = [getattr(material, field.name) for field in fields(material) if field.name not in (*MAPS, "layouts")]
+    return tuple(maps), tuple(numbers), tuple(material.layouts.items())
 
 
 def _joined(group: list[Mesh]) -> Mesh:
     firsts = np.cumsum([0, *(len(part.vertices) for part in group[:-1])])
     uvs = [part.uvs for part in group if part.uvs is not None]
+    more_uvs = [part.more_uvs for part in group if part.more_uvs is not None]
     colours = [part.colours for part in group if part.colours is not None]
     return Mesh(
         vertices=np.concatenate([part.vertices for part in group]),
@@ -37,4 +39,5 @@ def _joined(group: list[Mesh]) -> Mesh:
         uvs=np.concatenate(uvs) if uvs else None,
         colours=np.concatenate(colours) if colours else None,
         material=group[0].material,
+        more_uvs=np.concatenate(more_uvs) if more_uvs else None,
     )

@@ -24,6 +24,7 @@ class Mesh:
     uvs: Float32 | None = None  # (n, 2) texture coordinates, origin at the picture's bottom left
     colours: Float32 | None = None  # (n, 4) linear RGBA, a factor
     material: Material = PLAIN
+    more_uvs: Float32 | None = None  # (n, 2) a second set of texture coordinates, for the maps that are laid out by it
 
     def __post_init__(self) -> None:
         count = len(self.vertices)
@@ -35,9 +36,11 @@ class Mesh:
         )
         if self.uvs is not None:
             set_frozen(self, uvs=_checked(self.uvs, np.float32, (count, 2), "uvs"))
+        if self.more_uvs is not None:
+            set_frozen(self, more_uvs=_checked(self.more_uvs, np.float32, (count, 2), "more_uvs"))
         if self.colours is not None:
             set_frozen(self, colours=_checked(self.colours, np.float32, (count, 4), "colours"))
-        if self.uvs is None and self.material.maps:
+        if sum(uvs is not None for uvs in (self.uvs, self.more_uvs)) < self.material.uv_sets:
             raise ValueError("a material with maps on a mesh without texture coordinates")
         if len(self.triangles) == 0:
             raise ValueError("a mesh without triangles")
@@ -55,6 +58,9 @@ class Model:
 
     name: str
     parts: tuple[Mesh, ...]  # at least one
+    notes: tuple[str, ...] = ()  # what is drawn otherwise than the file says, each a part of a sentence about the model
+    up: str = "z"  # which axis of the file is up here: one of UPS (up.py)
+    is_up_guessed: bool = False  # nobody has said so
 
     def __post_init__(self) -> None:
         if not self.parts:

@@ -1,7 +1,7 @@
 """Where a model stands: over the marker's centre, on the ground, as large as the marker allows; then as it is moved."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +66,7 @@ def placed_on_marker(model: Model, side_m: float) -> PlacedModel:
     width, depth, height = upper - lower
     scale = side_m / max(width / FOOTPRINT_SIDES, depth / FOOTPRINT_SIDES, height / HEIGHT_SIDES)
     offset = -scale * np.array([(lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2, lower[2]])
-    moved = Model(model.name, tuple(part.moved(scale, offset) for part in model.parts))
+    moved = replace(model, parts=tuple(part.moved(scale, offset) for part in model.parts))
     return PlacedModel(moved, moved.bounds)
 
 

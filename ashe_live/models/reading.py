@@ -15,17 +15,20 @@ LIMITS = Limits(niceness=10, memory_bytes=2_000_000_000, processor_s=20, silent=
 LONGEST_S = 120.0  # by the clock, where others use the processor or a disk does not answer
 
 
-def read_model(name: str, marker_side_m: float) -> PlacedModel:
-    """A shipped model by its name, or any model file by its path. Raises UserError when it cannot be shown."""
+def read_model(name: str, marker_side_m: float, up: str | None = None) -> PlacedModel:
+    """A shipped model by its name, or any model file by its path, `up` as in `load_model_file`.
+
+    Raises UserError when it cannot be shown.
+    """
     if name in model_names():
-        return _read(name, marker_side_m)
+        return _read(name, marker_side_m, up)
     try:
-        return called_apart(_read, (name, marker_side_m), "ashe-live model", LIMITS, LONGEST_S)
+        return called_apart(_read, (name, marker_side_m, up), "ashe-live model", LIMITS, LONGEST_S)
     except NoAnswerError as failure:
         raise UserError(
             f"the model file {name} is too much for its reader ({failure})", "reduce it, or export it again"
         ) from None
 
 
-def _read(name: str, marker_side_m: float) -> PlacedModel:
-    return placed_on_marker(load_model(name), marker_side_m)
+def _read(name: str, marker_side_m: float, up: str | None) -> PlacedModel:
+    return placed_on_marker(load_model(name, up), marker_side_m)

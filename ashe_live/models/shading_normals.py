@@ -34,14 +34,41 @@ def corner_normals(vertices: Float32, triangles: Indices) -> Float32:
     """
     faces = face_normals(vertices, triangles)
     face = np.arange(triangles.size) // 3
-    _, place, crowds = np.unique(row_keys(vertices)[triangles.ravel()], return_inverse=True, return_counts=True)
+    _, place = np.unique(row_keys(vertices), return_inverse=True)
+    place = place[triangles.ravel()]
+    together, is_smooth = _totals(place, faces[face])
+    if is_smooth.all():
+        return unit_rows(together).astype(np.float32)[place]
+    normals = np.empty((triangles.size, 3), np.float32)
+    smooth = is_smooth[place]
+    normals[smooth] = unit_rows(together).astype(np.float32)[place[smooth]]
+    creased = np.flatnonzero(~smooth)
+    normals[creased] = _creased(place[creased], faces[face[creased]])
+    return normals
+
+
+def _totals(place: NDArray[np.int64], areas: Float) -> tuple[Float, NDArray[np.bool_]]:
+    """(places, 3) sums of the area vectors (n, 3) at each, and (places,) whether all that meet there are smooth.
+
+    What is within half of CREASE_RAD of the sum is within all of it of one another.
+    """
+    totals: Float = np.array([np.bincount(place, weights=column) for column in areas.T]).T
+    along = np.einsum("ij,ij->i", unit_rows(areas), unit_rows(totals)[place])
+    is_smooth = np.ones(len(totals), np.bool_)
+    is_smooth[place[along <= math.cos(CREASE_RAD / 2)]] = False
+    return totals, is_smooth
+
+
+def _creased(place: NDArray[np.int64], areas: Float) -> Float32:
+    """(n, 3) unit normals of corners where an edge may be, from the area vectors (n, 3) of their triangles."""
+    _, place, crowds = np.unique(place, return_inverse=True, return_counts=True)
     crowded = np.flatnonzero((crowds > MAX_CROWD)[place])
     if len(crowded) == 0:
-        return unit_rows(_sums_of_alike(place, faces[face])).astype(np.float32)
-    normals = np.empty((triangles.size, 3))
+        return unit_rows(_sums_of_alike(place, areas)).astype(np.float32)
+    normals = np.empty((len(place), 3))
     others = np.flatnonzero((crowds <= MAX_CROWD)[place])
-    normals[others] = _sums_of_alike(place[others], faces[face[others]])
-    areas = faces[face[crowded]]
+    normals[others] = _sums_of_alike(place[others], areas[others])
+    areas = areas[crowded]
     keys = place[crowded] * WAYS**3 + _facing(areas)
     ways, one_of, way = np.unique(keys, return_index=True, return_inverse=True)
     together: Float = np.array([np.bincount(way, weights=column, minlength=len(ways)) for column in areas.T]).T

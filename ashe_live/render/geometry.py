@@ -2,12 +2,13 @@
 
 import itertools
 from collections.abc import Iterator
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.models.material import SRGB_MAPS, Alpha
+from ashe_live.models.material import MAPS, SRGB_MAPS, Alpha
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.programs import Programs, set_uniforms
@@ -18,7 +19,7 @@ STEP_BYTES = 1 << 20  # about what a software rasteriser uploads in a millisecon
 
 
 class GpuPart:
-    """One mesh, in buffers of position 3f, normal 3f and, where it has them, uv 2f and colour 4f."""
+    """One mesh, in buffers of position 3f, normal 3f and, where it has them, one or two uv 2f and colour 4f."""
 
     def __init__(self, ctx: moderngl.Context, mesh: Mesh) -> None:
         self.mesh = mesh
@@ -29,6 +30,7 @@ class GpuPart:
             "in_position": mesh.vertices,
             "in_normal": mesh.normals,
             "in_uv": mesh.uvs,
+            "in_more_uv": mesh.more_uvs,
             "in_colour": mesh.colours,
         }
         self._columns = {name: values for name, values in columns.items() if values is not None}
@@ -77,6 +79,15 @@ class GpuPart:
         return self._ctx.vertex_array(program, [(vertices, " ".join(formats), *names)], indices)
 
 
+class TextureKey(NamedTuple):
+    """Maps that are alike in this are one texture."""
+
+    texels: int  # a picture that several parts use is one array: its id
+    is_srgb: bool
+    repeats: tuple[bool, bool]
+    is_sharp: bool
+
+
 class GpuModel:
     """A placed model's buffers and textures; it can be drawn once every step of `upload` has been taken."""
 
@@ -87,7 +98,7 @@ class GpuModel:
         self.parts: list[GpuPart] = []
         self._ctx = ctx
         self._programs = programs
-        self._textures: dict[tuple[int, bool], moderngl.Texture] = {}
+        self._textures: dict[TextureKey, moderngl.Texture] = {}
 
     def upload(self) -> Iterator[None]:
         """One step of at most STEP_BYTES or one texture's mipmaps at a time."""
@@ -96,8 +107,8 @@ class GpuModel:
             self.parts.append(part)
             yield from part.upload()
             for name, texels in mesh.material.maps.items():
-                # A picture that several parts use is one array.
-                key = id(texels), name in SRGB_MAPS
+                layout = mesh.material.layout(name)
+                key = TextureKey(id(texels), name in SRGB_MAPS, layout.repeats, layout.is_sharp)
                 if key not in self._textures:
                     yield from self._fill(key, texels)
                 part.maps[name] = self._textures[key]
@@ -108,10 +119,13 @@ class GpuModel:
             material = part.material
             constants = {}
             if material.alpha is not Alpha.OPAQUE:
-                constants = {material.alpha.name: 1, **{name: 1 for name in part.maps if name == "base_map"}}
+                constants = {material.alpha.name: 1}
+                if "base_map" in part.maps:
+                    constants |= {"base_map": 1, **layout_constants(part)}
             program = self._programs.get("depth", **constants)
             if "base_map" in constants:
                 part.maps["base_map"].use(UNIT_OF["base_map"])
+            set_uniforms(program, **layout_uniforms(part, constants))
             set_uniforms(
                 program,
                 clip_from_marker=clip_from_marker,
@@ -128,11 +142,12 @@ class GpuModel:
         self.parts.clear()
         self._textures.clear()
 
-    def _fill(self, key: tuple[int, bool], texels: Image) -> Iterator[None]:
+    def _fill(self, key: TextureKey, texels: Image) -> Iterator[None]:
         height, width = texels.shape[:2]
-        internal_format = GL_SRGB8_ALPHA8 if key[1] else GL_RGBA8
+        internal_format = GL_SRGB8_ALPHA8 if key.is_srgb else GL_RGBA8
         texture = self._ctx.texture((width, height), 4, internal_format=internal_format)
         self._textures[key] = texture
+        texture.repeat_x, texture.repeat_y = key.repeats
         rows = max(1, STEP_BYTES // (4 * width))
         for bottom in range(0, height, rows):
             band = texels[::-1][bottom : bottom + rows]
@@ -140,5 +155,26 @@ class GpuModel:
             yield
         if max(width, height) > 1:
             texture.build_mipmaps()
-            texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+            near = moderngl.NEAREST if key.is_sharp else moderngl.LINEAR
+            texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, near
             yield
+
+
+def layout_constants(part: GpuPart) -> dict[str, int]:
+    """The macros of a shader that looks maps up otherwise than by the first texture coordinates as they are."""
+    if all(part.material.layout(name).is_plain for name in part.maps):
+        return {}
+    return {"laid_out": 1, **({"more_uvs": 1} if part.mesh.more_uvs is not None else {})}
+
+
+def layout_uniforms(part: GpuPart, constants: dict[str, int]) -> dict[str, Any]:
+    """What such a shader needs to know: rows (10, 4) and offsets (5, 2), in the order of MAPS; nothing for others."""
+    if "laid_out" not in constants:
+        return {}
+    rows, offsets = np.zeros((len(MAPS), 2, 4)), np.zeros((len(MAPS), 2))
+    for place, name in enumerate(MAPS):
+        layout = part.material.layout(name)
+        matrix = np.array(layout.matrix).reshape(2, 3)
+        rows[place, :, 2 * layout.uv_set : 2 * layout.uv_set + 2] = matrix[:, :2]
+        offsets[place] = matrix[:, 2]
+    return {"map_rows": rows.reshape(-1, 4), "map_offsets": offsets}

@@ -11,7 +11,7 @@ from ashe_live.core.transforms import transform_points
 from ashe_live.models.material import BLACK, Alpha, Material
 from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing
-from ashe_live.render.geometry import GpuModel, GpuPart
+from ashe_live.render.geometry import GpuModel, GpuPart, layout_constants, layout_uniforms
 from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.programs import Programs, set_uniforms
@@ -87,6 +87,7 @@ class ModelPass:
     def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs) -> None:
         material = part.material
         program = self._bound_program(part, inputs.looked_up)
+        set_uniforms(program, **layout_uniforms(part, layout_constants(part)))
         set_uniforms(
             program,
             clip_from_marker=inputs.framing.clip_from_marker,
@@ -145,5 +146,5 @@ def shading_constants(part: GpuPart) -> dict[str, int]:
     if material.is_mirror:
         found["mirrors"] = 1
     if part.maps:
-        found["has_maps"] = 1
+        found |= {"has_maps": 1, **layout_constants(part)}
     return found

@@ -29,6 +29,7 @@ class Command(Enum):
     MOVE_MODEL = auto()
     SCALE_MODEL = auto()
     TURN_MODEL = auto()
+    TURN_UP = auto()
     RESET = auto()
     OPEN = auto()
     HELP = auto()
@@ -158,6 +159,7 @@ BINDINGS = (
         repeats=True,
         gesture=Gesture.SHIFT_WHEEL,
     ),
+    Binding(("U",), Command.TURN_UP, "U", "stand the model on another side"),
     Binding(
         ("+", "=", "-"),
         Command.SCALE_MODEL,

@@ -12,6 +12,7 @@ from ashe_live.light.live.fusion import LightFusion
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.models.placement import PlacedModel
+from ashe_live.process.messages import tell
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
@@ -19,6 +20,7 @@ from ashe_live.viewer.hand import Hand, HandContext
 from ashe_live.viewer.shelf import Shelf
 
 NOTICE_S = 4.0
+READ_PER_S = 15.0  # letters, by who reads slowly
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
 # Between two automatic estimates: while the fused answer still changes, and once it has settled.
 AUTO_EVERY_S = 0.4
@@ -116,7 +118,7 @@ class Session:
         return self._policy.on_first_steady and self._policy.at_frame is None and not self._policy_is_done
 
     def say(self, text: str, now_s: float) -> None:
-        self._notice = text, now_s + NOTICE_S
+        self._notice = text, now_s + max(NOTICE_S, len(text) / READ_PER_S)
 
     def take(self, tracked: TrackedFrame, now_s: float) -> None:
         """Shows `tracked` from now on, and requests an estimate from it when the policy says so."""
@@ -166,11 +168,19 @@ class Session:
         """
         if (error := self._shelf.take_error()) is not None:
             self.say(str(error), now_s)
+        self.tell_of_models(now_s)
         outcome = self._accept(self._worker.poll(), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
         return outcome
+
+    def tell_of_models(self, now_s: float) -> None:
+        """Says, here and on the terminal, what is drawn otherwise than a new model's file says."""
+        if words := self._shelf.take_words():
+            self.say("; ".join(words), now_s)
+            for line in words:
+                tell(line)
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
@@ -202,6 +212,8 @@ class Session:
                     self.say("nothing has been estimated yet: Space does it", now_s)
                 elif self.show_masks and self.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
+            case Command.TURN_UP:
+                self.say(f"{self.model_name}: {self._shelf.turn_up()} is up", now_s)
             case Command.MOVE_LIGHT | Command.MOVE_MODEL | Command.SCALE_MODEL | Command.TURN_MODEL:
                 self._obey_hand(request, now_s)
             case Command.RESET:

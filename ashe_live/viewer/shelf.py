@@ -6,8 +6,10 @@ from pathlib import Path
 
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import model_names
+from ashe_live.models.memory import ModelMemory
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
+from ashe_live.models.up import UPS
 from ashe_live.viewer.background import begun
 
 # A line that is gone before it can be read would only flicker.
@@ -20,9 +22,18 @@ class Shelf:
     A model that cannot be read is reported once by `take_error`, and the last good one stays.
     """
 
-    def __init__(self, first_choice: str, marker_side_m: float) -> None:
-        """Loads `first_choice`, a shipped name or a file, at once. Raises UserError when it is neither."""
+    def __init__(
+        self, first_choice: str, marker_side_m: float, up: str | None = None, memory: ModelMemory | None = None
+    ) -> None:
+        """Loads `first_choice`, a shipped name or a file, at once. Raises UserError when it is neither.
+
+        `up`: which axis of its file is up (models/up.py), for this time; `memory` has what was said of others by a key.
+        """
         self._marker_side_m = marker_side_m
+        self._memory = memory
+        self._ups: dict[str, str] = {} if up is None else {first_choice: up}
+        self._words: list[str] = []
+        self._told: set[str] = set()
         shipped = list(model_names())
         self.names = shipped if first_choice in shipped else [first_choice, *shipped]
         self._loading: dict[str, Future[PlacedModel]] = {}
@@ -32,6 +43,7 @@ class Shelf:
         self._untried: set[str] = set()  # dropped, and not read yet
         self._shown = self._load(first_choice).result()
         self._error: UserError | None = None
+        self._tell_of(first_choice)
 
     def choose(self, index: int) -> bool:
         """Chooses a model by its place; returns False when there is none."""
@@ -54,6 +66,21 @@ class Shelf:
         self._loading.pop(path, None)
         self._chosen = self.names.index(path)
 
+    def turn_up(self) -> str:
+        """Has the chosen model stand on another of its sides, from now on; returns which axis is up then."""
+        name = self.chosen_name
+        before = self._up_of(name) or (self._shown.model.up if name == self._shown_name else UPS[0])
+        self._ups[name] = up = UPS[(UPS.index(before) + 1) % len(UPS)]
+        if self._memory is not None and name not in model_names():
+            self._memory.keep_up(name, up)
+        self._loading.pop(name, None)
+        return up
+
+    def take_words(self) -> list[str]:
+        """What a person should know of the models that have come to be shown, each once."""
+        words, self._words = self._words, []
+        return words
+
     @property
     def chosen_name(self) -> str:
         return self.names[self._chosen]
@@ -63,7 +90,10 @@ class Shelf:
         loading = self._load(self.chosen_name)
         if loading.done():
             try:
-                self._shown, self._shown_name = loading.result(), self.chosen_name
+                shown, self._shown_name = loading.result(), self.chosen_name
+                if shown is not self._shown:
+                    self._shown = shown
+                    self._tell_of(self.chosen_name)
                 self._untried.discard(self.chosen_name)
             except UserError as error:
                 # Forgotten, so that a mended file can be chosen again.
@@ -84,16 +114,28 @@ class Shelf:
         waited_s = time.monotonic() - self._begun_s[self.chosen_name]
         return None if waited_s < SILENT_S else f"loading {Path(self.chosen_name).name}: {waited_s:.0f} s"
 
+    def _tell_of(self, name: str) -> None:
+        model, file = self._shown.model, Path(name).name
+        if model.notes and name not in self._told:
+            self._words.append(f"{file}: {'; '.join(model.notes)}")
+        if model.is_up_guessed and name not in self._told:
+            self._words.append(f"{file} is taken to stand with {model.up} up: U, or --up, makes it another axis")
+        self._told.add(name)
+
     def take_error(self) -> UserError | None:
         error, self._error = self._error, None
         return error
+
+    def _up_of(self, name: str) -> str | None:
+        remembered = None if self._memory is None or name in model_names() else self._memory.up(name)
+        return self._ups.get(name, remembered)
 
     def _load(self, name: str) -> Future[PlacedModel]:
         if name not in self._loading:
             self._begun_s[name] = time.monotonic()
             self._loading[name] = begun(
                 "model",
-                lambda: read_model(name, self._marker_side_m),
+                lambda: read_model(name, self._marker_side_m, self._up_of(name)),
                 lambda reason: UserError(f"cannot show the model {name} ({reason})", "choose another"),
             )
         return self._loading[name]

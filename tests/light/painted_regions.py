@@ -51,7 +51,7 @@ def painted_region(*casters: Caster, **how: Any) -> PaintedRegion:
     ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, BALANCED.ground)
     assert ground is not None
     unlit = unlit_mask(ground, coarse.is_ground, LEAST_PX)
-    regions = unlit_regions(fine, unlit, coarse.is_ground, ground, BALANCED.region_px, BALANCED.regions)
+    regions = unlit_regions(fine, unlit, ground, BALANCED.region_px, BALANCED.regions)
     region = regions[0]
     body, shadow = in_region(region, scene.body), in_region(region, scene.shadow)
     return PaintedRegion(scene, ground, unlit, regions, region, body, shadow, _true_shift(scene, paint(**how)))

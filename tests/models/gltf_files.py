@@ -14,8 +14,8 @@ CORNERS = np.float32([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)])
 NORMALS = np.float32([(0, 0, 1)] * 4)
 UVS = np.float32([(0, 1), (1, 1), (1, 0), (0, 0)])
 TRIANGLES = np.uint16([(0, 1, 2), (0, 2, 3)])
-KINDS = {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}
-SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+KINDS = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
+SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 
 
 def png(rgba: tuple[int, ...], size: tuple[int, int] = (4, 4)) -> bytes:
@@ -29,6 +29,7 @@ class Document:
 
     def __init__(self) -> None:
         self.buffer = b""
+        self.more_buffers: list[dict[str, Any]] = []
         self.json: dict[str, Any] = {
             "asset": {"version": "2.0"},
             "accessors": [],
@@ -86,10 +87,10 @@ class Document:
         """As GLB or, with its buffer as a data URI, as .gltf."""
         if path.suffix == ".gltf":
             uri = "data:application/octet-stream;base64," + base64.b64encode(self.buffer).decode()
-            buffers = [{"byteLength": len(self.buffer), "uri": uri}]
+            buffers = [{"byteLength": len(self.buffer), "uri": uri}, *self.more_buffers]
             path.write_text(json.dumps({**self.json, "buffers": buffers}))
             return path
-        text = json.dumps({**self.json, "buffers": [{"byteLength": len(self.buffer)}]}).encode()
+        text = json.dumps({**self.json, "buffers": [{"byteLength": len(self.buffer)}, *self.more_buffers]}).encode()
         text += b" " * (-len(text) % 4)
         binary = self.buffer + b"\0" * (-len(self.buffer) % 4)
         chunks = struct.pack("<2I", len(text), 0x4E4F534A) + text + struct.pack("<2I", len(binary), 0x004E4942) + binary

@@ -337,12 +337,12 @@ def test_files_are_small_together_and_not_one_by_one(tmp_path: Path, monkeypatch
 
 
 def test_old_material_keeps_its_colour(tmp_path: Path) -> None:
-    extension = {"diffuseFactor": [1, 0, 0, 1], "glossinessFactor": 0.75}
+    extension = {"diffuseFactor": [1, 0, 0, 1], "specularFactor": [0.04] * 3, "glossinessFactor": 0.75}
     document = Document()
     document.quad(material={"extensions": {"KHR_materials_pbrSpecularGlossiness": extension}})
     material = load_model_file(document.save(tmp_path / "old.glb")).parts[0].material
-    assert material.base_colour == (1, 0, 0, 1)
-    assert material.metallic == 0
+    assert material.base_colour == pytest.approx((1, 0, 0, 1), abs=0.01)
+    assert material.metallic == pytest.approx(0, abs=0.01)
     assert material.roughness == pytest.approx(0.25)
 
 
@@ -374,7 +374,7 @@ def _of_pictures(*pictures: bytes) -> Document:
 
 def test_a_file_is_not_named_without_end(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_bytes(png(RED))
-    (tmp_path / "a.mtl").write_bytes(b"".join(b"newmtl %d\nmap_Kd a.png\n" % at for at in range(1001)))
+    (tmp_path / "a.mtl").write_bytes(b"".join(b"newmtl %d\nmap_Kd %sa.png\n" % (at, b"./" * at) for at in range(1001)))
     (tmp_path / "a.obj").write_bytes(b"mtllib a.mtl\nusemtl 1\n" + TRIANGLE + b"f 1 2 3\n")
     with pytest.raises(UserError, match="names files more than 1,000 times"):
         load_model_file(tmp_path / "a.obj")
@@ -383,7 +383,7 @@ def test_a_file_is_not_named_without_end(tmp_path: Path) -> None:
 def test_materials_without_end_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.mtl").write_bytes(b"newmtl a\n" * (limits.MAX_MATERIALS + 1))
     (tmp_path / "a.obj").write_bytes(b"mtllib a.mtl\nusemtl a\n" + TRIANGLE + b"f 1 2 3\n")
-    with pytest.raises(UserError, match=r"a\.mtl holds more than 10,000 materials"):
+    with pytest.raises(UserError, match="more than 10,000 materials"):
         load_model_file(tmp_path / "a.obj")
 
 

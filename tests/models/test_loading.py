@@ -37,8 +37,8 @@ def _parts_face_outwards(model: Model) -> bool:
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl"])
-def test_formats_without_an_up_keep_theirs(tmp_path: Path, suffix: str) -> None:
-    model = load_model_file(_exported(tmp_path / f"box{suffix}"))
+def test_formats_without_an_up_keep_what_is_said(tmp_path: Path, suffix: str) -> None:
+    model = load_model_file(_exported(tmp_path / f"box{suffix}"), "z")
     assert model.name == "box"
     np.testing.assert_allclose(model.bounds[1] - model.bounds[0], EXTENTS, rtol=1e-6)
     assert _parts_face_outwards(model)

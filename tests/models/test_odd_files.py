@@ -54,7 +54,7 @@ def test_a_line_of_an_obj_may_go_on_in_the_next(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("texture", "said"),
-    [("gone.png", "which is missing"), ("a.txt", "no picture"), ("torn.png", "its texture is damaged")],
+    [("gone.png", "which is missing"), ("a.txt", "cannot be read"), ("torn.png", "torn.png is damaged")],
 )
 def test_a_texture_that_cannot_be_had_is_named(tmp_path: Path, texture: str, said: str) -> None:
     (tmp_path / "a.txt").write_text("no picture")
@@ -65,7 +65,7 @@ def test_a_texture_that_cannot_be_had_is_named(tmp_path: Path, texture: str, sai
     (tmp_path / "a.obj").write_text(f"mtllib a.mtl\nusemtl m\n{TRIANGLE}")
     with pytest.raises(UserError, match=said) as caught:
         load_model_file(tmp_path / "a.obj")
-    assert texture in caught.value.message or "damaged" in said
+    assert texture in caught.value.message
 
 
 def test_a_texture_in_a_folder_is_found_however_its_path_is_written(tmp_path: Path) -> None:

@@ -137,6 +137,8 @@ class FakeShelf:
         self.names = ["cube", "lantern", "mug", "tree"]
         self.at = 0
         self.error = None
+        self.words = []
+        self.turned = 0
 
     @property
     def chosen_name(self) -> str:
@@ -157,6 +159,14 @@ class FakeShelf:
 
     def model(self) -> None:
         return None
+
+    def turn_up(self) -> str:
+        self.turned += 1
+        return "z"
+
+    def take_words(self):
+        words, self.words = self.words, []
+        return words
 
     def take_error(self):
         error, self.error = self.error, None

@@ -7,7 +7,9 @@ import pytest
 
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import model_names
+from ashe_live.models.memory import ModelMemory
 from ashe_live.models.reading import read_model
+from ashe_live.models.up import UPS
 from ashe_live.viewer import shelf as shelf_module
 from ashe_live.viewer.shelf import Shelf
 
@@ -43,7 +45,7 @@ def test_nothing_of_that_name_is_an_error_at_once():
 def test_the_old_model_is_shown_until_the_new_one_is_there(monkeypatch):
     go_on = threading.Event()
 
-    def slowly(name: str, side_m: float):
+    def slowly(name: str, side_m: float, _up: str | None):
         if name != "cube":
             go_on.wait(PATIENCE_S)
         return read_model(name, side_m)
@@ -60,7 +62,7 @@ def test_the_old_model_is_shown_until_the_new_one_is_there(monkeypatch):
 def test_who_waits_is_told_for_how_long(monkeypatch):
     go_on = threading.Event()
 
-    def slowly(_name: str, _side_m: float):
+    def slowly(_name: str, _side_m: float, _up: str | None):
         go_on.wait(PATIENCE_S)
         return read_model("cube", 0.08)
 
@@ -80,7 +82,7 @@ def test_who_waits_is_told_for_how_long(monkeypatch):
 def test_nothing_that_a_model_does_ends_the_viewer(monkeypatch, error):
     shelf = Shelf("cube", 0.08)
 
-    def failing(_name: str, _side_m: float):
+    def failing(_name: str, _side_m: float, _up: str | None):
         raise error
 
     cube = shelf.model()
@@ -94,7 +96,7 @@ def test_a_mended_file_can_be_chosen_again(monkeypatch):
     shelf = Shelf("cube", 0.08)
     cube = shelf.model()
 
-    def failing(_name: str, _side_m: float):
+    def failing(_name: str, _side_m: float, _up: str | None):
         raise UserError("tree.glb is torn", "mend it")
 
     monkeypatch.setattr(shelf_module, "read_model", failing)
@@ -106,7 +108,7 @@ def test_a_mended_file_can_be_chosen_again(monkeypatch):
 
 
 def test_a_model_that_fails_is_told_once_and_the_last_good_one_stays(monkeypatch):
-    def failing(name: str, side_m: float):
+    def failing(name: str, side_m: float, _up: str | None):
         if name == "mug":
             raise UserError("mug.glb is damaged", "export it again")
         return read_model(name, side_m)
@@ -144,7 +146,7 @@ def test_a_dropped_model_joins_after_the_others_and_is_chosen(tmp_path):
     tile = awaited(shelf)
     assert tile is not cube
     assert shelf.names == [*model_names(), str(path)]
-    path.write_text(TILE.replace("0 0 1", "0 0 2"))
+    path.write_text(TILE.replace("0 1 0", "0 2 0"))
     shelf.add(str(path))  # once more, after it was changed
     assert awaited(shelf).bounds[1, 0] < tile.bounds[1, 0]
     assert shelf.names.count(str(path)) == 1
@@ -166,3 +168,43 @@ def test_a_dropped_model_that_cannot_be_read_leaves_all_as_it_was(tmp_path, cont
     assert shelf.names == list(model_names())
     assert shelf.chosen_name == "mug"
     assert "broken.obj" in str(shelf.take_error())
+
+
+TOWER = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 5\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+
+
+def height_over_width(shelf: Shelf) -> float:
+    (x, y, z), upper = shelf.model().bounds
+    return float((upper[2] - z) / max(upper[0] - x, upper[1] - y))
+
+
+def test_a_model_stands_on_another_side_when_asked_and_the_next_time_too(tmp_path):
+    (tmp_path / "tower.ply").write_text(
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0\n1 0 0\n0 1 0\n0 0 5\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n"
+    )
+    name, memory = str(tmp_path / "tower.ply"), ModelMemory(tmp_path / "models.json")
+    shelf = Shelf(name, 0.08, "y", memory)
+    assert height_over_width(shelf) == pytest.approx(1 / 5)
+    assert shelf.turn_up() == "z"
+    awaited(shelf)
+    assert height_over_width(shelf) == pytest.approx(5)
+    assert height_over_width(Shelf(name, 0.08, None, memory)) == pytest.approx(5)
+    assert height_over_width(Shelf(name, 0.08, "x", memory)) == pytest.approx(1 / 5)  # a flag holds for this time
+    turned = [shelf.turn_up() for _ in UPS]
+    assert sorted(turned) == sorted(UPS)
+
+
+def test_what_should_be_known_of_a_model_is_told_once(tmp_path):
+    (tmp_path / "tile.obj").write_text(TILE + "l 1 2\n")
+    shelf = Shelf(str(tmp_path / "tile.obj"), 0.08)
+    left_out, up = shelf.take_words()
+    assert left_out == "tile.obj: points and lines are left out"
+    assert up.startswith("tile.obj is taken to stand with ")
+    shelf.choose(1)
+    awaited(shelf)
+    assert shelf.take_words() == []  # of a shipped model there is nothing to tell
+    shelf.choose(0)
+    awaited(shelf)
+    assert shelf.take_words() == []

@@ -42,7 +42,7 @@ def test_a_region_holds_the_object_and_its_shadow(ground: str, caster: Caster) -
 @pytest.mark.parametrize("size_px", [100, 130, 160])
 def test_what_stands_out_has_the_size_that_was_asked_for(size_px: int) -> None:
     here = painted_region(BOX)
-    (region,) = unlit_regions(fine_of(), here.unlit, coarse_is_ground(), here.ground, size_px, 3)
+    (region,) = unlit_regions(fine_of(), here.unlit, here.ground, size_px, 3)
     painted = in_region(region, here.scene.body | here.scene.shadow)
     down, across = (np.ptp(axis) + 1 for axis in np.nonzero(painted))
     assert math.sqrt(down * across) == pytest.approx(size_px, rel=0.15)
@@ -51,7 +51,7 @@ def test_what_stands_out_has_the_size_that_was_asked_for(size_px: int) -> None:
 def test_no_region_is_finer_than_the_finest_view_nor_coarser_than_the_coarse_one() -> None:
     here = painted_region(BOX)
     for fine, size_px, width_px in ((fine_of(), 10_000, 640), (fine_of(400), 10_000, 400), (fine_of(), 1, 320)):
-        (region,) = unlit_regions(fine, here.unlit, coarse_is_ground(), here.ground, size_px, 3)
+        (region,) = unlit_regions(fine, here.unlit, here.ground, size_px, 3)
         assert region.frame_shape[1] == width_px
 
 
@@ -80,7 +80,7 @@ def test_objects_apart_are_regions_of_their_own_the_largest_first() -> None:
     scales = [region.frame_shape[1] for region in here.regions]
     assert first / scales[0] ** 2 > second / scales[1] ** 2
     fine = View.of(here.scene.tracked, BALANCED.fine_width_px)
-    (only,) = unlit_regions(fine, here.unlit, coarse_is_ground(), here.ground, BALANCED.region_px, 1)
+    (only,) = unlit_regions(fine, here.unlit, here.ground, BALANCED.region_px, 1)
     np.testing.assert_array_equal(only.unlit, here.regions[0].unlit)
 
 
@@ -90,14 +90,14 @@ def test_an_object_and_a_shadow_that_hardly_part_are_one_region() -> None:
     columns = np.flatnonzero(unlit.any(axis=0))
     middle = int(columns.mean())
     unlit[:, middle : middle + 4] = False
-    assert len(unlit_regions(fine_of(), unlit, coarse_is_ground(), here.ground, 130, 5)) == 1
+    assert len(unlit_regions(fine_of(), unlit, here.ground, 130, 5)) == 1
     unlit[:, middle - 4 : middle + 6] = False
-    assert len(unlit_regions(fine_of(), unlit, coarse_is_ground(), here.ground, 130, 5)) > 1
+    assert len(unlit_regions(fine_of(), unlit, here.ground, 130, 5)) > 1
 
 
 def test_where_nothing_is_unlit_there_is_no_region() -> None:
     here = painted_region(BOX)
-    assert unlit_regions(fine_of(), np.zeros_like(here.unlit), coarse_is_ground(), here.ground, 130, 3) == []
+    assert unlit_regions(fine_of(), np.zeros_like(here.unlit), here.ground, 130, 3) == []
 
 
 def test_any_unlit_mask_has_regions_within_the_frame() -> None:
@@ -106,7 +106,7 @@ def test_any_unlit_mask_has_regions_within_the_frame() -> None:
     corner = np.zeros_like(here.unlit)
     corner[-1, -1] = True
     for unlit in (np.ones_like(here.unlit), specks < 0.5, specks < 0.01, corner):
-        regions = unlit_regions(fine_of(), unlit, coarse_is_ground(), here.ground, 130, 3)
+        regions = unlit_regions(fine_of(), unlit, here.ground, 130, 3)
         assert 1 <= len(regions) <= 3
         for region in regions:
             assert region.in_frame(region.unlit).shape == region.frame_shape

@@ -1,12 +1,19 @@
 """What a glTF's JSON says it takes: told before anything of it is allocated, or walked through node by node.
 
-The JSON is one that `gltf_schema.checked` has passed.
+The JSON is one that `schema.checked` has passed.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
-from ashe_live.models.gltf_schema import ATTRIBUTES, COMPONENT_BYTES, COMPONENTS, INDICES
+from ashe_live.models.gltf.schema import (
+    ATTRIBUTES,
+    COMPONENT_BYTES,
+    COMPONENTS,
+    COMPRESSED_VIEWS,
+    DISPLACED,
+    INDICES,
+)
 from ashe_live.models.malformed import MalformedError
 
 TRIANGLES, STRIP, FAN = 4, 5, 6  # modes of primitives; the others are points and lines
@@ -31,15 +38,28 @@ def amounts_of(header: dict[str, Any]) -> GltfAmounts:
     triangles = [sum(_triangles(primitive, accessors) for primitive in mesh) for mesh in meshes]
     vertices = [sum(accessors[primitive["attributes"]["POSITION"]]["count"] for primitive in mesh) for mesh in meshes]
     parts = [len(mesh) for mesh in meshes]
-    drawn: list[int] = [node["mesh"] for node in nodes if "mesh" in node]
+    drawn: list[tuple[int, int]] = [(node["mesh"], instances(node, accessors)) for node in nodes if "mesh" in node]
 
     def most(of_meshes: list[int]) -> int:
-        return max(sum(of_meshes), sum(of_meshes[mesh] for mesh in drawn))
+        return max(sum(of_meshes), sum(of_meshes[mesh] * times for mesh, times in drawn))
 
     views = sum(view["byteLength"] for view in header.get("bufferViews", []))
     arrays = sum(accessor["count"] * item_bytes(accessor) for accessor in accessors)
     node_count, depth = _tree(header, nodes)
     return GltfAmounts(most(triangles), most(vertices), most(parts), max(views, arrays), node_count, depth)
+
+
+def instances(node: dict[str, Any], accessors: list[dict[str, Any]]) -> int:
+    """How often a node's mesh is drawn."""
+    own = node.get("extensions", {}).get("EXT_mesh_gpu_instancing", {}).get("attributes", {})
+    counts: list[int] = [accessors[place]["count"] for place in own.values()]
+    return min(counts, default=1)
+
+
+def compression_of(view: dict[str, Any]) -> dict[str, Any] | None:
+    """What says how a view is compressed, where it is."""
+    extensions: dict[str, Any] = view.get("extensions", {})
+    return next((extensions[name] for name in COMPRESSED_VIEWS if name in extensions), None)
 
 
 def item_bytes(accessor: dict[str, Any]) -> int:
@@ -51,24 +71,52 @@ def check_layout(header: dict[str, Any]) -> None:
     """Raises MalformedError where an array reaches beyond what it lies in, or is not of the kind that it is used as."""
     accessors, views = header.get("accessors", []), header.get("bufferViews", [])
     for place, view in enumerate(views):
-        end, length = view.get("byteOffset", 0) + view["byteLength"], header["buffers"][view["buffer"]]["byteLength"]
-        if end > length:
-            raise MalformedError(f"bufferViews[{place}] ends at byte {end} of a buffer of {length}")
+        _check_view(place, view, header["buffers"])
     for place, accessor in enumerate(accessors):
-        if "bufferView" not in accessor or accessor["count"] == 0:
-            continue
-        view, item = views[accessor["bufferView"]], item_bytes(accessor)
-        end = accessor.get("byteOffset", 0) + (accessor["count"] - 1) * view.get("byteStride", item) + item
-        if end > view["byteLength"]:
-            raise MalformedError(f"accessors[{place}] ends at byte {end} of a bufferView of {view['byteLength']}")
+        _check_accessor(f"accessors[{place}]", accessor, views)
     for mesh_place, mesh in enumerate(header.get("meshes", [])):
         for place, primitive in enumerate(mesh["primitives"]):
             _check_primitive(f"meshes[{mesh_place}].primitives[{place}]", primitive, accessors)
 
 
+def _check_view(place: int, view: dict[str, Any], buffers: list[dict[str, Any]]) -> None:
+    compressed = compression_of(view)
+    if compressed is not None and compressed["byteStride"] * compressed["count"] != view["byteLength"]:
+        held = f"{compressed['count']} times {compressed['byteStride']} bytes"
+        raise MalformedError(f"bufferViews[{place}] is of {view['byteLength']} bytes, and its compression of {held}")
+    source = compressed or view
+    end, length = source.get("byteOffset", 0) + source["byteLength"], buffers[source["buffer"]]["byteLength"]
+    if end > length:
+        raise MalformedError(f"bufferViews[{place}] ends at byte {end} of a buffer of {length}")
+
+
+def _check_accessor(where: str, accessor: dict[str, Any], views: list[dict[str, Any]]) -> None:
+    item = item_bytes(accessor)
+    if "bufferView" in accessor and accessor["count"] > 0:
+        view = views[accessor["bufferView"]]
+        end = accessor.get("byteOffset", 0) + (accessor["count"] - 1) * view.get("byteStride", item) + item
+        _check_end(where, end, view)
+    sparse = accessor.get("sparse")
+    if sparse is None:
+        return
+    if sparse["count"] > accessor["count"]:
+        raise MalformedError(f"{where}.sparse.count is {sparse['count']} of {accessor['count']} items")
+    for part, size in (("indices", COMPONENT_BYTES[sparse["indices"]["componentType"]]), ("values", item)):
+        place = sparse[part]
+        end = place.get("byteOffset", 0) + sparse["count"] * size
+        _check_end(f"{where}.sparse.{part}", end, views[place["bufferView"]])
+
+
+def _check_end(where: str, end: int, view: dict[str, Any]) -> None:
+    if end > view["byteLength"]:
+        raise MalformedError(f"{where} ends at byte {end} of a bufferView of {view['byteLength']}")
+
+
 def _check_primitive(where: str, primitive: dict[str, Any], accessors: list[dict[str, Any]]) -> None:
     attributes = primitive["attributes"]
     used = {name: (accessors[at], ATTRIBUTES[name]) for name, at in attributes.items()}
+    for number, target in enumerate(primitive.get("targets", [])):
+        used |= {f"targets[{number}].{name}": (accessors[at], DISPLACED[name]) for name, at in target.items()}
     if "indices" in primitive:
         used["indices"] = accessors[primitive["indices"]], INDICES
     for name, (accessor, (types, component_types)) in used.items():

@@ -25,15 +25,24 @@ LARGEST = 1e30  # of numbers: products of a few stay finite
 COMPONENT_BYTES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
 COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 SHARES = (5126, 5121, 5123)  # floats, and integers as shares of their largest
+QUANTISED = (5126, 5120, 5121, 5122, 5123)  # KHR_mesh_quantization
+UV_SETS = 4
 # Attributes that are drawn, with what the specification lets their accessors be.
-ATTRIBUTES: dict[str, tuple[tuple[str, ...], tuple[int, ...]]] = {
-    "POSITION": (("VEC3",), (5126,)),
-    "NORMAL": (("VEC3",), (5126,)),
-    "TEXCOORD_0": (("VEC2",), SHARES),
-    "TEXCOORD_1": (("VEC2",), SHARES),
+Layout = tuple[tuple[str, ...], tuple[int, ...]]
+ATTRIBUTES: dict[str, Layout] = {
+    "POSITION": (("VEC3",), QUANTISED),
+    "NORMAL": (("VEC3",), (5126, 5120, 5122)),
+    **{f"TEXCOORD_{number}": (("VEC2",), QUANTISED) for number in range(UV_SETS)},
     "COLOR_0": (("VEC3", "VEC4"), SHARES),
+    **{f"JOINTS_{number}": (("VEC4",), (5121, 5123)) for number in range(2)},
+    **{f"WEIGHTS_{number}": (("VEC4",), SHARES) for number in range(2)},
 }
-INDICES: tuple[tuple[str, ...], tuple[int, ...]] = (("SCALAR",), (5121, 5123, 5125))
+DISPLACED: dict[str, Layout] = {"POSITION": (("VEC3",), QUANTISED), "NORMAL": (("VEC3",), (5126, 5120, 5122))}
+# Properties of views whose content is compressed; the second is the first's successor and reads the same.
+COMPRESSED_VIEWS = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+TEXTURE_SOURCES = ("EXT_texture_webp", "KHR_texture_basisu")
+REPEAT, MIRRORED_REPEAT, CLAMP_TO_EDGE = WRAPS = 10497, 33648, 33071
+INDICES: Layout = (("SCALAR",), (5121, 5123, 5125))
 
 
 class _WrongError(Exception):
@@ -159,7 +168,24 @@ def _one_of(choices: Collection[int | str]) -> Kind:
 
 
 _TEXTURE = _object(
-    {"index": _Required(_index("textures")), "texCoord": _integer(0), "scale": _number, "strength": _share}
+    {
+        "index": _Required(_index("textures")),
+        "texCoord": _integer(0),
+        "scale": _number,
+        "strength": _share,
+        "extensions": _object(
+            {
+                "KHR_texture_transform": _object(
+                    {
+                        "offset": _list(_number, 2),
+                        "rotation": _number,
+                        "scale": _list(_number, 2),
+                        "texCoord": _integer(0),
+                    }
+                )
+            }
+        ),
+    }
 )
 _MATERIAL = _object(
     {
@@ -183,8 +209,16 @@ _MATERIAL = _object(
             {
                 "KHR_materials_emissive_strength": _object({"emissiveStrength": _number}),
                 "KHR_materials_pbrSpecularGlossiness": _object(
-                    {"diffuseFactor": _list(_share, 4), "diffuseTexture": _TEXTURE, "glossinessFactor": _share}
+                    {
+                        "diffuseFactor": _list(_share, 4),
+                        "diffuseTexture": _TEXTURE,
+                        "specularFactor": _list(_share, 3),
+                        "glossinessFactor": _share,
+                        "specularGlossinessTexture": _TEXTURE,
+                    }
                 ),
+                "KHR_materials_transmission": _object({"transmissionFactor": _share}),
+                "KHR_materials_unlit": _object({}),
             }
         ),
     }
@@ -195,8 +229,59 @@ _PRIMITIVE = _object(
         "indices": _index("accessors"),
         "material": _index("materials"),
         "mode": _one_of(range(7)),
+        "targets": _list(_object(dict.fromkeys(DISPLACED, _index("accessors")))),
+        "extensions": _object(
+            {
+                "KHR_draco_mesh_compression": _object(
+                    {
+                        "bufferView": _Required(_index("bufferViews")),
+                        "attributes": _Required(_object(dict.fromkeys(ATTRIBUTES, _integer(0)))),
+                    }
+                )
+            }
+        ),
     }
 )
+_COMPRESSED = _object(
+    {
+        "buffer": _Required(_index("buffers")),
+        "byteOffset": _integer(0),
+        "byteLength": _Required(_integer(0)),
+        "byteStride": _Required(_integer(1)),
+        "count": _Required(_integer(0)),
+        "mode": _Required(_one_of(("ATTRIBUTES", "TRIANGLES", "INDICES"))),
+        "filter": _one_of(("NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL")),
+    }
+)
+_SPARSE = _object(
+    {
+        "count": _Required(_integer(1)),
+        "indices": _Required(
+            _object(
+                {
+                    "bufferView": _Required(_index("bufferViews")),
+                    "byteOffset": _integer(0),
+                    "componentType": _Required(_one_of(INDICES[1])),
+                }
+            )
+        ),
+        "values": _Required(_object({"bufferView": _Required(_index("bufferViews")), "byteOffset": _integer(0)})),
+    }
+)
+_CHANNEL = _object(
+    {
+        "sampler": _Required(_integer(0)),
+        "target": _Required(_object({"node": _index("nodes"), "path": _Required(_text)})),
+    }
+)
+_SAMPLER = _object(
+    {
+        "input": _Required(_index("accessors")),
+        "output": _Required(_index("accessors")),
+        "interpolation": _one_of(("LINEAR", "STEP", "CUBICSPLINE")),
+    }
+)
+_INSTANCES = dict.fromkeys(("TRANSLATION", "ROTATION", "SCALE"), _index("accessors"))
 _DOCUMENT = _object(
     {
         "asset": _Required(_object({"version": _Required(_text)})),
@@ -207,14 +292,28 @@ _DOCUMENT = _object(
                 {
                     "children": _list(_index("nodes")),
                     "mesh": _index("meshes"),
+                    "skin": _index("skins"),
+                    "weights": _list(_number),
                     "matrix": _list(_number, 16),
                     "translation": _list(_number, 3),
                     "rotation": _list(_number, 4),
                     "scale": _list(_number, 3),
+                    "extensions": _object(
+                        {
+                            "EXT_mesh_gpu_instancing": _object({"attributes": _Required(_object(_INSTANCES))}),
+                            "KHR_node_visibility": _object({"visible": _flag}),
+                        }
+                    ),
                 }
             )
         ),
-        "meshes": _list(_object({"primitives": _Required(_list(_PRIMITIVE))})),
+        "meshes": _list(_object({"primitives": _Required(_list(_PRIMITIVE)), "weights": _list(_number)})),
+        "skins": _list(
+            _object({"joints": _Required(_list(_index("nodes"))), "inverseBindMatrices": _index("accessors")})
+        ),
+        "animations": _list(
+            _object({"channels": _Required(_list(_CHANNEL)), "samplers": _Required(_list(_SAMPLER)), "name": _text})
+        ),
         "accessors": _list(
             _object(
                 {
@@ -224,6 +323,7 @@ _DOCUMENT = _object(
                     "count": _Required(_integer(0)),
                     "type": _Required(_one_of(COMPONENTS)),
                     "normalized": _flag,
+                    "sparse": _SPARSE,
                 }
             )
         ),
@@ -234,6 +334,7 @@ _DOCUMENT = _object(
                     "byteOffset": _integer(0),
                     "byteLength": _Required(_integer(0)),
                     "byteStride": _integer(1),
+                    "extensions": _object(dict.fromkeys(COMPRESSED_VIEWS, _COMPRESSED)),
                 }
             )
         ),
@@ -243,10 +344,12 @@ _DOCUMENT = _object(
             _object(
                 {
                     "source": _index("images"),
-                    "extensions": _object({"EXT_texture_webp": _object({"source": _index("images")})}),
+                    "sampler": _index("samplers"),
+                    "extensions": _object(dict.fromkeys(TEXTURE_SOURCES, _object({"source": _index("images")}))),
                 }
             )
         ),
+        "samplers": _list(_object({"magFilter": _integer(0), "wrapS": _one_of(WRAPS), "wrapT": _one_of(WRAPS)})),
         "images": _list(_object({"uri": _text, "bufferView": _index("bufferViews"), "mimeType": _text})),
     }
 )

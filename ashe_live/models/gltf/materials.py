@@ -1,0 +1,229 @@
+"""glTF's materials as ours: factors, maps with their layouts, and the extensions that can be said in the same terms."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ashe_live.core.arrays import Image
+from ashe_live.models.folder import Folder
+from ashe_live.models.gltf.arrays import Arrays
+from ashe_live.models.gltf.container import named_content
+from ashe_live.models.gltf.schema import CLAMP_TO_EDGE, MIRRORED_REPEAT, REPEAT
+from ashe_live.models.gltf.specular import metal_rough_from_specular
+from ashe_live.models.malformed import MalformedError
+from ashe_live.models.material import BLACK, MAP_SETS, UNKNOWN, WHITE, Alpha, LinearRGBA, MapLayout, Material
+from ashe_live.models.notes import Notes
+from ashe_live.models.pictures import Pictures
+
+NEAREST = 9728
+ALPHAS = {"OPAQUE": Alpha.OPAQUE, "MASK": Alpha.CUT_OUT, "BLEND": Alpha.BLEND}
+OLD = "KHR_materials_pbrSpecularGlossiness"
+# What a pane that transmits everything still shows of itself.
+LEAST_COVER = 0.15
+
+
+class Materials:
+    """Of one file. Their pictures are read as they are asked for."""
+
+    def __init__(self, header: dict[str, Any], arrays: Arrays, folder: Folder, notes: Notes) -> None:
+        self._header = header
+        self._arrays = arrays
+        self._folder = folder
+        self._notes = notes
+        self._pictures = Pictures()
+        self._made: dict[tuple[int, frozenset[int]], tuple[Material, tuple[int, ...]]] = {}
+
+    def material(self, place: int | None, uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:
+        """For a mesh that has those sets of texture coordinates; with which of them, at most MAP_SETS, it is laid out.
+
+        Raises UserError when its textures are too large or missing, MalformedError when one is damaged.
+        """
+        if place is None:
+            return UNKNOWN, ()
+        key = place, uv_sets
+        if key not in self._made:
+            self._made[key] = self._converted(self._header["materials"][place], uv_sets)
+        return self._made[key]
+
+    def _converted(self, given: dict[str, Any], uv_sets: frozenset[int]) -> tuple[Material, tuple[int, ...]]:
+        extensions = given.get("extensions", {})
+        maps = _Maps(uv_sets)
+        if OLD in extensions:
+            surface = self._specular_glossiness(extensions[OLD], maps)
+        else:
+            surface = self._metallic_roughness(given.get("pbrMetallicRoughness", {}), maps)
+        normal, occlusion = given.get("normalTexture", {}), given.get("occlusionTexture", {})
+        strength = extensions.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0)
+        for name, key, texture in (
+            ("normal_map", "normalTexture", normal),
+            ("occlusion_map", "occlusionTexture", occlusion),
+            ("emissive_map", "emissiveTexture", given.get("emissiveTexture", {})),
+        ):
+            self._add(maps, name, key, texture)
+        is_lost = "emissiveTexture" in given and "emissive_map" not in maps.texels
+        emissive = tuple(strength * value for value in given.get("emissiveFactor", BLACK))
+        # Without its map all of the surface would glow.
+        surface |= {"emissive": BLACK if is_lost else emissive, "alpha": ALPHAS[given.get("alphaMode", "OPAQUE")]}
+        surface |= self._see_through(extensions, surface)
+        if "KHR_materials_unlit" in extensions:
+            surface |= _shining(surface, maps)
+        if maps.left_out:
+            self._notes.add("maps that are laid out by a third set of texture coordinates are left out")
+        material = Material(
+            normal_scale=normal.get("scale", 1.0),
+            occlusion_strength=occlusion.get("strength", 1.0),
+            alpha_cutoff=given.get("alphaCutoff", 0.5),
+            double_sided=given.get("doubleSided", False),
+            layouts=maps.layouts,
+            **surface,
+            **maps.texels,
+        )
+        return material, tuple(maps.sets)
+
+    def _metallic_roughness(self, given: dict[str, Any], maps: "_Maps") -> dict[str, Any]:
+        self._add(maps, "base_map", "baseColorTexture", given.get("baseColorTexture", {}))
+        self._add(maps, "metallic_roughness_map", "metallicRoughnessTexture", given.get("metallicRoughnessTexture", {}))
+        return {
+            "base_colour": tuple(given.get("baseColorFactor", WHITE)),
+            "metallic": given.get("metallicFactor", 1.0),
+            "roughness": given.get("roughnessFactor", 1.0),
+        }
+
+    def _specular_glossiness(self, given: dict[str, Any], maps: "_Maps") -> dict[str, Any]:
+        diffuse, shine = given.get("diffuseTexture", {}), given.get("specularGlossinessTexture", {})
+        layouts = [self._layout(texture) for texture in (diffuse, shine) if texture]
+        if len(set(layouts)) > 1:
+            self._notes.add("a specular-glossiness map is laid out otherwise than its diffuse map, and averaged")
+        converted = metal_rough_from_specular(
+            tuple(given.get("diffuseFactor", WHITE)),
+            tuple(given.get("specularFactor", WHITE[:3])),
+            given.get("glossinessFactor", 1.0),
+            self._texels(diffuse, "diffuseTexture") if diffuse else None,
+            self._texels(shine, "specularGlossinessTexture") if shine else None,
+            is_averaged=len(set(layouts)) > 1,
+        )
+        for name, texels in (("base_map", converted.base_map), ("metallic_roughness_map", converted.roughness_map)):
+            if texels is not None:
+                key = OLD, name, diffuse.get("index"), shine.get("index"), str(given)
+                kept = self._pictures.get(key)
+                maps.add(
+                    name,
+                    layouts[0],
+                    self._mirrored(self._pictures.keep(key, texels) if kept is None else kept, layouts[0]),
+                )
+        return {"base_colour": converted.base_colour, "metallic": converted.metallic, "roughness": converted.roughness}
+
+    def _see_through(self, extensions: dict[str, Any], surface: dict[str, Any]) -> dict[str, Any]:
+        share = extensions.get("KHR_materials_transmission", {}).get("transmissionFactor", 0.0)
+        if share == 0 or surface["alpha"] is not Alpha.OPAQUE:
+            return {}
+        self._notes.add("what it transmits is drawn as plain transparency, without refraction")
+        red, green, blue, _ = surface["base_colour"]
+        return {"base_colour": (red, green, blue, 1 - share * (1 - LEAST_COVER)), "alpha": Alpha.BLEND}
+
+    def _add(self, maps: "_Maps", name: str, key: str, texture: dict[str, Any]) -> None:
+        if not texture:
+            return
+        layout = self._layout(texture)
+        if maps.takes(layout) and (texels := self._texels(texture, key)) is not None:
+            maps.add(name, layout, self._mirrored(texels, layout))
+
+    def _mirrored(self, texels: Image, layout: MapLayout) -> Image:
+        """Followed by its mirror image to the right and upwards, where every other repetition is one."""
+        if not any(layout.mirrors):
+            return texels
+        key = "mirrored", id(texels), layout.mirrors
+        kept = self._pictures.get(key)
+        if kept is not None:
+            return kept
+        across, upwards = layout.mirrors
+        doubled = np.hstack([texels, texels[:, ::-1]]) if across else texels
+        return self._pictures.keep(key, np.vstack([doubled[::-1], doubled]) if upwards else doubled)
+
+    def _layout(self, texture: dict[str, Any]) -> MapLayout:
+        """With the set of texture coordinates by the file's number."""
+        moved = texture.get("extensions", {}).get("KHR_texture_transform", {})
+        sampler = self._header["textures"][texture["index"]].get("sampler")
+        wraps = {} if sampler is None else self._header["samplers"][sampler]
+        across, down = wraps.get("wrapS", REPEAT), wraps.get("wrapT", REPEAT)
+        (a, b, e), (c, d, f) = _from_top_left(moved)
+        if across == MIRRORED_REPEAT:
+            a, b, e = a / 2, b / 2, e / 2
+        if down == MIRRORED_REPEAT:
+            c, d, f = c / 2, d / 2, f / 2
+        return MapLayout(
+            uv_set=moved.get("texCoord", texture.get("texCoord", 0)),
+            matrix=(a, b, e, c, d, f),
+            repeats=(across != CLAMP_TO_EDGE, down != CLAMP_TO_EDGE),
+            mirrors=(across == MIRRORED_REPEAT, down == MIRRORED_REPEAT),
+            is_sharp=wraps.get("magFilter") == NEAREST,
+        )
+
+    def _texels(self, texture: dict[str, Any], name: str) -> Image | None:
+        found = self._header["textures"][texture["index"]]
+        sources = found.get("extensions", {})
+        source = sources.get("EXT_texture_webp", found).get("source", found.get("source"))
+        if source is None:
+            is_basis = "KHR_texture_basisu" in sources
+            self._notes.add(
+                "textures compressed as Basis Universal (KTX2) are left out: export them as PNG, JPEG or WebP"
+                if is_basis
+                else f"a {name} names no image"
+            )
+            return None
+        return self._pictures.texels(source, lambda: self._image(source, name), name)
+
+    def _image(self, source: int, name: str) -> bytes:
+        image = self._header["images"][source]
+        if "uri" in image:
+            return named_content(image["uri"], self._folder)
+        if "bufferView" not in image:
+            raise MalformedError(f"images[{source}], its {name}, has neither a uri nor a bufferView")
+        return bytes(self._arrays.view(image["bufferView"]))
+
+
+class _Maps:
+    """A material's maps as they are gathered, by the sets of texture coordinates that the mesh has."""
+
+    def __init__(self, uv_sets: frozenset[int]) -> None:
+        self.texels: dict[str, Any] = {}
+        self.layouts: dict[str, MapLayout] = {}
+        self.sets: list[int] = []
+        self.left_out = False
+        self._there = uv_sets
+
+    def takes(self, layout: MapLayout) -> bool:
+        """Whether the mesh has what the map is laid out by."""
+        is_there = layout.uv_set in self._there
+        has_room = layout.uv_set in self.sets or len(self.sets) < MAP_SETS
+        self.left_out |= is_there and not has_room
+        return is_there and has_room
+
+    def add(self, name: str, layout: MapLayout, texels: Image) -> None:
+        if not self.takes(layout):
+            return
+        if layout.uv_set not in self.sets:
+            self.sets.append(layout.uv_set)
+        self.texels[name] = texels
+        self.layouts[name] = layout.for_set(self.sets.index(layout.uv_set))
+
+
+def _from_top_left(moved: dict[str, Any]) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """KHR_texture_transform, whose origin is a picture's top left corner, for coordinates from its bottom left."""
+    (x, y), (scale_x, scale_y) = moved.get("offset", (0.0, 0.0)), moved.get("scale", (1.0, 1.0))
+    cosine, sine = math.cos(moved.get("rotation", 0.0)), math.sin(moved.get("rotation", 0.0))
+    a, b, c, d = cosine * scale_x, sine * scale_y, -sine * scale_x, cosine * scale_y
+    return (a, -b, b + x), (-c, d, 1 - d - y)
+
+
+def _shining(surface: dict[str, Any], maps: _Maps) -> dict[str, Any]:
+    """KHR_materials_unlit: the base colour, as it is, whatever light there is."""
+    base: LinearRGBA = surface["base_colour"]
+    texels = maps.texels.get("base_map")
+    for name in ("metallic_roughness_map", "normal_map", "occlusion_map", "emissive_map"):
+        maps.texels.pop(name, None)
+        maps.layouts.pop(name, None)
+    if texels is not None:
+        maps.texels["emissive_map"], maps.layouts["emissive_map"] = texels, maps.layouts["base_map"]
+    return {"emissive": base[:3], "base_colour": (0.0, 0.0, 0.0, base[3]), "metallic": 0.0, "roughness": 1.0}

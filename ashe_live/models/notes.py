@@ -1,0 +1,26 @@
+"""What of a model is drawn otherwise than its file says: one line each, for the terminal, the window and programs."""
+
+from collections.abc import Iterable
+
+MOST_NOTES = 6
+
+
+class Notes:
+    """Gathered while a file is read; the same words count once."""
+
+    def __init__(self) -> None:
+        self._lines: dict[str, None] = {}
+
+    def add(self, line: str) -> None:
+        self._lines.setdefault(line)
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """In the order in which they were added, the first MOST_NOTES of them."""
+        return tuple(self._lines)[:MOST_NOTES]
+
+
+def listed(names: Iterable[str]) -> str:
+    """Such as "clearcoat, sheen and volume"."""
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last

@@ -1,0 +1,67 @@
+"""Polygons in space as triangles: fans where they are convex, earcut's where they are not."""
+
+import mapbox_earcut
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float
+
+Indices = NDArray[np.int64]
+
+
+def triangulated(places: Float, corners: Indices, counts: Indices) -> Indices:
+    """(m, 3) indices into `corners` (k,), which name `places` (n, 3), polygon after polygon of `counts` corners each.
+
+    What has fewer than three corners is left out. Triangles run as their polygon does.
+    """
+    begins = np.cumsum(counts) - counts
+    found, order = [], []
+    for count in np.unique(counts[counts >= 3]):
+        polygons = np.flatnonzero(counts == count)
+        rows = begins[polygons, None] + np.arange(count)
+        hubs = np.broadcast_to(rows[:, :1], (len(rows), count - 2))
+        fans = np.stack([hubs, rows[:, 1:-1], rows[:, 2:]], axis=2)
+        if count > 3:
+            for number in np.flatnonzero(~_are_convex(places[corners[rows]])):
+                cut = _ears(places[corners[rows[number]]])
+                if cut is not None:
+                    fans[number] = rows[number][cut]
+        found.append(fans.reshape(-1, 3))
+        order.append(np.repeat(polygons, count - 2))
+    if not found:
+        return np.empty((0, 3), np.int64)
+    # In the file's order, as triangles at the same place may follow one another on purpose.
+    return np.concatenate(found)[np.argsort(np.concatenate(order), kind="stable")]
+
+
+def _are_convex(polygons: Float) -> NDArray[np.bool_]:
+    """(p,) whether every corner of a polygon (p, k, 3) turns the way that the whole of it does."""
+    edges = np.roll(polygons, -1, axis=1) - polygons
+    turns = np.cross(edges, np.roll(edges, -1, axis=1))
+    along = np.einsum("pki,pi->pk", turns, _area_vectors(polygons))
+    return np.asarray((along >= -1e-9 * np.abs(along).max(axis=1, keepdims=True)).all(axis=1))
+
+
+def _area_vectors(polygons: Float) -> Float:
+    """(p, 3) by Newell's method."""
+    centred = polygons - polygons[:, :1]
+    return np.asarray(np.cross(centred, np.roll(centred, -1, axis=1)).sum(axis=1))
+
+
+def _ears(polygon: Float) -> Indices | None:
+    """(k - 2, 3) corners of a polygon (k, 3), seen along its normal; None where it has no area or crosses itself."""
+    (normal,) = _area_vectors(polygon[None])
+    if not np.isfinite(normal).all() or not normal.any():
+        return None
+    dropped = int(np.abs(normal).argmax())
+    flat = np.ascontiguousarray(np.delete(polygon - polygon[0], dropped, axis=1))
+    if (normal[dropped] < 0) != (dropped == 1):
+        flat = np.ascontiguousarray(flat[:, ::-1])  # counter-clockwise as the polygon runs
+    cut = mapbox_earcut.triangulate_float64(flat, np.array([len(flat)], np.uint32)).reshape(-1, 3).astype(np.int64)
+    if len(cut) != len(polygon) - 2:
+        return None
+    a, b, c = np.moveaxis(flat[cut], 1, 0)
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    is_turned = ux * vy - uy * vx < 0
+    cut[is_turned] = cut[is_turned][:, ::-1]
+    return cut

@@ -1,0 +1,180 @@
+"""Geometry as web pages bring it: compressed by Draco or by meshoptimizer, to the same places."""
+
+import base64
+from pathlib import Path
+
+import DracoPy
+import numpy as np
+import pytest
+
+from ashe_live.errors import UserError
+from ashe_live.models.gltf.meshopt import decompressed
+from ashe_live.models.loading import load_model_file
+from ashe_live.models.malformed import MalformedError
+from tests.models.gltf_files import CORNERS, NORMALS, TRIANGLES, UVS, Document
+
+# 5 x 5 points (1000 x, 1000 y, 37 x y) as 16-bit integers and the triangles between them, by meshoptimizer's encoder.
+GRID_POINTS = base64.b64decode(
+    "oAcALy8vL8AvLy8vwC8vLy/A///AAC8vLy/ALy8vLwoGiI9oiPaIjx0dHWiI9oiAAAAAHQUAMAwDLy8vAMAAAC8FADAMAwYICADAAAAIBQAP//9K"
+    "SkpK2JSUlJRP///AAN7e3t6I19fX1wUAAAAJCEiAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA="
+)
+GRID_TRIANGLES = base64.b64decode(
+    "4f7+/v7+/v7+///////////////+/v7+/v7+/v7+/v7+DwzyAvIC8gJ/BH8CfwJ/An8HDH8JDH8JDH8JDH8HDH8JDH8JDH8JDP8vDAHyBwzxCQwf"
+    "CXAaGBdQFhYWUBYWFgB2h1ZneKmGZYlomAFpAAA="
+)
+
+
+def grid() -> tuple[np.ndarray, np.ndarray]:
+    y, x = (along.ravel() for along in np.mgrid[:5, :5])
+    first = (5 * np.arange(4)[:, None] + np.arange(4)).ravel()
+    lower, upper = np.stack([first, first + 1, first + 6], 1), np.stack([first, first + 6, first + 5], 1)
+    return np.stack([1000 * x, 1000 * y, 37 * x * y], 1), np.concatenate([lower, upper])
+
+
+def attributes(count: int, stride: int, kind: str = "NONE") -> dict:
+    return {"count": count, "byteStride": stride, "mode": "ATTRIBUTES", "filter": kind}
+
+
+def test_what_meshoptimizer_wrote_is_read() -> None:
+    points, triangles = grid()
+    read = np.frombuffer(decompressed(GRID_POINTS, attributes(25, 8)), np.uint16).reshape(-1, 4)
+    np.testing.assert_array_equal(read[:, :3], points)
+    of_triangles = {"count": 96, "byteStride": 2, "mode": "TRIANGLES"}
+    indices = np.frombuffer(decompressed(GRID_TRIANGLES, of_triangles), np.uint16).reshape(-1, 3)
+    # Each may begin with another of its corners.
+    turned = [np.roll(corners, -int(np.argmin(corners))).tolist() for corners in indices]
+    assert turned == [np.roll(corners, -int(np.argmin(corners))).tolist() for corners in triangles]
+
+
+def test_the_specifications_example_of_a_group() -> None:
+    """Appendix A, mode 0: sixteen deltas in four bits each, two of them apart."""
+    group = bytes([0x17, 0x5F, 0xF0, 0xBC, 0x77, 0xA9, 0x21, 0x00, 0x34, 0xB5])
+    empty = b"\0"
+    stream = b"\xa0" + b"\x02" + group + 3 * empty + bytes(32)
+    read = np.frombuffer(decompressed(stream, attributes(16, 4)), np.uint8).reshape(-1, 4)
+    deltas = np.array([-1, -4, -3, 26, -91, 0, -6, 6, -4, -4, 5, -5, 1, -1, 0, 0])
+    np.testing.assert_array_equal(read[:, 0], np.cumsum(deltas) % 256)
+    assert not read[:, 1:].any()
+
+
+def test_indices_are_deltas_to_either_of_two() -> None:
+    """Appendix A, mode 2; 0x81 0x04 is 0x201, a delta of -129 from the second."""
+    stream = bytes([0xD1, 0x28, 0x50, 0x05, 0x81, 0x04]) + bytes(4)
+    read = np.frombuffer(decompressed(stream, {"count": 4, "byteStride": 4, "mode": "INDICES"}), np.uint32)
+    assert read.tolist() == [10, 30, 1, 129]
+
+
+def stored(rows: np.ndarray) -> bytes:
+    """Rows as a stream that spares nothing: every byte's deltas whole."""
+    values = np.ascontiguousarray(rows).view(np.uint8).reshape(len(rows), -1)
+    filled = np.vstack([values, np.repeat(values[-1:], -len(values) % 16, axis=0)])
+    deltas = np.diff(filled, axis=0, prepend=np.zeros((1, values.shape[1]), np.uint8)).astype(np.int8).astype(int)
+    codes = np.where(deltas < 0, -2 * deltas - 1, 2 * deltas).astype(np.uint8)
+    header = bytes([0xFF] * -(-len(filled) // 64))
+    return b"\xa0" + b"".join(header + column.tobytes() for column in codes.T) + bytes(max(32, values.shape[1]))
+
+
+def test_filters_give_directions_turns_and_floats() -> None:
+    """Appendix B; the inputs by its definitions."""
+    directions = np.float64([(0, 0, 1), (1, 0, 0), (0.6, 0, -0.8), (0, -0.6, 0.8)])
+    share = directions / np.abs(directions).sum(axis=1, keepdims=True)
+    folded = np.where(share[:, 2:] < 0, (1 - np.abs(share[:, 1::-1])) * np.where(share[:, :2] < 0, -1, 1), share[:, :2])
+    packed = np.column_stack([np.round(folded * 127), np.full(4, 127), np.full(4, 5)]).astype(np.int8)
+    read = np.frombuffer(decompressed(stored(packed), attributes(4, 4, "OCTAHEDRAL")), np.int8).reshape(-1, 4)
+    np.testing.assert_allclose(read[:, :3] / 127, directions, atol=0.02)
+    assert (read[:, 3] == 5).all()
+
+    quarter = np.array([0.5, 0.5, 0.5, 0.5])
+    one = 2047
+    parts = np.round(quarter[:3] * np.sqrt(2) * one)
+    packed = np.int16([(*parts, one & ~3 | 3), (0, 0, 0, one & ~3 | 2)])
+    read = np.frombuffer(decompressed(stored(packed), attributes(2, 8, "QUATERNION")), np.int16).reshape(-1, 4)
+    np.testing.assert_allclose(read / 32767, [quarter, (0, 0, 1, 0)], atol=1e-3)
+
+    packed = np.int32([(-2 << 24) | 5, (3 << 24) | (-7 & 0xFFFFFF)])[:, None]
+    read = np.frombuffer(decompressed(stored(packed), attributes(2, 4, "EXPONENTIAL")), np.float32)
+    assert read.tolist() == [1.25, -56.0]
+
+
+def of_meshopt(cut: int = 0) -> Document:
+    document = Document()
+    points = document.view(GRID_POINTS[: len(GRID_POINTS) - cut])
+    triangles = document.view(GRID_TRIANGLES)
+    for view, (stride, count, mode) in ((points, (8, 25, "ATTRIBUTES")), (triangles, (2, 96, "TRIANGLES"))):
+        own = document.json["bufferViews"][view]
+        packed = {**own, "byteStride": stride, "count": count, "mode": mode}
+        own |= {"buffer": 1, "byteOffset": 0, "byteLength": stride * count}
+        own["extensions"] = {"EXT_meshopt_compression": packed}
+    document.json["bufferViews"][points]["byteStride"] = 8
+    document.json["accessors"] = [
+        {"bufferView": points, "componentType": 5123, "count": 25, "type": "VEC3"},
+        {"bufferView": triangles, "componentType": 5123, "count": 96, "type": "SCALAR"},
+    ]
+    document.json["meshes"] = [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]
+    document.json["nodes"], document.json["scenes"] = [{"mesh": 0}], [{"nodes": [0]}]
+    document.json["extensionsRequired"] = ["EXT_meshopt_compression", "KHR_mesh_quantization"]
+    document.more_buffers = [{"byteLength": 1000}]  # that nothing is in
+    return document
+
+
+def test_a_file_of_compressed_views_is_drawn(tmp_path: Path) -> None:
+    model = load_model_file(of_meshopt().save(tmp_path / "a.glb"))
+    assert model.triangle_count == 32
+    np.testing.assert_allclose(np.ptp(model.bounds, axis=0), (4000, 592, 4000))
+
+
+@pytest.mark.parametrize("cut", [100, 120, 148])
+def test_compressed_views_that_are_torn_are_said(tmp_path: Path, cut: int) -> None:
+    document = of_meshopt(cut)
+    with pytest.raises(UserError, match=r"bufferViews\[0\] cannot be decompressed \(it ends"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
+@pytest.mark.parametrize("stream", [b"\xe1" + bytes(60), b"\xa0", b"", b"\xa1" + bytes(60)])
+def test_another_stream_is_refused(stream: bytes) -> None:
+    with pytest.raises((MalformedError, IndexError)):
+        decompressed(stream, attributes(4, 8))
+
+
+def of_draco(content: bytes | None = None) -> Document:
+    document = Document()
+    document.quad(TEXCOORD_0=document.accessor(UVS))
+    whole = DracoPy.encode(
+        CORNERS,
+        TRIANGLES.astype(np.uint32),
+        quantization_bits=14,
+        normals=NORMALS.astype(float),
+        tex_coord=UVS.astype(float),
+        preserve_order=True,
+    )
+    ids = {attribute["attribute_type"]: attribute["unique_id"] for attribute in DracoPy.decode(whole).attributes}
+    primitive = document.json["meshes"][0]["primitives"][0]
+    view = document.view(whole if content is None else content)
+    named = {"POSITION": ids[0], "NORMAL": ids[1], "TEXCOORD_0": ids[3]}
+    primitive["extensions"] = {"KHR_draco_mesh_compression": {"bufferView": view, "attributes": named}}
+    for accessor in document.json["accessors"]:
+        del accessor["bufferView"]
+    document.json["extensionsRequired"] = ["KHR_draco_mesh_compression"]
+    return document
+
+
+def test_what_draco_wrote_is_read(tmp_path: Path) -> None:
+    part = load_model_file(of_draco().save(tmp_path / "a.glb")).parts[0]
+    corners = part.vertices[part.triangles].reshape(-1, 3)
+    given = CORNERS[TRIANGLES].reshape(-1, 3)[:, [0, 2, 1]] * np.float32((1, -1, 1))
+    np.testing.assert_allclose(sorted(corners.round(3).tolist()), sorted(given.round(3).tolist()), atol=2e-3)
+    np.testing.assert_allclose(part.normals, [(0, -1, 0)] * len(part.normals), atol=1e-2)
+
+
+@pytest.mark.parametrize("content", [b"DRACO" + bytes(40), b"", bytes(100)])
+def test_draco_data_that_is_none_is_said(tmp_path: Path, content: bytes) -> None:
+    with pytest.raises(UserError, match="Draco data cannot be decoded"):
+        load_model_file(of_draco(content or b"\1").save(tmp_path / "a.glb"))
+
+
+def test_draco_data_of_another_size_is_said(tmp_path: Path) -> None:
+    document = of_draco()
+    for accessor in document.json["accessors"]:
+        accessor["count"] = 6
+    with pytest.raises(UserError, match=r"Draco data holds \(4, 3\) of POSITION, and its accessor \(6, 3\)"):
+        load_model_file(document.save(tmp_path / "a.glb"))

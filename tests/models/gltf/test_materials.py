@@ -1,0 +1,202 @@
+"""Materials beyond metallic-roughness as it is: moved maps, older and plainer models, deep pictures, wrapping."""
+
+import io
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from ashe_live.core.colour import linear_from_srgb
+from ashe_live.models.gltf.specular import metal_rough_from_specular
+from ashe_live.models.loading import load_model_file
+from ashe_live.models.material import BLACK, Alpha, MapLayout, Material
+from ashe_live.models.mesh import Model
+from tests.models.gltf_files import UVS, Document, png
+
+RED, GREEN, BLUE, WHITE = (255, 0, 0, 255), (0, 255, 0, 255), (0, 0, 255, 255), (255, 255, 255, 255)
+
+
+def quarters() -> bytes:
+    """A picture of 2 x 2 texels: red and green above, blue and white below."""
+    encoded = io.BytesIO()
+    Image.fromarray(np.array([[RED, GREEN], [BLUE, WHITE]], np.uint8)).save(encoded, "PNG")
+    return encoded.getvalue()
+
+
+def quad_of(tmp_path: Path, material: dict, document: Document | None = None, **extra) -> Model:
+    document = document or Document()
+    document.quad(material=material, TEXCOORD_0=document.accessor(UVS))
+    document.json |= extra
+    return load_model_file(document.save(tmp_path / "quad.glb"))
+
+
+def colour_at(material: Material, uv_top_left: tuple[float, float], name: str = "base_map") -> tuple[int, ...]:
+    """The texel that glTF coordinates, from the top left, lead to; looked up as a graphics card does."""
+    layout, texels = material.layout(name), material.maps[name]
+    u, v = np.array(layout.matrix).reshape(2, 3) @ (uv_top_left[0], 1 - uv_top_left[1], 1)
+    height, width = texels.shape[:2]
+    across, up = (
+        (share % 1 if repeats else min(max(share, 0), 1 - 1e-9))
+        for share, repeats in zip((u, v), layout.repeats, strict=True)
+    )
+    return tuple(texels[height - 1 - int(up * height), int(across * width)])
+
+
+def moved(document: Document, transform: dict, sampler: dict | None = None) -> dict:
+    texture = document.embedded(quarters())
+    if sampler is not None:
+        document.json["samplers"] = [sampler]
+        document.json["textures"][0]["sampler"] = 0
+    transformed = {**texture, "extensions": {"KHR_texture_transform": transform}}
+    return {"pbrMetallicRoughness": {"baseColorTexture": transformed}}
+
+
+def test_a_map_is_moved_turned_and_scaled(tmp_path: Path) -> None:
+    """The extension's own example: the lower left quarter, turned by 90 degrees."""
+    document = Document()
+    transform = {"offset": [0, 1], "rotation": math.pi / 2, "scale": [0.5, 0.5]}
+    material = (
+        quad_of(tmp_path, moved(document, transform), document, extensionsRequired=["KHR_texture_transform"])
+        .parts[0]
+        .material
+    )
+    for uv in ((0.1, 0.1), (0.9, 0.1), (0.1, 0.9), (0.9, 0.9)):
+        assert colour_at(material, uv) == BLUE
+    document = Document()
+    material = quad_of(tmp_path, moved(document, {"offset": [0, 1], "scale": [1, -1]}), document).parts[0].material
+    assert [colour_at(material, uv) for uv in ((0.2, 0.2), (0.8, 0.2), (0.2, 0.8))] == [BLUE, WHITE, RED]
+    document = Document()
+    material = quad_of(tmp_path, moved(document, {"rotation": math.pi / 2, "offset": [0, 1]}), document)
+    # The picture is turned clockwise: what was at the bottom left is at the top left.
+    assert colour_at(material.parts[0].material, (0.2, 0.2)) == BLUE
+    assert colour_at(material.parts[0].material, (0.8, 0.2)) == RED
+
+
+@pytest.mark.parametrize(
+    ("wrap", "beyond"), [(10497, (RED, GREEN)), (33071, (GREEN, GREEN)), (33648, (GREEN, RED)), (None, (RED, GREEN))]
+)
+def test_what_lies_beyond_a_map_is_as_its_sampler_says(tmp_path: Path, wrap: int | None, beyond: tuple) -> None:
+    document = Document()
+    sampler = {} if wrap is None else {"wrapS": wrap, "wrapT": wrap, "magFilter": 9728}
+    material = quad_of(tmp_path, moved(document, {}, sampler), document).parts[0].material
+    assert (colour_at(material, (0.2, 0.2)), colour_at(material, (0.8, 0.8))) == (RED, WHITE)
+    assert (colour_at(material, (1.2, 0.2)), colour_at(material, (1.8, 0.2))) == beyond
+    down = {10497: BLUE, 33071: BLUE, 33648: RED, None: BLUE}[wrap]
+    assert colour_at(material, (0.2, 1.8 if wrap != 33071 else 5.0)) == down
+    assert material.layout("base_map").is_sharp == (wrap is not None)
+
+
+def test_a_map_as_it_is_has_the_plain_layout(tmp_path: Path) -> None:
+    document = Document()
+    material = {"pbrMetallicRoughness": {"baseColorTexture": document.embedded(quarters())}}
+    layout = quad_of(tmp_path, material, document).parts[0].material.layout("base_map")
+    assert layout == MapLayout()
+    assert layout.is_plain
+
+
+def metal_and_gloss(tmp_path: Path, **extension) -> Material:
+    given = {"extensions": {"KHR_materials_pbrSpecularGlossiness": extension}}
+    return quad_of(tmp_path, given).parts[0].material
+
+
+def reflected(material: Material) -> tuple[np.ndarray, np.ndarray]:
+    """Diffuse and specular colour of a metallic-roughness material: appendix B of the specification."""
+    base = np.array(material.base_colour[:3])
+    return base * (1 - material.metallic), 0.04 + (base - 0.04) * material.metallic
+
+
+def test_gold_is_metal_and_red_plastic_is_none(tmp_path: Path) -> None:
+    gold, red = (1.0, 0.77, 0.34), (0.8, 0.1, 0.05)
+    material = metal_and_gloss(tmp_path, diffuseFactor=[0, 0, 0, 1], specularFactor=gold, glossinessFactor=0.7)
+    diffuse, specular = reflected(material)
+    np.testing.assert_allclose(diffuse, 0, atol=0.01)
+    np.testing.assert_allclose(specular, gold, atol=0.02)
+    assert material.roughness == pytest.approx(0.3)
+    material = metal_and_gloss(tmp_path, diffuseFactor=[*red, 1], specularFactor=[0.04] * 3, glossinessFactor=0.2)
+    diffuse, specular = reflected(material)
+    np.testing.assert_allclose(diffuse, red, atol=0.01)
+    np.testing.assert_allclose(specular, 0.04, atol=0.005)
+
+
+def test_specular_glossiness_is_converted_texel_by_texel() -> None:
+    """Half gold, half white plastic."""
+    diffuse = np.full((2, 2, 4), 255, np.uint8)
+    diffuse[:, 0, :3] = 0
+    shine = np.full((2, 2, 4), 255, np.uint8)
+    shine[:, 0], shine[:, 1] = (255, 200, 120, 204), (56, 56, 56, 51)
+    made = metal_rough_from_specular((1.0, 1.0, 1.0, 0.5), (1.0, 1.0, 1.0), 1.0, diffuse, shine)
+    np.testing.assert_array_equal(made.roughness_map[0, :, 1], (255 - 204, 255 - 51))
+    np.testing.assert_allclose(made.roughness_map[0, :, 2], (255, 0), atol=1)
+    np.testing.assert_allclose(
+        linear_from_srgb(made.base_map[0, 0, :3] / 255), linear_from_srgb(np.array((255, 200, 120)) / 255), atol=0.01
+    )
+    assert made.base_map[0, 1, 0] > 250
+    assert made.base_colour[3] == 0.5
+
+
+def test_maps_of_the_older_kind_arrive(tmp_path: Path) -> None:
+    document = Document()
+    old = {
+        "diffuseTexture": document.embedded(png(BLUE)),
+        "specularFactor": [0.04] * 3,
+        "specularGlossinessTexture": document.embedded(png((255, 255, 255, 128))),
+    }
+    material = (
+        quad_of(tmp_path, {"extensions": {"KHR_materials_pbrSpecularGlossiness": old}}, document).parts[0].material
+    )
+    assert tuple(material.base_map[0, 0]) == pytest.approx(BLUE, abs=1)
+    assert (material.metallic, material.roughness) == pytest.approx((0, 1 - 128 / 255), abs=0.01)
+
+
+def test_grey_of_16_bits_keeps_its_steps(tmp_path: Path) -> None:
+    ramp = np.linspace(0, 65535, 16).astype(np.uint16).reshape(1, 16)
+    encoded = io.BytesIO()
+    Image.fromarray(ramp).save(encoded, "PNG")
+    document = Document()
+    material = {"pbrMetallicRoughness": {"baseColorTexture": document.embedded(encoded.getvalue())}}
+    texels = quad_of(tmp_path, material, document).parts[0].material.base_map
+    np.testing.assert_allclose(texels[0, :, 0], ramp[0] / 257, atol=0.51)
+    assert (texels[..., 3] == 255).all()
+
+
+def test_unlit_shines_in_its_own_colour_alone(tmp_path: Path) -> None:
+    document = Document()
+    unlit = {
+        "pbrMetallicRoughness": {"baseColorFactor": [0.5, 1, 0.25, 1], "baseColorTexture": document.embedded(png(RED))},
+        "normalTexture": document.embedded(png(BLUE)),
+        "extensions": {"KHR_materials_unlit": {}},
+    }
+    material = quad_of(tmp_path, unlit, document).parts[0].material
+    assert material.emissive == (0.5, 1, 0.25)
+    assert material.base_colour[:3] == BLACK
+    assert set(material.maps) == {"base_map", "emissive_map"}
+
+
+def test_glass_lets_through_and_says_how_it_is_drawn(tmp_path: Path) -> None:
+    model = quad_of(tmp_path, {"extensions": {"KHR_materials_transmission": {"transmissionFactor": 1.0}}})
+    material = model.parts[0].material
+    assert material.alpha is Alpha.BLEND
+    assert material.base_colour[3] < 0.5
+    assert model.notes == ("what it transmits is drawn as plain transparency, without refraction",)
+
+
+def test_what_is_drawn_without_is_said_once(tmp_path: Path) -> None:
+    plain = {"KHR_materials_clearcoat": {"clearcoatFactor": 1}, "KHR_materials_sheen": {}, "KHR_materials_ior": {}}
+    document = Document()
+    document.quad(material={"extensions": plain})
+    model = quad_of(tmp_path, {"extensions": plain}, document, extensionsRequired=["KHR_materials_clearcoat"])
+    assert model.notes == ("it is drawn without clear coats and sheen",)
+
+
+def test_textures_of_an_unread_kind_are_left_out_and_said(tmp_path: Path) -> None:
+    document = Document()
+    document.json["images"] = [{"bufferView": document.view(b"\xabKTX 20\xbb"), "mimeType": "image/ktx2"}]
+    document.json["textures"] = [{"extensions": {"KHR_texture_basisu": {"source": 0}}}]
+    material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 0, 0, 1]}}
+    model = quad_of(tmp_path, material, document, extensionsRequired=["KHR_texture_basisu"])
+    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
+    assert model.notes == (
+        "textures compressed as Basis Universal (KTX2) are left out: export them as PNG, JPEG or WebP",
+    )

@@ -1,0 +1,222 @@
+"""Sparse arrays, morph targets, skins and instances: where vertices are, as the specification says."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ashe_live.errors import UserError
+from ashe_live.models.loading import load_model_file
+from ashe_live.models.mesh import Model
+from tests.models.gltf_files import CORNERS, TRIANGLES, Document
+
+Y_UP = np.float32([(1, 0, 0), (0, 0, -1), (0, 1, 0)])  # from z up
+
+
+def places(model: Model) -> np.ndarray:
+    """(n, 3) of all places, sorted, y up as in the file."""
+    corners = np.concatenate([part.vertices for part in model.parts]) @ Y_UP
+    return np.unique(np.round(corners, 5) + 0.0, axis=0)
+
+
+def expected(corners: np.ndarray) -> np.ndarray:
+    return np.unique(np.round(np.asarray(corners, dtype=np.float64), 5) + 0.0, axis=0)
+
+
+def bare_quad(document: Document, **primitive) -> None:
+    """Without normals, so that what moves may turn."""
+    document.quad()
+    own = document.json["meshes"][0]["primitives"][0]
+    del own["attributes"]["NORMAL"]
+    own.update(primitive)
+
+
+@pytest.mark.parametrize("has_base", [True, False])
+def test_a_sparse_accessor_replaces_some_items(tmp_path: Path, has_base: bool) -> None:
+    document = Document()
+    bare_quad(document)
+    accessor = document.json["accessors"][0]
+    moved = np.float32([(2, 3, 4), (5, 6, 7)])
+    accessor["sparse"] = {
+        "count": 2,
+        "indices": {"bufferView": document.view(np.uint16([1, 2]).tobytes()), "componentType": 5123},
+        "values": {"bufferView": document.view(moved.tobytes())},
+    }
+    base = CORNERS.copy()
+    if not has_base:
+        del accessor["bufferView"]
+        base[:] = 0
+    base[[1, 2]] = moved
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    # Of nothing but two places, the second triangle has no area.
+    np.testing.assert_allclose(places(model), expected(base if has_base else base[:3]), atol=1e-5)
+
+
+def test_a_sparse_accessor_names_what_is_there(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    document.json["accessors"][0]["sparse"] = {
+        "count": 1,
+        "indices": {"bufferView": document.view(np.uint16([9]).tobytes()), "componentType": 5123},
+        "values": {"bufferView": document.view(np.zeros(3, np.float32).tobytes())},
+    }
+    with pytest.raises(UserError, match="replaces item 9 of 4"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+    document.json["accessors"][0]["sparse"]["count"] = 5
+    with pytest.raises(UserError, match=r"accessors\[0\].sparse.count is 5 of 4 items"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
+@pytest.mark.parametrize("of_node", [True, False])
+def test_morph_targets_move_by_their_weights(tmp_path: Path, of_node: bool) -> None:
+    document = Document()
+    bare_quad(document)
+    up, out = np.float32([(0, 0, 4)] * 4), np.float32(CORNERS * 2)
+    document.json["meshes"][0]["primitives"][0]["targets"] = [
+        {"POSITION": document.accessor(up)},
+        {"POSITION": document.accessor(out)},
+    ]
+    document.json["meshes"][0]["weights"] = [1, 1] if of_node else [0.25, 0.5]
+    if of_node:
+        document.json["nodes"][0]["weights"] = [0.25, 0.5]
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    np.testing.assert_allclose(places(model), expected(CORNERS + 0.25 * up + 0.5 * out), atol=1e-5)
+
+
+def skinned_quad(document: Document) -> None:
+    """Its left corners follow the first joint, its right ones the second, whose bind pose is at x = 1."""
+    joints = np.uint8([(0, 0, 0, 0), (1, 0, 0, 0), (1, 0, 0, 0), (0, 0, 0, 0)])
+    weights = np.float32([(1, 0, 0, 0)] * 4)
+    bare_quad(document)
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    own |= {"JOINTS_0": document.accessor(joints), "WEIGHTS_0": document.accessor(weights)}
+    bound = np.stack([np.eye(4), np.eye(4)]).astype(np.float32)
+    bound[1, 3, 0] = -1  # column by column
+    bound_at = document.accessor(bound.reshape(2, 16))
+    document.json["skins"] = [{"joints": [1, 2], "inverseBindMatrices": bound_at}]
+    document.json["nodes"][0] |= {"skin": 0, "translation": [100, 0, 0]}  # which is of no account
+    quarter = [0, 0, math.sqrt(0.5), math.sqrt(0.5)]
+    document.json["nodes"] += [{"children": [2]}, {"translation": [1, 0, 0], "rotation": quarter}]
+    document.json["scenes"][0]["nodes"] = [0, 1]
+
+
+def test_a_skin_follows_its_joints(tmp_path: Path) -> None:
+    document = Document()
+    skinned_quad(document)
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    # The right side is turned by 90 degrees about (1, 0): (1, 1) comes to (0, 0).
+    np.testing.assert_allclose(places(model), expected([(0, 0, 0), (1, 0, 0), (0, 0, 0), (0, 1, 0)]), atol=1e-5)
+
+
+def test_weights_count_by_their_share(tmp_path: Path) -> None:
+    document = Document()
+    skinned_quad(document)
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    own["JOINTS_0"] = document.accessor(np.uint8([(0, 1, 0, 0)] * 4))
+    own["WEIGHTS_0"] = document.accessor(np.uint8([(51, 51, 0, 0)] * 4), normalised=True)
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    turned = np.column_stack([1 - CORNERS[:, 1], CORNERS[:, 0] - 1, 0 * CORNERS[:, 0]])
+    np.testing.assert_allclose(places(model), expected((CORNERS + turned) / 2), atol=1e-5)
+
+
+def test_a_vertex_of_no_joint_is_said(tmp_path: Path) -> None:
+    document = Document()
+    skinned_quad(document)
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    own["JOINTS_0"] = document.accessor(np.uint8([(7, 0, 0, 0)] * 4))
+    with pytest.raises(UserError, match="a vertex follows joint 7 of 2"):
+        load_model_file(document.save(tmp_path / "a.glb"))
+
+
+def animated(document: Document, path: str, values: np.ndarray, interpolation: str = "LINEAR") -> None:
+    frames = document.accessor(np.float32([0, 1]))
+    sampler = {"input": frames, "output": document.accessor(values), "interpolation": interpolation}
+    channel = {"sampler": 0, "target": {"node": 0, "path": path}}
+    document.json["animations"] = [{"samplers": [sampler], "channels": [channel]}]
+
+
+@pytest.mark.parametrize("interpolation", ["LINEAR", "STEP", "CUBICSPLINE"])
+def test_the_first_frame_is_shown_and_said(tmp_path: Path, interpolation: str) -> None:
+    document = Document()
+    bare_quad(document)
+    values = np.float32([(0, 0, 5), (9, 9, 9)])
+    if interpolation == "CUBICSPLINE":
+        values = np.float32([(8, 8, 8), (0, 0, 5), (8, 8, 8), (8, 8, 8), (9, 9, 9), (8, 8, 8)])
+    animated(document, "translation", values, interpolation)
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    np.testing.assert_allclose(places(model), expected(CORNERS + np.float32((0, 0, 5))), atol=1e-5)
+    assert model.notes == ("its animation is shown at its first frame, and not played",)
+
+
+def test_what_grows_from_nothing_is_shown_as_its_nodes_say(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "scale", np.float32([(0, 0, 0), (1, 1, 1)]))
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    np.testing.assert_allclose(places(model), expected(CORNERS), atol=1e-5)
+
+
+def test_weights_of_morph_targets_are_animated_too(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    up = np.float32([(0, 0, 4)] * 4)
+    document.json["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": document.accessor(up)}] * 2
+    animated(document, "weights", np.float32([0.5, 0.25, 0, 0]))
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    np.testing.assert_allclose(places(model), expected(CORNERS + 0.75 * up), atol=1e-5)
+
+
+def test_a_mesh_is_drawn_wherever_its_node_says(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    moves, sizes = np.float32([(0, 0, 0), (10, 0, 0)]), np.float32([(1, 1, 1), (2, 2, 2)])
+    own = {"TRANSLATION": document.accessor(moves), "SCALE": document.accessor(sizes)}
+    document.json["nodes"][0]["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": own}}
+    document.json["extensionsRequired"] = ["EXT_mesh_gpu_instancing"]
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    both = np.concatenate([CORNERS, CORNERS * 2 + np.float32((10, 0, 0))])
+    np.testing.assert_allclose(places(model), expected(both), atol=1e-5)
+
+
+def test_a_node_that_is_not_seen_is_left_out(tmp_path: Path) -> None:
+    document = Document()
+    document.quad()
+    document.quad({"translation": [5, 0, 0], "extensions": {"KHR_node_visibility": {"visible": False}}})
+    assert load_model_file(document.save(tmp_path / "a.glb")).triangle_count == 2
+
+
+def test_quantised_places_are_placed_by_their_node(tmp_path: Path) -> None:
+    """KHR_mesh_quantization: integers that a node scales, and normals as shares of the largest."""
+    document = Document()
+    document.quad({"scale": [0.01] * 3})
+    own = document.json["meshes"][0]["primitives"][0]["attributes"]
+    own["POSITION"] = document.accessor(np.int16(CORNERS * 100))
+    own["NORMAL"] = document.accessor(np.int8([(0, 0, 127)] * 4), normalised=True)
+    document.json["extensionsRequired"] = ["KHR_mesh_quantization"]
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    np.testing.assert_allclose(places(model), expected(CORNERS), atol=1e-5)
+    np.testing.assert_allclose(model.parts[0].normals, [(0, -1, 0)] * 4, atol=1e-6)
+
+
+def test_what_is_far_from_the_origin_is_not_torn(tmp_path: Path) -> None:
+    """At a map's coordinates a float counts half metres."""
+    document = Document()
+    bare_quad(document)
+    document.json["nodes"][0]["translation"] = [4_400_000.3, 0, 5_300_000.7]
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    size = np.ptp(places(model), axis=0)
+    np.testing.assert_allclose(size, (1, 1, 0), atol=1e-6)
+    assert np.abs(model.bounds).max() < 2
+    (tmp_path / "a.obj").write_text("v 4400000.25 5300000 0\nv 4400001.25 5300000 0\nv 4400000.25 5300001 0\nf 1 2 3\n")
+    np.testing.assert_allclose(np.ptp(load_model_file(tmp_path / "a.obj").bounds, axis=0), (1, 1, 0), atol=1e-6)
+
+
+def test_points_and_lines_are_left_out_and_said(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    lines = {"attributes": {"POSITION": document.accessor(CORNERS)}, "mode": 1}
+    document.json["meshes"][0]["primitives"].append(lines)
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    assert model.triangle_count == len(TRIANGLES)
+    assert model.notes == ("points and lines are left out",)
