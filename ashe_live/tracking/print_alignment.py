@@ -15,7 +15,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
-from ashe_live.tracking.corners import Light, is_front_of_square, side_lengths_px
+from ashe_live.tracking.corners import Light, is_front_of_square, mean_side_px
 from ashe_live.tracking.lens import source_from_ideal
 
 # Of the paper around the square, how much belongs to the print, and how much of the border to its inside: the edge
@@ -128,7 +128,7 @@ class PrintAlignment:
     def blurred(self, light: Light, corners_px: Float) -> Light:
         """`light` averaged over what lies between a few samples of the square at `corners_px` (4, 2)."""
         n = self._side - 2 * self._margin
-        width = _odd(AVERAGED * float(side_lengths_px(corners_px).mean()) / n)
+        width = _odd(AVERAGED * mean_side_px(corners_px) / n)
         return np.asarray(cv2.blur(light, (width, width)), dtype=np.float32) if width > 1 else light
 
     def likeness(self, samples: Light) -> float:
@@ -182,7 +182,7 @@ class PrintAlignment:
         """
         corners = corners_px
         for _ in range(STEPS):
-            side_px = float(side_lengths_px(corners).mean())
+            side_px = mean_side_px(corners)
             seen = self.look(self.sampled(light, corners, camera, origin_px), side_px)
             if seen is None:
                 return None
