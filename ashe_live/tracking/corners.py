@@ -27,6 +27,9 @@ MIN_SINE = 0.05
 # Where an edge is sampled along its side, and in how many places across.
 ALONG_FROM, ALONG_TO = 0.06, 0.94
 ACROSS = 25
+FROM_INSIDE = np.linspace(-1, 1, ACROSS)
+MIDDLES = ((FROM_INSIDE[1:] + FROM_INSIDE[:-1]) / 2).astype(np.float32)
+HALF, TINY = np.float32(0.5), np.float32(1e-9)
 # How far across, over the square's extent in that direction: within a border or margin of an eighth.
 REACH_RATIO = 0.08
 MIN_REACH_PX, LAST_REACH_PX = 2.0, 4.0
@@ -96,18 +99,26 @@ def _curl(bow: float) -> float:
 
 def side_lengths_px(corners_px: Float) -> Float:
     """(4,) lengths of the sides of a quadrilateral (4, 2), each from its corner to the next."""
-    return np.asarray(np.linalg.norm(corners_px[NEXT] - corners_px, axis=1))
+    sides = corners_px[NEXT] - corners_px
+    return np.asarray(np.hypot(sides[:, 0], sides[:, 1]))
+
+
+def mean_side_px(corners_px: Float) -> float:
+    """The mean length of the sides of a quadrilateral (4, 2)."""
+    corners = corners_px.tolist()
+    return sum(math.dist(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)) / 4
 
 
 def is_front_of_square(corners_px: Float) -> bool:
     """Whether (4, 2) corners are finite, convex, clockwise in the picture, and neither tiny nor nearly on a line."""
-    if not np.isfinite(corners_px).all():
-        return False
-    lengths = side_lengths_px(corners_px)
-    sides = corners_px[NEXT] - corners_px
-    after = sides[NEXT]
-    turns = sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0]
-    return bool(lengths.min() >= MIN_SIDE_PX and (turns > MIN_SINE * lengths * lengths[NEXT]).all())
+    # Plain numbers, as four corners are too few for arrays to be fast; what is not finite fails every comparison.
+    corners = corners_px.tolist()
+    sides = [(x - x0, y - y0) for (x0, y0), (x, y) in zip(corners, corners[1:] + corners[:1], strict=True)]
+    lengths = [math.hypot(x, y) for x, y in sides]
+    return all(length >= MIN_SIDE_PX and length < math.inf for length in lengths) and all(
+        sides[one][0] * sides[after][1] - sides[one][1] * sides[after][0] > MIN_SINE * lengths[one] * lengths[after]
+        for one, after in enumerate((1, 2, 3, 0))
+    )
 
 
 def refined_corners(grey: Image, corners_px: Float, samples: int, off_by_px: float = 1.0) -> Float:
@@ -200,15 +211,26 @@ class _View:
     camera: Camera | None
     origin_px: Float
 
-    def at(self, points_px: Float) -> Float:
-        """Linear light at ideal pixels (..., 2), interpolated; negative where the picture has ended."""
-        flat = points_px.reshape(-1, 2)
-        if self.camera is not None:
-            flat = source_from_ideal(self.camera, flat)
+    def at(self, x_px: Float, y_px: Float) -> Light:
+        """Linear light at ideal pixels, each (ACROSS, 4, samples), interpolated; negative where the picture ends."""
+        if self.camera is not None and self.camera.is_distorted:
+            shape = x_px.shape
+            source = source_from_ideal(self.camera, np.column_stack([x_px.ravel(), y_px.ravel()]))
+            x_px, y_px = source[:, 0], source[:, 1]
+            x_px, y_px = x_px.reshape(shape), y_px.reshape(shape)
+        left, top = self.origin_px
         # OpenCV's remap wants fewer than 32768 rows or columns.
-        x, y = (flat - self.origin_px).astype(np.float32).T.reshape(2, -1, points_px.shape[-2])
-        values = cv2.remap(self.light, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=OUTSIDE)
-        return values.reshape(points_px.shape[:-1]).astype(np.float64)
+        x, y = (x_px - left).astype(np.float32), (y_px - top).astype(np.float32)
+        rows = len(x_px), -1
+        values = cv2.remap(
+            self.light,
+            x.reshape(rows),
+            y.reshape(rows),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=OUTSIDE,
+        )
+        return np.asarray(values, dtype=np.float32).reshape(x_px.shape)
 
 
 def _fitted(
@@ -221,10 +243,13 @@ def _fitted(
     # Clockwise in the picture, so the outside is to the left of the way along a side.
     outwards = np.column_stack([along[:, 1], -along[:, 0]])
     places = np.linspace(ALONG_FROM, ALONG_TO, samples)
-    across = np.linspace(-1, 1, ACROSS) * reaches_px[:, None]
-    on_side = corners_px[:, None] + places[:, None] * sides[:, None]
-    values = view.at(on_side[:, :, None] + across[:, None, :, None] * outwards[:, None, None])
-    offsets, weights, widths = _edge_offsets(values, across, spreads_px)
+    x, y = (
+        corners_px[:, axis, None]
+        + places * sides[:, axis, None]
+        + FROM_INSIDE[:, None, None] * (reaches_px * outwards[:, axis])[:, None]
+        for axis in (0, 1)
+    )
+    offsets, weights, widths = _edge_offsets(view.at(x, y), reaches_px, spreads_px)
     seen = weights.sum(axis=1) >= MIN_SEEN * samples
     ends, covariances, bows = robust_lines(places, offsets, weights, lengths, seen)
     starts = corners_px + ends[:, :1] * outwards
@@ -233,41 +258,43 @@ def _fitted(
     return FittedSquare(corners, information_by_side(outwards, covariances), seen, bows / lengths), widths
 
 
-def _rises_from_black(values: Float) -> Float:
-    """(4, samples, ACROSS - 1) how steep the light (4, samples, ACROSS) rises, the more the nearer to its darkest.
+def _rises_from_black(values: Light) -> Light:
+    """(ACROSS - 1, ...) how steep the light (ACROSS, ...) rises, the more the nearer to its darkest.
 
     Of several rises the border's is the one from black. A floor in the sun is steeper above its paper than paper in the
     shade above its ink, in linear light; so the steps are compared in a curve like the eye's.
     """
-    seen = np.sqrt(values.clip(0))
-    above = seen - seen.min(axis=2, keepdims=True)
-    middle = (above[:, :, 1:] + above[:, :, :-1]) / 2
-    return np.asarray(np.diff(seen, axis=2) * (above.max(axis=2, keepdims=True) - middle))
+    seen = np.sqrt(np.maximum(values, 0))
+    before, after = seen[:-1], seen[1:]
+    return np.asarray((after - before) * (2 * seen.max(axis=0) - before - after))
 
 
-def _edge_offsets(values: Float, across: Float, spreads_px: Float) -> tuple[Float, Float, Float]:
+def _edge_offsets(values: Light, reaches_px: Float, spreads_px: Float) -> tuple[Float, Float, Float]:
     """How far outwards the edge lies, in pixels, whether there is one, as 0 or 1, and each side's blur.
 
-    `values` (4, samples, ACROSS) is the light at the distances `across` (4, ACROSS) from the sides; the first two
-    results are (4, samples), the third is (4,) standard deviations in pixels. The edge is the centre of gravity of the
-    rise from black to white; a fall, as from paper to ground, is none.
+    `values` (ACROSS, 4, samples) is the light from `reaches_px` (4,) within the sides to as far beyond them; the first
+    two results are (4, samples), the third is (4,) standard deviations in pixels. The edge is the centre of gravity of
+    the rise from black to white; a fall, as from paper to ground, is none.
     """
-    rises = np.diff(values, axis=2).clip(0)
-    centres = ((across[:, 1:] + across[:, :-1]) / 2)[:, None]
-    borders = np.take_along_axis(centres[:, 0], _rises_from_black(values).argmax(axis=2), axis=1)
-    near = np.abs(centres - borders[:, :, None]) <= spreads_px[:, None, None]
-    offsets = np.take_along_axis(centres[:, 0], np.where(near, rises, -1.0).argmax(axis=2), axis=1)
+    samples = values.shape[2]
+    rises = np.maximum(values[1:] - values[:-1], 0)
+    # In units of the window's half width. Single precision suffices, and whole arrays are faster than broadcast ones.
+    unit = np.repeat((reaches_px / spreads_px).astype(np.float32)[:, None], samples, axis=1)
+    step = np.float32(2 / (ACROSS - 1)) * unit
+    centres = MIDDLES[:, None, None] * unit
+    borders = (_rises_from_black(values).argmax(axis=0) + HALF) * step - unit
+    rises_near = np.where(np.abs(centres - borders) <= 1, rises, np.float32(-1))
+    offsets = (rises_near.argmax(axis=0) + HALF) * step - unit
     # A mean shift from the steepest place: a window fixed there would pull the centre of gravity towards noise.
     for _ in range(SHIFTS):
-        away = (centres - offsets[:, :, None]) / spreads_px[:, None, None]
-        weights = rises * (1 - away**2).clip(0)
-        total = weights.sum(axis=2)
-        offsets = (weights * centres).sum(axis=2) / np.maximum(total, 1e-9)
-    dark = values.min(axis=2)
-    rise = np.sqrt((dark + total).clip(0)) - np.sqrt(dark.clip(0))
-    weights = ((dark >= 0) & (rise >= MIN_RISE)).astype(np.float64)
-    steep = weights[:, :, None] * (rises - NOISE_RISE * rises.max(axis=2, keepdims=True)).clip(0)
-    mass = np.maximum(steep.sum(axis=2), 1e-9)
-    middle = (steep * centres).sum(axis=2) / mass
-    squared = (steep * (centres - middle[:, :, None]) ** 2).sum(axis=(1, 2)) / np.maximum(steep.sum(axis=(1, 2)), 1e-9)
-    return offsets, weights, np.sqrt(squared)
+        away = centres - offsets
+        weights = rises * np.maximum(1 - away * away, 0)
+        total = weights.sum(axis=0)
+        offsets = (weights * centres).sum(axis=0) / np.maximum(total, TINY)
+    dark = values.min(axis=0)
+    rise = np.sqrt(np.maximum(dark + total, 0)) - np.sqrt(np.maximum(dark, 0))
+    is_edge = ((dark >= 0) & (rise >= MIN_RISE)).astype(np.float32)
+    steep = is_edge * np.maximum(rises - NOISE_RISE * rises.max(axis=0), 0)
+    away = centres - (steep * centres).sum(axis=0) / np.maximum(steep.sum(axis=0), TINY)
+    squared = (steep * away * away).sum(axis=(0, 2)) / np.maximum(steep.sum(axis=(0, 2)), TINY)
+    return offsets * spreads_px[:, None], is_edge.astype(np.float64), np.sqrt(squared) * spreads_px

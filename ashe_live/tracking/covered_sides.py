@@ -15,7 +15,7 @@ from ashe_live.tracking.corners import (
     Light,
     fitted_square,
     is_front_of_square,
-    side_lengths_px,
+    mean_side_px,
 )
 from ashe_live.tracking.lens import source_from_ideal
 from ashe_live.tracking.print_alignment import Aligned, PrintAlignment, in_units
@@ -45,7 +45,7 @@ def checked(
 
     `light`, `samples`, `camera` and `origin_px` as in fitted_square.
     """
-    side_px = float(side_lengths_px(square.corners_px).mean())
+    side_px = mean_side_px(square.corners_px)
     blurred = alignment.blurred(light, square.corners_px)
     seen_print = alignment.sampled(blurred, square.corners_px, camera, origin_px)
     is_print = alignment.is_print(seen_print)

@@ -6,6 +6,8 @@ from ashe_live.core.arrays import Float, Mask
 
 # Points farther than this from the line do not count (Tukey's biweight).
 OUTLIER_PX = 1.5
+# Of which the first windows are so many: what is far from the first guess of the line may be right all the same.
+SCALES = 8.0, 4.0, 2.0, 1.0
 # An edge's points are never taken to be more certain than this.
 MIN_SIGMA_PX = 0.01
 
@@ -22,18 +24,21 @@ def robust_lines(
     """
     # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
     at_start, slope = _medians(offsets, weights > 0), np.zeros(4)
-    for scale in (8.0, 4.0, 2.0, 1.0):
-        residuals = offsets - at_start[:, None] - slope[:, None] * places
-        kept = weights * (1 - np.minimum((residuals / (scale * OUTLIER_PX)) ** 2, 1)) ** 2
-        mass = np.maximum(kept.sum(axis=1), 1e-9)
-        place = (kept * places).sum(axis=1) / mass
-        offset = (kept * offsets).sum(axis=1) / mass
-        from_place = places - place[:, None]
-        moment = np.maximum((kept * from_place**2).sum(axis=1), 1e-9)
-        slope = (kept * from_place * offsets).sum(axis=1) / moment
+    powers = np.column_stack([np.ones_like(places), places, places**2])
+    residuals = offsets - at_start[:, None]
+    # Where all offsets are close together the wider windows keep everything, and change nothing.
+    is_close = float((weights * np.abs(residuals)).max()) <= OUTLIER_PX
+    for scale in SCALES[-2:] if is_close else SCALES:
+        kept = weights * np.maximum(1 - (residuals / (scale * OUTLIER_PX)) ** 2, 0) ** 2
+        mass, first, second = (kept @ powers).T
+        mass = np.maximum(mass, 1e-9)
+        place, offset = first / mass, (kept * offsets).sum(axis=1) / mass
+        moment = np.maximum(second - mass * place**2, 1e-9)
+        slope = ((kept * offsets) @ places - first * offset) / moment
         at_start = offset - slope * place
-    residuals = offsets - at_start[:, None] - slope[:, None] * places
+        residuals = offsets - at_start[:, None] - slope[:, None] * places
     # Curled paper bows an edge alike in every frame: that is no noise.
+    from_place = places - place[:, None]
     bow = from_place**2 - moment[:, None] / mass[:, None]
     bowed = (kept * bow * residuals).sum(axis=1) / np.maximum((kept * bow**2).sum(axis=1), 1e-9)
     residuals = residuals - bowed[:, None] * bow

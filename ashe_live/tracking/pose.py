@@ -14,7 +14,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import MarkerPose
-from ashe_live.tracking.corners import FittedSquare, is_front_of_square, side_lengths_px
+from ashe_live.tracking.corners import FittedSquare, is_front_of_square, mean_side_px, side_lengths_px
 from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.pose_refinement import Solution, covariance_of, refined_solution, solution_of
 
@@ -24,6 +24,12 @@ DECISIVE_RATIO = 2.0
 NOISE_SIGMAS, MIN_NOISE_PX = 1.4, 0.1
 # What a pose may leave unexplained of the right print: in pixels, or over the square's side, as of curled paper.
 MOST_RMS_PX, MOST_RMS = 2.0, 0.04
+# The frame that IPPE is asked for, y down and z away, from the print's turned by so many quarters, from x towards y.
+R_ASKED_TURNED = [
+    np.diag((1.0, -1.0, -1.0))
+    @ np.linalg.matrix_power(np.array([(0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]), n)
+    for n in range(4)
+]
 # What corners of unknown origin may be off.
 CORNER_SIGMA_PX = 0.5
 
@@ -94,9 +100,7 @@ def pose_of_squares(
         chosen = refined(chosen)
     # With another focal length than the camera's, the right print fits badly too.
     is_known = camera.source in ("file", "flag")
-    if is_known and chosen.rms_px > max(
-        MOST_RMS_PX, MOST_RMS * float(side_lengths_px(largest.square.corners_px).mean())
-    ):
+    if is_known and chosen.rms_px > max(MOST_RMS_PX, MOST_RMS * mean_side_px(largest.square.corners_px)):
         return None
     T_cam_marker = rigid(chosen.R, chosen.t)
     seen_whole = len(sightings) == 1 and largest.square.sides_seen == 4
@@ -123,8 +127,10 @@ def _ippe(sighting: Sighting, camera: Camera) -> list[tuple[Float, Float]]:
     centre = sighting.points.mean(axis=0)
     x, y = sighting.points[1] - sighting.points[0], sighting.points[0] - sighting.points[3]
     side_m = float(np.linalg.norm(x))
-    R_square_whole = np.stack([x, y, np.cross(x, y) / side_m]) / side_m
-    R_asked_whole = np.diag((1.0, -1.0, -1.0)) @ _turned_about_z(quarters) @ R_square_whole
+    # np.cross would take as long as IPPE itself.
+    normal = (x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0])
+    R_square_whole = np.array([x, y, np.divide(normal, side_m)]) / side_m
+    R_asked_whole = R_ASKED_TURNED[quarters] @ R_square_whole
     _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
         square_corners(side_m), lower_left_first, camera.K, None, flags=cv2.SOLVEPNP_IPPE_SQUARE
     )
@@ -132,15 +138,10 @@ def _ippe(sighting: Sighting, camera: Camera) -> list[tuple[Float, Float]]:
     return [(R, tvec.reshape(3) - R @ centre) for R, tvec in zip(rotations, tvecs, strict=True)]
 
 
-def _turned_about_z(quarters: int) -> Float:
-    """(3, 3) exact quarter turns, from x towards y."""
-    return np.asarray(np.linalg.matrix_power(np.array([(0, -1, 0), (1, 0, 0), (0, 0, 1)]), quarters), dtype=np.float64)
-
-
 def _unexplained_px(sightings: Sequence[Sighting], information: Float) -> float:
     """What noise or curled paper may add to the right solution's error."""
     noise_px = max(MIN_NOISE_PX, NOISE_SIGMAS * math.sqrt(len(information) / float(np.trace(information))))
-    curls_px = (one.square.curl * float(side_lengths_px(one.square.corners_px).mean()) for one in sightings)
+    curls_px = (one.square.curl * mean_side_px(one.square.corners_px) for one in sightings)
     return max(noise_px, *curls_px)
 
 

@@ -37,11 +37,11 @@ def solution_of(
     """
     R, t = np.asarray(R, dtype=np.float64), np.asarray(t, dtype=np.float64).reshape(3)
     in_camera = points @ R.T + t
-    if not (np.isfinite(in_camera).all() and (in_camera[:, 2] > 0).all()):
+    if not in_camera[:, 2].min() > 0:
         return None
-    error = (in_camera / in_camera[:, 2:]) @ K[:2].T - pixels
-    cost = float(error.ravel() @ information @ error.ravel())
-    return Solution(R, t, math.sqrt(float((error**2).sum() / len(points))), cost)
+    error = ((in_camera / in_camera[:, 2:]) @ K[:2].T - pixels).ravel()
+    cost = float(error @ information @ error)
+    return Solution(R, t, math.sqrt(float(error @ error) / len(points)), cost) if math.isfinite(cost) else None
 
 
 def covariance_of(solution: Solution, points: Float, information: Float, K: Float) -> Float:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
-from ashe_live.tracking.corners import Light, is_front_of_square, side_lengths_px
+from ashe_live.tracking.corners import Light, is_front_of_square, mean_side_px
 from ashe_live.tracking.lens import source_from_ideal
 
 # Of the paper around the square, how much belongs to the print, and how much of the border to its inside: the edge
@@ -31,6 +31,9 @@ MIN_LIKENESS = 0.83
 # No cell of it differs from its print by more than this part of the contrast: a shadow's edge leaves half, another
 # number's cell all of it.
 MOST_AMISS = 0.75
+# A print with next to nothing inside (4x4_50:17 is a single white block) does not tell its corners' place: one sample
+# wrong by its whole contrast moves them by so much of the side. It is known by its likeness alone, which must be sure.
+MOST_SPREAD, SURE_LIKENESS = 0.2, 0.96
 STEPS = 12
 SMALL_STEP = 1e-3  # of the side
 MIN_SIGMA_PX = 0.05
@@ -66,8 +69,6 @@ class PrintAlignment:
 
         `tells_place`: whether the inside lies exactly where `print_grey` has it within the border.
         """
-        self.tells_place = tells_place
-        self._least_likeness = least_likeness
         self._cells = round(1 / border)
         n = len(print_grey)
         self._margin = max(1, round(min(PAPER * border, MOST_PAPER) * n))
@@ -98,6 +99,9 @@ class PrintAlignment:
         self._solver = np.linalg.pinv(columns).astype(np.float32)
         self._spread = np.linalg.inv(columns.T @ columns + 1e-9 * np.eye(13))[1:9, 1:9]
         self._largest_spread = float(np.diag(self._spread).max())
+        is_weak = tells_place and math.sqrt(self._largest_spread) > MOST_SPREAD
+        self.tells_place = tells_place and not is_weak
+        self._least_likeness = SURE_LIKENESS if is_weak else least_likeness
         blurred = [sharp if sigma == 0 else cv2.GaussianBlur(sharp, (0, 0), sigma) for sigma in BLURS]
         self._prints = np.stack([_normalised(np.asarray(one, dtype=np.float64).ravel()) for one in blurred])
 
@@ -128,7 +132,7 @@ class PrintAlignment:
     def blurred(self, light: Light, corners_px: Float) -> Light:
         """`light` averaged over what lies between a few samples of the square at `corners_px` (4, 2)."""
         n = self._side - 2 * self._margin
-        width = _odd(AVERAGED * float(side_lengths_px(corners_px).mean()) / n)
+        width = _odd(AVERAGED * mean_side_px(corners_px) / n)
         return np.asarray(cv2.blur(light, (width, width)), dtype=np.float32) if width > 1 else light
 
     def likeness(self, samples: Light) -> float:
@@ -182,7 +186,7 @@ class PrintAlignment:
         """
         corners = corners_px
         for _ in range(STEPS):
-            side_px = float(side_lengths_px(corners).mean())
+            side_px = mean_side_px(corners)
             seen = self.look(self.sampled(light, corners, camera, origin_px), side_px)
             if seen is None:
                 return None

@@ -106,7 +106,7 @@ class MarkerTracker:
         if pose is None:
             self._lost_frames += 1
         else:
-            pose = dataclasses.replace(self._held(pose, frame.time_s), bridged=bridged > 0)
+            pose = self._held(pose, frame.time_s, bridged > 0)
             self._remember(frame, camera, pose, squares, bridged, last)
         return TrackedFrame(frame, camera, pose, (time.perf_counter() - start) * 1e3, self._note if pose else None)
 
@@ -199,15 +199,15 @@ class MarkerTracker:
                 squares[number] = FittedSquare.guessed(ideal_from_source(camera, moved_px), FLOW_SIGMA_PX)
         return squares
 
-    def _held(self, pose: MarkerPose, time_s: float) -> MarkerPose:
+    def _held(self, pose: MarkerPose, time_s: float, bridged: bool) -> MarkerPose:
         assert pose.covariance is not None
         if not self.filters:
-            return pose
+            return dataclasses.replace(pose, bridged=bridged)
         preset = self.preset
         held = self._filter.add(
             pose.T_cam_marker, pose.covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
         )
-        return dataclasses.replace(pose, T_cam_marker=held, unfiltered_T_cam_marker=pose.T_cam_marker)
+        return dataclasses.replace(pose, T_cam_marker=held, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
 
     def _remember(
         self,
