@@ -64,8 +64,8 @@ ROOMS: dict[str, set[str]] = {
     },
     "commands": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators",
-        "light.live", "drawing", "render", "viewer", "bench.light", "bench.judge", "bench.track", "bench.render", "bench.viewer",
-        "bench.soak", "process", "",
+        "light.live", "drawing", "render", "viewer", "bench.light", "bench.judge", "bench.track", "bench.render",
+        "bench.viewer", "bench.soak", "process", "",
     },
     "cli": {"commands", "errors", "process"},
     "__main__": {"cli"},
@@ -76,7 +76,7 @@ MOST_ROOMS = 4  # of `light` that one of its modules imports from, beside its ow
 HEAVY = {"cv2", "av", "PIL", "trimesh", "moderngl", "glfw", "rich", "pyrr", "platformdirs", "matplotlib"}
 LOADS = {
     "core": {"pyrr"},
-    "models": {"PIL", "trimesh"},
+    "models": {"platformdirs", "PIL", "trimesh"},
     "capture": {"pyrr", "PIL", "cv2", "av"},
     "tracking": {"pyrr", "platformdirs", "PIL", "cv2"},
     "light": {"pyrr", "cv2"},

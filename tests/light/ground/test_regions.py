@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.core.arrays import Mask
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import ground_colours
 from ashe_live.light.ground.regions import unlit_regions
@@ -19,11 +18,6 @@ LIGHT_BETWEEN = {"azimuth_deg": 270.0, "elevation_deg": 60.0}
 
 def fine_of(width_px: int = 640) -> View:
     return View.of(painted_region(BOX).scene.tracked, width_px)
-
-
-def coarse_is_ground() -> Mask:
-    """Of every scene here: all have the same camera and marker."""
-    return fine_of(BALANCED.coarse_width_px).is_ground
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
