@@ -97,7 +97,7 @@ class WebcamSource(Source):
         assert self._first is not None
         self.size: Size = self._first.size
         if size_request not in (None, self.size):
-            self.note = f"{self.name} has no pictures of {_by(size_request)}: it gives {_by(self.size)}"
+            self.note = f"{self.name} does not give pictures of {_by(size_request)}, but of {_by(self.size)}"
 
     def read(self) -> Frame:
         """The newest frame that was not read yet, timed when it arrived. Raises SourceLost when there are no more."""
@@ -215,7 +215,7 @@ def check_is_device(path: str) -> None:
     if not is_device and not os.path.lexists(path):
         raise camera_error(path)
     if not is_device:
-        raise UserError(f"{path} is no camera", "name a number or a device such as /dev/video0 with --camera")
+        raise UserError(f"{path} is not a camera", "name a number or a device such as /dev/video0 with --camera")
 
 
 def camera_error(camera: int | str, devices: Path = Path("/dev")) -> UserError:

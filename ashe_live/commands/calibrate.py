@@ -95,7 +95,9 @@ class _Lines:
         self._task = progress.add_task("looking for the board", total=1.0, views=0)
 
     def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
-        wanted = said or (guide.wanted() or "enough, but more does no harm" if view is not None else "no board in view")
+        wanted = said or (
+            guide.wanted() or "enough views, more make it more accurate" if view is not None else "no board in view"
+        )
         self._progress.update(
             self._task, completed=guide.progress, views=len(guide.kept), description=f"frame {frame.index}: {wanted}"
         )

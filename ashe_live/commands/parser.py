@@ -10,7 +10,7 @@ from ashe_live.errors import ExitStatus
 from ashe_live.process.messages import say_exactly, tell
 
 EPILOG = (
-    "Without COMMAND: your camera, with the options of webcam, or the demo where there is none. "
+    "Without COMMAND your camera is opened, with the options of webcam; without a camera, the demo plays. "
     "Print a marker with `ashe-live marker --out marker.pdf`."
 )
 START = "start"
@@ -21,7 +21,7 @@ MARKER_HELP = (
     f"grid:DICT:COLSxROWS (default {DEFAULT_MARKER})"
 )
 UPS = ("x", "y", "z", "-x", "-y", "-z")
-MEMORY_FRAMES_HELP = "pictures with model switches over which memory is watched (default 1000)"
+MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
 
 
@@ -29,14 +29,14 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     parser = (parser_class or _Parser)(
         prog="ashe-live", description="AR whose virtual objects are lit as the real ones are.", epilog=EPILOG
     )
-    parser.add_argument("--version", action=_Version, nargs=0, help="say which version this is")
+    parser.add_argument("--version", action=_Version, nargs=0, help="print the version")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
     demo = commands.add_parser("demo", help="play the shipped clip (without a display: into a video file)")
     _add_view_options(demo)
     demo.set_defaults(camera_file=None, focal_px=None, hfov=None)
 
-    webcam = commands.add_parser("webcam", help="the real thing: a camera, a printed marker, a sunny table")
+    webcam = commands.add_parser("webcam", help="open a camera that looks at a printed marker")
     webcam.add_argument("--camera", type=values.camera, default="0", metavar="N|PATH", help="(default 0)")
     _add_scene_options(webcam)
     _add_view_options(webcam)
@@ -47,34 +47,44 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     _add_scene_options(start)
     _add_view_options(start)
 
-    play = commands.add_parser("play", help="a recorded clip, or a photo")
+    play = commands.add_parser("play", help="play a recorded clip, or show a photo")
     play.add_argument("file", type=Path, metavar="FILE")
     _add_scene_options(play)
     _add_view_options(play)
 
-    _add_estimate_options(commands.add_parser("estimate", help="where the light is, in photos or clips"))
-    _add_marker_options(commands.add_parser("marker", help="a marker to print at true size, or to show on a screen"))
+    _add_estimate_options(commands.add_parser("estimate", help="tell where the light is in photos or clips"))
+    _add_marker_options(
+        commands.add_parser("marker", help="make a marker to print at true size, or to show on a screen")
+    )
 
-    cameras = commands.add_parser("cameras", help="the cameras that are connected, and their modes")
+    cameras = commands.add_parser("cameras", help="list the connected cameras and their modes")
     cameras.add_argument("--fast", action="store_true", help="names only: no camera is opened")
 
-    commands.add_parser("doctor", help="what works on this machine, and how to mend what does not")
-    commands.add_parser("settings", help="where your settings are, and what holds (docs/settings.md)")
+    commands.add_parser("doctor", help="check what works on this machine, and say how to mend what does not")
+    commands.add_parser("settings", help="where your settings are, and which values apply (docs/settings.md)")
 
-    board = commands.add_parser("board", help="a board to print, with which `calibrate` measures a camera")
+    board = commands.add_parser("board", help="make a board to print, with which `calibrate` measures a camera")
     board.add_argument("--out", type=Path, required=True, metavar="FILE.pdf|png")
     board.add_argument(
-        "--square-mm", type=values.millimetres, default=25.0, metavar="MM", help="of a side (default 25)"
+        "--square-mm", type=values.millimetres, default=25.0, metavar="MM", help="side of a square (default 25)"
     )
     board.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
     calibrate = commands.add_parser("calibrate", help="measure a camera's focal length and distortion with the board")
     calibrate.add_argument(
-        "--camera", type=values.camera, default="0", metavar="N|CLIP", help="or a clip of the board (default 0)"
+        "--camera",
+        type=values.camera,
+        default="0",
+        metavar="N|CLIP",
+        help="a camera, or a clip of the board (default 0)",
     )
-    calibrate.add_argument("--out", type=Path, required=True, metavar="FILE.json", help="for --camera-file")
+    calibrate.add_argument(
+        "--out", type=Path, required=True, metavar="FILE.json", help="the calibration, for --camera-file"
+    )
     calibrate.add_argument("--size", type=values.size, metavar="WxH", help="size to ask the camera for")
-    calibrate.add_argument("--headless", action="store_true", help="guide by lines, without a window")
+    calibrate.add_argument(
+        "--headless", action="store_true", help="print what to do next in the terminal, without a window"
+    )
     calibrate.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
     _add_benches(commands.add_parser("bench", help="measure speed and accuracy on this machine"))
@@ -101,10 +111,10 @@ def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
 def _add_marker_options(marker: argparse.ArgumentParser) -> None:
     target = marker.add_mutually_exclusive_group(required=True)
     target.add_argument("--out", type=Path, metavar="FILE.pdf|png")
-    target.add_argument("--show", action="store_true", help="in a window, for want of a printer")
+    target.add_argument("--show", action="store_true", help="show it in a window instead of printing it")
     marker.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
     marker.add_argument(
-        "--size-mm", type=values.millimetres, default=80.0, metavar="MM", help="black side (default 80)"
+        "--size-mm", type=values.millimetres, default=80.0, metavar="MM", help="side of the black square (default 80)"
     )
     marker.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
@@ -113,17 +123,23 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
     benches = bench.add_subparsers(dest="bench", metavar="WHAT", required=True)
 
     viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")
-    viewer.add_argument("--frames", type=values.count, default=600, metavar="N", help="in each run (default 600)")
+    viewer.add_argument(
+        "--frames", type=values.count, default=600, metavar="N", help="frames of each run (default 600)"
+    )
     viewer.add_argument("--size", type=values.size, metavar="WxH", help="size of the picture (default: the clip's)")
     _add_results_folder(viewer)
     _add_quality_options(viewer, default="fast")
 
-    render = benches.add_parser("render", help="what pictures cost, and how far they are from a path tracer's")
-    render.add_argument("--frames", type=values.count, default=100, metavar="N", help="of each loop (default 100)")
+    render = benches.add_parser(
+        "render", help="the cost of rendering, and the difference from a path tracer's pictures"
+    )
+    render.add_argument(
+        "--frames", type=values.count, default=100, metavar="N", help="frames of each measurement (default 100)"
+    )
     render.add_argument("--memory-frames", type=values.count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
     _add_results_folder(render)
 
-    soak = benches.add_parser("soak", help="very many frames: leaks, drift, and how old a picture is on the screen")
+    soak = benches.add_parser("soak", help="a long run: leaks, drift, and the latency from the camera to the screen")
     soak.add_argument("--frames", type=values.count, default=100_000, metavar="N", help="frames (default 100000)")
     _add_results_folder(soak)
     _add_quality_options(soak, default="fast")
@@ -144,7 +160,7 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
     tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
     tracking.add_argument("--photos", type=Path, metavar="DIR", help="also look for absent ids in the pictures there")
     _add_results_folder(tracking)
-    tracking.add_argument("--quick", action="store_true", help="fewer frames, and no trade of settings")
+    tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
     tracking.add_argument("--quality", choices=("fast", "balanced", "accurate"), default="balanced")
 
 
@@ -183,10 +199,12 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     view.add_argument("--size", type=values.size, metavar="WxH", help="size of the window (default: the source's)")
     view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
     view.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
-    view.add_argument("--auto", action="store_true", help="estimate whenever the marker is steady, and fuse (key A)")
-    view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, trembling and all")
+    view.add_argument(
+        "--auto", action="store_true", help="estimate again and again while the marker is steady, and fuse (key A)"
+    )
+    view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
     output = parser.add_argument_group("without a window")
-    output.add_argument("--headless", action="store_true", help="render offscreen, every frame")
+    output.add_argument("--headless", action="store_true", help="render every frame offscreen")
     output.add_argument("--frames", type=values.count, metavar="N", help="stop after N frames")
     output.add_argument("--out", type=Path, metavar="VIDEO.mp4", help="record what is shown")
     output.add_argument(

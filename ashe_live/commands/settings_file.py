@@ -88,7 +88,7 @@ def flags_of(settings: Mapping[str, Value], command: str) -> list[str]:
 def _check(path: Path, key: str, value: Any) -> None:
     if key not in SETTINGS:
         near = difflib.get_close_matches(key.replace("_", "-"), SETTINGS, 1)
-        remedy = f"did you mean {near[0]}?" if near else f"there are {', '.join(SETTINGS)}"
+        remedy = f"did you mean {near[0]}?" if near else f"the settings are {', '.join(SETTINGS)}"
         raise UserError(f"{path}: there is no setting {key!r}", remedy)
     if "\0" in str(value):
         raise UserError(f"{path}: {key} has a NUL in it", "write it without")

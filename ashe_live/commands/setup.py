@@ -41,8 +41,8 @@ class AssumedCamera:
         if not self._is_said:
             self._is_said = True
             tell(
-                f"the camera's field of view is not known, {ASSUMED_HFOV_DEG:g} degrees assumed until the "
-                "marker, seen from several sides, tells it; --hfov, --focal-px or --camera-file make it right"
+                f"the camera's field of view is not known: {ASSUMED_HFOV_DEG:g} degrees are assumed until views of the "
+                "marker from several sides determine it; give it by --hfov, --focal-px or --camera-file"
             )
         return Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
 
@@ -68,6 +68,8 @@ def _calibrated(camera: Camera, name: str) -> CameraFor:
         try:
             return camera.resized(size)
         except ValueError as error:
-            raise UserError(f"the calibration {name} does not fit ({error})", "calibrate at this shape") from error
+            raise UserError(
+                f"the calibration {name} does not fit ({error})", "calibrate at this aspect ratio"
+            ) from error
 
     return camera_for

@@ -181,7 +181,7 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
     if setup.source.note is not None:
         yield setup.source.note
     if not found:
-        yield f"no marker {options.marker} in {name}: if another one is, name it with --marker"
+        yield f"the marker {options.marker} is not seen in {name}: if another one is there, name it with --marker"
     elif options.estimate_at not in (None, *found):
         yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
     elif session.last_notice is not None:

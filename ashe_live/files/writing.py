@@ -20,7 +20,7 @@ def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError as error:
-        raise UserError(f"{folder} is a file, not a folder", "name a folder, there or not yet") from error
+        raise UserError(f"{folder} is a file, not a folder", "name a folder, which need not exist yet") from error
     except (OSError, ValueError) as error:
         raise cannot_write(folder, error) from error
 
@@ -38,7 +38,7 @@ def check_outputs(outputs: Iterable[Path | None], inputs: Iterable[Path | None],
     for path in outputs:
         if path is not None:
             if os.path.realpath(path) in taken:
-                raise UserError(f"{path} is named twice", "write to a file of its own")
+                raise UserError(f"{path} is named twice", "give each output a file of its own")
             taken.add(os.path.realpath(path))
             check_output(path, overwrite)
 

@@ -94,7 +94,7 @@ def _check(path: Path, count: int, most: int, what: str) -> None:
 def check_picture(picture: PillowImage.Image) -> None:
     """Of a picture whose header is read and whose texels are not."""
     if picture.format not in PICTURE_FORMATS:
-        raise UserError(f"a texture of the model is of the kind {picture.format}", "save it as PNG or JPEG")
+        raise UserError(f"a texture of the model is in the format {picture.format}", "save it as PNG or JPEG")
     width, height = picture.size
     if width * height > MAX_PICTURE_TEXELS:
         raise UserError(f"a texture of the model has {width} x {height} texels", "reduce it to 8192 x 8192 or fewer")

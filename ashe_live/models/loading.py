@@ -27,7 +27,7 @@ GLTF_SUFFIXES = (".glb", ".gltf")
 SUFFIXES = (*GLTF_SUFFIXES, ".obj", ".ply", ".stl")
 BROKEN_BODY = {
     **dict.fromkeys(GLTF_SUFFIXES, "its buffers do not hold what its accessors say"),
-    ".obj": "a line is not OBJ, or a face names what is not there",
+    ".obj": "a line is not OBJ, or a face refers to a vertex that is missing",
     ".ply": "it does not hold what its header says",
     ".stl": "it is neither text STL nor binary STL",
 }
@@ -55,7 +55,7 @@ def load_model_file(path: Path, up: str | None = None) -> Model:
 def _read(path: Path, up: str | None) -> Model:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise UserError(f"{path} is not a kind of model file known here", f"give one of {', '.join(SUFFIXES)}")
+        raise UserError(f"{path} is not a supported kind of model file", f"give one of {', '.join(SUFFIXES)}")
     content = read_bytes(path, MAX_FILE_BYTES)
     folder, notes = Folder(path, MAX_FILE_BYTES), Notes()
     with warnings.catch_warnings(), np.errstate(all="ignore"):

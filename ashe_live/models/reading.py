@@ -26,7 +26,7 @@ def read_model(name: str, marker_side_m: float, up: str | None = None) -> Placed
         return called_apart(_read, (name, marker_side_m, up), "ashe-live model", LIMITS, LONGEST_S)
     except NoAnswerError as failure:
         raise UserError(
-            f"the model file {name} is too much for its reader ({failure})", "reduce it, or export it again"
+            f"the model file {name} could not be read ({failure})", "reduce it, or export it again"
         ) from None
 
 

@@ -186,7 +186,7 @@ def _refuse_unknown(fit: _Fit, sigma: Float, size: Size) -> None:
         )
     if not axis_rad <= MAX_SIGMA_C:
         raise UserError(
-            f"the views leave the lens's axis uncertain by {math.degrees(axis_rad):.1f} degrees",
+            f"the views leave the principal point uncertain by {math.degrees(axis_rad):.1f} degrees",
             "tilt the board to every side, and show it in every corner of the picture",
         )
     if fit.rms_px > max(1.0, MAX_RMS * size[0]):

@@ -126,7 +126,7 @@ class CalibrationGuide:
                 raise UserError("all views of the board are nearly frontal", self.wanted() or "tilt it to every side")
             if sum(map(sum, self.covered())) < MIN_COVERED:
                 missing = ", ".join(self._places_missing())
-                raise UserError(f"{missing} of the picture never saw the board", self.wanted() or "")
+                raise UserError(f"{missing} of the picture never showed the board", self.wanted() or "")
         return calibrate([kept.view for kept in self.kept], self.size)
 
     def _places_missing(self) -> list[str]:

@@ -68,5 +68,5 @@ def _pattern_marker(spec: str, print_grey: Image, is_exact: bool = True) -> Patt
     try:
         return PatternMarker(spec, print_grey, is_exact)
     except ValueError as error:
-        remedy = "it must be a black square, cropped to its edge, with a bright lopsided picture inside"
+        remedy = "it must be a black square, cropped to its edge, with a bright asymmetric picture inside"
         raise UserError(f"the marker {spec!r} cannot be tracked: {error}", remedy) from error

@@ -62,7 +62,9 @@ def read_marker_picture(path: Path) -> Image:
                 _check_picture_size(path, picture.size)
                 rgba = picture.convert("RGBA")
     except (PIL.Image.DecompressionBombError, PIL.Image.DecompressionBombWarning) as error:
-        raise UserError(f"the picture {path} is too large", f"scale it to {MAX_PICTURE_SIDE_PX} pixels") from error
+        raise UserError(
+            f"the picture {path} is too large", f"scale it to at most {MAX_PICTURE_SIDE_PX} pixels a side"
+        ) from error
     except (OSError, ValueError, SyntaxError) as error:
         raise UserError(f"cannot read the picture {path}", f"it must be a {', '.join(PICTURE_FORMATS)} file") from error
     paper = PIL.Image.new("RGBA", rgba.size, "white")
@@ -96,7 +98,7 @@ def _check_file(path: Path, max_bytes: int, what: str) -> None:
 def _check_picture_size(path: Path, size: tuple[int, int]) -> None:
     width, height = size
     if max(size) > MAX_PICTURE_SIDE_PX:
-        raise UserError(f"the picture {path} is too large", f"scale it to {MAX_PICTURE_SIDE_PX} pixels")
+        raise UserError(f"the picture {path} is too large", f"scale it to at most {MAX_PICTURE_SIDE_PX} pixels a side")
     if abs(width - height) > 0.02 * max(size):
         raise UserError(f"the picture {path} is not square ({width}x{height})", "crop it to the black square")
     if min(size) < 32:

@@ -153,7 +153,7 @@ def test_another_size_in_mid_run_counts_as_lost_and_it_may_come_back_as_it_was()
 
 def test_a_size_that_the_camera_does_not_have_is_said() -> None:
     source = WebcamSource(0, (1920, 1080), one_after_another(FakeCapture(9)))
-    assert source.note == "camera 0 has no pictures of 1920x1080: it gives 64x48"
+    assert source.note == "camera 0 does not give pictures of 1920x1080, but of 64x48"
     assert WebcamSource(0, (64, 48), one_after_another(FakeCapture(9))).note is None
 
 
@@ -225,7 +225,7 @@ class TestRemedy:
         (tmp_path / "clip.mp4").write_bytes(b"")
         (tmp_path / "\udcff").write_bytes(b"")
         (tmp_path / "link").symlink_to("clip.mp4")
-        with pytest.raises(UserError, match="is no camera"):
+        with pytest.raises(UserError, match="is not a camera"):
             WebcamSource(str(tmp_path / name))
 
     def test_opencv_says_nothing_of_its_own(self, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -139,7 +139,7 @@ def test_an_assumed_field_of_view_is_announced_once(run, files):
     outcome = run("estimate", "--json", files["photo"], files["photo"])
     assert [record["camera"]["source"] for record in outcome.records] == ["assumed", "assumed"]
     (line,) = outcome.err
-    assert "60 degrees assumed" in line
+    assert "60 degrees are assumed" in line
 
 
 def test_repeat_gives_medians_of_the_same_answer(run, files):

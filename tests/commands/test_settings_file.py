@@ -38,7 +38,7 @@ def test_a_camera_file_is_beside_the_settings_unless_its_path_is_full(path):
     [
         ("qualty = 1", "did you mean quality?"),
         ("marker_size = 0.1", "did you mean marker-size?"),
-        ("wings = 2", "there are camera, marker"),
+        ("wings = 2", "the settings are camera, marker"),
         ("quality = 3", "quality is not text in quotes"),
         ('hfov = "wide"', "hfov is not a number"),
         ("hfov = true", "hfov is not a number"),

@@ -119,11 +119,11 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
     "nodes too deep": ("nodes within nodes", lambda: changed(_deep_nodes)),
     "too many nodes": ("20,001 nodes", lambda: changed(_flat_nodes)),
     "a need of many words": (
-        r"needs x x x.* \.\.\. .*x x, which is not known",
+        r"needs x x x.* \.\.\. .*x x, which is not supported",
         lambda: changed(lambda _, it: it.update(extensionsRequired=["x " * 4000])),
     ),
     "a need in control sequences": (
-        r"needs \\x1b\[31m\\u202e, which is not known",
+        r"needs \\x1b\[31m\\u202e, which is not supported",
         lambda: changed(lambda _, it: it.update(extensionsRequired=["\x1b[31m\u202e"])),
     ),
     "a need that is no name": (
@@ -184,7 +184,7 @@ GLTF: dict[str, tuple[str, Callable[[], Document]]] = {
     "a picture of 9,000 x 9,000": ("9000 x 9000", lambda: textured(claimed_png(9_000, 9_000))),
     "an old material's picture": ("9000 x 9000", lambda: old_material(claimed_png(9_000, 9_000))),
     "a picture that is a program": (
-        "kind EPS",
+        "format EPS",
         lambda: textured(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\nshowpage\n"),
     ),
 }

@@ -80,7 +80,7 @@ def _check_extensions(path: Path, document: dict[str, Any]) -> None:
     for name in required if isinstance(required, list) else []:
         if not (isinstance(name, str) and (name in DRAWN or name.startswith(TOLERATED))):
             said = printable(name, NAME_CHARACTERS)
-            raise UserError(f"the model file {path} needs {said}, which is not known here", "export it without that")
+            raise UserError(f"the model file {path} needs {said}, which is not supported", "export it without that")
 
 
 def _note_what_is_missing(document: dict[str, Any], header: dict[str, Any], notes: Notes) -> None:

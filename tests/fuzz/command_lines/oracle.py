@@ -20,7 +20,7 @@ LONGEST_LINE = 650  # 600 characters of a message, and the program's name
 MOST_NOTES = 6
 # What may stand on stderr beside the one line of an error: each says something that a person should know.
 NOTES = (
-    r"ashe-live: the camera's field of view is not known, ",
+    r"ashe-live: the camera's field of view is not known: ",
     r"ashe-live: a recording that was cut short is now ",
     r"ashe-live: no camera is connected, so this is the demo ",
     r"ashe-live: .* is truncated or damaged: ",
