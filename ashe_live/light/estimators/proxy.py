@@ -25,7 +25,7 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_scene,
 )
 from ashe_live.light.explanation.penumbra import angular_size
-from ashe_live.light.explanation.second_light import with_lights_counted
+from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
@@ -90,7 +90,8 @@ class ProxyEstimator:
         candidates = [refined_by_tangents(explanation) for explanation in candidates]
         # Those that were not refined are judged as well: they are what else the picture may show.
         others = distinct((each for each in ranked if not any(each is one for one in chosen)), are_alike)
-        candidates += [each for each in others if not any(are_alike(each, one) for one in [*chosen, *candidates])]
+        others = [each for each in others if not any(are_alike(each, one) for one in [*chosen, *candidates])]
+        candidates += [each for each in others if not any(is_part_of(one, each) for one in candidates)]
         clock.end("fit")
         if not candidates:
             return none(NO_SHADOW)

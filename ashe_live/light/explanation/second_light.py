@@ -61,7 +61,7 @@ def with_lights_counted(
     gain, both = max((pair for pair in tried if pair is not None), key=itemgetter(0), default=(0.0, one))
     if gain < LEAST_GAIN:
         return kept
-    return [both, *(other for other in kept if not _is_part_of(both, other))]
+    return [both, *(other for other in kept if not is_part_of(both, other))]
 
 
 def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
@@ -75,9 +75,9 @@ def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
     )
 
 
-def _is_part_of(both: Explanation, other: Explanation) -> bool:
-    """Whether the other explanation has one light only, which is one of the two."""
-    if len(other.lights) > 1:
+def is_part_of(both: Explanation, other: Explanation) -> bool:
+    """Whether the other explanation has one light only, which is one of the two lights of `both`."""
+    if len(both.lights) < 2 or len(other.lights) > 1:
         return False
     angles = (angle_between(other.lights[0].to_light_marker, light.to_light_marker) for light in both.lights)
     return min(angles) < NEAR_RAD

@@ -1,0 +1,31 @@
+"""`ashe-live bench fit-judge` on the project's own scenes: tables that the package can load, the same ones again."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ashe_live.bench.judge.bench import TABLES, JudgeBench
+from ashe_live.files.resources import resource
+from ashe_live.light.explanation.judge_tables import read_tables
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    scenes = resource("assets", "scenes")
+    folders = [tmp_path_factory.mktemp(name) / "out" for name in ("one", "other")]
+    for folder in folders:
+        JudgeBench([scenes], limit=4).run(folder)
+    return [folder / TABLES for folder in folders]
+
+
+def test_the_same_pictures_give_the_same_tables(written: list[Path]) -> None:
+    one, other = (path.read_text(encoding="utf-8") for path in written)
+    assert one == other
+
+
+def test_the_package_can_load_them(written: list[Path]) -> None:
+    text = written[0].read_text(encoding="utf-8")
+    tables = read_tables(text)
+    assert tables.origin["pictures"] == 4
+    assert tables.as_json() == json.loads(text) | {"origin": tables.as_json()["origin"]}

@@ -1,0 +1,90 @@
+"""Risk, coverage and calibration of judged answers, on answers whose risk is known."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from ashe_live.bench.judge.samples import Candidate, Sample
+from ashe_live.bench.judge.validation import (
+    Judged,
+    by_families_left_out,
+    calibration_error,
+    isotonic,
+    judged,
+    least_confidence,
+    risk_by_coverage,
+)
+from ashe_live.light.explanation.judge_tables import Curve, Score
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def candidate(error_deg: float, edge: float = 1.0) -> Candidate:
+    return Candidate({"edge": edge}, int(error_deg < 10), UP, float(np.radians(error_deg)), np.zeros(2), np.eye(2))
+
+
+def answer(confidence: float, error_deg: float = 1.0, lights: int = 1, **tags: str) -> Judged:
+    best = candidate(error_deg)
+    return Judged(Sample("fast", f"{confidence}{tags}", tags, lights, [best], []), best, confidence)
+
+
+def drawn(count: int, bias: float = 0.0) -> list[Judged]:
+    """Answers that are good as often as their confidence says, or less often by `bias`."""
+    rng = np.random.default_rng(3)
+    confidences = rng.random(count)
+    return [answer(float(c), 1.0 if rng.random() < c - bias else 90.0) for c in confidences]
+
+
+def test_risk_falls_with_coverage_where_confidence_tells_right_from_wrong() -> None:
+    curve = risk_by_coverage([answer(0.9), answer(0.8), answer(0.5, 40.0), answer(0.3)])
+    assert [covered for _, covered, _ in curve] == [0.25, 0.5, 0.75, 1.0]
+    assert [risk for *_, risk in curve] == pytest.approx([0, 0, 1 / 3, 1 / 4])
+
+
+def test_an_answer_where_there_is_no_light_is_a_risk_and_covers_nothing() -> None:
+    (confidence, covered, risk), _ = risk_by_coverage([answer(0.9, 180.0, lights=0), answer(0.8)])
+    assert (confidence, covered, risk) == (0.9, 0.0, 1.0)
+
+
+def test_answers_are_given_while_they_are_likelier_right_than_wrong() -> None:
+    assert least_confidence(drawn(4000)) == pytest.approx(0.5, abs=0.06)
+    assert least_confidence(drawn(4000, bias=0.2)) == pytest.approx(0.7, abs=0.06)
+
+
+def test_calibration_error_is_the_mean_distance_from_the_truth() -> None:
+    assert calibration_error(drawn(20_000)) < 0.02
+    assert calibration_error(drawn(20_000, bias=0.2)) == pytest.approx(0.18, abs=0.03)
+
+
+def test_isotonic_values_rise_and_keep_their_mean() -> None:
+    values = np.random.default_rng(1).random(50)
+    fitted = isotonic(values)
+    assert (np.diff(fitted) >= 0).all()
+    assert fitted.mean() == pytest.approx(values.mean())
+    np.testing.assert_allclose(isotonic(fitted), fitted)
+    assert isotonic(np.empty(0)).shape == (0,)
+
+
+def test_the_likeliest_candidate_answers_and_nothing_tried_is_no_answer() -> None:
+    score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
+    tried = Sample("fast", "a", {}, 1, [candidate(40.0, 0.0), candidate(2.0, 1.0)], [])
+    best = judged(score, tried)
+    assert best.best is tried.judged[1]
+    assert best.confidence == pytest.approx((1 + np.exp(2)) / (2 + np.exp(2)))
+    nothing = judged(score, dataclasses.replace(tried, judged=[]))
+    assert (nothing.best, nothing.confidence, nothing.answer) == (None, 0.0, None)
+
+
+def test_a_family_is_judged_by_a_fit_that_has_not_seen_it() -> None:
+    grounds = ["brick"] * 20 + ["wood"] * 20 + ["rare"] * 3
+    several = [Sample("fast", str(i), {"ground": ground}, 1, [candidate(2.0)], []) for i, ground in enumerate(grounds)]
+    seen = []
+
+    def fit(samples: object) -> Score:
+        seen.append({sample.tags["ground"] for sample in samples})  # type: ignore[attr-defined]
+        return Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
+
+    found = [(kind, family, len(answers)) for kind, family, answers in by_families_left_out(several, fit)]
+    assert found == [("ground", "brick", 20), ("ground", "wood", 20)]
+    assert seen == [{"wood", "rare"}, {"brick", "rare"}]
