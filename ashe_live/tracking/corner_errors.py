@@ -21,7 +21,7 @@ BOW_NOISE_PX = 0.1
 
 @dataclass(frozen=True, slots=True)
 class CornerErrors:
-    """Standard deviations that `ashe-live bench track --scenes` fits to pictures with known poses."""
+    """Standard deviations, fitted by `ashe-live bench track --scenes` to path-traced pictures with known poses."""
 
     end_px: float  # of either end of each side, whatever the picture
     curl: float  # the same over the sagitta of the side that bows most, beyond BOW_NOISE_PX
@@ -31,7 +31,7 @@ class CornerErrors:
     weight: float  # of the errors stated here against those that the pose leaves, in degrees of freedom
 
 
-FITTED = CornerErrors(end_px=0.0224, curl=0.41, bleed_share=0.76, bleed_px=0.061, bleed_half_px=0.107, weight=3.7)
+FITTED = CornerErrors(end_px=0.028, curl=0.49, bleed_share=0.68, bleed_px=0.078, bleed_half_px=0.079, weight=2.8)
 
 
 def corrected(square: FittedSquare, bleed_px: float, errors: CornerErrors = FITTED) -> FittedSquare:
