@@ -37,6 +37,7 @@ class Case:
     to_lights_marker: Float | None  # (n, 3) unit, strongest first; n = 0: no directional light, None: not known
     mask_paths: Mapping[str, Path]  # by name: object, shadow, ...; 1-bit pictures
     tags: Mapping[str, str] = field(default_factory=dict)  # the families that the picture belongs to, by kind: KINDS
+    marker_spec: str | None = None  # as `parse_marker` reads it; None: not stated, or of a pattern file
 
     def __post_init__(self) -> None:
         if self.to_lights_marker is not None:
@@ -100,6 +101,7 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
             _to_lights_marker(scene),
             {name: folder / file for name, file in scene.get("masks", {}).items()},
             {kind: str(tags[kind]) for kind in KINDS if kind in tags},
+            _marker_spec(marker),
         )
 
 
@@ -117,6 +119,12 @@ def _photos(folder: Path, content: dict[str, Any]) -> Iterator[Case]:
         yield Case(
             Path(file).stem, folder.resolve().name, PHOTO_CATEGORY, None, folder / file, camera, marker, lights, {}
         )
+
+
+def _marker_spec(marker: Mapping[str, Any]) -> str | None:
+    if "dictionary" not in marker or "id" not in marker:
+        return None
+    return f"aruco:{str(marker['dictionary']).removeprefix('DICT_').lower()}:{marker['id']}"
 
 
 def _to_lights_marker(scene: Mapping[str, Any]) -> Float | None:

@@ -62,7 +62,9 @@ def _light(options: argparse.Namespace) -> None:
 def _track(options: argparse.Namespace) -> None:
     from ashe_live.bench.track.bench import TrackBench
 
-    bench = TrackBench(QUALITIES[options.quality].tracking, options.real, options.photos, options.quick)
+    bench = TrackBench(
+        QUALITIES[options.quality].tracking, options.real, options.photos, options.quick, tuple(options.scenes)
+    )
     bench.run(options.out, options.overwrite)
 
 

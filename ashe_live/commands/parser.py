@@ -159,6 +159,9 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
     tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
     tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
     tracking.add_argument("--photos", type=Path, metavar="DIR", help="also look for absent ids in the pictures there")
+    tracking.add_argument(
+        "--scenes", type=Path, nargs="+", default=(), metavar="DIR", help="also check, and fit, how certain poses are"
+    )
     _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
     tracking.add_argument("--quality", choices=("fast", "balanced", "accurate"), default="balanced")

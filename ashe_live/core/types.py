@@ -38,7 +38,8 @@ class MarkerPose:
     side_m: float  # black square's side
     reprojection_rms_px: float  # of the chosen one of IPPE's two solutions
     other_rms_px: float | None  # of the one not chosen; None when there is only one
-    covariance: Float | None = None  # (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v; noise alone
+    covariance: Float | None = None  # (6, 6) of (w, v), camera axes, rad and m: R' = exp(w) R, t' = t + v
+    noise_covariance: Float | None = None  # (6, 6) the part of it that changes from frame to frame
     unfiltered_T_cam_marker: Float | None = None  # (4, 4) from this frame alone; None: T_cam_marker is
     bridged: bool = False  # the marker could not be read: its corners were followed from an earlier frame
 
@@ -48,7 +49,11 @@ class MarkerPose:
             T_cam_marker=frozen_floats(self.T_cam_marker, (4, 4), "T_cam_marker"),
             corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
         )
-        for name, shape in (("covariance", (6, 6)), ("unfiltered_T_cam_marker", (4, 4))):
+        for name, shape in (
+            ("covariance", (6, 6)),
+            ("noise_covariance", (6, 6)),
+            ("unfiltered_T_cam_marker", (4, 4)),
+        ):
             value = getattr(self, name)
             if value is not None:
                 set_frozen(self, **{name: frozen_floats(value, shape, name)})

@@ -67,6 +67,7 @@ class FittedSquare:
     by_side: Float  # (4, 8, 8) what each side tells: summed, the inverse covariance of corners_px.ravel(), 1 / px^2
     seen: Mask = field(default_factory=lambda: np.ones(4, dtype=bool))  # (4,) an unseen side is where it was guessed
     bows: Float | None = None  # (4,) of the sides, over their lengths; None: edges were not looked at
+    bleed_px: float | None = None  # by how much all sides lay outwards; corners_px allow for it. None: not known
 
     @classmethod
     def guessed(cls, corners_px: Float, sigma_px: float) -> "FittedSquare":

@@ -9,6 +9,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
+from ashe_live.tracking.corner_errors import corrected
 from ashe_live.tracking.corners import (
     LAST_REACH_PX,
     FittedSquare,
@@ -27,8 +28,8 @@ TOLERANCE, SIGMAS = 0.008, 3.0
 SURE_SIGMA = 0.004  # of the side
 # So many sides may be covered; so many must be seen where the rest is beyond the picture: they just determine the pose.
 MOST_COVERED, LEAST_SEEN = 2, 3
-# And so far may all of them lie off, over the side.
-MOST_BENT = 0.04
+# And so far may more than these lie off, over the side: a finger covers no three sides.
+MOST_BENT = 0.12
 # Of the corners' coordinates, x and y in turn, those across each side at its two ends.
 ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
 
@@ -56,24 +57,26 @@ def checked(
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
     seen = alignment.look(seen_print, side_px)
     # A print that lies elsewhere explains the samples badly: then one step says little, and is as unsure.
-    is_sure = seen is not None and square.sides_seen == 4 and seen.sigma <= SURE_SIGMA
-    if seen is not None and is_sure and not _off(seen.step, seen, tolerance).any():
-        return square if is_print else None
+    if seen is not None and square.sides_seen == 4 and seen.sigma <= SURE_SIGMA:
+        even = corrected(square, alignment.bleed(seen_print) * side_px)
+        if not _off(seen.step - in_units(even.corners_px, square.corners_px), seen, tolerance).any():
+            return even if is_print else None
     found = alignment.aligned(blurred, square.corners_px, camera, origin_px)
     if found is None or found.seen.inside < MIN_INSIDE:
         return None
+    square = corrected(square, found.seen.bleed * side_px)
     off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
     if off.sum() > MOST_COVERED:
         # Other edges than the print's were taken, as of its paper on a bright floor: the inside says where to look.
         again = fitted_square(light, found.corners_px, samples, 1.0, camera, origin_px, LAST_REACH_PX)
         if again is not None:
-            square = again
+            square = corrected(again, found.seen.bleed * side_px)
             off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
             is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, camera, origin_px))
     if not off.any():
         return square if is_print else None
     if off.sum() > MOST_COVERED:
-        # No finger does that, but paper that bends or a picture that is darker at its edges does.
+        # No finger does that, but paper that bends does, or a shadow's edge that misleads the inside.
         astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())
         is_whole = is_print and square.sides_seen == 4 and astray_px <= MOST_BENT * side_px
         return dataclasses.replace(square, by_side=_no_surer(square.by_side, astray_px)) if is_whole else None
@@ -86,7 +89,7 @@ def checked(
         return None
     by_side = square.by_side.copy()
     by_side[off] = found.information / off.sum()
-    return FittedSquare(corners, by_side, ~off, square.bows)
+    return dataclasses.replace(square, corners_px=corners, by_side=by_side, seen=~off)
 
 
 def _no_surer(by_side: Float, sigma_px: float) -> Float:

@@ -26,6 +26,8 @@ EDGE_SAMPLES = 16
 MIN_LIKENESS = 0.8
 # Side of the square at which the print is aligned: two of them in the narrowest border.
 ALIGNED_SAMPLES = 48
+# Of the side: what scaling a picture to so few samples leaves unknown of its edges, a tenth of one.
+EDGE_ERROR = 0.1 / ALIGNED_SAMPLES
 
 
 class PatternMarker:
@@ -48,7 +50,7 @@ class PatternMarker:
         if max(_correlation(content, turned) for turned in self._turned[1:]) > MAX_SELF_CORRELATION:
             raise ValueError("it looks the same when it is turned")
         self.alignment = PrintAlignment(
-            self.bitmap(ALIGNED_SAMPLES), self._inside.start / SAMPLES, is_exact, MIN_LIKENESS
+            self.bitmap(ALIGNED_SAMPLES), self._inside.start / SAMPLES, is_exact, MIN_LIKENESS, EDGE_ERROR
         )
 
     def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:

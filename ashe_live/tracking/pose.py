@@ -14,6 +14,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import MarkerPose
+from ashe_live.tracking.corner_errors import FITTED, CornerErrors, systematic
 from ashe_live.tracking.corners import FittedSquare, is_front_of_square, mean_side_px, side_lengths_px
 from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.pose_refinement import Solution, covariance_of, refined_solution, solution_of
@@ -68,17 +69,22 @@ def pose_of_squares(
     side_m: float,
     previous: MarkerPose | None = None,
     refines: bool = True,
+    errors: CornerErrors = FITTED,
 ) -> MarkerPose | None:
-    """The pose of the frame in which all `sightings` lie; see estimate_pose. Corners weigh as much as they are sure."""
+    """The pose of the frame in which all `sightings` lie; see estimate_pose. Corners weigh as much as they are sure.
+
+    `errors`: what they may be off beside the noise.
+    """
     sightings = [one for one in sightings if is_front_of_square(one.square.corners_px)]
     if not sightings:
         return None
     points = np.concatenate([one.points for one in sightings])
     pixels = np.concatenate([one.square.corners_px for one in sightings])
-    information = np.zeros((2 * len(pixels), 2 * len(pixels)))
+    noise, information = np.zeros((2, 2 * len(pixels), 2 * len(pixels)))
     for number, one in enumerate(sightings):
         block = slice(8 * number, 8 * number + 8)
-        information[block, block] = one.square.information
+        noise[block, block] = np.linalg.inv(one.square.information)
+        information[block, block] = np.linalg.inv(noise[block, block] + systematic(one.square, errors))
     largest = max(sightings, key=lambda one: float(side_lengths_px(one.square.corners_px).sum()))
     starts = (solution_of(R, t, points, pixels, information, camera.K) for R, t in _ippe(largest, camera))
     solutions = [one for one in starts if one is not None]
@@ -102,6 +108,10 @@ def pose_of_squares(
     is_known = camera.source in ("file", "flag")
     if is_known and chosen.rms_px > max(MOST_RMS_PX, MOST_RMS * mean_side_px(largest.square.corners_px)):
         return None
+    covariance, noise_covariance = covariance_of(chosen, points, information, camera.K, noise)
+    # The pose leaves what it cannot explain: where that is more than was stated, all of it was understated.
+    freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
+    understated = (errors.weight + chosen.cost) / (errors.weight + freedom)
     T_cam_marker = rigid(chosen.R, chosen.t)
     seen_whole = len(sightings) == 1 and largest.square.sides_seen == 4
     corners_px = pixels if seen_whole else project(camera, T_cam_marker, square_corners(side_m))
@@ -113,7 +123,8 @@ def pose_of_squares(
         side_m=side_m,
         reprojection_rms_px=chosen.rms_px,
         other_rms_px=others[0].rms_px if others else None,
-        covariance=covariance_of(chosen, points, information, camera.K),
+        covariance=understated * covariance,
+        noise_covariance=noise_covariance,
     )
 
 

@@ -44,11 +44,17 @@ def solution_of(
     return Solution(R, t, math.sqrt(float(error @ error) / len(points)), cost) if math.isfinite(cost) else None
 
 
-def covariance_of(solution: Solution, points: Float, information: Float, K: Float) -> Float:
-    """(6, 6) of (w, v), rad and metres, see the module: what noise alone does to the pose."""
+def covariance_of(solution: Solution, points: Float, information: Float, K: Float, part: Float) -> tuple[Float, Float]:
+    """Two (6, 6) of (w, v), rad and metres, see the module: all that `information` allows for, and a part of it.
+
+    `part` (2n, 2n) is a covariance of the pixels that is contained in the inverse of `information`.
+    """
     turned = points @ solution.R.T
     jacobian = _jacobian(turned, turned + solution.t, K)
-    return _inverse(jacobian.T @ information @ jacobian)
+    weighted = jacobian.T @ information
+    covariance = _inverse(weighted @ jacobian)
+    by_pixels = covariance @ weighted
+    return covariance, by_pixels @ part @ by_pixels.T
 
 
 def refined_solution(start: Solution, points: Float, pixels: Float, information: Float, K: Float) -> Solution:

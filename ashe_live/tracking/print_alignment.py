@@ -39,6 +39,7 @@ SMALL_STEP = 1e-3  # of the side
 MIN_SIGMA_PX = 0.05
 LARGE_STEP = 0.08  # beyond which the linearised print means nothing
 UNIT = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+OUTWARDS = np.sign(UNIT - 0.5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +50,7 @@ class Aligned:
     covariance: Float  # (8, 8) of step.ravel()
     sigma: float  # the largest standard deviation in it
     inside: float  # correlation in [-1, 1] of the samples inside the border with the print
+    bleed: float  # how far all edges lie towards white, in units of the side
 
 
 class Alignment(NamedTuple):
@@ -63,13 +65,20 @@ class PrintAlignment:
     """Aligns one marker's print; made once, as it holds what does not depend on the picture."""
 
     def __init__(
-        self, print_grey: Image, border: float, tells_place: bool = True, least_likeness: float = MIN_LIKENESS
+        self,
+        print_grey: Image,
+        border: float,
+        tells_place: bool = True,
+        least_likeness: float = MIN_LIKENESS,
+        edge_error: float = 0.0,
     ) -> None:
         """`print_grey` (n, n): the whole black square, from which every sample is taken; `border` over its side.
 
-        `tells_place`: whether the inside lies exactly where `print_grey` has it within the border.
+        `tells_place`: whether the inside lies exactly where `print_grey` has it within the border. `edge_error`: how
+        far off its edges may be in `print_grey`, over the side.
         """
         self._cells = round(1 / border)
+        self._edge_error = edge_error
         n = len(print_grey)
         self._margin = max(1, round(min(PAPER * border, MOST_PAPER) * n))
         self._side = n + 2 * self._margin
@@ -97,6 +106,10 @@ class PrintAlignment:
         )[self._inside]
         self._columns = columns.astype(np.float32)
         self._solver = np.linalg.pinv(columns).astype(np.float32)
+        # All four corners outwards by one, and with them the edges inside, towards their white.
+        together = columns[:, 1:9] @ -OUTWARDS.ravel() - columns[:, 12]
+        one_shift = np.column_stack([columns[:, 0], columns[:, 9:12], together])
+        self._bleed_solver = np.linalg.pinv(one_shift)[[0, 4]].astype(np.float32)
         self._spread = np.linalg.inv(columns.T @ columns + 1e-9 * np.eye(13))[1:9, 1:9]
         self._largest_spread = float(np.diag(self._spread).max())
         is_weak = tells_place and math.sqrt(self._largest_spread) > MOST_SPREAD
@@ -155,6 +168,16 @@ class PrintAlignment:
         cells = np.abs(cv2.resize(amiss, (self._cells, self._cells), interpolation=cv2.INTER_AREA))
         return float(cells.max()) <= MOST_AMISS * float(np.ptp(self._prints[0]))
 
+    def bleed(self, samples: Light) -> float:
+        """How far outwards all four sides of a square lie, in units of its side, from samples within it.
+
+        The edges inside lie as far towards white: a tone curve other than sRGB's, white that is cut off, or ink that
+        has spread moves all of them alike.
+        """
+        gain, displaced = (self._bleed_solver @ samples.ravel()[self._inside]).tolist()
+        bleed = displaced / gain if gain > 0 else 0.0
+        return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed)
+
     def look(self, samples: Light, side_px: float) -> Aligned | None:
         """One step from samples taken where the print is thought to be; None where nothing of it is seen."""
         inside = samples.ravel()[self._inside]
@@ -175,6 +198,7 @@ class PrintAlignment:
             variance * self._spread,
             math.sqrt(variance * self._largest_spread),
             float(own @ _normalised(inside)),
+            -float(coefficients[12]) / gain,
         )
 
     def aligned(

@@ -200,12 +200,12 @@ class MarkerTracker:
         return squares
 
     def _held(self, pose: MarkerPose, time_s: float, bridged: bool) -> MarkerPose:
-        assert pose.covariance is not None
+        assert pose.noise_covariance is not None
         if not self.filters:
             return dataclasses.replace(pose, bridged=bridged)
         preset = self.preset
         held = self._filter.add(
-            pose.T_cam_marker, pose.covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
+            pose.T_cam_marker, pose.noise_covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
         )
         return dataclasses.replace(pose, T_cam_marker=held, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
 

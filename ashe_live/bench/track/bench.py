@@ -9,11 +9,13 @@ import cv2
 import numpy as np
 
 from ashe_live.bench.bench import Bench
+from ashe_live.bench.cases import read_cases
 from ashe_live.bench.machine import measured_with
 from ashe_live.bench.plots import SUFFIXES, draw_trade, points_of
 from ashe_live.bench.track.attacks.hard_prints import hard_print_figures
 from ashe_live.bench.track.attacks.impostors import impostor_figures
 from ashe_live.bench.track.attacks.strips import strip_figures
+from ashe_live.bench.track.certainty import certainty_figures, fitted, look_at
 from ashe_live.bench.track.clips import ClipFigures, follow_clips
 from ashe_live.bench.track.contenders import Answer, Contender, OpencvReference, Ours, answers, found_share
 from ashe_live.bench.track.focal import focal_figures
@@ -26,12 +28,13 @@ from ashe_live.bench.track.measures import (
     normalised_error_squared,
     rotation_errors_deg,
 )
-from ashe_live.bench.track.tables import Figure, print_clips, print_figures
+from ashe_live.bench.track.tables import Figure, print_clips, print_errors, print_figures
 from ashe_live.bench.track.takes import HD, LENS, SMALL, Take, at_rest, roaming, scattered, sliding
 from ashe_live.bench.track.trade import COST, SETTLED_FRAMES, print_trade, sweep
 from ashe_live.core.camera import Camera
 from ashe_live.core.contract import Json
 from ashe_live.quality import BALANCED
+from ashe_live.tracking.corner_errors import FITTED
 from ashe_live.tracking.preset import TrackingPreset
 
 TRADE = "trade"
@@ -50,6 +53,7 @@ class TrackBench(Bench):
     real: Path | None = None
     photos: Path | None = None  # a folder of others' pictures, without the ids that are asked for
     quick: bool = False  # a few frames of each take, and no sweep of the settings
+    scenes: Sequence[Path] = ()  # folders of pictures with known poses: how certain these are, and what fits them
 
     def parts(self) -> Iterator[Json]:
         with _one_thread():
@@ -70,8 +74,15 @@ class TrackBench(Bench):
     def _measured(self) -> Json:
         # First, so that an unreadable folder is reported at once.
         clips: list[ClipFigures] = [] if self.real is None else follow_clips(self.real, self.preset)
+        seen = {folder.name: look_at(read_cases(folder), self.preset) for folder in self.scenes}
         figures = list(self._figures())
+        for name, own in seen.items():
+            figures += certainty_figures(name, own)
         print_figures(self.console, figures)
+        fit = None
+        if seen and not self.quick:
+            fit = asdict(fitted([one for own in seen.values() for one in own]))
+            print_errors(self.console, asdict(FITTED), fit)
         if clips:
             print_clips(self.console, clips)
         return {
@@ -79,6 +90,7 @@ class TrackBench(Bench):
             "preset": asdict(self.preset),
             "figures": [{**asdict(figure), "met": figure.is_met} for figure in figures],
             "clips": [asdict(clip) for clip in clips],
+            "corner_errors": {"used": asdict(FITTED), "fitted": fit},
         }
 
     def _frames(self, frames: int) -> int:

@@ -59,16 +59,16 @@ def lag_ms(given: Sequence[Answer]) -> float:
 
 
 def normalised_error_squared(given: Sequence[Answer]) -> float:
-    """Median squared Mahalanobis error of the unfiltered poses under their stated covariances, over that of the
-    chi-squared distribution: 1 if they are calibrated.
+    """Median squared Mahalanobis error of the unfiltered poses under the covariances of their noise, over that of the
+    chi-squared distribution: 1 if they are calibrated. The takes have noise, and no other errors.
     """
     squares = []
     for answer in given:
-        if answer.pose is not None and answer.pose.covariance is not None:
+        if answer.pose is not None and answer.pose.noise_covariance is not None:
             T = answer.pose.measured_T_cam_marker
             turn = cv2.Rodrigues(T[:3, :3] @ answer.truth[:3, :3].T)[0].ravel()
             error = np.concatenate([turn, T[:3, 3] - answer.truth[:3, 3]])
-            squares.append(float(error @ np.linalg.solve(answer.pose.covariance, error)))
+            squares.append(float(error @ np.linalg.solve(answer.pose.noise_covariance, error)))
     median_of_chi_squared_6 = 5.348
     return float(np.median(squares)) / median_of_chi_squared_6
 

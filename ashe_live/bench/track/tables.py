@@ -1,6 +1,6 @@
 """The printed tables of `ashe-live bench track`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from rich.console import Console
@@ -33,8 +33,7 @@ class Figure:
 def print_figures(console: Console, figures: Sequence[Figure]) -> None:
     table = figures_table("tracking, on synthetic frames", "", "OpenCV", "ours", "target", "")
     for figure in figures:
-        target = "" if figure.most is None else f"≤ {_number(figure.most)}"
-        target = target if figure.least is None else f"≥ {_number(figure.least)}"
+        target = _target(figure)
         verdict = {None: "", True: "met", False: "MISSED"}[figure.is_met]
         name = f"{figure.name} ({figure.unit})" if figure.unit else figure.name
         table.add_row(name, _number(figure.reference), _number(figure.ours), target, verdict)
@@ -57,6 +56,22 @@ def print_clips(console: Console, clips: Sequence[ClipFigures]) -> None:
             f"{clip.median_ms:.1f}",
         )
     console.print(table)
+
+
+def print_errors(console: Console, used: Mapping[str, float], fitted: Mapping[str, float]) -> None:
+    """The figures of CornerErrors: those in use, and those that fit the given pictures best."""
+    table = figures_table("errors of corners", "", "in use", "fitted to these pictures")
+    for name, value in used.items():
+        table.add_row(name, _number(value), _number(fitted[name]))
+    console.print(table)
+
+
+def _target(figure: Figure) -> str:
+    if figure.most is not None and figure.least is not None:
+        return f"{_number(figure.least)} to {_number(figure.most)}"
+    if figure.least is not None:
+        return f"≥ {_number(figure.least)}"
+    return "" if figure.most is None else f"≤ {_number(figure.most)}"
 
 
 def _number(value: float | None) -> str:

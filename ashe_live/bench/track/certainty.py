@@ -1,0 +1,106 @@
+"""Whether poses are as certain as they say, on pictures whose poses are known, and the figures that make them so."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+
+import cv2
+import numpy as np
+
+from ashe_live.bench.cases import Case
+from ashe_live.bench.track.tables import Figure
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.types import MarkerPose
+from ashe_live.tracking.corner_errors import FITTED, CornerErrors, corrected, uncorrected_px
+from ashe_live.tracking.corners import FittedSquare
+from ashe_live.tracking.markers import Marker, parse_marker
+from ashe_live.tracking.pose import Sighting, pose_of_squares, square_corners
+from ashe_live.tracking.preset import TrackingPreset
+from ashe_live.tracking.search import anywhere, refined
+
+# Of the chi-squared distribution with six degrees of freedom.
+MEDIAN_6, WITHIN_95_PERCENT_6 = 5.348, 12.592
+LEAST_RATIO, MOST_RATIO = 0.6, 1.4
+LEAST_WITHIN, MOST_WITHIN = 90.0, 98.0
+# Errors beyond this are blunders, which no covariance should be widened for.
+BLUNDER = 60.0
+# Factors by which each figure is varied in turn, until none of them makes the poses likelier.
+FACTORS = 1.5, 1.2, 1.08
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """A marker found in a picture, and where it is in truth."""
+
+    square: FittedSquare
+    camera: Camera
+    side_m: float
+    truth: Float  # (4, 4) T_cam_marker
+
+    def pose(self, errors: CornerErrors) -> MarkerPose | None:
+        """The pose, its corners taken to be as uncertain as `errors` has them."""
+        square = replace(self.square, corners_px=uncorrected_px(self.square))
+        if self.square.bleed_px is not None:
+            square = corrected(square, self.square.bleed_px, errors)
+        return pose_of_squares([Sighting(square_corners(self.side_m), square)], self.camera, self.side_m, errors=errors)
+
+
+def look_at(cases: Sequence[Case], preset: TrackingPreset) -> list[Seen | None]:
+    """What is found of the markers that the cases name, each without a frame before; None where nothing is."""
+    return [_seen(parse_marker(case.marker_spec), case, preset) for case in cases if case.marker_spec is not None]
+
+
+def certainty_figures(name: str, seen: Sequence[Seen | None], errors: CornerErrors = FITTED) -> Iterator[Figure]:
+    """The squared errors of poses over their covariances: the median, and the share in the 95 % ellipsoid."""
+    squares = np.array([_squared_error(one, errors)[0] for one in seen if one is not None])
+    if not len(squares):
+        return
+    yield Figure(f"found, {name} ({len(seen)})", "%", None, 100 * len(squares) / len(seen), None)
+    ratio = float(np.median(squares)) / MEDIAN_6
+    yield Figure(f"squared error over its covariance, {name}", "", None, ratio, MOST_RATIO, LEAST_RATIO)
+    within = 100 * float((squares <= WITHIN_95_PERCENT_6).mean())
+    yield Figure(f"in the ellipsoid of 95 %, {name}", "%", None, within, MOST_WITHIN, LEAST_WITHIN)
+
+
+def fitted(seen: Sequence[Seen | None], start: CornerErrors = FITTED) -> CornerErrors:
+    """The standard deviations that make the true poses likeliest, near `start`: by coordinate descent."""
+    known = [one for one in seen if one is not None]
+    best, cost = start, _cost(known, start)
+    for factor in FACTORS:
+        improves = True
+        while improves:
+            improves = False
+            for name, value in asdict(best).items():
+                for changed in (value * factor, value / factor):
+                    tried = replace(best, **{name: changed})
+                    if (tried_cost := _cost(known, tried)) < cost - 1e-3:
+                        best, cost, improves = tried, tried_cost, True
+                        break
+    return best
+
+
+def _seen(marker: Marker, case: Case, preset: TrackingPreset) -> Seen | None:
+    image = case.tracked().frame.image_bgr
+    for thorough in (False, True):
+        for coarse_px in anywhere(marker, image, preset.detection_width_px, thorough)[:1]:
+            square = refined(marker, image, case.camera, coarse_px, preset.edge_samples)
+            if square is not None:
+                return Seen(square, case.camera, case.marker.side_m, case.marker.T_cam_marker)
+    return None
+
+
+def _cost(seen: Sequence[Seen], errors: CornerErrors) -> float:
+    """Minus the logarithm of the true poses' likelihood, but for a constant."""
+    costs = [_squared_error(one, errors) for one in seen]
+    return sum(min(squared, BLUNDER) / 2 + log_volume for squared, log_volume in costs)
+
+
+def _squared_error(seen: Seen, errors: CornerErrors) -> tuple[float, float]:
+    """The squared error of the pose in standard deviations, and the logarithm of the ellipsoid's volume."""
+    pose = seen.pose(errors)
+    if pose is None or pose.covariance is None:
+        return BLUNDER, 0.0
+    T = pose.T_cam_marker
+    turn = cv2.Rodrigues(T[:3, :3] @ seen.truth[:3, :3].T)[0].ravel()
+    error = np.concatenate([turn, T[:3, 3] - seen.truth[:3, 3]])
+    return float(error @ np.linalg.solve(pose.covariance, error)), float(np.linalg.slogdet(pose.covariance)[1]) / 2
