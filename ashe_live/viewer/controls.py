@@ -30,10 +30,11 @@ class Command(Enum):
     SCALE_MODEL = auto()
     TURN_MODEL = auto()
     TURN_UP = auto()
+    FOLLOW_OTHER = auto()
     RESET = auto()
     OPEN = auto()
     HELP = auto()
-    QUIT = auto()
+    LEAVE = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,6 +184,7 @@ BINDINGS = (
         "open a model, a clip or a photo",
         gesture=Gesture.DROP,
     ),
+    Binding(("M",), Command.FOLLOW_OTHER, "M", "follow the other marker that is in view"),
     Binding(("P",), Command.PAUSE, "P", "pause"),
     Binding(("R",), Command.RESTART, "R", "start the clip again"),
     Binding((",", ".", "COMMA", "PERIOD"), Command.STEP, ", and .", "one frame back, one on", (-1, 1, -1, 1), True),
@@ -195,7 +197,7 @@ BINDINGS = (
     Binding(("F",), Command.FULLSCREEN, "F", "fullscreen"),
     Binding(("I",), Command.TOGGLE_HUD, "I", "hide or show all text"),
     Binding(("H", "F1"), Command.HELP, "H or F1", "this help"),
-    Binding(("ESCAPE",), Command.QUIT, "Esc", "quit"),
+    Binding(("ESCAPE",), Command.LEAVE, "Esc", "leave this help, fullscreen, the program"),
 )
 
 REQUEST_BY_KEY: dict[str, Request] = {

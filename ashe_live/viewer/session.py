@@ -66,6 +66,7 @@ class Session:
         self.show_masks = False
         self.show_help = False
         self.show_hud = True
+        self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the one that is followed is not in view
         self._shelf = shelf
         self._worker = worker
         self._frozen: TrackedFrame | None = None
@@ -96,6 +97,11 @@ class Session:
     def lit_by(self) -> Illumination:
         """The illumination set by hand, else the estimated one."""
         return self._estimated if self.hand.light is None else self.hand.light
+
+    @property
+    def has_seen_marker(self) -> bool:
+        """Whether the marker has been in any frame of this source."""
+        return self._estimated.seen_in is not None
 
     @property
     def is_estimating(self) -> bool:
@@ -132,7 +138,14 @@ class Session:
             self._policy_is_done = True
             self.request_estimate(now_s)
         elif self.fusion is not None and is_steady and not self.is_estimating and self._is_due(now_s, self.fusion):
-            self.request_estimate(now_s)
+            self.request_estimate(now_s, is_awaited=self.estimate is None)
+
+    def settle_for_last(self, now_s: float) -> bool:
+        """At the end of a clip: its last frame is estimated where no marker was steady; returns whether it is."""
+        if not self.awaits_steady or self.tracked is None or self.tracked.marker is None:
+            return False
+        self._policy_is_done = True
+        return self.request_estimate(now_s)
 
     def begin_anew(self, steadiness: Steadiness) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
@@ -150,11 +163,16 @@ class Session:
         """Shows the model in the file as soon as it is read."""
         self._shelf.add(path)
 
-    def request_estimate(self, now_s: float) -> bool:
-        """Hands the current frame to the worker and returns True; shows a message when that is not possible."""
+    def request_estimate(self, now_s: float, is_awaited: bool = True) -> bool:
+        """Hands the current frame to the worker and returns True; shows a message when that is not possible.
+
+        `is_awaited`: by a person; else the estimate gives way to whatever else the machine does.
+        """
         if self.tracked is None or self.tracked.marker is None:
             self.say("no marker in view: point the camera at it, then press Space", now_s)
-        elif not self._worker.request(self.tracked, self.light_preset, steps_sheet if self.show_masks else None):
+        elif not self._worker.request(
+            self.tracked, self.light_preset, steps_sheet if self.show_masks else None, is_awaited
+        ):
             self.say("still estimating", now_s)
         else:
             self._frozen, self._asked_s = self.tracked, now_s
