@@ -144,6 +144,10 @@ class FakeShelf:
     def chosen_name(self) -> str:
         return self.names[self.at]
 
+    @property
+    def shown_name(self) -> str:
+        return self.chosen_name
+
     def choose(self, index: int) -> bool:
         if index >= len(self.names):
             return False

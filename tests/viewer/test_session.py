@@ -495,3 +495,33 @@ def test_a_key_stands_the_model_on_another_side(make):
     assert session.handle(Request(Command.TURN_UP), 0.0)
     assert session._shelf.turned == 1
     assert session.notice(0.0) == "cube: z is up"
+
+
+def test_before_and_after(make, fakes):
+    session = make()
+    session.take(fakes.tracked(0), 0.0)
+    shown = []
+    for _ in range(3):
+        scene = bare_scene(session)
+        shown.append((scene.casts_shadow, session.parts_shown))
+        session.handle(Request(Command.BEFORE_AFTER), 0.0)
+    assert [casts for casts, _ in shown] == [True, False, False]
+    assert session.parts_shown == shown[0][1]
+    session.handle(Request(Command.BEFORE_AFTER), 0.0)
+    session.handle(Request(Command.RESET), 0.0)
+    assert bare_scene(session).casts_shadow
+
+
+def test_each_model_stays_where_it_was_put(make, fakes):
+    session = make()
+    session.take(fakes.tracked(0), 0.0)
+    session.poll(0.0)
+    session.handle(Request(Command.SCALE_MODEL, 3), 0.0)
+    large = session.hand.placement
+    session.handle(Request(Command.NEXT_MODEL), 0.0)
+    session.poll(0.0)
+    assert session.hand.placement == UNMOVED
+    session.handle(Request(Command.TURN_MODEL, 2), 0.0)
+    session.handle(Request(Command.PREVIOUS_MODEL), 0.0)
+    session.poll(0.0)
+    assert session.hand.placement == large
