@@ -21,6 +21,7 @@ class Command(Enum):
     SPEED = auto()
     LOOP = auto()
     SNAPSHOT = auto()
+    KEEP_LIGHT = auto()
     RECORD = auto()
     QUALITY = auto()
     FULLSCREEN = auto()
@@ -216,6 +217,7 @@ BINDINGS = (
     Binding(("Z", "X"), Command.SPEED, "Z, X", "slower, faster", (-1, 1)),
     Binding(("O",), Command.LOOP, "O", "play again and again, or once"),
     Binding(("S",), Command.SNAPSHOT, "S", "save a snapshot (PNG)"),
+    Binding(("E",), Command.KEEP_LIGHT, "E", "save the light (HDR, JSON)"),
     Binding(("V",), Command.RECORD, "V", "start or stop a recording"),
     Binding(("Q",), Command.QUALITY, "Q", "quality of the picture"),
     Binding(("F",), Command.FULLSCREEN, "F", "fullscreen"),

@@ -422,3 +422,13 @@ def test_no_other_is_looked_for_while_the_marker_is_there(stage):
     assert stage.session.markers_in_view == ()
     assert stage.pipeline.followed == []
     assert "no other marker" in stage.session.last_notice
+
+
+def test_the_light_is_saved_for_other_programs(stage, tmp_path):
+    stage.put(0)
+    stage.session._worker.answer = stage.fakes.estimate()
+    stage.run(None, Command.KEEP_LIGHT, Command.ESTIMATE, None, Command.KEEP_LIGHT, None)
+    (sky,), (record,) = tmp_path.glob("*.hdr"), tmp_path.glob("*.json")
+    assert sky.read_bytes().startswith(b"#?RADIANCE")
+    light = json.loads(record.read_text())["estimate"]["light"]
+    assert light["to_light_marker"] == pytest.approx([0.5**0.5, 0, 0.5**0.5])

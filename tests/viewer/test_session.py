@@ -200,7 +200,7 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
 def test_what_needs_the_window_is_left_to_it(make):
     left = {command for command in Command if not make().handle(Request(command), 0.0)}
     names = ("PAUSE", "RESTART", "STEP", "SEEK", "SPEED", "LOOP", "OPEN")
-    names += ("SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "LEAVE", "FOLLOW_OTHER")
+    names += ("SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "LEAVE", "FOLLOW_OTHER", "KEEP_LIGHT")
     assert left == {Command[name] for name in names}
 
 
