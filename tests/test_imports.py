@@ -46,7 +46,7 @@ ROOMS: dict[str, set[str]] = {
         "light.live", "drawing", "process", "render",
     },
     "api": {"quality", "core", "errors", "models", "capture", "tracking", "light.estimators", "render"},
-    "": {"core", "errors", "models", "capture", "api"},  # `import ashe_live` itself
+    "": {"core", "errors", "models", "capture", "render", "api"},  # `import ashe_live` itself
     "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer", "process"},
     "bench.light": {
         "quality", "core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit",

@@ -24,6 +24,7 @@ def run(options: argparse.Namespace) -> int:
     options.headless = options.headless or not has_display()
     check_outputs(options)
     clip = shipped_clip()
+    options.takes_any_marker = False
     options.marker, options.marker_size = clip.marker_spec, clip.marker_side_m
     tracker = make_tracker(options, clip.camera.resized)
     setup = ViewerSetup(ClipSource(clip.path), tracker, options, clip.to_light_marker, shows_light=True)

@@ -14,8 +14,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from ashe_live.capture.snapshot import write_png
 from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.light_page import LightPage, picture_of
+from ashe_live.commands.marker_choice import others_said, with_marker_in
 from ashe_live.commands.named_files import named_files
-from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
+from ashe_live.commands.setup import CameraFor, camera_chooser, make_tracker, quality_of
 from ashe_live.core.contract import FileRecord
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.drawing.contact_sheet import contact_sheet
@@ -26,6 +27,7 @@ from ashe_live.light.estimators.estimator import Estimator, TracingEstimator, ma
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
 from ashe_live.tracking.focal_tracker import FocalTracker
+from ashe_live.tracking.in_view import markers_in_view
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 
@@ -47,10 +49,11 @@ def run(options: argparse.Namespace) -> int:
     check_outputs([options.sheet], [*named, options.camera_file], options.overwrite)
     estimator = make_estimator(options.estimator, quality_of(options).light)
     camera_for = camera_chooser(options)
+    make_tracker(options, camera_for)  # a marker that is none is said before any file is opened
     page = LightPage()
     statuses = set()
     for path in _watched(named):
-        record, tracked = _answer(path, make_tracker(options, camera_for), estimator, options)
+        record, tracked = _answer(path, camera_for, estimator, options)
         is_read = say_exactly(record.to_line()) if options.json else say(_line(record))
         statuses.add(_status(record))
         if options.sheet is not None:
@@ -85,7 +88,7 @@ def _watched(paths: Sequence[Path]) -> Iterator[Path]:
 
 
 def _answer(
-    path: Path, tracker: MarkerTracker, estimator: Estimator, options: argparse.Namespace
+    path: Path, camera_for: CameraFor, estimator: Estimator, options: argparse.Namespace
 ) -> tuple[FileRecord, TrackedFrame | None]:
     """What is said about a file, and the frame that was used, unless the file cannot be."""
     record = FileRecord(str(path), options.quality, options.estimator)
@@ -94,6 +97,7 @@ def _answer(
         return dataclasses.replace(record, error=problem), None
     try:
         with open_source(path) as source:
+            tracker = make_tracker(with_marker_in(source, options), camera_for)
             if isinstance(tracker, FocalTracker):
                 learn_focal_length(source, tracker)
             tracked = usable_frame(source, tracker, options.estimate_at)
@@ -101,7 +105,9 @@ def _answer(
         return dataclasses.replace(record, error=printable(error)), None
     record = dataclasses.replace(record, frame=tracked.frame.index, camera=tracked.camera, marker=tracked.marker)
     if tracked.marker is None:
-        return dataclasses.replace(record, timing_ms={"detect": tracked.detect_ms, "total": tracked.detect_ms}), tracked
+        in_view = markers_in_view(tracked.frame.image_bgr)
+        times = {"detect": tracked.detect_ms, "total": tracked.detect_ms}
+        return dataclasses.replace(record, timing_ms=times, in_view=in_view), tracked
     estimate, timing_ms = _timed(tracker, tracked, estimator, options.repeat)
     if options.debug is not None:
         trace = None
@@ -183,6 +189,8 @@ def _said(record: FileRecord) -> str:
     if record.error is not None:
         return record.error
     if record.marker is None:
+        if record.in_view:
+            return f"the marker was not found: {others_said(record.in_view)}"
         return "no marker found: show all of it, or name the one that is there with --marker"
     assert record.estimate is not None
     light = record.estimate.light

@@ -2,7 +2,7 @@
 
 import argparse
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from ashe_live import __version__
 from ashe_live.commands import values
@@ -18,7 +18,7 @@ DEFAULT_MARKER = "aruco:4x4_50:0"
 DEFAULT_ESTIMATOR = "proxy"
 MARKER_HELP = (
     f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png or "
-    f"grid:DICT:COLSxROWS (default {DEFAULT_MARKER})"
+    f"grid:DICT:COLSxROWS (default: the one in view, or {DEFAULT_MARKER})"
 )
 UPS = ("x", "y", "z", "-x", "-y", "-z")
 MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
@@ -174,7 +174,8 @@ def _add_results_folder(bench: argparse.ArgumentParser) -> None:
 
 def _add_scene_options(parser: argparse.ArgumentParser) -> None:
     scene = parser.add_argument_group("what the camera sees")
-    scene.add_argument("--marker", default=DEFAULT_MARKER, metavar="SPEC", help=MARKER_HELP)
+    scene.add_argument("--marker", default=DEFAULT_MARKER, action=_Named, metavar="SPEC", help=MARKER_HELP)
+    parser.set_defaults(takes_any_marker=True)
     scene.add_argument(
         "--marker-size",
         type=values.side_m,
@@ -221,6 +222,13 @@ def _add_quality_options(parser: argparse.ArgumentParser, default: str = "balanc
     trade = parser.add_argument_group("speed against accuracy")
     trade.add_argument("--quality", choices=("fast", "balanced", "accurate", "auto"), default=default)
     trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=f"(default {DEFAULT_ESTIMATOR})")
+
+
+class _Named(argparse.Action):
+    """A marker that somebody has named: no other is taken in its place."""
+
+    def __call__(self, _parser: object, options: argparse.Namespace, value: Any, _flag: object = None) -> None:
+        options.marker, options.takes_any_marker = value, False
 
 
 class _Version(argparse.Action):

@@ -3,11 +3,19 @@
 import argparse
 
 from ashe_live.capture.sources import open_source
+from ashe_live.commands.marker_choice import with_marker, with_marker_in
 from ashe_live.commands.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, show
+from ashe_live.tracking.tracker import MarkerTracker
 
 
 def run(options: argparse.Namespace) -> int:
     check_outputs(options)
-    tracker = make_tracker(options)
-    return show(ViewerSetup(open_source(options.file), tracker, options))
+    make_tracker(options)  # a marker that is none is said before the file is opened
+    source = open_source(options.file)
+    chosen = with_marker_in(source, options)
+
+    def tracker_for(spec: str) -> MarkerTracker:
+        return make_tracker(with_marker(options, spec))
+
+    return show(ViewerSetup(source, make_tracker(chosen), chosen, tracker_for=tracker_for))

@@ -11,6 +11,7 @@ from pathlib import Path
 from ashe_live.capture.cut_short import rescue_recordings
 from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.sources import Source, open_source
+from ashe_live.commands.marker_choice import others_said, with_marker, with_marker_in
 from ashe_live.commands.setup import make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size, drawn_size
@@ -24,6 +25,7 @@ from ashe_live.process.signals import ended_by_signals
 from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
+from ashe_live.tracking.in_view import markers_in_view
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
@@ -44,6 +46,7 @@ class ViewerSetup:
     options: argparse.Namespace
     true_to_light_marker: Float | None = None  # (3,) unit, where it is known
     shows_light: bool = False
+    tracker_for: Callable[[str], MarkerTracker] | None = None  # by a marker's spec; None: there is no other
 
     @property
     def size(self) -> Size:
@@ -107,7 +110,7 @@ def show_in_window(setup: ViewerSetup) -> int:
         # First, as its process starts while the window opens, and a model that cannot be read opens none.
         session = stack.enter_context(opened_session(setup))
         window = stack.enter_context(GlfwWindow(f"ashe-live: {setup.source.name}", setup.size))
-        pipeline = Pipeline(setup.source, setup.tracker, options.loop)
+        pipeline = Pipeline(setup.source, setup.tracker, options.loop, setup.tracker_for)
         stack.callback(pipeline.close)
         pipeline.start()
         preset = quality_of(options).render
@@ -118,11 +121,14 @@ def show_in_window(setup: ViewerSetup) -> int:
 
         def opener(path: Path) -> Pipeline:
             """A file has a camera of its own: as the flags say, else one that nobody knows."""
-            pipeline = Pipeline(open_source(path), make_tracker(options), options.loop)
+            source = open_source(path)
+            tracker = make_tracker(with_marker_in(source, options))
+            pipeline = Pipeline(source, tracker, options.loop, lambda spec: make_tracker(with_marker(options, spec)))
             pipeline.start()
             return pipeline
 
         viewer = LiveViewer(window, renderer, pipeline, session, options.quality, recording, options.loop, opener)
+        viewer.takes_any_marker = options.takes_any_marker
         viewer.run(options.frames, end_if_asked)
     return ExitStatus.ANSWERED
 
@@ -181,7 +187,9 @@ def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[
     if setup.source.note is not None:
         yield setup.source.note
     if not found:
-        yield f"the marker {options.marker} is not seen in {name}: if another one is there, name it with --marker"
+        in_view = () if session.tracked is None else markers_in_view(session.tracked.frame.image_bgr)
+        named = others_said(in_view) if in_view else "if another one is there, name it with --marker"
+        yield f"the marker {options.marker} is not seen in {name}: {named}"
     elif options.estimate_at not in (None, *found):
         yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
     elif session.last_notice is not None:

@@ -128,6 +128,7 @@ class FileRecord:
     marker: MarkerPose | None = None
     estimate: LightEstimate | None = None
     timing_ms: Mapping[str, float] | None = None
+    in_view: tuple[str, ...] = ()  # other markers, where the one that was looked for is not
 
     def to_json(self) -> Json:
         reason = self.error or "no marker found"
@@ -140,6 +141,7 @@ class FileRecord:
             "error": self.error,
             "camera": camera_json(self.camera) if self.camera else None,
             "marker": marker_json(self.marker) if self.error is None else None,
+            "markers_in_view": list(self.in_view),
             **estimate_json(estimate),
             "quality": self.quality,
             "estimator": self.estimator,

@@ -217,7 +217,8 @@ class SceneRenderer:
                 self._arrow.draw(frame, arrow)
             casters = 2 if self._shadows.shadows_meet else 1
             ground_rgb = scene.illumination.ground_rgb
-            self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model, ground_rgb)
+            if scene.casts_shadow:
+                self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model, ground_rgb)
             self._model_pass.draw_blended(model, inputs)
 
     def _drawn_points(self, model: StandingModel, arrows: list[Float]) -> Float:

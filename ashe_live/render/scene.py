@@ -41,3 +41,4 @@ class Scene:
     shows_light: bool = False  # an arrow that comes from each light
     overlays: tuple[Overlay, ...] = ()  # bottom first
     placement: Placement = UNMOVED  # of the model
+    casts_shadow: bool = True  # the model, on the ground

@@ -34,7 +34,7 @@ class CalibrationWindow:
             hint = (said,) if said else ()
             text = HudText(progress_lines(view, guide), (*hint, "Esc: end with the views so far"))
             self._screen.show(guidance_picture(frame.image_bgr, view, guide), text)
-        wants_end = any(request.command is Command.QUIT for request in window.take_requests(0.0))
+        wants_end = any(request.command is Command.LEAVE for request in window.take_requests(0.0))
         return not (wants_end or window.is_closing)
 
     def __enter__(self) -> Self:

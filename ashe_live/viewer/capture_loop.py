@@ -50,6 +50,7 @@ class Wish:
     speed: float = 1.0  # times a clip's own pace
     jump: Jump | None = None  # the latest; obeyed once
     tracking: TrackingPreset | None = None  # from the next frame on; None: as the tracker was made
+    marker: str | None = None  # the spec of another than the tracker was made for
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +75,7 @@ class CaptureLoop:
         wish: Wish,
         wishes: LatestMailbox[Wish],
         frames: LatestMailbox[TrackedFrame],
+        tracker_for: Callable[[str], MarkerTracker] | None = None,
     ) -> None:
         self.state = State()
         self._source = source
@@ -81,6 +83,7 @@ class CaptureLoop:
         self._clip = source if isinstance(source, Seekable) else None
         self._wish = wish
         self._wishes = wishes
+        self._tracker_for = tracker_for
         self._frames = frames
         self._period_s = 1 / (source.fps or 30.0)
         self._pace = Pace()
@@ -131,6 +134,9 @@ class CaptureLoop:
         wish = self._wishes.take(timeout_s)
         if wish is None:
             return
+        if wish.marker is not None and wish.marker != self._wish.marker and self._tracker_for is not None:
+            before, self._tracker = self._tracker, self._tracker_for(wish.marker)
+            self._tracker.preset = before.preset
         self._wish = wish
         self._pace.speed = wish.speed
         if wish.tracking is not None:

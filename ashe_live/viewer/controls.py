@@ -21,6 +21,7 @@ class Command(Enum):
     SPEED = auto()
     LOOP = auto()
     SNAPSHOT = auto()
+    KEEP_LIGHT = auto()
     RECORD = auto()
     QUALITY = auto()
     FULLSCREEN = auto()
@@ -30,10 +31,15 @@ class Command(Enum):
     SCALE_MODEL = auto()
     TURN_MODEL = auto()
     TURN_UP = auto()
+    BEFORE_AFTER = auto()
+    LIGHT_STRENGTH = auto()
+    LIGHT_SOFTNESS = auto()
+    LIGHT_COLOUR = auto()
+    FOLLOW_OTHER = auto()
     RESET = auto()
     OPEN = auto()
     HELP = auto()
-    QUIT = auto()
+    LEAVE = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,18 +134,37 @@ BINDINGS = (
     Binding(tuple("123456789"), Command.CHOOSE_MODEL, "1 to 9", "choose the model", tuple(range(9))),
     Binding(("LEFT",), Command.PREVIOUS_MODEL, "Left", "previous model"),
     Binding(("RIGHT",), Command.NEXT_MODEL, "Right", "next model"),
-    Binding(("SPACE",), Command.ESTIMATE, "Space", "estimate the light from this frame"),
-    Binding(("A",), Command.AUTOMATIC, "A", "estimate again and again, fused (--auto)"),
+    Binding(("SPACE",), Command.ESTIMATE, "Space", "estimate the light"),
+    Binding(("A",), Command.AUTOMATIC, "A", "estimate again and again"),
     Binding(("L",), Command.TOGGLE_LIGHT, "L", "show where the light is"),
-    Binding(("D",), Command.TOGGLE_MASKS, "D", "show what the estimator saw"),
+    Binding(("D",), Command.TOGGLE_MASKS, "D", "show what was found"),
     Binding(
         tuple(CTRL + arrow for arrow in ARROWS),
         Command.MOVE_LIGHT,
         "drag, Ctrl+arrows",
-        "light by hand: drags the shadow's end",
+        "light by hand: where from",
         STEPS,
         repeats=True,
         gesture=Gesture.DRAG,
+    ),
+    Binding(
+        (CTRL + "+", CTRL + "=", CTRL + "-"),
+        Command.LIGHT_STRENGTH,
+        "Ctrl+ + -",
+        "light: stronger, weaker",
+        (1, 1, -1),
+        repeats=True,
+    ),
+    Binding(
+        (CTRL + "PAGE_UP", CTRL + "PAGE_DOWN"),
+        Command.LIGHT_SOFTNESS,
+        "Ctrl+Page Up, Down",
+        "light: softer, sharper",
+        (1, -1),
+        repeats=True,
+    ),
+    Binding(
+        (CTRL + "[", CTRL + "]"), Command.LIGHT_COLOUR, "Ctrl+ [ ]", "light: warmer, cooler", (1, -1), repeats=True
     ),
     Binding(
         tuple(ALT + arrow for arrow in ARROWS),
@@ -159,12 +184,13 @@ BINDINGS = (
         repeats=True,
         gesture=Gesture.SHIFT_WHEEL,
     ),
-    Binding(("U",), Command.TURN_UP, "U", "stand the model on another side"),
+    Binding(("B",), Command.BEFORE_AFTER, "B", "before and after"),
+    Binding(("U",), Command.TURN_UP, "U", "turn another side up"),
     Binding(
         ("+", "=", "-"),
         Command.SCALE_MODEL,
         "wheel, + -",
-        "make the model larger or smaller",
+        "model larger or smaller",
         (1, 1, -1),
         repeats=True,
         gesture=Gesture.WHEEL,
@@ -173,29 +199,31 @@ BINDINGS = (
         ("BACKSPACE",),
         Command.RESET,
         "double click, Backspace",
-        "light as estimated, model as it was",
+        "light and model as before",
         gesture=Gesture.DOUBLE_CLICK,
     ),
     Binding(
         (CTRL + "V",),
         Command.OPEN,
         "drop a file, Ctrl+V",
-        "open a model, a clip or a photo",
+        "open a model or a clip",
         gesture=Gesture.DROP,
     ),
+    Binding(("M",), Command.FOLLOW_OTHER, "M", "follow the marker in view"),
     Binding(("P",), Command.PAUSE, "P", "pause"),
     Binding(("R",), Command.RESTART, "R", "start the clip again"),
     Binding((",", ".", "COMMA", "PERIOD"), Command.STEP, ", and .", "one frame back, one on", (-1, 1, -1, 1), True),
     Binding((SHIFT + "LEFT", SHIFT + "RIGHT"), Command.SEEK, "Shift+Left, Right", "5 seconds back, on", (-5, 5), True),
-    Binding(("Z", "X"), Command.SPEED, "Z, X", "slower, faster: 0.25 to 4 times", (-1, 1)),
-    Binding(("O",), Command.LOOP, "O", "play the clip again and again, or once"),
+    Binding(("Z", "X"), Command.SPEED, "Z, X", "slower, faster", (-1, 1)),
+    Binding(("O",), Command.LOOP, "O", "play again and again, or once"),
     Binding(("S",), Command.SNAPSHOT, "S", "save a snapshot (PNG)"),
-    Binding(("V",), Command.RECORD, "V", "start or stop recording (MP4)"),
-    Binding(("Q",), Command.QUALITY, "Q", "quality: fast, balanced, accurate, auto"),
+    Binding(("E",), Command.KEEP_LIGHT, "E", "save the light (HDR, JSON)"),
+    Binding(("V",), Command.RECORD, "V", "start or stop a recording"),
+    Binding(("Q",), Command.QUALITY, "Q", "quality of the picture"),
     Binding(("F",), Command.FULLSCREEN, "F", "fullscreen"),
     Binding(("I",), Command.TOGGLE_HUD, "I", "hide or show all text"),
     Binding(("H", "F1"), Command.HELP, "H or F1", "this help"),
-    Binding(("ESCAPE",), Command.QUIT, "Esc", "quit"),
+    Binding(("ESCAPE",), Command.LEAVE, "Esc", "close help, fullscreen, all"),
 )
 
 REQUEST_BY_KEY: dict[str, Request] = {

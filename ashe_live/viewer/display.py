@@ -9,7 +9,7 @@ from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.viewer.controls import help_rows
 from ashe_live.viewer.estimate_inset import inset_overlays
-from ashe_live.viewer.session import Session
+from ashe_live.viewer.session import VIDEO_ALONE, WHOLE, Session
 from ashe_live.viewer.status import source_lines, status_lines
 from ashe_live.viewer.time_bar import Moment, TimeBar, bar_at
 
@@ -22,10 +22,11 @@ def bare_scene(session: Session) -> Scene:
     """Video, model and light, as recordings and snapshots want them."""
     return Scene(
         session.tracked,
-        session.model,
+        None if session.parts_shown == VIDEO_ALONE else session.model,
         session.shown,
         session.show_light,
         placement=session.hand.placement,
+        casts_shadow=session.parts_shown == WHOLE,
     )
 
 

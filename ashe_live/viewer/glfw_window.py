@@ -117,6 +117,10 @@ class GlfwWindow:
     def swap(self) -> None:
         glfw.swap_buffers(self._window)
 
+    @property
+    def is_fullscreen(self) -> bool:
+        return bool(glfw.get_window_monitor(self._window))
+
     def toggle_fullscreen(self) -> None:
         windowed: Any = None
         if glfw.get_window_monitor(self._window):

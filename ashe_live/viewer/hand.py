@@ -9,6 +9,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles
 from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel
+from ashe_live.render.lighting import ASSUMED_SHADOW_RATIO, SUN_ANGULAR_SIZE_RAD
 from ashe_live.viewer.controls import Command, Drag, Request
 from ashe_live.viewer.pointing import Pixel, ground_at, picture_axes, pixel_of
 
@@ -24,6 +25,10 @@ MOST_NOTCHES = 20.0
 FARTHEST_SIDES = 50.0
 # Where nothing was estimated, the light comes from the left in the picture.
 FIRST_ELEVATION_RAD = math.radians(45)
+# Of one key press on the light's angular size, on its shadow's depth, and on that of red over blue; and their limits.
+SOFTER_STEP, STRONGER_STEP, WARMER_STEP = 1.25, 1.15, 1.08
+SHARPEST_RAD, SOFTEST_RAD = math.radians(0.1), math.radians(40)
+FAINTEST = 0.03
 LEAST_HEIGHT_SIDES = 0.25  # a flat model's shadow is dragged as if it were so high
 NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 
@@ -63,6 +68,8 @@ class Hand:
         if tracked is None or tracked.marker is None:
             return NEEDS_MARKER
         match request:
+            case Request(Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR, int() as notches):
+                return self._change_light(tracked, context, request.command, notches)
             case Request(Command.MOVE_LIGHT, (right, up)):
                 self._step_light(tracked, context, right, up)
             case Request(Command.MOVE_LIGHT, Drag() as drag):
@@ -121,6 +128,28 @@ class Hand:
         steepness = max(float(np.linalg.norm(slope)), 1e-12)
         slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
         self._set_light(tracked, base, np.array((*slope, 1.0)))
+
+    def _change_light(self, tracked: TrackedFrame, context: HandContext, command: Command, notches: int) -> str:
+        """Strength, softness or colour of the strongest light; returns what it is now."""
+        base = self._light_to_move(tracked, context)
+        light, *others = base.lights
+        size = light.angular_size_rad or SUN_ANGULAR_SIZE_RAD
+        ratio = np.full(3, ASSUMED_SHADOW_RATIO) if light.shadow_rgb_ratio is None else light.shadow_rgb_ratio
+        # How often the light is dimmed in its shadow, as exponents: 0 casts none.
+        depth = -np.log(np.clip(ratio, FAINTEST, 1 - FAINTEST))
+        if command is Command.LIGHT_SOFTNESS:
+            size = min(max(size * SOFTER_STEP**notches, SHARPEST_RAD), SOFTEST_RAD)
+        elif command is Command.LIGHT_STRENGTH:
+            depth = depth * STRONGER_STEP**notches
+        else:
+            depth = depth * WARMER_STEP ** (notches * np.array((1.0, 0.0, -1.0)))
+        ratio = np.clip(np.exp(-depth), FAINTEST, 1 - FAINTEST)
+        changed = replace(light, angular_size_rad=size, shadow_rgb_ratio=ratio)
+        # What was measured of the ambient light says the same as the shadow's ratio, and would hold against it.
+        self.light = replace(base, lights=(changed, *others), ambient_rgb_ratio=None)
+        self.frame_index = tracked.frame.index
+        red, green, blue = (f"{100 * value:.0f}" for value in 1 - ratio)
+        return f"light: {math.degrees(size):.1f}° wide; its shadow takes {red}, {green}, {blue} % of red, green, blue"
 
     def _light_to_move(self, tracked: TrackedFrame, context: HandContext) -> Illumination:
         """The illumination as it was set last, else as estimated, else a default."""

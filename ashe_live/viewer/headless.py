@@ -37,6 +37,10 @@ def play_headless(
         started = time.perf_counter()
         frame = source.read()
         if frame is None:
+            if session.settle_for_last(shown_s):
+                estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
+                if estimate is not None:
+                    report.add_estimate(estimate)
             if not run.loop:
                 break
             source.rewind()

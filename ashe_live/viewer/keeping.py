@@ -8,9 +8,11 @@ from pathlib import Path
 from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import drawn_size
-from ashe_live.core.contract import SNAPSHOT_KEYWORD, estimated_light_json, light_by_hand_json, snapshot_json
+from ashe_live.core.contract import SNAPSHOT_KEYWORD, Json, estimated_light_json, light_by_hand_json, snapshot_json
+from ashe_live.core.types import TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.files.writing import unused_name
+from ashe_live.files.writing import unused_name, write_json
+from ashe_live.render.light_map import write_light_map
 from ashe_live.render.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.viewer.display import bare_scene
@@ -41,16 +43,35 @@ class Keeper:
         if session.tracked is None:
             return
         path = unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
-        hand = session.hand
-        light = None if session.estimate is None else estimated_light_json(session.estimate)
-        if hand.light is not None:
-            light = light_by_hand_json(hand.light, hand.frame_index)
-        known = snapshot_json(session.tracked, session.model_name, light, hand.placement.marker_from_placed)
+        known = self._known(session.tracked)
         try:
             path = write_png(path, self._picture(preset), texts={SNAPSHOT_KEYWORD: json.dumps(known)}, beside=True)
             self._tell(f"saved {path}", now_s)
         except UserError as error:
             self._tell(str(error), now_s)
+
+    def light(self, now_s: float) -> None:
+        """Writes the light as a radiance map, and what is known beside it as JSON, into the current folder."""
+        session = self._session
+        if session.tracked is None:
+            return
+        if session.lit_by.light is None:
+            self._tell("no light is known yet: Space estimates it, or drag in the picture", now_s)
+            return
+        path = unused_name(Path.cwd(), "ashe-live", ".hdr", datetime.now())
+        try:
+            path = write_light_map(path, session.lit_by, beside=True)
+            record = write_json(path.with_suffix(".json"), self._known(session.tracked), beside=True)
+            self._tell(f"saved {path} and {record.name}", now_s)
+        except UserError as error:
+            self._tell(str(error), now_s)
+
+    def _known(self, tracked: TrackedFrame) -> Json:
+        session, hand = self._session, self._session.hand
+        light = None if session.estimate is None else estimated_light_json(session.estimate)
+        if hand.light is not None:
+            light = light_by_hand_json(hand.light, hand.frame_index)
+        return snapshot_json(tracked, session.model_name, light, hand.placement.marker_from_placed)
 
     def record(self, fps: float, now_s: float) -> None:
         """Begins a recording in the current folder, or ends the one under way."""

@@ -16,6 +16,7 @@ from ashe_live.viewer.controls import Command, Files, Request
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.gestures import Gestures
 from ashe_live.viewer.keeping import Keeper
+from ashe_live.viewer.marker_hunt import MarkerHunt
 from ashe_live.viewer.opening import Opener, Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.playback import Playback
@@ -59,17 +60,21 @@ class LiveViewer:
         self._source_error: str | None = None
         self._playback = Playback(pipeline, session, loop)
         self._quit = False
+        self._hunt = MarkerHunt()
+        self.takes_any_marker = False  # the one that is in view is followed, as nobody has named another
         self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
+            Command.KEEP_LIGHT: lambda now_s: self._keeper.light(now_s),
             Command.RECORD: lambda now_s: self._keeper.record(self._pipeline.fps, now_s),
             Command.QUALITY: self._next_quality,
             Command.FULLSCREEN: lambda _now: self._window.toggle_fullscreen(),
-            Command.QUIT: lambda _now: self._stop(),
+            Command.LEAVE: lambda _now: self._leave(),
+            Command.FOLLOW_OTHER: self._follow_other,
         }
 
     def run(self, frame_limit: int | None = None, end_if_asked: Callable[[], None] = lambda: None) -> None:
-        """Runs until the window is closed, Esc, or `frame_limit` frames of the source; always finishes a recording.
+        """Runs until the window is closed or left, or for `frame_limit` frames; always finishes a recording.
 
         `end_if_asked`: called before each picture; what it raises ends the viewer.
         """
@@ -84,6 +89,7 @@ class LiveViewer:
                 for request in self._window.take_requests(0.0):
                     self._obey(request, now_s)
                 self._follow_mouse(now_s)
+                self._look_for_others(now_s)
                 is_new = self._take_opened(now_s) or self._take_frame(now_s)
                 self._draw(now_s)
                 self._adapt_quality(now_s)
@@ -126,6 +132,8 @@ class LiveViewer:
         return True
 
     def _draw(self, now_s: float) -> None:
+        if self._pipeline.has_ended:
+            self._session.settle_for_last(now_s)
         fusion = self._session.fusion
         # An estimate that agrees with those before it is not printed again.
         if self._session.poll(now_s) is not None and (fusion is None or fusion.is_new):
@@ -198,6 +206,7 @@ class LiveViewer:
         if opened is None:
             return False
         self._keeper.finish(now_s)
+        self._hunt = MarkerHunt()
         self._pipeline.close(0.0)
         self._pipeline, self._source_error = opened.pipeline, None
         self._pipeline.track_with(self._tracking)
@@ -207,8 +216,35 @@ class LiveViewer:
         self._window.set_title(f"ashe-live: {opened.name}")
         return True
 
-    def _stop(self) -> None:
-        self._quit = True
+    def _leave(self) -> None:
+        """Whatever was entered last: the help, the whole screen, the program."""
+        if self._session.show_help:
+            self._session.show_help = False
+        elif self._window.is_fullscreen:
+            self._window.toggle_fullscreen()
+        else:
+            self._quit = True
+
+    def _look_for_others(self, now_s: float) -> None:
+        """Says which other markers are in view; follows the only one where nobody has named any."""
+        session = self._session
+        if not self._pipeline.may_follow_others:
+            return
+        is_news = self._hunt.look(session.tracked, now_s)
+        session.markers_in_view = self._hunt.in_view
+        if is_news and self.takes_any_marker and not session.has_seen_marker and len(self._hunt.in_view) == 1:
+            self._follow_other(now_s)
+
+    def _follow_other(self, now_s: float) -> None:
+        in_view = self._hunt.in_view
+        if not in_view:
+            self._session.say("no other marker is in view", now_s)
+            return
+        self._pipeline.follow(in_view[0])
+        if self._session.has_seen_marker:
+            self._session.begin_anew(Steadiness(1) if self._pipeline.is_photo else Steadiness())
+        self._hunt = MarkerHunt()
+        self._tell(f"{in_view[0]} is followed now: --marker {in_view[0]} names it from the start", now_s)
 
     def _next_quality(self, _now_s: float) -> None:
         self._set_quality(QUALITY_NAMES[(QUALITY_NAMES.index(self._quality_name) + 1) % len(QUALITY_NAMES)])

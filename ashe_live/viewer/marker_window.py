@@ -26,7 +26,7 @@ def show_marker(spec: str, square_grey: Image) -> None:
         explains = True
         while not window.is_closing:
             for request in window.take_requests(FRAME_S):
-                if request.command is Command.QUIT:
+                if request.command is Command.LEAVE:
                     return
                 if request.command is Command.FULLSCREEN:
                     window.toggle_fullscreen()

@@ -2,6 +2,7 @@
 
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -24,12 +25,20 @@ class Pipeline:
     on source and tracker belong to that thread. For use by one other thread at a time.
     """
 
-    def __init__(self, source: Source, tracker: MarkerTracker, loop: bool) -> None:
+    def __init__(
+        self,
+        source: Source,
+        tracker: MarkerTracker,
+        loop: bool,
+        tracker_for: Callable[[str], MarkerTracker] | None = None,
+    ) -> None:
+        """`tracker_for` makes one for another marker, named by its spec; it is called in that thread."""
         self.frames = LatestMailbox[TrackedFrame]()
         self._source = source
         self._wish = Wish(loop)
         self._wishes = LatestMailbox[Wish]()
-        self._capture = CaptureLoop(source, tracker, self._wish, self._wishes, self.frames)
+        self._capture = CaptureLoop(source, tracker, self._wish, self._wishes, self.frames, tracker_for)
+        self.may_follow_others = tracker_for is not None
         self._thread = threading.Thread(target=self._capture.run, name="capture", daemon=True)
 
     @property
@@ -86,6 +95,13 @@ class Pipeline:
     def track_with(self, preset: TrackingPreset) -> None:
         """Has the tracker use `preset` from the next frame on."""
         self._ask(tracking=preset)
+
+    def follow(self, spec: str) -> None:
+        """Has another marker tracked from the next frame on; on a photo, or at the end, the last frame comes again."""
+        if self.may_follow_others:
+            self._ask(marker=spec)
+            if self.is_photo or self.has_ended:
+                self.restart()
 
     def seek(self, time_s: float) -> None:
         """Continues from what a clip shows at `time_s`; while paused it shows that frame. For clips only."""

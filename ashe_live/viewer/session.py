@@ -11,7 +11,7 @@ from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.live.fusion import LightFusion
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import WorkerFailure
-from ashe_live.models.placement import PlacedModel
+from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.process.messages import tell
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
@@ -22,6 +22,9 @@ from ashe_live.viewer.shelf import Shelf
 NOTICE_S = 4.0
 READ_PER_S = 15.0  # letters, by who reads slowly
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
+# What B goes through.
+WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
+PARTS = WHOLE, "the model without its shadow", VIDEO_ALONE
 # Between two automatic estimates: while the fused answer still changes, and once it has settled.
 AUTO_EVERY_S = 0.4
 AUTO_SETTLED_EVERY_S = 1.5
@@ -66,6 +69,8 @@ class Session:
         self.show_masks = False
         self.show_help = False
         self.show_hud = True
+        self.parts_shown = PARTS[0]
+        self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the one that is followed is not in view
         self._shelf = shelf
         self._worker = worker
         self._frozen: TrackedFrame | None = None
@@ -75,6 +80,8 @@ class Session:
         self._policy_is_done = False
         self._steadiness = steadiness
         self._easing = LightEasing()
+        self._placements: dict[str, Placement] = {}  # of models that were shown, by their names
+        self._placed_name: str | None = None  # the model that the hand's placement is of
         self._asked_s = self._by_hand_s = -math.inf
         self._notice: tuple[str, float] | None = None
 
@@ -96,6 +103,11 @@ class Session:
     def lit_by(self) -> Illumination:
         """The illumination set by hand, else the estimated one."""
         return self._estimated if self.hand.light is None else self.hand.light
+
+    @property
+    def has_seen_marker(self) -> bool:
+        """Whether the marker has been in any frame of this source."""
+        return self._estimated.seen_in is not None
 
     @property
     def is_estimating(self) -> bool:
@@ -132,7 +144,14 @@ class Session:
             self._policy_is_done = True
             self.request_estimate(now_s)
         elif self.fusion is not None and is_steady and not self.is_estimating and self._is_due(now_s, self.fusion):
-            self.request_estimate(now_s)
+            self.request_estimate(now_s, is_awaited=self.estimate is None)
+
+    def settle_for_last(self, now_s: float) -> bool:
+        """At the end of a clip: its last frame is estimated where no marker was steady; returns whether it is."""
+        if not self.awaits_steady or self.tracked is None or self.tracked.marker is None:
+            return False
+        self._policy_is_done = True
+        return self.request_estimate(now_s)
 
     def begin_anew(self, steadiness: Steadiness) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
@@ -150,11 +169,16 @@ class Session:
         """Shows the model in the file as soon as it is read."""
         self._shelf.add(path)
 
-    def request_estimate(self, now_s: float) -> bool:
-        """Hands the current frame to the worker and returns True; shows a message when that is not possible."""
+    def request_estimate(self, now_s: float, is_awaited: bool = True) -> bool:
+        """Hands the current frame to the worker and returns True; shows a message when that is not possible.
+
+        `is_awaited`: by a person; else the estimate gives way to whatever else the machine does.
+        """
         if self.tracked is None or self.tracked.marker is None:
             self.say("no marker in view: point the camera at it, then press Space", now_s)
-        elif not self._worker.request(self.tracked, self.light_preset, steps_sheet if self.show_masks else None):
+        elif not self._worker.request(
+            self.tracked, self.light_preset, steps_sheet if self.show_masks else None, is_awaited
+        ):
             self.say("still estimating", now_s)
         else:
             self._frozen, self._asked_s = self.tracked, now_s
@@ -169,11 +193,22 @@ class Session:
         if (error := self._shelf.take_error()) is not None:
             self.say(str(error), now_s)
         self.tell_of_models(now_s)
+        self._keep_placements()
         outcome = self._accept(self._worker.poll(), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
         return outcome
+
+    def _keep_placements(self) -> None:
+        """Each model stays where it was put, and as large."""
+        shown = self._shelf.shown_name
+        if shown == self._placed_name:
+            return
+        if self._placed_name is not None:
+            self._placements[self._placed_name] = self.hand.placement
+            self.hand.placement = self._placements.get(shown, UNMOVED)
+        self._placed_name = shown
 
     def tell_of_models(self, now_s: float) -> None:
         """Says, here and on the terminal, what is drawn otherwise than a new model's file says."""
@@ -212,12 +247,18 @@ class Session:
                     self.say("nothing has been estimated yet: Space does it", now_s)
                 elif self.show_masks and self.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
+            case Command.BEFORE_AFTER:
+                self.parts_shown = PARTS[(PARTS.index(self.parts_shown) + 1) % len(PARTS)]
+                self.say(f"{self.parts_shown}: B goes on", now_s)
             case Command.TURN_UP:
                 self.say(f"{self.model_name}: {self._shelf.turn_up()} is up", now_s)
+            case Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR:
+                self._obey_hand(request, now_s)
             case Command.MOVE_LIGHT | Command.MOVE_MODEL | Command.SCALE_MODEL | Command.TURN_MODEL:
                 self._obey_hand(request, now_s)
             case Command.RESET:
                 self.hand.reset()
+                self.parts_shown = WHOLE
             case Command.HELP:
                 self.show_help = not self.show_help
             case Command.TOGGLE_HUD:

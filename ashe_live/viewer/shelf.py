@@ -85,6 +85,11 @@ class Shelf:
     def chosen_name(self) -> str:
         return self.names[self._chosen]
 
+    @property
+    def shown_name(self) -> str:
+        """Of what `model` gave last."""
+        return self._shown_name
+
     def model(self) -> PlacedModel:
         """The chosen model as soon as it is loaded, until then the one before."""
         loading = self._load(self.chosen_name)

@@ -10,6 +10,7 @@ FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
 AWAITED = "estimated as soon as the marker is steady"
 AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain surface, clear of the marker; then Space"
 SET_BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
+KEYS = "H: keys"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
@@ -64,7 +65,7 @@ def status_lines(session: Session, fps: float | None, quality: str, measured: Tr
     rate = [] if fps is None else [f"{fps:.0f} fps"]
     camera = camera_line(session.tracked)
     return [
-        "   ".join([*rate, session.model_name, quality]),
+        "   ".join([*rate, session.model_name, quality, *([] if fps is None else [KEYS])]),
         marker_line(measured or session.tracked),
         *([] if camera is None else [camera]),
         light_line(session),
@@ -79,7 +80,10 @@ def source_lines(session: Session, source_status: str | None, now_s: float) -> l
 
 def guidance(session: Session) -> tuple[str, ...]:
     """What to do when no marker or no light has been found yet."""
-    if session.tracked is not None and session.lit_by.seen_in is None:  # no marker in any frame so far
+    if session.markers_in_view:
+        specs = session.markers_in_view
+        return (f"{' and '.join(specs)} {'is' if len(specs) == 1 else 'are'} in view: M follows {specs[0]}",)
+    if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
         return NO_MARKER
     if session.estimate is not None and session.lit_by.light is None and not session.is_estimating:
         return f"what helps: {AFTER_NONE}", SET_BY_HAND

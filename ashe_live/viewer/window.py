@@ -55,6 +55,11 @@ class Window(Protocol):
         """Shows `title` wherever the window's name is shown."""
         ...
 
+    @property
+    def is_fullscreen(self) -> bool:
+        """Whether it fills the screen."""
+        ...
+
     def toggle_fullscreen(self) -> None:
         """Switches between the whole screen and the former size; `framebuffer_size` follows."""
         ...

@@ -43,7 +43,7 @@ class InstantWorker:
     def busy(self) -> bool:
         return self._asked is not None
 
-    def request(self, tracked: TrackedFrame, _preset: ProxySteps, draw: Draw | None) -> bool:  # noqa: ARG002
+    def request(self, tracked: TrackedFrame, _preset: ProxySteps, draw: Draw | None, is_awaited: bool) -> bool:  # noqa: ARG002
         self._asked = tracked
         return True
 

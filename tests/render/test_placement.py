@@ -1,5 +1,6 @@
 """A model that was moved by hand: the same picture as of a model that was built there, and nothing uploaded for it."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, raycast_to_plane
-from ashe_live.core.types import Illumination
+from ashe_live.core.types import DirectionalLight, Illumination
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
@@ -128,3 +129,18 @@ def test_placements_keep_the_plane_and_are_finite() -> None:
             Placement(*wrong)
     with pytest.raises(ValueError, match="cannot be scaled"):
         Placement(shift_m=(math.nan, 0.0))
+
+
+def test_a_model_without_its_shadow_leaves_the_ground_as_it_is(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    tracked = stage.tracked(150, stage.pose(-90, 45, 0.4))
+    sun = Illumination((DirectionalLight((1.0, 0.2, 1.0)),))
+    pictures = []
+    for shown in (Scene(tracked), Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), sun)):
+        for casts_shadow in (True, False):
+            renderer.render(dataclasses.replace(shown, casts_shadow=casts_shadow))
+            pictures.append(renderer.read_bgr().astype(int))
+    bare, _, whole, without = pictures
+    darker = (bare - whole).max(axis=2) > 10
+    assert (darker & ((bare - without).max(axis=2) <= 1)).sum() > 200  # where the shadow was, there is none
+    assert (np.abs(without - bare).max(axis=2) > 10).sum() > 200  # the model is there

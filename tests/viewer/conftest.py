@@ -107,10 +107,10 @@ class FakeWorker:
         self.picture: Image | None = None  # goes with an answer that it was asked for with
         self.busy = self.draws = False
 
-    def request(self, frozen: TrackedFrame, _preset: ProxySteps, draw: Draw | None) -> bool:
+    def request(self, frozen: TrackedFrame, _preset: ProxySteps, draw: Draw | None, is_awaited: bool) -> bool:
         if self.busy:
             return False
-        self.busy, self.draws = True, draw is not None
+        self.busy, self.draws, self.is_awaited = True, draw is not None, is_awaited
         self.requested.append(frozen)
         return True
 
@@ -143,6 +143,10 @@ class FakeShelf:
     @property
     def chosen_name(self) -> str:
         return self.names[self.at]
+
+    @property
+    def shown_name(self) -> str:
+        return self.chosen_name
 
     def choose(self, index: int) -> bool:
         if index >= len(self.names):

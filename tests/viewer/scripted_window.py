@@ -39,6 +39,10 @@ class ScriptedWindow:
     def set_title(self, title: str) -> None:
         self.title = title
 
+    @property
+    def is_fullscreen(self) -> bool:
+        return self.fullscreen % 2 == 1
+
     def toggle_fullscreen(self) -> None:
         self.fullscreen += 1
 

@@ -13,6 +13,7 @@ from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPo
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, placed_on_marker
 from ashe_live.models.primitives import box
+from ashe_live.render.lighting import lighting_of
 from ashe_live.viewer.controls import Command, Drag, Request
 from ashe_live.viewer.hand import (
     FARTHEST_SIDES,
@@ -258,3 +259,45 @@ def test_without_a_marker_it_says_why_nothing_moves(tracked):
         for argument in ((1, 0), Drag((1.0, 2.0), (30.0, 40.0), True)):
             assert "no marker" in hand.obey(Request(command, argument), sight(tracked))
     assert (hand.light, hand.placement) == (None, UNMOVED)
+
+
+def ratio(hand: Hand) -> np.ndarray:
+    return hand.light.light.shadow_rgb_ratio
+
+
+@pytest.mark.parametrize("estimated", [ESTIMATED, Illumination()], ids=["estimated", "none"])
+def test_the_light_by_hand_becomes_stronger_softer_and_warmer(estimated):
+    """Its shadow is darker; its disc larger; and it takes more red than blue away. And back again."""
+    tracked = seen_from(EYES[0])
+    for command in (Command.LIGHT_STRENGTH, Command.LIGHT_SOFTNESS, Command.LIGHT_COLOUR):
+        hand = Hand()
+        hand.obey(Request(Command.MOVE_LIGHT, (0, 0)), sight(tracked, estimated))
+        hand.obey(Request(command, 0), sight(tracked, estimated))
+        direction, size, before = hand.light.light.to_light_marker, hand.light.light.angular_size_rad, ratio(hand)
+        said = hand.obey(Request(command, 1), sight(tracked, estimated))
+        assert "wide" in said
+        np.testing.assert_array_equal(hand.light.light.to_light_marker, direction)
+        darker = before - ratio(hand)
+        if command is Command.LIGHT_STRENGTH:
+            assert (darker > 0).all()
+        elif command is Command.LIGHT_SOFTNESS:
+            assert hand.light.light.angular_size_rad > size
+        else:
+            assert darker[0] > 0 > darker[2]
+        hand.obey(Request(command, -1), sight(tracked, estimated))
+        np.testing.assert_allclose(ratio(hand), before, atol=1e-9)
+        assert hand.light.light.angular_size_rad == pytest.approx(size)
+
+
+def test_no_key_makes_a_light_that_cannot_be():
+    tracked = seen_from(EYES[0])
+    for command in (Command.LIGHT_STRENGTH, Command.LIGHT_SOFTNESS, Command.LIGHT_COLOUR):
+        for notch in (1, -1):
+            hand = Hand()
+            for _ in range(200):
+                hand.obey(Request(command, notch), sight(tracked))
+            assert (ratio(hand) > 0).all()
+            assert (ratio(hand) < 1).all()
+            lighting = lighting_of(hand.light.lights, hand.light.ambient_rgb_ratio)
+            assert np.isfinite(lighting.irradiances).all()
+            assert (np.array(lighting.sky) >= 0).all()

@@ -3,6 +3,7 @@
 import errno
 import json
 import threading
+import time
 
 import moderngl
 import numpy as np
@@ -18,13 +19,16 @@ from ashe_live.errors import UserError
 from ashe_live.quality import FAST
 from ashe_live.render.offscreen import graphics_failures_told
 from ashe_live.tracking.steadiness import Steadiness
-from ashe_live.viewer import keeping
+from ashe_live.viewer import keeping, marker_hunt
 from ashe_live.viewer import recording as recording_module
 from ashe_live.viewer.controls import Command, Files, Request
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.session import EstimatePolicy, Session
+from ashe_live.viewer.status import guidance
 from tests.viewer.scripted_window import ScriptedWindow
+
+PATIENCE_S = 20.0
 
 
 class ScriptedPipeline:
@@ -36,6 +40,10 @@ class ScriptedPipeline:
     def __init__(self) -> None:
         self.frames = LatestMailbox()
         self.paused, self.restarts = [], 0
+        self.may_follow_others, self.followed = False, []
+
+    def follow(self, spec: str) -> None:
+        self.followed.append(spec)
 
     def pause(self, paused: bool) -> None:
         self.paused.append(paused)
@@ -67,9 +75,12 @@ class Stage:
     def put(self, index: int) -> None:
         self.pipeline.frames.put(self.fakes.tracked(index))
 
-    def run(self, *steps, quality: str = "fast", frame_limit: int | None = None) -> LiveViewer:
+    def run(
+        self, *steps, quality: str = "fast", frame_limit: int | None = None, takes_any_marker: bool = False
+    ) -> LiveViewer:
         self.window = ScriptedWindow(step if callable(step) else lambda step=step: step for step in steps)
         viewer = LiveViewer(self.window, self.renderer, self.pipeline, self.session, quality, opener=self.opener)
+        viewer.takes_any_marker = takes_any_marker
         viewer.run(frame_limit)
         return viewer
 
@@ -82,7 +93,7 @@ def stage(fakes, monkeypatch, tmp_path) -> Stage:
 
 def test_it_ends_when_the_window_closes_or_by_quit(stage):
     stage.run()
-    stage.run(Command.QUIT, None, lambda: pytest.fail("still running"))
+    stage.run(Command.LEAVE, None, lambda: pytest.fail("still running"))
 
 
 def test_the_last_frame_is_drawn_again_and_again(stage):
@@ -195,7 +206,7 @@ def test_whatever_ends_it_a_recording_is_finished(stage, tmp_path, error):
         assert clip.read() is not None
 
 
-@pytest.mark.parametrize("last", [None, Command.QUIT])
+@pytest.mark.parametrize("last", [None, Command.LEAVE])
 def test_closing_the_window_and_esc_finish_a_recording_too(stage, tmp_path, capfd, last):
     stage.put(0)
     stage.run(Command.RECORD, None, lambda: stage.put(1), None, last, *[None] * (last is not None))
@@ -341,3 +352,83 @@ def test_a_dropped_model_is_chosen_and_the_source_stays(stage):
     viewer = stage.run(dropped("/far/wood.png", "/far/chair.obj"), None, None)
     assert stage.session.model_name == "chair.obj"
     assert viewer._pipeline is stage.pipeline
+
+
+def test_escape_leaves_what_was_entered_last(stage):
+    def is_help_closed() -> None:
+        assert not stage.session.show_help
+
+    stage.run(
+        Command.FULLSCREEN,
+        Command.HELP,
+        Command.LEAVE,
+        is_help_closed,
+        Command.LEAVE,
+        lambda: None if not stage.window.is_fullscreen else pytest.fail("still fullscreen"),
+        Command.LEAVE,
+        None,
+        lambda: pytest.fail("still running"),
+    )
+
+
+@pytest.fixture
+def others(stage, monkeypatch) -> list[str]:
+    """Which markers are seen in every frame without the one that is followed."""
+    seen = ["aruco:4x4_50:7"]
+    monkeypatch.setattr(marker_hunt, "markers_in_view", lambda _image: tuple(seen))
+    monkeypatch.setattr(marker_hunt, "EVERY_S", 0.0)
+    stage.pipeline.may_follow_others = True
+    return seen
+
+
+def awaited(stage, condition, then: Command | None = None):
+    """A step that comes again until the condition holds."""
+    begin_s = time.monotonic()
+
+    def step():
+        if not condition() and time.monotonic() - begin_s < PATIENCE_S:
+            stage.window.steps.insert(0, step)
+            return None
+        assert condition()
+        return then
+
+    return step
+
+
+@pytest.mark.parametrize("takes_any_marker", [True, False])
+def test_the_one_marker_in_view_is_followed_where_nobody_named_any(stage, others, takes_any_marker):
+    stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))
+    steps = [awaited(stage, lambda: stage.pipeline.followed)] if takes_any_marker else []
+    if not takes_any_marker:
+        seen = awaited(stage, lambda: stage.session.markers_in_view == tuple(others), Command.FOLLOW_OTHER)
+        steps = [seen, None, lambda: None]
+    stage.run(*steps, takes_any_marker=takes_any_marker)
+    assert stage.pipeline.followed == others
+
+
+def test_of_several_markers_a_person_chooses(stage, others):
+    others.append("apriltag:36h11:3")
+    stage.pipeline.frames.put(stage.fakes.tracked(0, has_marker=False))
+    stage.run(awaited(stage, lambda: len(stage.session.markers_in_view) == 2), None, takes_any_marker=True)
+    assert stage.pipeline.followed == []
+    said = " ".join(guidance(stage.session))
+    assert "aruco:4x4_50:7 and apriltag:36h11:3 are in view" in said
+
+
+@pytest.mark.usefixtures("others")
+def test_no_other_is_looked_for_while_the_marker_is_there(stage):
+    stage.put(0)
+    stage.run(None, None, None, Command.FOLLOW_OTHER, None, takes_any_marker=True)
+    assert stage.session.markers_in_view == ()
+    assert stage.pipeline.followed == []
+    assert "no other marker" in stage.session.last_notice
+
+
+def test_the_light_is_saved_for_other_programs(stage, tmp_path):
+    stage.put(0)
+    stage.session._worker.answer = stage.fakes.estimate()
+    stage.run(None, Command.KEEP_LIGHT, Command.ESTIMATE, None, Command.KEEP_LIGHT, None)
+    (sky,), (record,) = tmp_path.glob("*.hdr"), tmp_path.glob("*.json")
+    assert sky.read_bytes().startswith(b"#?RADIANCE")
+    light = json.loads(record.read_text())["estimate"]["light"]
+    assert light["to_light_marker"] == pytest.approx([0.5**0.5, 0, 0.5**0.5])

@@ -56,7 +56,7 @@ def test_keys_reach_the_pipeline(stage):
     assert stage.ask(Command.RESTART) == [("restart",)]
     assert stage.ask(Command.LOOP) == [("play", 1.0, True)]
     assert stage.ask(Command.LOOP) == [("play", 1.0, False)]
-    assert not stage.playback.handle(Request(Command.QUIT), 0.0)
+    assert not stage.playback.handle(Request(Command.LEAVE), 0.0)
 
 
 def test_speeds_go_from_a_quarter_to_four_and_stay_there(stage):

@@ -200,7 +200,7 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
 def test_what_needs_the_window_is_left_to_it(make):
     left = {command for command in Command if not make().handle(Request(command), 0.0)}
     names = ("PAUSE", "RESTART", "STEP", "SEEK", "SPEED", "LOOP", "OPEN")
-    names += ("SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "QUIT")
+    names += ("SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "LEAVE", "FOLLOW_OTHER", "KEEP_LIGHT")
     assert left == {Command[name] for name in names}
 
 
@@ -434,3 +434,94 @@ def test_a_models_file_is_shown_by_its_name(make, tmp_path):
     session = make()
     session.open_model(str(tmp_path / "chair.obj"))
     assert session.model_name == "chair.obj"
+
+
+def test_the_last_frame_of_a_short_clip_is_estimated(make, fakes):
+    session = make(EstimatePolicy(on_first_steady=True))
+    session.take(fakes.tracked(0), 0.0)
+    assert session.settle_for_last(0.0)
+    assert not session.settle_for_last(0.0)
+    assert [frozen.frame.index for frozen in session._worker.requested] == [0]
+
+
+@pytest.mark.parametrize("policy", [EstimatePolicy(), EstimatePolicy(on_first_steady=True, at_frame=9)])
+def test_the_last_frame_is_not_estimated_where_nobody_asked_for_it(make, fakes, policy):
+    session = make(policy)
+    session.take(fakes.tracked(0), 0.0)
+    assert not session.settle_for_last(0.0)
+    unseen = make(EstimatePolicy(on_first_steady=True))
+    unseen.take(fakes.tracked(0, has_marker=False), 0.0)
+    assert not unseen.settle_for_last(0.0)
+
+
+def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    urgent = []
+    now_s = 0.0
+    for index in range(12):
+        now_s += AUTO_SETTLED_EVERY_S
+        session.take(fakes.tracked(index), now_s)
+        if session.is_estimating:
+            urgent.append(session._worker.is_awaited)
+            session._worker.answer = fakes.estimate(index)
+            session.poll(now_s)
+    assert urgent[0]  # there is no light yet
+    assert len(urgent) > 2
+    assert not any(urgent[1:])
+    session.request_estimate(now_s)
+    assert session._worker.is_awaited
+
+
+def test_what_is_left_out_of_a_model_is_told_in_the_window_and_the_terminal(make, capsys):
+    session = make()
+    session._shelf.words = ["duck.glb: points and lines are left out"]
+    session.poll(1.0)
+    assert session.notice(1.0) == "duck.glb: points and lines are left out"
+    assert capsys.readouterr().err == "ashe-live: duck.glb: points and lines are left out\n"
+    session.poll(2.0)
+    assert capsys.readouterr().err == ""
+
+
+def test_long_messages_stay_long_enough_to_be_read(make):
+    session = make()
+    session.say("word " * 100, 0.0)
+    assert session.notice(NOTICE_S + 1) is not None
+    session.say("short", 0.0)
+    assert session.notice(NOTICE_S + 1) is None
+
+
+def test_a_key_stands_the_model_on_another_side(make):
+    session = make()
+    assert session.handle(Request(Command.TURN_UP), 0.0)
+    assert session._shelf.turned == 1
+    assert session.notice(0.0) == "cube: z is up"
+
+
+def test_before_and_after(make, fakes):
+    session = make()
+    session.take(fakes.tracked(0), 0.0)
+    shown = []
+    for _ in range(3):
+        scene = bare_scene(session)
+        shown.append((scene.casts_shadow, session.parts_shown))
+        session.handle(Request(Command.BEFORE_AFTER), 0.0)
+    assert [casts for casts, _ in shown] == [True, False, False]
+    assert session.parts_shown == shown[0][1]
+    session.handle(Request(Command.BEFORE_AFTER), 0.0)
+    session.handle(Request(Command.RESET), 0.0)
+    assert bare_scene(session).casts_shadow
+
+
+def test_each_model_stays_where_it_was_put(make, fakes):
+    session = make()
+    session.take(fakes.tracked(0), 0.0)
+    session.poll(0.0)
+    session.handle(Request(Command.SCALE_MODEL, 3), 0.0)
+    large = session.hand.placement
+    session.handle(Request(Command.NEXT_MODEL), 0.0)
+    session.poll(0.0)
+    assert session.hand.placement == UNMOVED
+    session.handle(Request(Command.TURN_MODEL, 2), 0.0)
+    session.handle(Request(Command.PREVIOUS_MODEL), 0.0)
+    session.poll(0.0)
+    assert session.hand.placement == large

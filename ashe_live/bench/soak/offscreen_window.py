@@ -54,6 +54,10 @@ class OffscreenWindow:
     def set_title(self, title: str) -> None:
         """Does nothing: there is no title."""
 
+    @property
+    def is_fullscreen(self) -> bool:
+        return False
+
     def toggle_fullscreen(self) -> None:
         """Does nothing: there is no screen."""
 

@@ -1,4 +1,4 @@
-"""The light worker: estimates away from the viewer's loop, in a process of its own at the lowest priority.
+"""The light worker: estimates away from the viewer's loop, in a process of its own, that gives way while nobody waits.
 
 A thread would share the interpreter's lock and its full priority with the loop; docs/accuracy.md has the figures.
 """
@@ -23,7 +23,7 @@ from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
 from ashe_live.process import children
 from ashe_live.process.pipes import receive_value, send_value
 
-LIMITS = children.Limits(niceness=19)
+LIMITS = children.Limits(niceness=0)  # worker_process.py gives way where it should
 PROCESS_TIMEOUT_S = 0.3  # this and one for each thread: closing takes less than half a second
 THREAD_TIMEOUT_S = 0.05
 # The paper's estimator takes ten seconds, and several times that on a busy machine.
@@ -53,11 +53,18 @@ class LightWorker:
         """Whether there is a request whose outcome has not been collected yet."""
         return self._asked_index is not None
 
-    def request(self, tracked: TrackedFrame, preset: ProxySteps = BALANCED, draw: Draw | None = None) -> bool:
+    def request(
+        self,
+        tracked: TrackedFrame,
+        preset: ProxySteps = BALANCED,
+        draw: Draw | None = None,
+        is_awaited: bool = False,
+    ) -> bool:
         """Requests an estimate of `tracked` with a preset; returns False, and does nothing, while busy.
 
         `draw`, a function of a module, draws what led to the estimate in the process, where the estimator keeps a
-        trace of it; the picture comes with the answer. Raises ValueError when closed.
+        trace of it; the picture comes with the answer. What `is_awaited` by a person is made at normal priority, else
+        at the lowest. Raises ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -67,7 +74,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
-        self._process.send(tracked, preset, draw)
+        self._process.send(tracked, preset, draw, is_awaited)
         return True
 
     def poll(self) -> Outcome | None:
@@ -130,9 +137,9 @@ class _Process:
     def has_ended(self) -> bool:
         return self.outcomes.is_closed or not self._process.is_alive()
 
-    def send(self, tracked: TrackedFrame, preset: ProxySteps, draw: Draw | None) -> None:
+    def send(self, *request: object) -> None:
         """Sends the frame from a thread, as writing to the pipe blocks until the process reads."""
-        self._threads[1:] = [self._thread(_send, self._connection, (tracked, preset, draw))]
+        self._threads[1:] = [self._thread(_send, self._connection, request)]
 
     def kill(self) -> None:
         self._process.kill()
@@ -150,7 +157,7 @@ class _Process:
         return thread
 
 
-def _send(connection: Connection, request: tuple[TrackedFrame, ProxySteps, Draw | None]) -> None:
+def _send(connection: Connection, request: tuple[object, ...]) -> None:
     # The receiving thread meets a broken pipe too, and reports it.
     with suppress(OSError):
         send_value(connection, request)

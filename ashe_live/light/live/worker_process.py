@@ -1,8 +1,13 @@
 """The light worker's process: makes estimates, one request after the other."""
 
+import os
+import sys
+import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING
 
@@ -16,6 +21,9 @@ if TYPE_CHECKING:
     from ashe_live.light.estimators.trace import Trace
 
 Draw = Callable[["TrackedFrame", "LightEstimate", "Trace"], "Image"]  # a picture (h, w, 3), BGR, of an estimate's trace
+
+
+LOWEST_PRIORITY = 19
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +43,9 @@ class WorkerFailure:
 
 
 def run(connection: Connection, make: "Callable[[ProxySteps], Estimator]") -> None:
-    """Answers each request (a tracked frame, a preset, what to draw its trace by) with an Answer or a WorkerFailure.
+    """Answers each request with an Answer or a WorkerFailure.
+
+    A request is a tracked frame, a preset, what to draw its trace by, and whether a person waits for it.
 
     Returns when the connection is closed.
     """
@@ -44,13 +54,21 @@ def run(connection: Connection, make: "Callable[[ProxySteps], Estimator]") -> No
     # The other cores are left to the viewer's loop.
     cv2.setNumThreads(1)
     estimators: dict[ProxySteps, Estimator] = {}
+    patient = ThreadPoolExecutor(1, "patient", initializer=_give_way)
     # EOFError and BrokenPipeError: the viewer has gone, and no answer is needed.
     with suppress(EOFError, OSError):
         while True:
-            tracked, preset, draw = receive_value(connection)
+            tracked, preset, draw, is_awaited = receive_value(connection)
             if preset not in estimators:
                 estimators[preset] = make(preset)
-            send_value(connection, _answer(estimators[preset], tracked, draw))
+            work = partial(_answer, estimators[preset], tracked, draw)
+            send_value(connection, work() if is_awaited else patient.submit(work).result())
+
+
+def _give_way() -> None:
+    """Puts this thread at the lowest priority, from which there is no way back: on Linux each thread has its own."""
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), LOWEST_PRIORITY)
 
 
 def _answer(estimator: "Estimator", tracked: "TrackedFrame", draw: Draw | None) -> Answer | WorkerFailure:
