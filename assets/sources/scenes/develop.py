@@ -129,7 +129,7 @@ def develop(folder: Path) -> int:
         except FileNotFoundError:
             late += 1
             continue
-        for picture in spec["pictures"]:
+        for picture in (each for each in spec["pictures"] if each["id"] not in known):
             made = take if "frames" in spec else still
             known[picture["id"]] = made(spec, picture, raw, folder)
         fresh += 1
