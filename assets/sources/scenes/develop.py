@@ -17,6 +17,8 @@ import cv2
 import numpy as np
 from develop_clip import write_video
 
+from ashe_live.api import Tracker
+from ashe_live.core.camera import Camera
 from scenes.geometry import surroundings
 from scenes.photo.camera import photographed
 from scenes.photo.masks import masks
@@ -47,7 +49,31 @@ def still(spec: Params, picture: Params, raw: Any, out: Path) -> Params:
     for kind, values in found.items():
         cv2.imwrite(str(out / f"{name}_{kind}.png"), values.astype(np.uint8) * 255, [cv2.IMWRITE_PNG_BILEVEL, 1])
     files = {"image": f"{name}.jpg", "masks": {kind: f"{name}_{kind}.png" for kind in found}}
-    return still_entry(spec, picture, raw, found, gains) | files
+    entry = still_entry(spec, picture, raw, found, gains) | files
+    entry["marker"]["detection"] = detection(entry, cv2.imread(str(out / f"{name}.jpg")))
+    return entry
+
+
+def detection(entry: Params, image: Any) -> Params | None:
+    """How far the pose is from the truth that ashe_live's tracker finds in the picture; None if it finds no marker.
+
+    A picture whose marker is not found never reaches an estimator: it is not to count for or against one.
+    """
+    marker = entry["marker"]
+    camera = Camera(tuple(entry["size"]), np.array(entry["K"]), np.zeros(5), "file")
+    dictionary = marker["dictionary"].removeprefix("DICT_").lower()
+    kind = "apriltag" if dictionary.startswith("apriltag") else "aruco"
+    name = f"{kind}:{dictionary.removeprefix('apriltag_')}:{marker['id']}"
+    found = Tracker(camera, name, marker["side_m"]).track(image).marker
+    if found is None:
+        return None
+    turn = found.T_cam_marker[:3, :3] @ np.array(entry["R"]).T
+    off = np.linalg.norm(found.corners_px - np.array(marker["corners_px"]), axis=1)
+    return {
+        "corner_rms_px": round(float(np.sqrt(np.mean(off**2))), 3),
+        "pnp_rotation_error_deg": round(float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1)))), 3),
+        "pnp_translation_error_m": round(float(np.linalg.norm(found.T_cam_marker[:3, 3] - entry["t"])), 5),
+    }
 
 
 def take(spec: Params, picture: Params, raw: Any, out: Path) -> Params:
@@ -75,8 +101,12 @@ def take(spec: Params, picture: Params, raw: Any, out: Path) -> Params:
 def write_truth(path: Path, content: Params, known: dict[str, Params]) -> None:
     """Whole or not at all."""
     entries = [known[p["id"]] for spec in content["scenes"] for p in spec["pictures"] if p["id"] in known]
-    lists = {"scenes": [e for e in entries if "image" in e], "takes": [e for e in entries if "video" in e]}
+    stills = [e for e in entries if "image" in e]
+    lists = {"scenes": [e for e in stills if e["marker"]["detection"]], "takes": [e for e in entries if "video" in e]}
     written = [f'"{key}": [\n' + ",\n".join(map(json.dumps, those)) + "\n]" for key, those in lists.items() if those]
+    lost = [e for e in stills if not e["marker"]["detection"]]
+    if lost:
+        written.append('"marker_not_found": [\n' + ",\n".join(map(json.dumps, lost)) + "\n]")
     head = f'"format": 1, "set": "{content["set"]}", "seed": {content["seed"]}, "style": "G"'
     part = path.with_name(f".{path.name}.{os.getpid()}")
     part.write_text("{" + ", ".join([head, *written]) + "}\n")
@@ -88,7 +118,7 @@ def develop(folder: Path) -> int:
     content = json.loads((folder / "specifications.json").read_text())
     path = folder / "ground_truth.json"
     before = json.loads(path.read_text()) if path.exists() else {}
-    known = {e["id"]: e for key in ("scenes", "takes") for e in before.get(key, [])}
+    known = {e["id"]: e for key in ("scenes", "takes", "marker_not_found") for e in before.get(key, [])}
     late = fresh = 0
     for spec in content["scenes"]:
         if all(picture["id"] in known for picture in spec["pictures"]):
@@ -99,7 +129,7 @@ def develop(folder: Path) -> int:
         except FileNotFoundError:
             late += 1
             continue
-        for picture in spec["pictures"]:
+        for picture in (each for each in spec["pictures"] if each["id"] not in known):
             made = take if "frames" in spec else still
             known[picture["id"]] = made(spec, picture, raw, folder)
         fresh += 1

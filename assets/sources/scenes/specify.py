@@ -26,16 +26,20 @@ TRIES = 2000
 
 @dataclass(frozen=True)
 class SceneSet:
-    """What a set is: its seed, whether it shows the held-out families, lamps near by, or short takes."""
+    """What a set is: its seed, whether it shows the held-out families, lamps near by, or short takes.
+
+    `developed`: how often the same is photographed, each time by another camera, the lights as strong as chance has it.
+    """
 
     seed: int
     sealed: bool = False
     lamps: bool = False
     takes: bool = False
+    developed: int = 1
 
 
 SETS = {
-    "training": SceneSet(13001),
+    "training": SceneSet(13001, developed=2),
     "development": SceneSet(13002),
     "sealed": SceneSet(13003, sealed=True),
     "near_training": SceneSet(14001, lamps=True),
@@ -65,6 +69,7 @@ def specification(set_name: str, index: int) -> Params:
     scene["surroundings"] = families.surroundings(rng, pick(rng, families.SURROUNDINGS))
     scene["pictures"] = _pictures(rng, scene, about.lamps)
     scene["render_seed"] = int(rng.integers(1 << 30))
+    scene["pictures"] += _again(np.random.default_rng([about.seed, index, 1]), scene, about.developed - 1)
     if about.takes:
         scene |= frames(rng, scene)
     return scene
@@ -101,6 +106,17 @@ def _pictures(rng: Rng, scene: Params, lamps: bool) -> list[Params]:
         elif extra < 0.72:
             wanted.append(("diffuse", []))
     return [_picture(rng, scene, number, *each) for number, each in enumerate(wanted)]
+
+
+def _again(rng: Rng, scene: Params, times: int) -> list[Params]:
+    """Every picture so many times more."""
+    first, made = scene["pictures"], []
+    for picture in first * times:
+        shining = picture["lights"] or picture["unseen_lights"]
+        made.append(_picture(rng, scene, len(first) + len(made), picture["category"], shining))
+        others = {name: weight for name, weight in families.CAMERAS.items() if name != picture["camera"]["family"]}
+        made[-1]["camera"] = camera_settings(rng, pick(rng, others))
+    return made
 
 
 def _picture(rng: Rng, scene: Params, number: int, category: str, shining: list[int]) -> Params:

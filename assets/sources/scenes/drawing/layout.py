@@ -51,7 +51,9 @@ def layout(rng: Rng, base: str, ground: Params, sealed: bool, dark: bool, lamps:
         return None
     objects: list[Params] = [] if alone else [caster | {"role": "caster"}]
     occluded = partial == "occluded"
-    count = int(rng.integers(1, 4)) if base == "clutter" or lamps else 1 if occluded else int(rng.random() < 0.1)
+    count = int(rng.integers(1, 4)) if base == "clutter" else 1 if occluded else int(rng.random() < 0.1)
+    if lamps:
+        count = int(rng.integers(0, 3))
     for _ in range(count):
         other = neighbour(rng, ground, sealed, camera, size, objects, sheet, hull, occluded)
         if other is None:

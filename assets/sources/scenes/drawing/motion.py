@@ -33,7 +33,8 @@ def frames(rng: Rng, scene: Params) -> Params:
         poses = [look_at(aims[k], azimuth + across[k], above[k], distance * nearer[k], roll[k]) for k in range(FRAMES)]
         seen = [share_in_frame(camera | {"R": R, "t": t}, square(scene["marker"]["side_m"]), size, 4) for R, t in poses]
         if min(seen) == 1:
-            span = math.degrees(math.acos(np.clip(_away(poses[0], target) @ _away(poses[-1], target), -1, 1)))
+            ways = np.array([_away(pose, target) for pose in poses])
+            span = math.degrees(math.acos(np.clip((ways @ ways.T).min(), -1, 1)))  # of the two farthest apart
             rounded = [{"R": np.round(R, 9).tolist(), "t": np.round(t, 7).tolist()} for R, t in poses]
             return {"fps": FPS, "span_deg": round(span, 2), "frames": rounded}
     raise RuntimeError(f"no motion found for {scene['id']}")

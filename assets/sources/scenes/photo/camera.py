@@ -20,6 +20,7 @@ Rng = np.random.Generator
 Floats = NDArray[np.float32]
 Settings = dict[str, Any]
 METERED = 0.30  # where an exposure of 1 puts the mean of what is metered, linear
+MOST_CLIPPED = 1.3  # how far over full scale the brightest hundredth of a picture may be exposed
 
 
 def camera_settings(rng: Rng, family: str) -> Settings:
@@ -87,8 +88,8 @@ def gains(light: Floats, lamp_colour: NDArray[np.float64], s: Settings) -> NDArr
     luminance = light @ REC709_LUMINANCE
     middle = luminance[h // 6 : -h // 6, w // 6 : -w // 6]
     metered = 0.5 * middle.mean() + 0.5 * luminance.mean()
-    cap = np.percentile(luminance, 98)
-    exposure = min(METERED / max(metered, 1e-6), 1.15 / max(cap, 1e-6)) * s["exposure"]
+    brightest = float(np.percentile(luminance, 99))
+    exposure = min(METERED / max(metered, 1e-6) * s["exposure"], MOST_CLIPPED / max(brightest, 1e-6))
     neutral = (np.asarray(lamp_colour) / (np.asarray(lamp_colour) @ REC709_LUMINANCE)) ** -s["adaptation"]
     balance = neutral * s["white_balance"]
     return exposure * balance / (balance @ REC709_LUMINANCE)

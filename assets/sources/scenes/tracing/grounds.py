@@ -100,8 +100,8 @@ def _cracked_concrete(n: Nodes, where: Any, spec: Params) -> tuple[Any, Any, flo
     crack = n.ramp(edges, 0.004, 0.016, 1.0, 0.0)
     return (
         n.mix(n.math("MULTIPLY", crack, 0.85), colour, [0.15 * c for c in spec["colour"]]),
-        n.math("SUBTRACT", 0.0, crack),
-        0.002,
+        n.math("SUBTRACT", 0.8, crack),
+        0.0,
     )
 
 
