@@ -155,6 +155,7 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
     judge.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
     _add_results_folder(judge)
     judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+    judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
 
     tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
     tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")

@@ -19,7 +19,7 @@ RATIO = np.array((0.3, 0.4, 0.5))
 def directions(height_px: int) -> tuple[np.ndarray, np.ndarray]:
     """(h, 2h, 3) of texels and (h, 2h) their solid angles, by Blender's own definition.
 
-    u = 0.5 - atan2(y, x) / 2 pi and v = 0.5 + elevation / pi, from the bottom left (Cycles, kernel/camera/projection.h).
+    u = 0.5 - atan2(y, x) / 2 pi and v = 0.5 + elevation / pi, from the bottom left (Cycles, camera/projection.h).
     """
     v, u = np.mgrid[0.5:height_px, 0.5 : 2 * height_px]
     azimuth, elevation = 2 * math.pi * (0.5 - u / (2 * height_px)), math.pi * (0.5 - v / height_px)

@@ -52,14 +52,14 @@ FIRST_RANGES = {
     "constrained": (-2.0, 0.0),
 }
 OF_SPLITS = ("hue", "brightness", "short", "long", "lit side", "missed", "edge", "border", "second")
-ROUNDS = 2
+ROUNDS = (3, 1)  # of which every so many-th picture is explained: the first only finds which features matter
 
 
 @dataclass(frozen=True, slots=True)
 class JudgeBench(Bench):
     """Fits the judge to the folders `scenes`, with all presets' explanations of each picture.
 
-    In the first round all features count alike; in the next, the explanations are those that the fitted judge refines.
+    In the first round all features count alike; in the next, the explanations are those that its judge refines.
     The same pictures give the same tables.
     """
 
@@ -67,14 +67,16 @@ class JudgeBench(Bench):
 
     scenes: Sequence[Path]
     limit: int | None = None  # number of pictures of each folder, the first ones; None: all
+    every: int = 1  # of these, only every so many-th
 
     def parts(self) -> Iterator[Json]:
-        cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit]]
+        cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit : self.every]]
         cases = [case for case in cases if case.to_lights_marker is not None]
         judge = Judge(first_tables())
-        for number in range(1, ROUNDS + 1):
-            samples = self._samples(cases, judge, f"round {number} of {ROUNDS}")
-            judge = Judge(self._fitted(cases, samples))
+        for every in ROUNDS:
+            chosen = cases[::every]
+            samples = self._samples(chosen, judge, f"{len(chosen)} of {len(cases)} pictures")
+            judge = Judge(self._fitted(chosen, samples))
         answers = [judged(judge.tables.explanation, sample) for sample in samples]
         held_out = list(by_families_left_out(samples, explanation_score))
         self.console.print(score_table("explanations", judge.tables.explanation))
