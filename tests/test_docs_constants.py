@@ -12,6 +12,7 @@ import pytest
 from ashe_live.files.resources import resource
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
+from ashe_live.light.explanation.evidence import SIGNS
 from ashe_live.light.explanation.explain import BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
 from ashe_live.quality import BALANCED, FAST
@@ -120,3 +121,9 @@ def test_a_page_states_the_constants_of_the_code(name: str) -> None:
     page, sentence, values = STATED[name]
     text = " ".join((CHECKOUT / page).read_text(encoding="utf-8").split())
     assert sentence.format(*values) in text
+
+
+def test_the_signs_that_physics_gives_the_evidence_are_those_of_the_code() -> None:
+    text = (CHECKOUT / "docs/maths.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([a-z ]+) \| ([+-]) \|", text.split("## Evidence")[1], re.MULTILINE)
+    assert {name: int(sign + "1") for name, sign in rows} == SIGNS
