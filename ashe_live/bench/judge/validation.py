@@ -9,7 +9,7 @@ from ashe_live.bench.cases import KINDS
 from ashe_live.bench.judge.calibration import Answer
 from ashe_live.bench.judge.samples import Candidate, Sample
 from ashe_live.core.arrays import Float
-from ashe_live.light.explanation.judge import GOOD_RAD, MOST_LOG_ODDS, best_direction
+from ashe_live.light.explanation.judge import GOOD_RAD, MOST_LOG_ODDS, best_direction, probabilities_of
 from ashe_live.light.explanation.judge_tables import Score
 
 FEWEST_PICTURES = 12  # of a family that is left out
@@ -50,8 +50,8 @@ def judged(score: Score, sample: Sample) -> Judged:
     if not sample.judged:
         return Judged(sample, None, 0.0)
     log_odds = [score.log_odds(candidate.features) for candidate in sample.judged]
-    odds = np.exp(np.clip(log_odds, -MOST_LOG_ODDS, MOST_LOG_ODDS))
-    index, confidence = best_direction(odds / (1 + odds.sum()), [each.to_light_marker for each in sample.judged])
+    probabilities = probabilities_of(np.clip(log_odds, -MOST_LOG_ODDS, MOST_LOG_ODDS).tolist())
+    index, confidence = best_direction(probabilities, [each.to_light_marker for each in sample.judged])
     return Judged(sample, sample.judged[index], confidence)
 
 

@@ -7,6 +7,7 @@ likeliest with the borders in the picture, relabels and refits, and rates the be
 """
 
 from dataclasses import replace
+from functools import cache
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
@@ -16,7 +17,7 @@ from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
 from ashe_live.light.explanation.explain import are_alike, explained, refined, refined_by_tangents
-from ashe_live.light.explanation.judge import Judge, fitted_judge
+from ashe_live.light.explanation.judge import Judge, best_direction, fitted_judge, probabilities_of
 from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
     NOTHING_THERE,
@@ -71,7 +72,7 @@ class ProxyEstimator:
             clock.end("segment")
             return none(TOO_LITTLE_GROUND)
         unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
-        trace.unlit = unlit = with_unlit_on_average(unlit, coarse, steps.ground)
+        trace.unlit = unlit = with_unlit_on_average(unlit, coarse)
         trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
         clock.end("segment")
         if not regions:
@@ -83,10 +84,11 @@ class ProxyEstimator:
         clock.end("associate")
         trace.proposals = selected_for_fit(proposals, steps.tried, judge)
         trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
-        ranked = sorted(rough, key=judge.log_odds, reverse=True)
+        log_odds = cache(judge.log_odds)
+        ranked = sorted(rough, key=log_odds, reverse=True)
         chosen = distinct(ranked, are_alike, steps.refined)
         candidates = refined(chosen, steps.fine_fit)
-        candidates = with_lights_counted(candidates, rough, fine, coarse, ground, steps.region_px, judge)
+        candidates = with_lights_counted(candidates, rough, fine, coarse, ground, steps.region_px, log_odds)
         candidates = [refined_by_tangents(explanation) for explanation in candidates]
         # Those that were not refined are judged as well: they are what else the picture may show.
         others = distinct((each for each in ranked if not any(each is one for one in chosen)), are_alike)
@@ -95,8 +97,10 @@ class ProxyEstimator:
         clock.end("fit")
         if not candidates:
             return none(NO_SHADOW)
-        trace.judged, trace.probabilities = candidates, judge.probabilities(candidates).tolist()
-        best, confidence = judge.best_of(candidates)
+        probabilities = probabilities_of([log_odds(each) for each in candidates])
+        trace.judged, trace.probabilities = candidates, probabilities.tolist()
+        index, confidence = best_direction(probabilities, [each.lights[0].to_light_marker for each in candidates])
+        best = candidates[index]
         clock.end("judge")
         if confidence < judge.least_confidence:
             return none(fault_of_scene(best), *_masks_of(best))

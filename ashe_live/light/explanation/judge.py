@@ -57,21 +57,6 @@ class Judge:
         score = self.tables.explanation.log_odds(explanation_features(explanation))
         return float(np.clip(score, -MOST_LOG_ODDS, MOST_LOG_ODDS))
 
-    def probabilities(self, explanations: Sequence[Explanation]) -> Float:
-        """(n,) probability of each to be the right one; what is missing to 1 is that of "none of them"."""
-        odds = np.exp([self.log_odds(explanation) for explanation in explanations])
-        return np.asarray(odds / (1 + odds.sum()))
-
-    def best_of(self, explanations: Sequence[Explanation]) -> tuple[Explanation, float]:
-        """The likeliest explanation, and the probability that its light is within GOOD_RAD of the truth.
-
-        Explanations with lights within GOOD_RAD of each other share their probabilities: the likeliest explanation is
-        that of the likeliest such group.
-        """
-        probabilities = self.probabilities(explanations)
-        index, confidence = best_direction(probabilities, [each.lights[0].to_light_marker for each in explanations])
-        return explanations[index], confidence
-
     def lights_of(
         self, explanation: Explanation, confidence: float, tracked: TrackedFrame
     ) -> tuple[DirectionalLight, ...]:
@@ -86,10 +71,17 @@ class Judge:
         return tuple(lights)
 
 
-def best_direction(probabilities: Float, to_lights_marker: Iterable[Float]) -> tuple[int, float]:
-    """The index of the likeliest direction, and the probability of it and all those within GOOD_RAD of it.
+def probabilities_of(log_odds: Sequence[float]) -> Float:
+    """(n,) probability of each explanation to be the right one; what is missing to 1 is that of "none of them"."""
+    odds = np.exp(log_odds)
+    return np.asarray(odds / (1 + odds.sum()))
 
-    probabilities: (n,). to_lights_marker: n unit vectors (3,).
+
+def best_direction(probabilities: Float, to_lights_marker: Iterable[Float]) -> tuple[int, float]:
+    """The index of the likeliest explanation, and the probability that its light is within GOOD_RAD of the truth.
+
+    Explanations with lights within GOOD_RAD of each other share their probabilities: the likeliest explanation is that
+    of the likeliest such group. probabilities: (n,). to_lights_marker: n unit vectors (3,).
     """
     directions = np.array(list(to_lights_marker))
     nearby = directions @ directions.T > math.cos(GOOD_RAD)

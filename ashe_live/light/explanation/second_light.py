@@ -5,7 +5,7 @@ its shadow coincides with visible borders (docs/maths.md, "A second light of a k
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from operator import itemgetter
 
@@ -15,7 +15,6 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
-from ashe_live.light.explanation.judge import Judge
 from ashe_live.light.explanation.second_shadow import ShadowCandidate, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import region_of
@@ -42,18 +41,18 @@ def with_lights_counted(
     coarse: View,
     ground: LitGround,
     region_px: int,
-    judge: Judge,
+    log_odds: Callable[[Explanation], float],
 ) -> list[Explanation]:
     """Settles the number of lights: drops explanations by two lights where the picture shows one, and tries a second.
 
     Returns the explanations kept; if a second light is found for the likeliest of them, it comes first and replaces
     those by one of its two lights. rough: the explanations before refinement, and others. coarse: the view that
     `ground` was fitted to. fine: the view at the largest scale to use. region_px: size in pixels to which a region is
-    scaled.
+    scaled. log_odds: by which explanations are judged.
     """
     singles = [each for each in [*explanations, *rough] if len(each.lights) == 1]
     kept = [each for each in explanations if len(each.lights) == 1 or _shows_both(each, singles)]
-    one = max(kept, key=judge.log_odds, default=None)
+    one = max(kept, key=log_odds, default=None)
     if one is None or len(one.lights) > 1:
         return kept
     found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights[0], coarse, ground, TRIED)

@@ -33,6 +33,7 @@ RARE, RARE_OF_TYPICAL = 0.35, 0.75
 NEAR_PX = 3  # the reach of the smoothing of `squared_distance`
 # Scale at which colours are averaged, and the least area there, in pixels, of an object found by its mean colour.
 AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
+AVERAGED_STEPS = GroundSteps(12, 8, 1)  # averages have few colours
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
 
 
@@ -103,14 +104,14 @@ def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
     return large_areas(cleaned(is_ground & ground.rare & unexplained), least_px)
 
 
-def with_unlit_on_average(unlit: Mask, view: View, steps: GroundSteps) -> Mask:
+def with_unlit_on_average(unlit: Mask, view: View) -> Mask:
     """(h, w) `unlit` (h, w) of `view`, and the areas whose mean colour is not the ground's, as their pixels' may be.
 
     A coarse-grained ground, such as brick or gravel, has specks of nearly every colour, and explains a plain object
     pixel by pixel; averaged, its colours are few. Only what is thicker than the averages' blur is added.
     """
     small = view.scaled(round(view.size[0] * AVERAGED))
-    ground = fit_lit_ground(small.image_bgr, small.is_ground, steps)
+    ground = fit_lit_ground(small.image_bgr, small.is_ground, AVERAGED_STEPS)
     if ground is None:
         return unlit
     averaged = unlit_mask(ground, small.is_ground, LEAST_AVERAGED_PX)

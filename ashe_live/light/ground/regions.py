@@ -53,10 +53,10 @@ class Region:
 
 
 def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
-    """The regions around the `count` largest groups of unlit areas of a coarser picture.
+    """The regions around the largest groups of unlit areas of a coarser picture, `count` at most.
 
-    Then those around two of them and the gap between, where it is small. Each is scaled to about `size_px`, as far as
-    the resolution of `fine` allows.
+    The last is around two of them and the gap between, where that is small. Each is scaled to about `size_px`, as far
+    as the resolution of `fine` allows.
     """
     _, labels = cv2.connectedComponents(grown(coarse_unlit, APART_PX).astype(np.uint8), connectivity=8)
     labels[~coarse_unlit] = 0
@@ -65,7 +65,7 @@ def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: in
     areas = [labels == index + 1 for index in largest if sizes[index] > 0]
     pairs = (_joined(one, other) for one, other in combinations(areas[:JOINED], 2))
     together = [area for area in pairs if area is not None]
-    return [region_of(fine, area, ground, size_px) for area in areas + together]
+    return [region_of(fine, area, ground, size_px) for area in areas[: count - len(together)] + together]
 
 
 def _joined(one: Mask, other: Mask) -> Mask | None:

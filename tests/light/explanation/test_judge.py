@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.evidence import SIGNS, Explanation
-from ashe_live.light.explanation.judge import GOOD_RAD, Judge, best_direction, fitted_judge
+from ashe_live.light.explanation.judge import GOOD_RAD, Judge, best_direction, fitted_judge, probabilities_of
 from ashe_live.light.explanation.judge_tables import Curve, read_tables
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import materials_of
@@ -23,6 +24,13 @@ from tests.light.synthetic_masks import direction
 
 TO_LIGHT = direction(200.0, 40.0)
 JUDGE = fitted_judge()
+
+
+def best_of(explanations: Sequence[Explanation]) -> tuple[Explanation, float]:
+    """The likeliest of these and the confidence in it."""
+    probabilities = probabilities_of([JUDGE.log_odds(each) for each in explanations])
+    index, confidence = best_direction(probabilities, [each.lights[0].to_light_marker for each in explanations])
+    return explanations[index], confidence
 
 
 def covariance(larger_deg: float, smaller_deg: float, turn_rad: float = 0.4) -> Float:
@@ -97,7 +105,7 @@ def test_the_true_split_scores_higher_than_wrong_ones(ground: str, caster: Caste
 def test_odds_are_finite_at_the_extremes(misfit_px: float, spread_deg: float) -> None:
     extreme = explanation(misfit_px, covariance(spread_deg, 0.0))
     assert np.isfinite(JUDGE.log_odds(extreme))
-    _, confidence = JUDGE.best_of([extreme])
+    _, confidence = best_of([extreme])
     assert 0 <= confidence <= 1
 
 
@@ -110,17 +118,17 @@ def directions(*angles_deg: tuple[float, float]) -> Float:
 
 def test_all_explanations_and_none_of_them_share_one_probability() -> None:
     several = [explanation(misfit_px) for misfit_px in (0.3, 1.0, 3.0)]
-    odds = np.exp([JUDGE.log_odds(each) for each in several])
-    np.testing.assert_allclose(JUDGE.probabilities(several), odds / (1 + odds.sum()))
-    assert JUDGE.probabilities(several).sum() < 1
+    log_odds = [JUDGE.log_odds(each) for each in several]
+    probabilities = probabilities_of(log_odds)
+    none = 1 - probabilities.sum()
+    assert none > 0
+    np.testing.assert_allclose(np.log(probabilities / none), log_odds)
 
 
 def test_more_work_that_finds_nothing_better_makes_less_sure() -> None:
     """The look-elsewhere effect is paid for: every further wrong explanation takes its part."""
     good, far = explanation(0.3), direction(20.0, 40.0)
-    confidences = [
-        JUDGE.best_of([good, *(explanation(1.0, to_light=far) for _ in range(count))])[1] for count in range(5)
-    ]
+    confidences = [best_of([good, *(explanation(1.0, to_light=far) for _ in range(count))])[1] for count in range(5)]
     assert (np.diff(confidences) < 0).all()
 
 
@@ -160,14 +168,14 @@ def test_the_best_explanation_wins_and_a_strong_rival_makes_it_less_believed() -
     good, worse = explanation(0.3), explanation(3.0)
     rival = explanation(0.4, to_light=direction(20.0, 40.0))
     ally = explanation(0.4, to_light=direction(202.0, 41.0))
-    alone = JUDGE.best_of([good])
+    alone = best_of([good])
     for others in ([worse], [rival], [ally], [rival, ally, worse]):
-        best, confidence = JUDGE.best_of([*others, good])
+        best, confidence = best_of([*others, good])
         assert best is good
         assert 0 < confidence < 1
-    assert JUDGE.best_of([rival, good])[1] < alone[1]
-    assert JUDGE.best_of([rival, good])[1] < JUDGE.best_of([ally, good])[1]
-    assert JUDGE.best_of([worse])[1] < alone[1]
+    assert best_of([rival, good])[1] < alone[1]
+    assert best_of([rival, good])[1] < best_of([ally, good])[1]
+    assert best_of([worse])[1] < alone[1]
 
 
 # The tables
