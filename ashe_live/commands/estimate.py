@@ -15,7 +15,7 @@ from ashe_live.capture.snapshot import write_png
 from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.light_page import LightPage, picture_of
 from ashe_live.commands.named_files import named_files
-from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
+from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of, tell_focal_length
 from ashe_live.core.contract import FileRecord
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.drawing.contact_sheet import contact_sheet
@@ -94,6 +94,7 @@ def _answer(
         return dataclasses.replace(record, error=problem), None
     try:
         with open_source(path) as source:
+            tell_focal_length(tracker, source)
             if isinstance(tracker, FocalTracker):
                 learn_focal_length(source, tracker)
             tracked = usable_frame(source, tracker, options.estimate_at)

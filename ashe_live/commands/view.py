@@ -11,7 +11,7 @@ from pathlib import Path
 from ashe_live.capture.cut_short import rescue_recordings
 from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.sources import Source, open_source
-from ashe_live.commands.setup import make_tracker, quality_of
+from ashe_live.commands.setup import make_tracker, quality_of, tell_focal_length
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size, drawn_size
 from ashe_live.errors import ExitStatus, UserError
@@ -118,7 +118,9 @@ def show_in_window(setup: ViewerSetup) -> int:
 
         def opener(path: Path) -> Pipeline:
             """A file has a camera of its own: as the flags say, else one that nobody knows."""
-            pipeline = Pipeline(open_source(path), make_tracker(options), options.loop)
+            source, tracker = open_source(path), make_tracker(options)
+            tell_focal_length(tracker, source)
+            pipeline = Pipeline(source, tracker, options.loop)
             pipeline.start()
             return pipeline
 
