@@ -3,6 +3,8 @@
 import argparse
 from collections.abc import Callable
 
+from ashe_live.capture.photo import PhotoSource
+from ashe_live.capture.sources import Source
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
 from ashe_live.errors import UserError
 from ashe_live.process.messages import tell
@@ -61,6 +63,12 @@ def make_tracker(
     )
     tracker.filters = not options.no_filter
     return tracker
+
+
+def tell_focal_length(tracker: MarkerTracker, source: Source) -> None:
+    """What a photo states about its camera, to a tracker that was told nothing else."""
+    if isinstance(tracker, FocalTracker) and isinstance(source, PhotoSource) and source.focal_px is not None:
+        tracker.tell(Camera.from_focal(source.size, source.focal_px, "exif"))
 
 
 def _calibrated(camera: Camera, name: str) -> CameraFor:
