@@ -82,7 +82,7 @@ def flat(spec: dict[str, Any]) -> dict[str, Any]:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = stored(
-        tmp_path_factory.mktemp("set") / "set", "training", [flat(specification("training", k)) for k in (0, 4, 6)]
+        tmp_path_factory.mktemp("set") / "set", "development", [flat(specification("development", k)) for k in (0, 2)]
     )
     assert develop(made) == 0
     return made
@@ -122,7 +122,7 @@ def test_the_tracker_finds_the_marker_where_the_truth_says(folder: Path) -> None
 
 def test_developing_goes_on_where_it_stopped_and_gives_the_same_again(folder: Path, tmp_path: Path) -> None:
     specs = json.loads((folder / "specifications.json").read_text())["scenes"]
-    again = stored(tmp_path / "again", "training", specs)
+    again = stored(tmp_path / "again", "development", specs)
     last = again / "radiance" / f"{specs[-1]['id']}.npz"
     aside = last.rename(tmp_path / "aside.npz")
     assert develop(again) == 1
@@ -137,7 +137,7 @@ def test_developing_goes_on_where_it_stopped_and_gives_the_same_again(folder: Pa
 
 def test_takes_become_clips_with_a_pose_a_frame(tmp_path: Path) -> None:
     spec = flat(specification("takes_training", 0))
-    spec["pictures"] = spec["pictures"][:1]
+    spec["pictures"], spec["frames"] = spec["pictures"][:1], spec["frames"][::3]
     made = stored(tmp_path / "takes", "takes_training", [spec])
     assert develop(made) == 0
     (take,) = json.loads((made / "ground_truth.json").read_text())["takes"]

@@ -51,7 +51,7 @@ def test_sets_have_seeds_of_their_own() -> None:
 
 @pytest.mark.parametrize("name", [name for name, each in SETS.items() if not each.sealed])
 def test_held_out_families_are_drawn_only_for_sealed_sets(name: str) -> None:
-    scenes = [specification(name, index) for index in range(25)]
+    scenes = [specification(name, index) for index in range(10)]
     assert not object_families(scenes) & set(HELD_OUT["object"])
     assert not {scene["ground"]["family"] for scene in scenes} & set(HELD_OUT["ground"])
 

@@ -20,6 +20,7 @@ Rng = np.random.Generator
 Floats = NDArray[np.float32]
 Settings = dict[str, Any]
 METERED = 0.30  # where an exposure of 1 puts the mean of what is metered, linear
+LOCAL_LOG_GAINS = (-0.4, 0.75)  # local tone mapping brightens by no more than this, which is about 2
 MOST_CLIPPED = 1.3  # how far over full scale the brightest hundredth of a picture may be exposed
 
 
@@ -110,7 +111,7 @@ def toned(signal: Floats, s: Settings) -> Floats:
         log = np.log(luminance)
         base = edge_aware(log, int(0.06 * signal.shape[1]), 0.25)
         middle = np.log(0.22)
-        mapped = log + s["local_tone"] * (middle - base) * np.where(base < middle, 1.0, 0.5)
+        mapped = log + np.clip(s["local_tone"] * (middle - base) * np.where(base < middle, 1.0, 0.5), *LOCAL_LOG_GAINS)
         signal = signal * np.exp(mapped - log)[..., None]
         luminance = np.exp(mapped)
     encoded = srgb_from_linear(np.clip(luminance, 0, 1)).astype(np.float32)
