@@ -29,6 +29,8 @@ def mask_of_triangles(camera: Params, size: list[int], points: Any, faces: Any) 
         cv2.fillConvexPoly(canvas, polygon, 1, shift=SUBPIXEL_BITS)
     for face in faces[ahead.any(axis=1) & ~ahead.all(axis=1)]:
         cut = _in_front(camera, np.asarray(points)[face])
+        if not len(cut):  # its nearest corner lies within the margin that the cut keeps from the camera
+            continue
         polygon = np.clip(projected(camera, cut)[0], -limits, limits)
         cv2.fillConvexPoly(canvas, np.round(polygon * 2**SUBPIXEL_BITS).astype(np.int32), 1, shift=SUBPIXEL_BITS)
     return canvas > 0
