@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import angle_between, normalised, tangent_basis
 
-# Squared Mahalanobis radius of the ellipse that holds a sample of a 2D normal distribution with probability 0.95.
+# Squared Mahalanobis radii of the ellipses that hold a sample of a 2D normal distribution with probability 0.68, 0.95.
 ELLIPSE_68 = -2 * math.log(1 - 0.68)
 ELLIPSE_95 = -2 * math.log(1 - 0.95)
 
@@ -59,6 +59,38 @@ def brier_score(confidences: Sequence[float], outcomes: Sequence[bool]) -> float
     if not len(confidences):
         return None
     return float(np.mean((np.asarray(confidences) - np.asarray(outcomes, dtype=np.float64)) ** 2))
+
+
+def risk_by_coverage(
+    confidences: Sequence[float], is_good: Sequence[bool], is_lit: Sequence[bool], lit: int
+) -> list[tuple[float, float, float]]:
+    """(confidence, coverage, risk) as n answers are given one after another, the most confident first.
+
+    Coverage is the fraction of the `lit` pictures with a light that are answered, risk the fraction of all answers
+    given that are not good (Geifman and El-Yaniv, "Selective classification for deep neural networks", 2017).
+    """
+    order = np.argsort(-np.asarray(confidences, dtype=np.float64), kind="stable")
+    covered = np.cumsum(np.asarray(is_lit, dtype=np.float64)[order]) / max(lit, 1)
+    risk = np.cumsum(~np.asarray(is_good, dtype=np.bool_)[order]) / np.arange(1, len(order) + 1)
+    return [(float(confidences[i]), float(c), float(r)) for i, c, r in zip(order, covered, risk, strict=True)]
+
+
+def risk_at(curve: Sequence[tuple[float, float, float]], coverage: float) -> tuple[float, float] | None:
+    """(confidence, risk) where the curve first reaches the coverage; None where it does not."""
+    return next(((confidence, risk) for confidence, covered, risk in curve if covered >= coverage), None)
+
+
+def calibration_error(confidences: Sequence[float], is_good: Sequence[bool], bins: int = 10) -> float | None:
+    """Expected calibration error: mean distance of confidence from the fraction of good ones, in bins of equal size.
+
+    None without answers. (Naeini, Cooper and Hauskrecht, 2015, with quantile bins.)
+    """
+    if not len(confidences):
+        return None
+    order = np.argsort(np.asarray(confidences, dtype=np.float64), kind="stable")
+    parts = [part for part in np.array_split(order, bins) if len(part)]
+    stated, good = np.asarray(confidences, dtype=np.float64), np.asarray(is_good, dtype=np.float64)
+    return float(sum(len(part) * abs(stated[part].mean() - good[part].mean()) for part in parts) / len(order))
 
 
 def share(flags: Sequence[bool]) -> float | None:

@@ -9,7 +9,10 @@ from ashe_live.bench.metrics import (
     ELLIPSE_95,
     angular_error_deg,
     brier_score,
+    calibration_error,
     overlap,
+    risk_at,
+    risk_by_coverage,
     rms_deg,
     share,
     squared_sigmas,
@@ -72,3 +75,23 @@ def test_the_overlap_counts_what_either_has():
     assert overlap(left, all_of_it) == 0.5
     assert overlap(left, ~left) == 0
     assert overlap(~all_of_it, ~all_of_it) == 1
+
+
+def drawn(count: int, bias: float = 0.0) -> tuple[list[float], list[bool]]:
+    """Confidences, and whether answers are good: as often as that says, or less often by `bias`."""
+    rng = np.random.default_rng(3)
+    confidences = rng.random(count)
+    return confidences.tolist(), (rng.random(count) < confidences - bias).tolist()
+
+
+def test_calibration_error_is_the_mean_distance_from_the_truth() -> None:
+    assert calibration_error(*drawn(20_000)) < 0.02
+    assert calibration_error(*drawn(20_000, bias=0.2)) == pytest.approx(0.18, abs=0.03)
+    assert calibration_error([], []) is None
+
+
+def test_risk_is_read_where_a_coverage_is_reached() -> None:
+    curve = risk_by_coverage([0.5, 0.9, 0.8], [False, True, True], [True, True, True], lit=4)
+    assert risk_at(curve, 0.5) == (0.8, 0.0)
+    assert risk_at(curve, 0.75) == (0.5, pytest.approx(1 / 3))
+    assert risk_at(curve, 0.9) is None

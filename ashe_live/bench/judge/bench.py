@@ -14,13 +14,12 @@ from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.judge.calibration import fitted_calibration
 from ashe_live.bench.judge.logit import fitted_score
 from ashe_live.bench.judge.samples import Sample, sample_of
-from ashe_live.bench.judge.tables import calibration_table, families_table, risk_table, score_table
+from ashe_live.bench.judge.tables import calibration_table, error_of, families_table, risk_table, score_table
 from ashe_live.bench.judge.validation import (
     by_families_left_out,
-    calibration_error,
     judged,
     least_confidence,
-    risk_by_coverage,
+    risk_curve,
 )
 from ashe_live.core.contract import Json
 from ashe_live.files.writing import write_json
@@ -88,10 +87,10 @@ class JudgeBench(Bench):
             "scenes": [folder.resolve().name for folder in self.scenes],
             "tables": judge.tables.as_json(),
             "left_out": [
-                {"kind": kind, "family": family, "pictures": len(each), "calibration_error": calibration_error(each)}
+                {"kind": kind, "family": family, "answers": len(each), "calibration_error": error_of(each)}
                 for kind, family, each in held_out
             ],
-            "risk_by_coverage": risk_by_coverage(answers),
+            "risk_by_coverage": risk_curve(answers),
         }
 
     def plots(self) -> Sequence[str]:

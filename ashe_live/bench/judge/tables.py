@@ -7,8 +7,8 @@ import numpy as np
 from rich.table import Table
 
 from ashe_live.bench.judge.calibration import squared_distances
-from ashe_live.bench.judge.validation import Judged, calibration_error, risk_by_coverage
-from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95
+from ashe_live.bench.judge.validation import Judged, risk_curve
+from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95, calibration_error, risk_at
 from ashe_live.bench.tables import figures_table
 from ashe_live.light.explanation.judge_tables import Score
 from ashe_live.light.explanation.uncertainty import Calibration
@@ -31,21 +31,27 @@ def families_table(held_out: Sequence[tuple[str, str, Sequence[Judged]]]) -> Tab
     for kind, family, answers in held_out:
         pictures = len({each.sample.case for each in answers})
         bad = np.mean([each.is_bad for each in answers])
-        error = calibration_error(answers, bins=5)
+        error = error_of(answers)
         table.add_row(f"{kind}: {family}", str(pictures), f"{100 * bad:.1f} %", f"{error:.3f}")
     return table
+
+
+def error_of(answers: Sequence[Judged]) -> float:
+    """The expected calibration error in five bins, as a family has few pictures."""
+    confidences, good = [each.confidence for each in answers], [each.is_good for each in answers]
+    return calibration_error(confidences, good, bins=5) or 0.0
 
 
 def risk_table(name: str, answers: Sequence[Judged]) -> Table:
     """For each preset, the share of answers that are over 10° off, as more of the lit pictures are answered."""
     presets = list(dict.fromkeys(each.sample.preset for each in answers))
     table = figures_table(f"{name}: risk (over 10° off) by coverage", "coverage", *presets)
-    curves = [risk_by_coverage([each for each in answers if each.sample.preset == preset]) for preset in presets]
+    curves = [risk_curve([each for each in answers if each.sample.preset == preset]) for preset in presets]
     for coverage in COVERAGES:
         cells = []
         for curve in curves:
-            reached = [(confidence, risk) for confidence, covered, risk in curve if covered >= coverage]
-            cells.append(f"{100 * reached[0][1]:.1f} % from {reached[0][0]:.2f}" if reached else "-")
+            reached = risk_at(curve, coverage)
+            cells.append("-" if reached is None else f"{100 * reached[1]:.1f} % from {reached[0]:.2f}")
         table.add_row(f"{100 * coverage:.0f} %", *cells)
     return table
 

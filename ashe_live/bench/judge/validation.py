@@ -8,6 +8,7 @@ import numpy as np
 from ashe_live.bench.cases import KINDS
 from ashe_live.bench.judge.calibration import Answer
 from ashe_live.bench.judge.samples import Candidate, Sample
+from ashe_live.bench.metrics import risk_by_coverage
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.judge import GOOD_RAD, MOST_LOG_ODDS, best_direction, probabilities_of
 from ashe_live.light.explanation.judge_tables import Score
@@ -68,16 +69,11 @@ def by_families_left_out(
                 yield kind, family, [judged(score, sample) for sample in held]
 
 
-def risk_by_coverage(answers: Sequence[Judged]) -> list[tuple[float, float, float]]:
-    """(confidence, coverage, risk) as answers are given by falling confidence: risk is the share that is not good.
-
-    Coverage is the share of the pictures with a light that are answered; risk counts all that are answered.
-    """
-    ranked = sorted(answers, key=lambda each: -each.confidence)
-    lit = max(sum(each.sample.lights > 0 for each in answers), 1)
-    covered = np.cumsum([each.sample.lights > 0 for each in ranked]) / lit
-    risk = np.cumsum([not each.is_good for each in ranked]) / np.arange(1, len(ranked) + 1)
-    return [(each.confidence, float(c), float(r)) for each, c, r in zip(ranked, covered, risk, strict=True)]
+def risk_curve(answers: Sequence[Judged]) -> list[tuple[float, float, float]]:
+    """As `metrics.risk_by_coverage`, of answers that are all given."""
+    is_lit = [each.sample.lights > 0 for each in answers]
+    good = [each.is_good for each in answers]
+    return risk_by_coverage([each.confidence for each in answers], good, is_lit, sum(is_lit))
 
 
 def least_confidence(answers: Sequence[Judged]) -> float:
@@ -101,14 +97,3 @@ def isotonic(values: Float) -> Float:
             mean, size = (mean * size + other * count) / (size + count), size + count
         blocks.append((mean, size))
     return np.concatenate([np.full(size, mean) for mean, size in blocks]) if blocks else np.empty(0)
-
-
-def calibration_error(answers: Sequence[Judged], bins: int = 10) -> float:
-    """Expected calibration error: mean distance of confidence from the share of good ones, in bins of equal size."""
-    ranked = sorted(answers, key=lambda each: each.confidence)
-    parts = [part for part in np.array_split(np.array(ranked, dtype=object), bins) if len(part)]
-    gaps = [
-        len(part) * abs(np.mean([each.confidence for each in part]) - np.mean([each.is_good for each in part]))
-        for part in parts
-    ]
-    return float(sum(gaps) / max(len(ranked), 1))

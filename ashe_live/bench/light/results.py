@@ -56,6 +56,11 @@ class CaseResult:
         return len(self.lights) > 0
 
     @property
+    def is_good(self) -> bool:
+        """Whether an answer is one that its confidence is the probability of."""
+        return self.error_deg is not None and self.error_deg < CONFIDENT_DEG
+
+    @property
     def is_bad(self) -> bool:
         """Whether a wrong answer, or any answer where there is no light, was given with high confidence."""
         is_wrong = self.is_answered and (self.error_deg is None or self.error_deg > BAD_DEG)

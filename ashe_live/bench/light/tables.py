@@ -7,10 +7,12 @@ from rich.console import Console
 from rich.table import Table
 
 from ashe_live.bench.light.clips import EVERY, ClipResult
-from ashe_live.bench.light.results import ALL, GOOD_DEG, CaseResult, Summary
+from ashe_live.bench.light.results import ALL, CONFIDENT_DEG, GOOD_DEG, CaseResult, Summary
 from ashe_live.bench.light.targets import DEG, MS, Verdict
+from ashe_live.bench.metrics import calibration_error, risk_at, risk_by_coverage, share
 
 WORST = 10
+COVERAGES = (0.5, 0.6, 0.7, 0.8, 0.9)
 
 
 def print_preset(
@@ -29,6 +31,25 @@ def print_preset(
     console.print(_worst(name, results))
     _print_reasons(console, results)
     console.print(_targets(name, verdicts))
+
+
+def print_risk(console: Console, results: Sequence[CaseResult]) -> None:
+    """Prints risk by coverage, set by set and preset by preset: more work should never answer less, or worse."""
+    columns = ("lit", "answered", *(f"risk at {coverage:.0%}" for coverage in COVERAGES), "calibration error")
+    table = _table(f"risk (answers over {CONFIDENT_DEG:.0f}° off) by coverage", ("set", "preset"), columns)
+    for folder in dict.fromkeys(result.folder for result in results):
+        for preset in dict.fromkeys(result.preset for result in results):
+            members = [each for each in results if (each.folder, each.preset) == (folder, preset)]
+            answers = [each for each in members if each.confidence is not None]
+            lit = sum(each.is_lit for each in members)
+            confidences, good = [each.confidence or 0.0 for each in answers], [each.is_good for each in answers]
+            curve = risk_by_coverage(confidences, good, [each.is_lit for each in answers], lit)
+            risks = [risk_at(curve, coverage) for coverage in COVERAGES]
+            covered = share([each.is_answered for each in members if each.is_lit])
+            cells = (_percent(None if risk is None else risk[1]) for risk in risks)
+            error = calibration_error(confidences, good)
+            table.add_row(folder, preset, str(lit), _percent(covered), *cells, _fraction(error))
+    console.print(table)
 
 
 def print_clips(console: Console, clips: Sequence[ClipResult]) -> None:

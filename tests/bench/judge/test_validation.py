@@ -9,11 +9,10 @@ from ashe_live.bench.judge.samples import Candidate, Sample
 from ashe_live.bench.judge.validation import (
     Judged,
     by_families_left_out,
-    calibration_error,
     isotonic,
     judged,
     least_confidence,
-    risk_by_coverage,
+    risk_curve,
 )
 from ashe_live.light.explanation.judge_tables import Curve, Score
 
@@ -37,24 +36,19 @@ def drawn(count: int, bias: float = 0.0) -> list[Judged]:
 
 
 def test_risk_falls_with_coverage_where_confidence_tells_right_from_wrong() -> None:
-    curve = risk_by_coverage([answer(0.9), answer(0.8), answer(0.5, 40.0), answer(0.3)])
+    curve = risk_curve([answer(0.9), answer(0.8), answer(0.5, 40.0), answer(0.3)])
     assert [covered for _, covered, _ in curve] == [0.25, 0.5, 0.75, 1.0]
     assert [risk for *_, risk in curve] == pytest.approx([0, 0, 1 / 3, 1 / 4])
 
 
 def test_an_answer_where_there_is_no_light_is_a_risk_and_covers_nothing() -> None:
-    (confidence, covered, risk), _ = risk_by_coverage([answer(0.9, 180.0, lights=0), answer(0.8)])
+    (confidence, covered, risk), _ = risk_curve([answer(0.9, 180.0, lights=0), answer(0.8)])
     assert (confidence, covered, risk) == (0.9, 0.0, 1.0)
 
 
 def test_answers_are_given_while_they_are_likelier_right_than_wrong() -> None:
     assert least_confidence(drawn(4000)) == pytest.approx(0.5, abs=0.06)
     assert least_confidence(drawn(4000, bias=0.2)) == pytest.approx(0.7, abs=0.06)
-
-
-def test_calibration_error_is_the_mean_distance_from_the_truth() -> None:
-    assert calibration_error(drawn(20_000)) < 0.02
-    assert calibration_error(drawn(20_000, bias=0.2)) == pytest.approx(0.18, abs=0.03)
 
 
 def test_isotonic_values_rise_and_keep_their_mean() -> None:
