@@ -181,10 +181,11 @@ class LiveViewer:
 
     def _fps(self) -> float | None:
         """Of the display; None until there are two pictures to tell it from."""
-        if self._unchanged >= HELD_AFTER_PICTURES:  # else the number alone would keep the picture changing
+        if self._is_idle:
+            self._shown_s.clear()  # which says nothing of the display
+        # Held while nothing else changes: the number alone would keep the picture changing.
+        if self._unchanged >= HELD_AFTER_PICTURES or len(self._shown_s) < 2:
             return self._fps_shown
-        if len(self._shown_s) < 2:
-            return None
         self._fps_shown = (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
         return self._fps_shown
 
