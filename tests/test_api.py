@@ -194,7 +194,7 @@ def test_what_a_person_can_mend_is_a_user_error():
 def test_every_name_is_there_and_no_other():
     for name in al.__all__:
         assert getattr(al, name).__name__ == name
-    assert set(al.__all__) <= set(dir(al))
+    assert set(dir(al)) == {*al.__all__, "__version__"}
     with pytest.raises(AttributeError, match="no attribute 'learn'"):
         al.learn  # noqa: B018
 

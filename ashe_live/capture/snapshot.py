@@ -25,9 +25,11 @@ def write_png(
     """Writes (h, w, 3) uint8, and returns where it is: `beside` a file that has appeared at `path` meanwhile.
 
     `texts` stand in it by keyword, in chunks of the kind iTXt (PNG specification, 11.3.3.4). Raises UserError when
-    `path` exists (without `overwrite`) or cannot be written.
+    `path` exists (without `overwrite`) or cannot be written, ValueError for a name that says that it is no PNG.
     """
     target = arguments.path(path, "path")
+    if target.suffix.lower() not in (".png", ""):
+        raise ValueError(f"path is {target.name!r}, and what is written is PNG: name it .png")
     arguments.picture(image_bgr, "image_bgr")
     info = PngInfo()
     for keyword, text in (texts or {}).items():

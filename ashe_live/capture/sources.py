@@ -1,5 +1,6 @@
 """Where frames come from: a photo, a clip or a camera, all read in the same way."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self, runtime_checkable
@@ -26,6 +27,11 @@ class Source(Protocol):
     def read(self) -> Frame | None:
         """The next frame, or None at the end (a live source has none). Raises SourceLost."""
         ...
+
+    def __iter__(self) -> Iterator[Frame]:
+        """The frames from here to the end."""
+        while (frame := self.read()) is not None:
+            yield frame
 
     def rewind(self) -> None:
         """Starts again at frame 0; does nothing to a live source."""

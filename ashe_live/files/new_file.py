@@ -186,4 +186,6 @@ def _check_name(path: Path, overwrite: bool) -> None:
 
 
 def _is_there(path: Path) -> UserError:
-    return UserError(f"{path} exists already", "choose another name or give --overwrite")
+    return UserError(
+        f"{path} exists already", "choose another name, or say that it is to be replaced (--overwrite, overwrite=True)"
+    )

@@ -70,6 +70,11 @@ class ModelSwitch:
         self._last_steps = last_steps
         self.at_once = at_once
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether no model is being prepared."""
+        return self._coming is None
+
     def follow(self, placed: PlacedModel | None) -> bool:
         """Shows `placed` as soon as it is ready, which is at once when there is nothing to show until then.
 

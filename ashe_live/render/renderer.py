@@ -92,6 +92,11 @@ class SceneRenderer:
         return str(self._ctx.info["GL_VERSION"])
 
     @property
+    def is_settled(self) -> bool:
+        """Whether the same scene would be the same picture again: no model is being prepared for the next ones."""
+        return self._models.is_settled
+
+    @property
     def preset(self) -> RenderPreset:
         return self._preset
 

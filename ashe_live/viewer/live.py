@@ -1,15 +1,19 @@
 """The main thread's loop: takes keys and the latest tracked frame, and draws a picture at the display's own rate."""
 
+import operator
 import time
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
+from ashe_live.core.camera import Size
 from ashe_live.core.mailbox import Closed
 from ashe_live.errors import UserError
 from ashe_live.process.messages import say, tell
 from ashe_live.quality import QUALITIES, Quality
+from ashe_live.render.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
+from ashe_live.render.scene import Scene
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.auto_quality import AutoQuality
 from ashe_live.viewer.controls import Command, Files, Request
@@ -29,6 +33,9 @@ from ashe_live.viewer.window import Window
 AUTO = "auto"
 QUALITY_NAMES = (*QUALITIES, AUTO)
 FPS_OVER_FRAMES = 30
+# After so many pictures alike, so long is waited for an event, or a frame of the source, before the next one.
+UNCHANGED_PICTURES, HELD_AFTER_PICTURES = 30, 3
+IDLE_S = 0.1
 
 
 class LiveViewer:
@@ -62,6 +69,9 @@ class LiveViewer:
         self._quit = False
         self._hunt = MarkerHunt()
         self.takes_any_marker = False  # the one that is in view is followed, as nobody has named another
+        self._shown: tuple[Scene, Size, RenderPreset] | None = None
+        self._fps_shown: float | None = None
+        self._unchanged = 0  # pictures in a row that were as the one before
         self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
@@ -99,7 +109,7 @@ class LiveViewer:
                 if is_new and frames_left is not None:
                     frames_left -= 1
                     self._quit = self._quit or frames_left <= 0
-                self._idle_until(due_s)
+                self._idle_until(max(due_s, now_s + IDLE_S) if self._is_idle else due_s)
         finally:
             self._keeper.finish(time.monotonic())
             if self._opening is not None:
@@ -109,8 +119,12 @@ class LiveViewer:
     def _idle_until(self, due_s: float) -> None:
         """Waits for the next picture: without vertical sync, as on a virtual display, `swap` does not."""
         while (left_s := due_s - time.monotonic()) > 0 and not self._window.is_closing:
-            for request in self._window.take_requests(left_s):
+            requests = self._window.take_requests(left_s)
+            for request in requests:
                 self._obey(request, time.monotonic())
+            # Any event wakes it: a key is obeyed at once, and the mouse followed.
+            if self._is_idle and time.monotonic() < due_s:
+                return
 
     def _take_frame(self, now_s: float) -> bool:
         """Returns whether there is a new frame; when the source fails later on, its last picture stays."""
@@ -149,14 +163,31 @@ class LiveViewer:
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality_shown, self._playback.pace_shown, recording)))
         scene = self._display.scene(self._session, size, manner, now_s, self._fps(), status, scale, moment)
-        self._renderer.render(scene)
+        shown = (scene, size, self._renderer.preset)
+        if self._renderer.is_settled and self._shown is not None and _same(shown, self._shown):
+            self._unchanged += 1
+        else:
+            self._unchanged = 0
+        self._shown = shown
+        # A pause, a photo, the end of a clip: what is on the screen already needs no processor.
+        if not self._is_idle:
+            self._renderer.render(scene)
         self._window.present(self._renderer)
+
+    @property
+    def _is_idle(self) -> bool:
+        """Whether nothing has changed for so long that a person waits for something, or looks elsewhere."""
+        return self._unchanged >= UNCHANGED_PICTURES or min(self._window.framebuffer_size) < 1
 
     def _fps(self) -> float | None:
         """Of the display; None until there are two pictures to tell it from."""
-        if len(self._shown_s) < 2:
-            return None
-        return (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
+        if self._is_idle:
+            self._shown_s.clear()  # which says nothing of the display
+        # Held while nothing else changes: the number alone would keep the picture changing.
+        if self._unchanged >= HELD_AFTER_PICTURES or len(self._shown_s) < 2:
+            return self._fps_shown
+        self._fps_shown = (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
+        return self._fps_shown
 
     def _adapt_quality(self, begun_s: float) -> None:
         """Tracking and drawing run side by side, so the slower one counts."""
@@ -267,3 +298,13 @@ class LiveViewer:
         """Shows a line in the window for a while, and prints it for good."""
         self._session.say(text, now_s)
         say(text)
+
+
+def _same(now: tuple[Scene, Size, RenderPreset], before: tuple[Scene, Size, RenderPreset]) -> bool:
+    """Whether the pictures are the same, as far as their parts are the same objects."""
+    parts = [
+        (*scene.overlays, scene.tracked, scene.model, scene.illumination, scene.placement)
+        for scene, *_ in (now, before)
+    ]
+    kinds = [(scene.shows_light, scene.casts_shadow, *rest) for scene, *rest in (now, before)]
+    return kinds[0] == kinds[1] and len(parts[0]) == len(parts[1]) and all(map(operator.is_, *parts))

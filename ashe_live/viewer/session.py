@@ -92,7 +92,7 @@ class Session:
     @property
     def model_name(self) -> str:
         """As it is shown: of a file its name without the folders."""
-        return Path(self._shelf.chosen_name).name
+        return Path(self._shelf.shown_name).name
 
     @property
     def model_progress(self) -> str | None:

@@ -44,7 +44,7 @@ def marker_line(tracked: TrackedFrame | None) -> str:
         return "waiting for the first picture"
     if tracked.marker is None:
         return "marker: not in view"
-    return f"marker: {tracked.marker.reprojection_rms_px:.2f} px"
+    return f"marker: in view, its corners fit to {tracked.marker.reprojection_rms_px:.2f} px"
 
 
 def camera_line(tracked: TrackedFrame | None) -> str | None:

@@ -68,8 +68,16 @@ class TimeBar:
             _one_pixel(srgba) for srgba in ((*PLATE_SRGBA[:3], 210), REST_SRGBA, TEXT_SRGBA)
         )
         self._text: tuple[str, float, Image] | None = None
+        self._last: tuple[tuple[Moment, Size, float], tuple[Overlay, ...]] | None = None
 
     def overlays(self, moment: Moment, size: Size, content_scale: float) -> tuple[Overlay, ...]:
+        """The same objects while the bar stays as it is."""
+        asked = moment, size, content_scale
+        if self._last is None or self._last[0] != asked:
+            self._last = asked, self._drawn(*asked)
+        return self._last[1]
+
+    def _drawn(self, moment: Moment, size: Size, content_scale: float) -> tuple[Overlay, ...]:
         bar = bar_at(size, content_scale)
         line = max(1, round(LINE_PT * content_scale))
         top = size[1] - bar.height

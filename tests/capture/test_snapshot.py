@@ -52,3 +52,10 @@ def test_unused_names_count_up(tmp_path: Path) -> None:
         path.touch()
         names.append(path.name)
     assert names == [f"ashe-live-20261121-140312{more}.png" for more in ("", "-2", "-3")]
+
+
+@pytest.mark.parametrize("name", ["a.jpg", "a.JPEG", "a.webp"])
+def test_a_name_of_another_format_is_refused(tmp_path, name):
+    with pytest.raises(ValueError, match=r"name it \.png"):
+        write_png(tmp_path / name, np.zeros((4, 4, 3), np.uint8))
+    assert list(tmp_path.iterdir()) == []

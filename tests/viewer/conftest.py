@@ -180,7 +180,7 @@ class FakeShelf:
 class FakeRenderer:
     """Keeps the scenes; its pictures' grey is the number of scenes so far."""
 
-    gl_renderer, gl_version, preset = "fake", "3.3", None
+    gl_renderer, gl_version, preset, is_settled = "fake", "3.3", None, True
 
     def __init__(self, _context: object = None, _preset: object = None, size: tuple[int, int] = SIZE) -> None:
         self.size = size

@@ -28,7 +28,7 @@ class ScriptedWindow:
 
     def take_requests(self, wait_s: float) -> list[Request]:
         if wait_s > 0:
-            threading.Event().wait(wait_s)
+            threading.Event().wait(min(wait_s, 0.02))
             return []
         requests, self.requests = self.requests, []
         return requests

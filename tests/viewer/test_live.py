@@ -23,7 +23,7 @@ from ashe_live.viewer import keeping, marker_hunt
 from ashe_live.viewer import recording as recording_module
 from ashe_live.viewer.controls import Command, Files, Request
 from ashe_live.viewer.display import Display
-from ashe_live.viewer.live import LiveViewer
+from ashe_live.viewer.live import UNCHANGED_PICTURES, LiveViewer
 from ashe_live.viewer.session import EstimatePolicy, Session
 from ashe_live.viewer.status import guidance
 from tests.viewer.scripted_window import ScriptedWindow
@@ -282,7 +282,9 @@ def test_a_snapshot_carries_the_estimate(stage, tmp_path, capfd):
 
 
 def test_where_nothing_can_be_written_it_says_so_and_goes_on(stage, tmp_path, monkeypatch):
-    monkeypatch.setattr(keeping, "unused_name", lambda *_: tmp_path / "missing" / "name.mp4")
+    monkeypatch.setattr(
+        keeping, "unused_name", lambda _folder, _stem, suffix, _at: tmp_path / "missing" / f"name{suffix}"
+    )
     stage.put(0)
     for command in (Command.SNAPSHOT, Command.RECORD):
         stage.run(command, None, None)
@@ -432,3 +434,16 @@ def test_the_light_is_saved_for_other_programs(stage, tmp_path):
     assert sky.read_bytes().startswith(b"#?RADIANCE")
     light = json.loads(record.read_text())["estimate"]["light"]
     assert light["to_light_marker"] == pytest.approx([0.5**0.5, 0, 0.5**0.5])
+
+
+def test_what_does_not_change_is_not_drawn_again(stage):
+    counts = []
+
+    def is_settled() -> bool:
+        counts.append(len(stage.renderer.scenes))
+        return counts[-5:].count(counts[-1]) == 5
+
+    stage.put(0)
+    stage.run(awaited(stage, is_settled), lambda: stage.put(1), None, None, None)
+    assert counts[-1] >= UNCHANGED_PICTURES
+    assert len(stage.renderer.scenes) > counts[-1]

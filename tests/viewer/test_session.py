@@ -304,7 +304,7 @@ def test_while_it_waits_for_a_steady_marker_it_does_not_ask_for_a_key(make):
 def test_the_marker_line_tells_found_from_lost(fakes):
     lines = {marker_line(None), marker_line(fakes.tracked()), marker_line(fakes.tracked(has_marker=False))}
     assert len(lines) == 3
-    assert "marker: 0.25 px" in lines
+    assert "marker: in view, its corners fit to 0.25 px" in lines
 
 
 def test_a_camera_that_nobody_gave_is_announced_with_its_uncertainty(fakes):

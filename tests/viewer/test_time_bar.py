@@ -59,3 +59,10 @@ def test_it_says_where_the_picture_is():
     assert text_of(Moment(61.26, 125.0, 1838, 0.25, True), True) == "1:01.2 / 2:05.0   frame 1838   0.25x loop"
     assert text_of(Moment(61.26, 125.0, 1838, 0.25, True), False) == "1:01.2 / 2:05.0"
     assert (clock(59.99, False), clock(59.99, True), clock(0.3, True)) == ("0:59", "0:59.9", "0:00.3")
+
+
+def test_a_bar_that_stands_still_is_the_same_objects():
+    bar = TimeBar()
+    first = bar.overlays(Moment(3.0, 7.0, 90), (640, 480), 1.0)
+    assert bar.overlays(Moment(3.0, 7.0, 90), (640, 480), 1.0) is first
+    assert bar.overlays(Moment(3.1, 7.0, 93), (640, 480), 1.0) is not first
