@@ -18,6 +18,7 @@ from ashe_live.tracking.pose import estimate_pose, square_corners
 
 GROUND_TRUTH = "ground_truth.json"
 MOST_TRUTH_BYTES, MOST_PICTURE_BYTES = 100_000_000, 200_000_000
+EXACT_PX = 1e-6  # standard deviation of a rendered scene's focal length
 PHOTO_CATEGORY = "photo"
 # Kinds of families that a set's pictures are drawn from, as far as its ground truth tells them.
 KINDS = ("object_family", "material", "ground", "camera", "surroundings")
@@ -84,7 +85,11 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
     for scene in scenes:
         width, height = scene["size"]
         camera = Camera(
-            (width, height), np.array(scene["K"]), np.array(scene.get("dist") or np.zeros(5), dtype=np.float64), "file"
+            (width, height),
+            np.array(scene["K"]),
+            np.array(scene.get("dist") or np.zeros(5), dtype=np.float64),
+            "file",
+            EXACT_PX,
         )
         marker, tags = scene["marker"], scene.get("tags", {})
         T_cam_marker = rigid(scene["R"], scene["t"])

@@ -15,9 +15,18 @@ from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 
 Size = tuple[int, int]
-CameraSource = Literal["file", "flag", "assumed", "estimated"]
+CameraSource = Literal["file", "flag", "exif", "assumed", "estimated"]
 
 ASSUMED_HFOV_DEG = 60.0
+# Relative standard deviation of a focal length by where it comes from: a calibration with a board; a data sheet; the
+# 35 mm equivalent in a photo's EXIF data; webcams and phones in general, which see 45 to 80 degrees; views of a marker.
+FOCAL_SIGMA: dict[CameraSource, float] = {
+    "file": 0.003,
+    "flag": 0.02,
+    "exif": 0.03,
+    "assumed": 0.25,
+    "estimated": 0.08,
+}
 DISTORTION_LENGTHS = (4, 5, 8, 12, 14)
 
 
@@ -29,11 +38,13 @@ class Camera:
     K: Float  # (3, 3) pixels, last row 0 0 1
     dist: Float  # (4, 5, 8, 12 or 14,) OpenCV's distortion coefficients
     source: CameraSource  # where the numbers come from
-    focal_sigma_px: float | None = None  # standard deviation of the focal length, where it was estimated
+    focal_sigma_px: float = math.nan  # standard deviation of the focal length; not given, FOCAL_SIGMA of its source
 
     def __post_init__(self) -> None:
         set_frozen(self, K=frozen_floats(self.K, (3, 3), "K"), dist=frozen_floats(self.dist, (-1,), "dist"))
         set_frozen(self, size=arguments.picture_size(self.size, "size"))
+        if math.isnan(self.focal_sigma_px):
+            set_frozen(self, focal_sigma_px=FOCAL_SIGMA[self.source] * float(self.K[0, 0]))
         if not np.array_equal(self.K[2], (0, 0, 1)):
             raise ValueError("K needs the last row 0 0 1")
         for name, value, allowed in (
@@ -50,7 +61,7 @@ class Camera:
 
     @classmethod
     def from_focal(
-        cls, size: Size, focal_px: float, source: CameraSource = "flag", focal_sigma_px: float | None = None
+        cls, size: Size, focal_px: float, source: CameraSource = "flag", focal_sigma_px: float = math.nan
     ) -> "Camera":
         """Square pixels, principal point at the image's centre, no distortion."""
         width, height = arguments.picture_size(size, "size")
@@ -89,8 +100,7 @@ class Camera:
         K = self.K.copy()
         K[:2, :2] *= scales[:, None]
         K[:2, 2] = (self.K[:2, 2] + 0.5) * scales - 0.5
-        sigma = None if self.focal_sigma_px is None else self.focal_sigma_px * float(scales[0])
-        return Camera(size, K, self.dist, self.source, sigma)
+        return Camera(size, K, self.dist, self.source, self.focal_sigma_px * float(scales[0]))
 
 
 def drawn_size(size: Size) -> Size:

@@ -2,14 +2,18 @@
 
 from collections.abc import Callable
 
-from ashe_live.core.camera import Camera, Size
+from ashe_live.core.camera import FOCAL_SIGMA, Camera, Size
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.tracking.focal import FOUND_SIGMA, KNOWN_SIGMA, MUCH_SURER, FocalEstimate, FocalEstimator
 from ashe_live.tracking.focal_memory import FocalMemory
+from ashe_live.tracking.focal_view import focal_of_view
 from ashe_live.tracking.layout import Layout
 from ashe_live.tracking.markers import Marker
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
+
+# Views that are asked one by one for the focal length, as for a photo; then it takes several at once.
+VIEWS_ASKED = 3
 
 
 class FocalTracker(MarkerTracker):
@@ -28,11 +32,17 @@ class FocalTracker(MarkerTracker):
         self._assumed = assumed
         self._memory = memory
         self._known: FocalEstimate | None = None
+        self._told: Camera | None = None
+        self._views_asked = 0
         self._estimator: FocalEstimator | None = None
 
     def track(self, frame: Frame) -> TrackedFrame:
         """As MarkerTracker.track; a focal length learned from this frame serves from the next one on."""
         tracked = super().track(frame)
+        is_measured = tracked.marker is not None and not tracked.marker.bridged
+        if is_measured and tracked.camera.source == "assumed" and self._views_asked < VIEWS_ASKED:
+            self._views_asked += 1
+            tracked = self._told_by_view(tracked)
         if not self.is_sure:
             self._learn_from(tracked)
         return tracked
@@ -42,11 +52,26 @@ class FocalTracker(MarkerTracker):
         """Whether the focal length is known so well that nothing more is learned."""
         return self._known is not None and self._known.relative_sigma <= FOUND_SIGMA
 
+    def tell(self, camera: Camera) -> None:
+        """The camera's focal length as its pictures state it, until something surer is known."""
+        self._told = camera
+
+    def _told_by_view(self, tracked: TrackedFrame) -> TrackedFrame:
+        """`tracked`, or the same frame with a camera that its marker's perspective tells better than assumed."""
+        told = focal_of_view(self._sightings, tracked.camera, self.side_m)
+        if told is None or told.relative_sigma > MUCH_SURER * FOCAL_SIGMA["assumed"]:
+            return tracked
+        self._known = told
+        self.use_camera(told.camera())
+        return super().track(tracked.frame)
+
     def _known_or_assumed(self, size: Size) -> Camera:
         """For frames of another size than before: nothing has been learned from them."""
         self._known = None if self._memory is None else self._memory.recall(size)
         self._estimator = FocalEstimator(size)
-        return self._assumed(size) if self._known is None else self._known.camera()
+        if self._known is not None:
+            return self._known.camera()
+        return self._assumed(size) if self._told is None or self._told.size != size else self._told
 
     def _learn_from(self, tracked: TrackedFrame) -> None:
         assert self._estimator is not None

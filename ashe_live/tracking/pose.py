@@ -17,7 +17,7 @@ from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.corner_errors import FITTED, CornerErrors, systematic
 from ashe_live.tracking.corners import FittedSquare, is_front_of_square, mean_side_px, side_lengths_px
 from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
-from ashe_live.tracking.pose_refinement import Solution, covariance_of, refined_solution, solution_of
+from ashe_live.tracking.pose_refinement import Solution, covariances_of, refined_solution, solution_of
 
 # The smaller error alone decides when the other is so much larger: in ratio, and beyond what explains itself by noise
 # and by curled paper. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the error.
@@ -80,11 +80,7 @@ def pose_of_squares(
         return None
     points = np.concatenate([one.points for one in sightings])
     pixels = np.concatenate([one.square.corners_px for one in sightings])
-    noise, information = np.zeros((2, 2 * len(pixels), 2 * len(pixels)))
-    for number, one in enumerate(sightings):
-        block = slice(8 * number, 8 * number + 8)
-        noise[block, block] = np.linalg.inv(one.square.information)
-        information[block, block] = np.linalg.inv(noise[block, block] + systematic(one.square, errors))
+    noise, information = corners_noise(sightings), corners_information(sightings, errors)
     largest = max(sightings, key=lambda one: float(side_lengths_px(one.square.corners_px).sum()))
     starts = (solution_of(R, t, points, pixels, information, camera.K) for R, t in _ippe(largest, camera))
     solutions = [one for one in starts if one is not None]
@@ -108,7 +104,8 @@ def pose_of_squares(
     is_known = camera.source in ("file", "flag")
     if is_known and chosen.rms_px > max(MOST_RMS_PX, MOST_RMS * mean_side_px(largest.square.corners_px)):
         return None
-    covariance, noise_covariance = covariance_of(chosen, points, information, camera.K, noise)
+    covariances = covariances_of(chosen, points, information, camera.K, noise)
+    log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
     # The pose leaves what it cannot explain: where that is more than was stated, all of it was understated.
     freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
     understated = (errors.weight + chosen.cost) / (errors.weight + freedom)
@@ -123,9 +120,27 @@ def pose_of_squares(
         side_m=side_m,
         reprojection_rms_px=chosen.rms_px,
         other_rms_px=others[0].rms_px if others else None,
-        covariance=understated * covariance,
-        noise_covariance=noise_covariance,
+        covariance=understated * covariances.whole + log_focal_sigma**2 * covariances.by_log_focal,
+        noise_covariance=covariances.noise,
     )
+
+
+def corners_noise(sightings: Sequence[Sighting]) -> Float:
+    """(8n, 8n) covariance of all corners' coordinates in turn, px^2, by the noise of their edges."""
+    noise = np.zeros((8 * len(sightings), 8 * len(sightings)))
+    for number, one in enumerate(sightings):
+        block = slice(8 * number, 8 * number + 8)
+        noise[block, block] = np.linalg.inv(one.square.information)
+    return noise
+
+
+def corners_information(sightings: Sequence[Sighting], errors: CornerErrors = FITTED) -> Float:
+    """(8n, 8n) inverse covariance of all corners' coordinates in turn, 1 / px^2, with what `errors` allows for."""
+    information = corners_noise(sightings)
+    for number, one in enumerate(sightings):
+        block = slice(8 * number, 8 * number + 8)
+        information[block, block] = np.linalg.inv(information[block, block] + systematic(one.square, errors))
+    return information
 
 
 def _ippe(sighting: Sighting, camera: Camera) -> list[tuple[Float, Float]]:

@@ -44,17 +44,27 @@ def solution_of(
     return Solution(R, t, math.sqrt(float(error @ error) / len(points)), cost) if math.isfinite(cost) else None
 
 
-def covariance_of(solution: Solution, points: Float, information: Float, K: Float, part: Float) -> tuple[Float, Float]:
-    """Two (6, 6) of (w, v), rad and metres, see the module: all that `information` allows for, and a part of it.
+@dataclass(frozen=True, slots=True)
+class PoseCovariances:
+    """(6, 6) each, of (w, v), rad and metres, see the module."""
 
-    `part` (2n, 2n) is a covariance of the pixels that is contained in the inverse of `information`.
-    """
+    whole: Float  # by all that the information of the pixels allows for
+    noise: Float  # by the noise that was given
+    by_log_focal: Float  # by a focal length whose logarithm has a standard deviation of one
+
+
+def covariances_of(solution: Solution, points: Float, information: Float, K: Float, noise: Float) -> PoseCovariances:
+    """`noise` (2n, 2n) is the part of the pixels' covariance, the inverse of `information`, that is noise."""
     turned = points @ solution.R.T
-    jacobian = _jacobian(turned, turned + solution.t, K)
+    in_camera = turned + solution.t
+    jacobian = _jacobian(turned, in_camera, K)
     weighted = jacobian.T @ information
     covariance = _inverse(weighted @ jacobian)
     by_pixels = covariance @ weighted
-    return covariance, by_pixels @ part @ by_pixels.T
+    # A longer focal length moves pixels away from the principal point, and the pose makes up for it.
+    from_centre = (in_camera[:, :2] / in_camera[:, 2:]) @ K[:2, :2].T
+    by_focal = by_pixels @ from_centre.ravel()
+    return PoseCovariances(covariance, by_pixels @ noise @ by_pixels.T, np.outer(by_focal, by_focal))
 
 
 def refined_solution(start: Solution, points: Float, pixels: Float, information: Float, K: Float) -> Solution:

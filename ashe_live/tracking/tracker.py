@@ -63,6 +63,7 @@ class MarkerTracker:
         self._camera = camera
         self._camera_now: Camera | None = None
         self._filter = PoseFilter()
+        self._sightings: list[Sighting] = []  # of the last frame
         self.reset()
 
     def reset(self) -> None:
@@ -187,9 +188,9 @@ class MarkerTracker:
         self._note = several if len(found) > 1 else None
 
     def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: _Memory | None) -> MarkerPose | None:
-        sightings = [Sighting(self.side_m * self._members[number].corners, squares[number]) for number in squares]
+        self._sightings = [Sighting(self.side_m * self._members[number].corners, squares[number]) for number in squares]
         previous = self._before_jump if last is None else last.pose
-        return pose_of_squares(sightings, camera, self.side_m, previous, self.preset.refines_pose)
+        return pose_of_squares(self._sightings, camera, self.side_m, previous, self.preset.refines_pose)
 
     def _flowed(self, image: Image, camera: Camera, last: _Memory) -> dict[int, FittedSquare]:
         squares = {}

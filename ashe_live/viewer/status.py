@@ -52,7 +52,7 @@ def camera_line(tracked: TrackedFrame | None) -> str | None:
     if tracked is None or tracked.camera.source not in ("assumed", "estimated"):
         return None
     camera = tracked.camera
-    if camera.focal_sigma_px is None:
+    if camera.source == "assumed":
         return f"camera: {camera.hfov_deg:.0f}° wide, assumed until the marker is seen from several sides"
     return f"camera: focal length {camera.K[0, 0]:.0f} ± {camera.focal_sigma_px:.0f} px, estimated from the marker"
 

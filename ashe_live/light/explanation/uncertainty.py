@@ -10,7 +10,6 @@ from ashe_live.core.transforms import tangent_basis
 from ashe_live.core.types import TrackedFrame
 
 FLOOR_RAD = math.radians(0.4)  # sigma along each axis of systematic errors: corner bias, a curled sheet, the lens
-ASSUMED_FOCAL_RAD = math.radians(0.6)  # the same, for a field of view that nobody measured
 
 
 def covariance_of_outlines(covariance_rad2: Float) -> Float:
@@ -43,8 +42,6 @@ def _covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame) -> Float:
     """(2, 2) rad^2 on the direction's tangent basis: the uncertainty of the marker's rotation and the focal length."""
     assert tracked.marker is not None
     total = np.zeros((2, 2))
-    if tracked.camera.source == "assumed":
-        total = total + ASSUMED_FOCAL_RAD**2 * np.eye(2)
     if tracked.marker.covariance is not None:
         # A turn about the eastward axis moves a direction up, one about the upward axis moves it east.
         east, up = tangent_basis(to_light_marker) @ tracked.marker.T_cam_marker[:3, :3].T
