@@ -1,11 +1,13 @@
 """A photo as a source of one frame."""
 
+import math
 import warnings
 from pathlib import Path
 from typing import BinaryIO
 
 import cv2
 import numpy as np
+import PIL.ExifTags
 import PIL.Image
 from PIL import ImageOps
 
@@ -18,6 +20,9 @@ from ashe_live.files.reading import opened
 # More than phones' pictures have. Each takes up to 18 bytes on the way to an estimate.
 MAX_PIXELS = 110_000_000
 FORMATS = ("JPEG", "PNG", "BMP", "TIFF", "WEBP", "PPM", "JPEG2000", "AVIF")
+# Focal lengths that cameras state for 35 mm film; and shapes that they take: longer ones are cut or stitched.
+LEAST_FILM_MM, MOST_FILM_MM = 8.0, 600.0
+LONGEST_SHAPE, SAME_SHAPE = 1.8, 0.02
 # Photos by name, so that a damaged or foreign one is refused as a photo and not as a clip.
 SUFFIXES = {".jpg", ".jpeg", ".png", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".jp2", ".avif", ".heic", ".heif"}
 
@@ -34,7 +39,8 @@ class PhotoSource(Source):
         """Decodes the file. Raises UserError when it is missing, damaged, too large or of an unknown format."""
         path = Path(path)
         self.name = path.name
-        self._frame = Frame(_read_bgr(path), index=0, time_s=0.0)
+        image_bgr, self.focal_px = _read_bgr(path)  # the latter, pixels, as the EXIF data state it; None: they do not
+        self._frame = Frame(image_bgr, index=0, time_s=0.0)
         self.size = self._frame.size
         self._has_ended = False
 
@@ -72,15 +78,19 @@ def _open(file: BinaryIO) -> PIL.Image.Image:
         return PIL.Image.open(file, formats=FORMATS)
 
 
-def _read_bgr(path: Path) -> Image:
-    """(h, w, 3) uint8. Pillow and not OpenCV decodes, as it refuses a truncated picture and OpenCV greys the rest."""
+def _read_bgr(path: Path) -> tuple[Image, float | None]:
+    """(h, w, 3) uint8, and the focal length in its pixels where the EXIF data state it.
+
+    Pillow and not OpenCV decodes, as it refuses a truncated picture and OpenCV greys the rest.
+    """
     try:
         with opened(path) as file, _open(file) as picture:
             width, height = picture.size
             if width * height > MAX_PIXELS:
                 raise PIL.Image.DecompressionBombError
+            focal_px = _focal_px(picture)
             ImageOps.exif_transpose(picture, in_place=True)
-            return np.asarray(cv2.cvtColor(_rgb_8bit(picture), cv2.COLOR_RGB2BGR), dtype=np.uint8)
+            return np.asarray(cv2.cvtColor(_rgb_8bit(picture), cv2.COLOR_RGB2BGR), dtype=np.uint8), focal_px
     except UserError:
         raise
     except PIL.Image.DecompressionBombError:
@@ -90,6 +100,25 @@ def _read_bgr(path: Path) -> Image:
     # A damaged file can fail anywhere in Pillow's decoders: SyntaxError, ValueError, struct.error, OSError...
     except Exception as error:
         raise UserError(f"{path} is damaged ({error})", "copy it again, or convert it to JPEG or PNG") from None
+
+
+def _focal_px(picture: PIL.Image.Image) -> float | None:
+    """By the focal length that sees as much on 35 mm film, whose picture has a diagonal of 43 mm.
+
+    None where the camera did not state it, or the picture was cut out of another one.
+    """
+    tags = PIL.ExifTags.Base
+    try:
+        data = picture.getexif().get_ifd(PIL.ExifTags.IFD.Exif)
+        millimetres = float(data.get(tags.FocalLengthIn35mmFilm, 0))
+        taken = [float(data.get(tag, 0)) for tag in (tags.ExifImageWidth, tags.ExifImageHeight)]
+    except Exception:  # Damaged EXIF data can fail anywhere in Pillow, and say nothing against the picture.
+        return None
+    longer, shorter = max(picture.size), min(picture.size)
+    is_whole = min(taken) <= 0 or abs(max(taken) / min(taken) * shorter / longer - 1) <= SAME_SHAPE
+    if not (LEAST_FILM_MM <= millimetres <= MOST_FILM_MM and longer <= LONGEST_SHAPE * shorter and is_whole):
+        return None
+    return millimetres * math.hypot(longer, shorter) / math.hypot(36, 24)
 
 
 def _rgb_8bit(picture: PIL.Image.Image) -> Image:

@@ -97,7 +97,7 @@ def _answer(
         return dataclasses.replace(record, error=problem), None
     try:
         with open_source(path) as source:
-            tracker = make_tracker(with_marker_in(source, options), camera_for)
+            tracker = make_tracker(with_marker_in(source, options), camera_for, source=source)
             if isinstance(tracker, FocalTracker):
                 learn_focal_length(source, tracker)
             tracked = usable_frame(source, tracker, options.estimate_at)

@@ -16,6 +16,6 @@ def run(options: argparse.Namespace) -> int:
     chosen = with_marker_in(source, options)
 
     def tracker_for(spec: str) -> MarkerTracker:
-        return make_tracker(with_marker(options, spec))
+        return make_tracker(with_marker(options, spec), source=source)
 
-    return show(ViewerSetup(source, make_tracker(chosen), chosen, tracker_for=tracker_for))
+    return show(ViewerSetup(source, make_tracker(chosen, source=source), chosen, tracker_for=tracker_for))

@@ -122,8 +122,12 @@ def show_in_window(setup: ViewerSetup) -> int:
         def opener(path: Path) -> Pipeline:
             """A file has a camera of its own: as the flags say, else one that nobody knows."""
             source = open_source(path)
-            tracker = make_tracker(with_marker_in(source, options))
-            pipeline = Pipeline(source, tracker, options.loop, lambda spec: make_tracker(with_marker(options, spec)))
+            tracker = make_tracker(with_marker_in(source, options), source=source)
+
+            def tracker_for(spec: str) -> MarkerTracker:
+                return make_tracker(with_marker(options, spec), source=source)
+
+            pipeline = Pipeline(source, tracker, options.loop, tracker_for)
             pipeline.start()
             return pipeline
 

@@ -4,6 +4,7 @@ import zlib
 from pathlib import Path
 
 import numpy as np
+import PIL.ExifTags
 import PIL.Image
 import pytest
 
@@ -131,3 +132,33 @@ def test_unreadable_files_are_one_clear_line(tmp_path: Path, name: str, content:
         (tmp_path / name).write_bytes(content)
     with pytest.raises(UserError, match=says):
         open_source(tmp_path / name)
+
+
+def with_exif(path: Path, rgb: Image, millimetres: object, taken: tuple[int, int] | None = None) -> Path:
+    exif = PIL.Image.Exif()
+    details = exif.get_ifd(PIL.ExifTags.IFD.Exif)
+    details[PIL.ExifTags.Base.FocalLengthIn35mmFilm] = millimetres
+    if taken is not None:
+        details[PIL.ExifTags.Base.ExifImageWidth], details[PIL.ExifTags.Base.ExifImageHeight] = taken
+    PIL.Image.fromarray(rgb).save(path, exif=exif)
+    return path
+
+
+def test_the_focal_length_is_that_of_35_mm_film(tmp_path: Path, rgb: Image) -> None:
+    """Film 36 mm wide and 24 mm high: a picture of 60x40 has 60 / 36 pixels a millimetre."""
+    with PhotoSource(with_exif(tmp_path / "a.jpg", rgb, 26)) as source:
+        assert source.focal_px == pytest.approx(26 * 60 / 36)
+    with PhotoSource(with_exif(tmp_path / "b.jpg", rgb, 26, taken=(6000, 4000))) as source:
+        assert source.focal_px == pytest.approx(26 * 60 / 36)
+
+
+def test_no_focal_length_is_better_than_a_wrong_one(tmp_path: Path, rgb: Image) -> None:
+    plain = tmp_path / "plain.jpg"
+    PIL.Image.fromarray(rgb).save(plain)
+    # Not stated, stated as unknown, absurd; cut out of a picture of another shape, and a panorama.
+    told_nothing = [plain, with_exif(tmp_path / "0.jpg", rgb, 0), with_exif(tmp_path / "9999.jpg", rgb, 9999)]
+    told_nothing.append(with_exif(tmp_path / "cut.jpg", rgb, 26, taken=(4000, 3000)))
+    told_nothing.append(with_exif(tmp_path / "wide.jpg", np.tile(rgb, (1, 3, 1)), 26))
+    for path in told_nothing:
+        with PhotoSource(path) as source:
+            assert source.focal_px is None

@@ -137,7 +137,9 @@ def test_a_calibration_of_the_same_shape_is_rescaled(run, files, tmp_path):
 
 def test_an_assumed_field_of_view_is_announced_once(run, files):
     outcome = run("estimate", "--json", files["photo"], files["photo"])
-    assert [record["camera"]["source"] for record in outcome.records] == ["assumed", "assumed"]
+    assert [record["camera"]["source"] for record in outcome.records] == ["estimated", "estimated"]
+    # The marker in the photo tells more than what is assumed of any camera.
+    assert all(0 < record["camera"]["focal_sigma_px"] < 0.2 * record["camera"]["K"][0][0] for record in outcome.records)
     (line,) = outcome.err
     assert "60 degrees are assumed" in line
 

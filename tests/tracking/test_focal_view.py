@@ -49,3 +49,15 @@ def test_what_is_not_known_of_the_focal_length_is_not_known_of_the_pose() -> Non
     assert sigma == pytest.approx(FOCAL_SIGMA["assumed"], rel=0.1)
     # Between two frames it is the same error.
     assert math.sqrt(marker.noise_covariance[5, 5]) < 0.01 * marker.T_cam_marker[2, 3]
+
+
+def test_what_a_photo_states_is_believed_before_what_is_assumed() -> None:
+    tracker = FocalTracker(
+        parse_marker(SPEC), lambda size: Camera.from_hfov(size, 60, "assumed"), SIDE_M, BALANCED.tracking
+    )
+    tracker.tell(Camera.from_focal(SIZE, 700.0, "exif"))
+    empty = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
+    camera = tracker.track(Frame(empty, 0, 0.0)).camera
+    assert (camera.source, camera.K[0, 0]) == ("exif", 700.0)
+    # Of another size are other pictures.
+    assert tracker.track(Frame(np.zeros((100, 100, 3), np.uint8), 1, 0.1)).camera.source == "assumed"
