@@ -16,7 +16,7 @@ from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.light_page import LightPage, picture_of
 from ashe_live.commands.marker_choice import others_said, with_marker_in
 from ashe_live.commands.named_files import named_files
-from ashe_live.commands.setup import CameraFor, camera_chooser, make_tracker, quality_of, tell_focal_length
+from ashe_live.commands.setup import CameraFor, camera_chooser, make_tracker, quality_of
 from ashe_live.core.contract import FileRecord
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.drawing.contact_sheet import contact_sheet
@@ -97,8 +97,7 @@ def _answer(
         return dataclasses.replace(record, error=problem), None
     try:
         with open_source(path) as source:
-            tracker = make_tracker(with_marker_in(source, options), camera_for)
-            tell_focal_length(tracker, source)
+            tracker = make_tracker(with_marker_in(source, options), camera_for, source=source)
             if isinstance(tracker, FocalTracker):
                 learn_focal_length(source, tracker)
             tracked = usable_frame(source, tracker, options.estimate_at)

@@ -4,7 +4,7 @@ import argparse
 
 from ashe_live.capture.sources import open_source
 from ashe_live.commands.marker_choice import with_marker, with_marker_in
-from ashe_live.commands.setup import make_tracker, tell_focal_length
+from ashe_live.commands.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, show
 from ashe_live.tracking.tracker import MarkerTracker
 
@@ -16,10 +16,6 @@ def run(options: argparse.Namespace) -> int:
     chosen = with_marker_in(source, options)
 
     def tracker_for(spec: str) -> MarkerTracker:
-        tracker = make_tracker(with_marker(options, spec))
-        tell_focal_length(tracker, source)
-        return tracker
+        return make_tracker(with_marker(options, spec), source=source)
 
-    tracker = make_tracker(chosen)
-    tell_focal_length(tracker, source)
-    return show(ViewerSetup(source, tracker, chosen, tracker_for=tracker_for))
+    return show(ViewerSetup(source, make_tracker(chosen, source=source), chosen, tracker_for=tracker_for))

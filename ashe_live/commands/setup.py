@@ -50,9 +50,15 @@ class AssumedCamera:
 
 
 def make_tracker(
-    options: argparse.Namespace, camera_for: CameraFor | None = None, memory: FocalMemory | None = None
+    options: argparse.Namespace,
+    camera_for: CameraFor | None = None,
+    memory: FocalMemory | None = None,
+    source: Source | None = None,
 ) -> MarkerTracker:
-    """One that learns the focal length, recalled from and kept in `memory`, where nobody gave it."""
+    """One that learns the focal length where nobody gave it, recalled from and kept in `memory`.
+
+    `source` may be a photo that states it.
+    """
     marker = parse_target(options.marker)
     camera_for = camera_for or camera_chooser(options)
     preset = quality_of(options).tracking
@@ -61,6 +67,8 @@ def make_tracker(
         if isinstance(camera_for, AssumedCamera)
         else MarkerTracker(marker, camera_for, options.marker_size, preset)
     )
+    if isinstance(tracker, FocalTracker) and isinstance(source, PhotoSource) and source.focal_px is not None:
+        tracker.tell(Camera.from_focal(source.size, source.focal_px, "exif"))
     tracker.filters = not options.no_filter
     return tracker
 

@@ -12,7 +12,7 @@ from ashe_live.capture.cut_short import rescue_recordings
 from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.marker_choice import others_said, with_marker, with_marker_in
-from ashe_live.commands.setup import make_tracker, quality_of, tell_focal_length
+from ashe_live.commands.setup import make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size, drawn_size
 from ashe_live.errors import ExitStatus, UserError
@@ -122,14 +122,11 @@ def show_in_window(setup: ViewerSetup) -> int:
         def opener(path: Path) -> Pipeline:
             """A file has a camera of its own: as the flags say, else one that nobody knows."""
             source = open_source(path)
+            tracker = make_tracker(with_marker_in(source, options), source=source)
 
             def tracker_for(spec: str) -> MarkerTracker:
-                tracker = make_tracker(with_marker(options, spec))
-                tell_focal_length(tracker, source)
-                return tracker
+                return make_tracker(with_marker(options, spec), source=source)
 
-            tracker = make_tracker(with_marker_in(source, options))
-            tell_focal_length(tracker, source)
             pipeline = Pipeline(source, tracker, options.loop, tracker_for)
             pipeline.start()
             return pipeline
