@@ -73,12 +73,6 @@ def make_tracker(
     return tracker
 
 
-def tell_focal_length(tracker: MarkerTracker, source: Source) -> None:
-    """What a photo states about its camera, to a tracker that was told nothing else."""
-    if isinstance(tracker, FocalTracker) and isinstance(source, PhotoSource) and source.focal_px is not None:
-        tracker.tell(Camera.from_focal(source.size, source.focal_px, "exif"))
-
-
 def _calibrated(camera: Camera, name: str) -> CameraFor:
     def camera_for(size: Size) -> Camera:
         try:
