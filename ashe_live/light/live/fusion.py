@@ -3,7 +3,7 @@
 Estimates of one view share the errors of marker and camera and most of the masks' errors, with unknown correlation.
 They are therefore fused by covariance intersection (Julier and Uhlmann, A non-divergent estimation algorithm in the
 presence of unknown correlations, 1997), which is consistent for any correlation: the fused covariance is never smaller
-than justified.
+than justified. Weighted by confidence and precision, it is hardly larger than the best estimate's.
 """
 
 import math
@@ -26,6 +26,7 @@ TOLERANCE_RAD = math.radians(2.5)
 # Two lights whose shadow ratios differ by this factor are different, even from one direction: the sun, then a cloud.
 OTHER_DEPTH = 1.5
 UNKNOWN_SIGMA_RAD = math.radians(10)
+LEAST_AREA = 1e-14  # rad^4, below which a covariance is as good as exact
 UNKNOWN_CONFIDENCE = 0.3
 NONE_CONFIDENCE = 0.2
 
@@ -85,7 +86,7 @@ def fused(estimates: Sequence[LightEstimate]) -> LightEstimate:
     last = estimates[-1]
     if len(estimates) == 1 or not last.lights:
         return last
-    weights = np.array([_confidence(estimate) for estimate in estimates])
+    weights = np.array([_confidence(estimate) * _precision(estimate) for estimate in estimates])
     weights /= weights.sum()
     rows = [_matched(last.lights, estimate.lights) or estimate.lights for estimate in estimates]
     lights = tuple(_fused_light(column, weights) for column in zip(*rows, strict=True))
@@ -98,6 +99,7 @@ def fused(estimates: Sequence[LightEstimate]) -> LightEstimate:
 def _fused_light(lights: Sequence[DirectionalLight], weights: Float) -> DirectionalLight:
     """The direction by covariance intersection in the tangent plane, the rest as weighted means.
 
+    The confidence is that of the surest: the others agree with it, so that its direction is right if theirs are.
     weights: (n,), of sum 1.
     """
     mean = normalised(weights @ np.array([light.to_light_marker for light in lights]))
@@ -112,12 +114,12 @@ def _fused_light(lights: Sequence[DirectionalLight], weights: Float) -> Directio
     covariance = np.linalg.inv(basis @ np.einsum("n,nij->ij", weights, information) @ basis.T)
     is_known = all(light.covariance_rad2 is not None for light in lights)
     sizes = _mean([light.angular_size_rad for light in lights], weights)
-    confidence = _mean([light.confidence for light in lights], weights)
+    confidence = max((light.confidence for light in lights if light.confidence is not None), default=None)
     return DirectionalLight(
         mean,
         covariance if is_known else None,
         radius_of_68_percent(covariance) if is_known else None,
-        None if confidence is None else float(confidence),
+        confidence,
         None if sizes is None else float(sizes),
         _mean([light.shadow_rgb_ratio for light in lights], weights),
     )
@@ -163,6 +165,13 @@ def _confidence(estimate: LightEstimate) -> float:
         return NONE_CONFIDENCE
     # Above 0, so that weights can be normalised to sum 1.
     return max(UNKNOWN_CONFIDENCE if estimate.light.confidence is None else estimate.light.confidence, 1e-3)
+
+
+def _precision(estimate: LightEstimate) -> float:
+    """One over the area of the first light's covariance, so that vague estimates hardly widen a sharp one's answer."""
+    if estimate.light is None or estimate.light.covariance_rad2 is None:
+        return 1.0
+    return 1 / math.sqrt(max(float(np.linalg.det(estimate.light.covariance_rad2)), LEAST_AREA))
 
 
 def _weight(estimates: Sequence[LightEstimate]) -> float:

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.core.transforms import angle_between, direction_from_angles, tangent_basis
+from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, tangent_basis
 from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate
 from ashe_live.light.live.fusion import CHANGED_AFTER, MEMBERS, LightFusion, agree, fused
 
@@ -68,6 +68,16 @@ def test_saying_the_same_again_makes_nobody_surer():
     assert answer.covariance_rad2 == pytest.approx(one.light.covariance_rad2)
     assert answer.confidence == pytest.approx(0.8)
     assert angle_between(answer.to_light_marker, SUN) < 1e-9
+
+
+def test_watching_on_makes_nobody_less_sure():
+    """Vague and doubtful answers beside a sharp one hardly widen it, and take nothing of its confidence."""
+    sharp = estimate(light(SUN, (1.0, 1.0), confidence=0.9))
+    vague = [estimate(light(turned(SUN, 1, 0), (4.0, 6.0), confidence=share)) for share in (0.4, 0.5, 0.6)]
+    for count in range(1, 4):
+        answer = fused([*vague[:count], sharp]).light
+        assert answer.confidence == 0.9
+        assert answer.sigma_rad < 1.1 * radius_of_68_percent(sharp.light.covariance_rad2)
 
 
 def test_azimuths_on_both_sides_of_the_zenith_meet_there():
