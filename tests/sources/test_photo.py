@@ -141,6 +141,16 @@ def test_the_mask_of_a_triangle_has_its_area_also_where_it_leaves_the_camera_beh
     assert not mask[5, 160]
 
 
+def test_triangles_that_end_at_the_camera_leave_no_trace_and_do_no_harm() -> None:
+    camera = camera_above()
+    eye = -camera["R"].T @ camera["t"]
+    forward, right = camera["R"][2], camera["R"][0]
+    for reach in (0.0, 0.02, 0.039, 0.041, 0.0405):
+        triangle = np.array([eye - forward, eye + right - forward, eye + reach * forward])
+        mask = mask_of_triangles(camera, [320, 240], triangle, np.array([(0, 1, 2)]))
+        assert mask.mean() < 0.6
+
+
 def test_masks_of_a_cube_by_rays() -> None:
     """Against a ray cast through every tenth pixel: ground whose ray to the light meets the cube is shadow."""
     spec = specification("training", 2)

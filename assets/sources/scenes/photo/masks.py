@@ -11,8 +11,9 @@ from scenes.geometry.poses import cast, projected
 
 Params = dict[str, Any]
 Masks = NDArray[np.bool_]
-NEAR_M = 0.01  # what lies nearer to the camera's plane is cut off
+NEAR_M = 0.04  # what lies nearer to the camera's plane is cut off; no ground that is seen does
 SUBPIXEL_BITS = 4
+FARTHEST_PX = 30000  # what OpenCV fills without overflow
 
 
 def mask_of_triangles(camera: Params, size: list[int], points: Any, faces: Any) -> Masks:
@@ -21,24 +22,23 @@ def mask_of_triangles(camera: Params, size: list[int], points: Any, faces: Any) 
     pixels, depth = projected(camera, points)
     ahead = depth[faces] > NEAR_M
     whole = faces[ahead.all(axis=1)]
-    limits = 8 * max(size)
-    corners = np.clip(pixels[whole], -limits, limits)
+    corners = np.clip(pixels[whole], -FARTHEST_PX, FARTHEST_PX)
     keep = (corners.max(axis=1) > -1).all(axis=1) & (corners.min(axis=1) < np.asarray(size)).all(axis=1)
     polygons = np.round(corners[keep] * 2**SUBPIXEL_BITS).astype(np.int32)
     for polygon in polygons:
         cv2.fillConvexPoly(canvas, polygon, 1, shift=SUBPIXEL_BITS)
     for face in faces[ahead.any(axis=1) & ~ahead.all(axis=1)]:
-        cut = _in_front(camera, np.asarray(points)[face])
-        if not len(cut):  # its nearest corner lies within the margin that the cut keeps from the camera
+        cut = _in_front(camera, np.asarray(points, np.float64)[face])
+        if len(cut) < 3:  # it only just reaches the plane before the camera
             continue
-        polygon = np.clip(projected(camera, cut)[0], -limits, limits)
+        polygon = np.clip(projected(camera, cut)[0], -FARTHEST_PX, FARTHEST_PX)
         cv2.fillConvexPoly(canvas, np.round(polygon * 2**SUBPIXEL_BITS).astype(np.int32), 1, shift=SUBPIXEL_BITS)
     return canvas > 0
 
 
 def _in_front(camera: Params, triangle: Any) -> Any:
     """A triangle without what lies behind the camera."""
-    depth = triangle @ np.asarray(camera["R"])[2] + camera["t"][2] - NEAR_M * 1.01
+    depth = triangle @ np.asarray(camera["R"])[2] + camera["t"][2] - NEAR_M
     kept = []
     for a in range(3):
         b = (a + 1) % 3
