@@ -32,6 +32,7 @@ class Keeper:
         self._tell = tell
         self._recording = recording
         self._renderer: SceneRenderer | None = None
+        self.clip_name: str | None = None  # of what is played, where it can be played again without a window
 
     @property
     def is_recording(self) -> bool:
@@ -102,7 +103,10 @@ class Keeper:
         """Ends the recording, if there is one."""
         if self._recording is not None:
             recording, self._recording = self._recording, None
-            self._tell(recording.finish(), now_s)
+            said = recording.finish()
+            if self.clip_name is not None and recording.has_gaps:
+                said += f"; every frame: ashe-live play {self.clip_name} --headless --out FILE.mp4"
+            self._tell(said, now_s)
 
     def _picture(self, preset: RenderPreset) -> Image:
         """(h, w, 3) uint8 BGR."""

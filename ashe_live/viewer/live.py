@@ -62,6 +62,7 @@ class LiveViewer:
         self._interval_s = 1 / window.refresh_rate_hz
         self._auto: AutoQuality | None = None
         self._keeper = Keeper(renderer, session, self._tell, recording)
+        self._keeper.clip_name = pipeline.name if pipeline.is_clip else None
         self._opening = None if opener is None else Opening(opener)
         self._loop = loop
         self._source_error: str | None = None
@@ -240,6 +241,7 @@ class LiveViewer:
         self._hunt = MarkerHunt()
         self._pipeline.close(0.0)
         self._pipeline, self._source_error = opened.pipeline, None
+        self._keeper.clip_name = opened.pipeline.name if opened.pipeline.is_clip else None
         self._pipeline.track_with(self._tracking)
         self._playback = Playback(opened.pipeline, self._session, self._loop)
         self._session.begin_anew(Steadiness(1) if opened.pipeline.is_photo else Steadiness())

@@ -42,6 +42,11 @@ class Pipeline:
         self._thread = threading.Thread(target=self._capture.run, name="capture", daemon=True)
 
     @property
+    def name(self) -> str:
+        """Of the source, for a person."""
+        return self._source.name
+
+    @property
     def fps(self) -> float:
         """Nominal frames a second; 30 for a photo."""
         return self._source.fps or 30.0

@@ -20,6 +20,7 @@ class Slots:
         self._fps = fps
         self._start_s: float | None = None
         self._last = -1
+        self.missed = 0  # slots between the first picture and the last that none was taken for
 
     def time_s(self, now_s: float, is_new: bool) -> float | None:
         """The frame time of a picture at `now_s`, since the first one; None for a picture that is not needed.
@@ -32,7 +33,9 @@ class Slots:
         ahead = at - (self._last + 1)
         if ahead <= -1 or (not is_new and ahead < 0.5):
             return None
-        self._last = self._last + 1 if ahead < 1 else round(at)
+        taken = self._last + 1 if ahead < 1 else round(at)
+        self.missed += taken - self._last - 1
+        self._last = taken
         return self._last / self._fps
 
 
@@ -64,5 +67,13 @@ class Recording:
             self.failure = str(error)
         if self.failure is not None:
             return self.failure
-        frames = self._recorder.frame_count
-        return f"saved {self._recorder.path} ({frames} frames)" if frames else "nothing recorded"
+        frames, missed = self._recorder.frame_count, self._slots.missed
+        if not frames:
+            return "nothing recorded"
+        lost = f", {missed} more were not shown in time" if missed else ""
+        return f"saved {self._recorder.path} ({frames} frames{lost})"
+
+    @property
+    def has_gaps(self) -> bool:
+        """Whether pictures are missing that a machine with more time would have shown."""
+        return self._slots.missed > 0

@@ -126,9 +126,39 @@ def gltf(folder: Path) -> dict[str, Any]:
     old = {"extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [1, 0, 0, 1]}}}
     document.quad({"rotation": [0, 0, 0.6, 0.8], "scale": [1, 2, 3]}, old)
     document.json["scenes"][0]["nodes"] = [0]
+    _add_what_moves(document)
     document.json["bufferViews"][document.json["accessors"][uvs["TEXCOORD_1"]]["bufferView"]]["byteStride"] = 8
     made: dict[str, Any] = json.loads(document.save(folder / "rich.gltf").read_text())
     return made
+
+
+def _add_what_moves(document: Document) -> None:
+    """A sparse array, a morph target, a skin, an animation, a moved map with a sampler, and instances."""
+    made = document.json
+    first, second = (mesh["primitives"][0] for mesh in made["meshes"])
+    made["accessors"][first["attributes"]["POSITION"]]["sparse"] = {
+        "count": 1,
+        "indices": {"bufferView": document.view(np.uint16([2]).tobytes()), "componentType": 5123},
+        "values": {"bufferView": document.view(np.float32([1, 1, 1]).tobytes())},
+    }
+    first["targets"] = [{"POSITION": document.accessor(np.float32([(0, 0, 1)] * 4))}]
+    made["meshes"][0]["weights"] = [0.5]
+    second["attributes"] |= {
+        "JOINTS_0": document.accessor(np.uint8([(0, 1, 0, 0)] * 4)),
+        "WEIGHTS_0": document.accessor(np.float32([(0.5, 0.5, 0, 0)] * 4)),
+    }
+    bound = document.accessor(np.tile(np.eye(4, dtype=np.float32).reshape(1, 16), (2, 1)))
+    made["skins"] = [{"joints": [0, 1], "inverseBindMatrices": bound}]
+    made["nodes"][1]["skin"] = 0
+    frames, places = document.accessor(np.float32([0, 1])), document.accessor(np.float32([(0, 0, 0), (1, 1, 1)]))
+    channel = {"sampler": 0, "target": {"node": 0, "path": "translation"}}
+    made["animations"] = [{"samplers": [{"input": frames, "output": places}], "channels": [channel]}]
+    made["samplers"] = [{"wrapS": 33071, "wrapT": 33648, "magFilter": 9728}]
+    made["textures"][0]["sampler"] = 0
+    base = made["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]
+    base["extensions"] = {"KHR_texture_transform": {"offset": [0.5, 0], "rotation": 1, "scale": [2, 2]}}
+    own = {"TRANSLATION": places}
+    made["nodes"][0]["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": own}}
 
 
 @FEW

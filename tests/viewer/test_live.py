@@ -35,7 +35,7 @@ class ScriptedPipeline:
     """Frames that the test puts in."""
 
     is_clip, is_photo, duration_s, has_ended = True, False, 2.0, False
-    fps, status, stall = 100.0, None, None
+    fps, status, stall, name = 100.0, None, None, "table.mp4"
 
     def __init__(self) -> None:
         self.frames = LatestMailbox()

@@ -73,3 +73,11 @@ def test_after_a_failure_no_picture_is_asked_for(tmp_path, monkeypatch):
     assert recording.failure == "the disk is full: make room"
     recording.take(lambda: pytest.fail("drawn for nothing"), True, 2.0)
     assert recording.finish() == recording.failure
+
+
+def test_pictures_that_were_not_shown_in_time_are_counted(tmp_path):
+    recording = Recording(tmp_path / "a.mp4", (64, 48), 10.0)
+    for now_s in (0.0, 0.1, 0.5, 0.6):
+        recording.take(lambda: np.zeros((48, 64, 3), np.uint8), True, now_s)
+    assert recording.has_gaps
+    assert recording.finish() == f"saved {tmp_path / 'a.mp4'} (4 frames, 3 more were not shown in time)"
