@@ -103,7 +103,7 @@ class ProxyEstimator:
         best = candidates[index]
         clock.end("judge")
         if confidence < judge.least_confidence:
-            return none(fault_of_scene(best), *_masks_of(best))
+            return none(fault_of_scene(best, confidence), *_masks_of(best))
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
         # With two lights there is a third shift, that where both are blocked.
         answers = zip(judge.lights_of(best, confidence, tracked), ratios, strict=False)

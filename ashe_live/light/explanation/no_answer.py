@@ -1,10 +1,12 @@
 """Why there is no answer, in words for a person: the likeliest cause that can be seen, and what to change."""
 
+import cv2
 import numpy as np
 
+from ashe_live.core.transforms import project
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import END_IN_VIEW
-from ashe_live.light.pixels.view import View
+from ashe_live.light.pixels.view import SHEET_SIDES, View
 
 TOO_LITTLE_GROUND = "too little lit ground around the marker"
 NOTHING_THERE = "nothing stands on the ground: put something that casts a shadow beside the marker"
@@ -12,12 +14,17 @@ NO_SHADOW = "no shadow found: the light may be diffuse, or the shadow out of vie
 DOES_NOT_FIT = "what stands out from the ground does not fit an object and its shadow in one directional light"
 CUT_OFF = "the shadow seems to leave the picture: show its far end"
 TOO_DARK = "the picture is too dark to tell shadow from light: more light, or a longer exposure"
+BLACK_GROUND = "the ground is too dark to show a shadow: a lighter table, or less print around the marker"
 TOO_BRIGHT = "the picture is overexposed, the table is plain white in it: a shorter exposure"
 
 # Values of the brightest channel, 0 to 255. Below the first, quantisation steps are as large as a pale shadow's
 # contrast; from the second on, the camera's response curve is saturated.
 DARK, CLIPPED = 28, 250
 MOST_CLIPPED = 0.5  # fraction of the ground
+# Paper as light as this shows that the exposure is right; the marker's margin is the lightest twentieth of its sheet.
+PAPER, PAPER_PERCENTILE = 4 * DARK, 95
+# What is less likely than this says nothing of what is in the picture.
+LEAST_CUT_OFF = 0.1
 
 
 def fault_of_exposure(view: View) -> str | None:
@@ -26,13 +33,27 @@ def fault_of_exposure(view: View) -> str | None:
     if not len(brightest):
         return None
     if np.median(brightest) < DARK:
-        return TOO_DARK
+        return BLACK_GROUND if _is_paper_light(view) else TOO_DARK
     return TOO_BRIGHT if np.mean(brightest >= CLIPPED) > MOST_CLIPPED else None
 
 
-def fault_of_scene(explanation: Explanation) -> str:
-    """Why the likeliest explanation of a scene is not likely enough, for the user."""
+def _is_paper_light(view: View) -> bool:
+    """Whether the marker's own sheet is exposed as paper should be."""
+    half = SHEET_SIDES * view.side_m / 2
+    sheet = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
+    outline = project(view.camera, view.T_cam_marker, sheet)
+    if not np.isfinite(outline).all():
+        return False
+    inside = np.zeros(view.is_ground.shape, np.uint8)
+    cv2.fillConvexPoly(inside, np.round(outline.clip(-1e4, 1e4)).astype(np.int32), 1)
+    on_sheet = view.image_bgr[inside > 0].max(axis=-1)
+    return bool(len(on_sheet) and np.percentile(on_sheet, PAPER_PERCENTILE) >= PAPER)
+
+
+def fault_of_scene(explanation: Explanation, confidence: float) -> str:
+    """Why the likeliest explanation of a scene, of some `confidence`, is not likely enough, for the user."""
     out_of_view = min(explanation.alignment.ends_in_view) < END_IN_VIEW
     shadow = explanation.region.in_frame(explanation.predicted.shadow)
     leaves_the_picture = shadow[[0, -1]].any() or shadow[:, [0, -1]].any()
-    return CUT_OFF if out_of_view and leaves_the_picture else DOES_NOT_FIT
+    is_shadow = confidence >= LEAST_CUT_OFF
+    return CUT_OFF if is_shadow and out_of_view and leaves_the_picture else DOES_NOT_FIT

@@ -1,12 +1,15 @@
 """Why there is no answer: what is said must be what is wrong."""
 
+import cv2
 import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import project
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.explanation.no_answer import (
+    BLACK_GROUND,
     CUT_OFF,
     DARK,
     DOES_NOT_FIT,
@@ -74,4 +77,23 @@ def test_a_shadow_is_said_to_leave_the_picture_where_it_does(
 ) -> None:
     here = painted_region(BOX, elevation_deg=elevation_deg)
     told = explanation_of(here, alignment=alignment_of(here, ends_in_view=(in_view,)))
-    assert fault_of_scene(told) == expected
+    assert fault_of_scene(told, 0.3) == expected
+
+
+def test_what_is_hardly_taken_for_a_shadow_is_not_said_to_leave_the_picture() -> None:
+    here = painted_region(BOX, elevation_deg=8.0)
+    told = explanation_of(here, alignment=alignment_of(here, ends_in_view=(0.0,)))
+    assert fault_of_scene(told, 0.02) == DOES_NOT_FIT
+
+
+def test_black_ground_around_white_paper_is_not_blamed_on_the_exposure() -> None:
+    image = np.full((SMALL[1], SMALL[0], 3), 10, np.uint8)
+    camera = Camera.from_hfov(SMALL, HFOV_DEG)
+    tracked = tracked_frame(image, camera)
+    assert fault_of_exposure(View.of(tracked, SMALL[0])) == TOO_DARK
+    assert tracked.marker is not None
+    half = 0.6 * tracked.marker.side_m
+    margin = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
+    outline = np.round(project(camera, tracked.marker.T_cam_marker, margin)).astype(np.int32)
+    cv2.polylines(image, [outline], isClosed=True, color=(200, 200, 200), thickness=5)
+    assert fault(image) == BLACK_GROUND
