@@ -76,7 +76,7 @@ MOST_ROOMS = 4  # of `light` that one of its modules imports from, beside its ow
 HEAVY = {"cv2", "av", "PIL", "trimesh", "moderngl", "glfw", "rich", "pyrr", "platformdirs", "matplotlib"}
 LOADS = {
     "core": {"pyrr"},
-    "models": {"platformdirs", "PIL", "trimesh"},
+    "models": {"platformdirs", "PIL"},
     "capture": {"pyrr", "PIL", "cv2", "av"},
     "tracking": {"pyrr", "platformdirs", "PIL", "cv2"},
     "light": {"pyrr", "cv2"},

@@ -83,7 +83,8 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
         session.show_light = setup.shows_light
         session.light_preset = quality_of(options).light
         if options.headless:
-            session.tell_of_models(0.0)
+            for line in shelf.take_words():
+                tell(line)
         yield session
 
 

@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import trimesh
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
@@ -21,6 +20,8 @@ from ashe_live.models.pictures import Pictures
 
 def read_ply(content: bytes, folder: Folder, _notes: Notes) -> Iterator[RawMesh]:
     """Raises UserError for a texture that cannot be read, and whatever trimesh raises for a damaged file."""
+    import trimesh  # only here, as no other format needs it, and every start of the program would wait for it
+
     material = _material(content, folder)
     # process=True would merge vertices and thereby average normals that the file keeps apart.
     scene = trimesh.load_scene(io.BytesIO(content), file_type="ply", process=False, skip_materials=True)

@@ -223,7 +223,7 @@ BINDINGS = (
     Binding(("F",), Command.FULLSCREEN, "F", "fullscreen"),
     Binding(("I",), Command.TOGGLE_HUD, "I", "hide or show all text"),
     Binding(("H", "F1"), Command.HELP, "H or F1", "this help"),
-    Binding(("ESCAPE",), Command.LEAVE, "Esc", "close help, fullscreen, all"),
+    Binding(("ESCAPE",), Command.LEAVE, "Esc", "go back, then quit"),
 )
 
 REQUEST_BY_KEY: dict[str, Request] = {
