@@ -22,11 +22,11 @@ from ashe_live.models.notes import Notes
 from ashe_live.models.pictures import Pictures
 from ashe_live.models.polygons import triangulated
 from ashe_live.models.words import numbers_in
+from ashe_live.process.messages import printable
 
 Indices = NDArray[np.int64]
+NAME_CHARACTERS = 60
 CONTINUED = re.compile(rb"\\\r?\n")
-# Faces of a file that mixes 1/2/3 with 1//3 and 1 are looked at one by one.
-KINDS = {b"v": 0, b"vt": 1, b"vn": 2}
 
 
 @dataclass(slots=True)
@@ -117,7 +117,8 @@ def _there(folder: Folder, name: bytes, notes: Notes) -> bytes | None:
     except UserError as refusal:
         if "which is missing" not in refusal.message:
             raise
-        notes.add(f"its materials {text_of(name)} are missing: it is drawn as plain plastic")
+        said = printable(text_of(name), NAME_CHARACTERS)
+        notes.add(f"its materials {said} are missing: it is drawn as plain plastic")
         return None
 
 
@@ -164,7 +165,7 @@ def _parsed(words: list[bytes]) -> Indices:
     """(k, 3) numbers of corners such as 1, 1/2, 1//3 and 1/2/3; 0 for what is left out."""
     slashes = words[0].count(b"/")
     text = b" ".join(words)
-    is_same = text.count(b"/") == slashes * len(words) and (b"//" in words[0]) == (b"//" in text)
+    is_same = all(word.count(b"/") == slashes for word in words) and (b"//" in words[0]) == (b"//" in text)
     if is_same and slashes < 3 and (b"//" not in text or text.count(b"//") == len(words)):
         numbers = numbers_in(text.replace(b"//", b"/0/").replace(b"/", b" "))
         if len(numbers) == (slashes + 1) * len(words):
