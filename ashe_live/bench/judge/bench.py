@@ -51,6 +51,7 @@ FIRST_RANGES = {
     "constrained": (-2.0, 0.0),
 }
 OF_SPLITS = ("hue", "brightness", "short", "long", "lit side", "missed", "edge", "border", "second")
+WEIGHT = 1 / len(PRESETS)  # all presets look at the same pictures, which are to count once
 ROUNDS = (3, 1)  # of which every so many-th picture is explained: the first only finds which features matter
 
 
@@ -110,7 +111,7 @@ class JudgeBench(Bench):
 
     def _fitted(self, cases: Sequence[Case], samples: Sequence[Sample]) -> Tables:
         explanation = explanation_score(samples)
-        split = fitted_score([sample.splits for sample in samples if sample.splits])
+        split = fitted_score([sample.splits for sample in samples if sample.splits], WEIGHT)
         answers = [judged(explanation, sample) for sample in samples]
         least = least_confidence(answers)
         given = [each.answer for each in answers if each.confidence >= least]
@@ -126,7 +127,7 @@ class JudgeBench(Bench):
 
 
 def explanation_score(samples: Sequence[Sample]) -> Score:
-    return fitted_score([sample.judged for sample in samples if sample.judged])
+    return fitted_score([sample.judged for sample in samples if sample.judged], WEIGHT)
 
 
 def first_tables() -> Tables:

@@ -32,6 +32,7 @@ class _Problem:
     group: NDArray[np.intp]  # (n,)
     is_right: Mask  # (n,)
     count: int  # of groups
+    weight: float  # of each group in the likelihood
 
     def loss(self, weights: Float) -> tuple[float, Float]:
         """The penalised negative log likelihood of (constant, steps) and its gradient (1 + p,)."""
@@ -39,11 +40,12 @@ class _Problem:
         every = self._log_sum(odds, np.ones(len(odds), np.bool_), outside=True)
         right = self._log_sum(odds, self.is_right, outside=False)
         decided = np.isfinite(right)
-        loss = float((every - np.where(decided, right, 0.0)).sum() + RIDGE * (weights[1:] ** 2).sum())
+        missed = self.weight * (every - np.where(decided, right, 0.0)).sum()
+        loss = float(missed + RIDGE * (weights[1:] ** 2).sum())
         share = np.exp(odds - every[self.group])
         target = np.zeros(len(odds))
         target[self.is_right] = np.exp(odds[self.is_right] - right[self.group[self.is_right]])
-        slope = share - target
+        slope = self.weight * (share - target)
         return loss, np.append(slope.sum(), self.steps.T @ slope + 2 * RIDGE * weights[1:])
 
     def _log_sum(self, odds: Float, taken: Mask, outside: bool) -> Float:
@@ -56,11 +58,12 @@ class _Problem:
         return np.where(total > 0, finite + np.log(np.maximum(total, 1e-300)), -np.inf)
 
 
-def fitted_score(groups: Sequence[Sequence[Candidate]]) -> Score:
+def fitted_score(groups: Sequence[Sequence[Candidate]], weight: float = 1.0) -> Score:
     """The score of candidates by which the right ones, or none, are likeliest in all groups together.
 
     Right are a group's candidates with the highest `rightness` above 0. Candidates of a group share one probability,
-    so it does not matter how often the right explanation was found.
+    so it does not matter how often the right explanation was found. weight: of each group in the likelihood, below 1
+    where several groups show the same picture.
     """
     every = [candidate for group in groups for candidate in group]
     names = list(every[0].features)
@@ -70,7 +73,7 @@ def fitted_score(groups: Sequence[Sequence[Candidate]]) -> Score:
     index = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
     best = [max((candidate.rightness for candidate in group), default=0) for group in groups]
     is_right = np.array([c.rightness == best[i] > 0 for i, group in enumerate(groups) for c in group])
-    weights = _minimised(_Problem(steps, index, is_right, len(groups)))
+    weights = _minimised(_Problem(steps, index, is_right, len(groups), weight))
     parts = np.split(weights[1:], np.cumsum([len(knots[name]) - 1 for name in names])[:-1])
     curves: Mapping[str, Curve] = {
         name: _curve(knots[name], SIGNS[name] * part) for name, part in zip(names, parts, strict=True)
