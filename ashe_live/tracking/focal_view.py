@@ -10,7 +10,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 from ashe_live.tracking.corner_errors import FITTED
 from ashe_live.tracking.focal import CAUTION, FocalEstimate
-from ashe_live.tracking.pose import Sighting, corners_information, pose_of_squares
+from ashe_live.tracking.pose import Sighting, corners_information, corners_noise, pose_of_squares
 
 # Logarithms of the focal lengths tried, over the assumed one.
 TRIED = np.linspace(-0.9, 0.9, 19)
@@ -24,7 +24,7 @@ def focal_of_view(sightings: Sequence[Sighting], assumed: Camera, side_m: float)
     """
     points = np.concatenate([one.points for one in sightings])
     pixels = np.concatenate([one.square.corners_px for one in sightings])
-    information = corners_information(sightings)
+    information = corners_information(sightings, corners_noise(sightings))
     focal_px, sigma = float(assumed.K[0, 0]), assumed.focal_sigma_px / float(assumed.K[0, 0])
 
     def cost(log_ratio: float) -> float:

@@ -80,7 +80,8 @@ def pose_of_squares(
         return None
     points = np.concatenate([one.points for one in sightings])
     pixels = np.concatenate([one.square.corners_px for one in sightings])
-    noise, information = corners_noise(sightings), corners_information(sightings, errors)
+    noise = corners_noise(sightings)
+    information = corners_information(sightings, noise, errors)
     largest = max(sightings, key=lambda one: float(side_lengths_px(one.square.corners_px).sum()))
     starts = (solution_of(R, t, points, pixels, information, camera.K) for R, t in _ippe(largest, camera))
     solutions = [one for one in starts if one is not None]
@@ -134,12 +135,15 @@ def corners_noise(sightings: Sequence[Sighting]) -> Float:
     return noise
 
 
-def corners_information(sightings: Sequence[Sighting], errors: CornerErrors = FITTED) -> Float:
-    """(8n, 8n) inverse covariance of all corners' coordinates in turn, 1 / px^2, with what `errors` allows for."""
-    information = corners_noise(sightings)
+def corners_information(sightings: Sequence[Sighting], noise: Float, errors: CornerErrors = FITTED) -> Float:
+    """(8n, 8n) inverse covariance of all corners' coordinates in turn, 1 / px^2, with what `errors` allows for.
+
+    `noise` (8n, 8n) as from `corners_noise`.
+    """
+    information = np.zeros_like(noise)
     for number, one in enumerate(sightings):
         block = slice(8 * number, 8 * number + 8)
-        information[block, block] = np.linalg.inv(information[block, block] + systematic(one.square, errors))
+        information[block, block] = np.linalg.inv(noise[block, block] + systematic(one.square, errors))
     return information
 
 
