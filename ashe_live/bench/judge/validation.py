@@ -14,6 +14,8 @@ from ashe_live.light.explanation.judge import GOOD_RAD, MOST_LOG_ODDS, best_dire
 from ashe_live.light.explanation.judge_tables import Score
 
 FEWEST_PICTURES = 12  # of a family that is left out
+# The share of good answers at a confidence below which none is given. Their stated sigma is tens of degrees then.
+LEAST_GOOD = 0.4
 BAD_RAD, BAD_CONFIDENCE = np.radians(15.0), 0.5
 
 
@@ -77,13 +79,13 @@ def risk_curve(answers: Sequence[Judged]) -> list[tuple[float, float, float]]:
 
 
 def least_confidence(answers: Sequence[Judged]) -> float:
-    """The confidence below which an answer is likelier wrong than right, from the isotonic regression of "is good".
+    """The confidence below which fewer than LEAST_GOOD of the answers are good, by isotonic regression.
 
     To two decimals; pool adjacent violators (Ayer et al., 1955).
     """
     ranked = sorted(answers, key=lambda each: each.confidence)
     fitted = isotonic(np.array([float(each.is_good) for each in ranked]))
-    above = [each.confidence for each, share in zip(ranked, fitted, strict=True) if share >= 0.5]
+    above = [each.confidence for each, share in zip(ranked, fitted, strict=True) if share >= LEAST_GOOD]
     return round(min(above, default=1.0), 2)
 
 
