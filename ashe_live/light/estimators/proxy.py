@@ -6,6 +6,7 @@ pixels are shadow and which object; `outline_fit` fits bodies and lights to both
 likeliest with the borders in the picture, relabels and refits, and rates the best one's confidence, or rejects it.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -85,15 +86,7 @@ class ProxyEstimator:
         trace.proposals = selected_for_fit(proposals, steps.tried, judge)
         trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
         log_odds = cache(judge.log_odds)
-        ranked = sorted(rough, key=log_odds, reverse=True)
-        chosen = distinct(ranked, are_alike, steps.refined)
-        candidates = refined(chosen, steps.fine_fit)
-        candidates = with_lights_counted(candidates, rough, fine, coarse, ground, steps.region_px, log_odds)
-        candidates = [refined_by_tangents(explanation) for explanation in candidates]
-        # Those that were not refined are judged as well: they are what else the picture may show.
-        others = distinct((each for each in ranked if not any(each is one for one in chosen)), are_alike)
-        others = [each for each in others if not any(are_alike(each, one) for one in [*chosen, *candidates])]
-        candidates += [each for each in others if not any(is_part_of(one, each) for one in candidates)]
+        candidates = _refined_and_others(rough, fine, coarse, ground, steps, log_odds)
         clock.end("fit")
         if not candidates:
             return none(NO_SHADOW)
@@ -119,6 +112,27 @@ class ProxyEstimator:
             clock.timing_ms(),
         )
         return estimate, trace
+
+
+def _refined_and_others(
+    rough: Sequence[Explanation],
+    fine: View,
+    coarse: View,
+    ground: LitGround,
+    steps: ProxySteps,
+    log_odds: Callable[[Explanation], float],
+) -> list[Explanation]:
+    """The likeliest different explanations, refined and with their lights counted; then the others as they are.
+
+    Those are judged as well, as they are what else the picture may show.
+    """
+    ranked = sorted(rough, key=log_odds, reverse=True)
+    chosen = distinct(ranked, are_alike, steps.refined)
+    found = with_lights_counted(refined(chosen, steps.fine_fit), rough, fine, coarse, ground, steps.region_px, log_odds)
+    found = [refined_by_tangents(explanation) for explanation in found]
+    others = distinct((each for each in ranked if not any(each is one for one in chosen)), are_alike)
+    others = [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
+    return found + [each for each in others if not any(is_part_of(one, each) for one in found)]
 
 
 def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:
