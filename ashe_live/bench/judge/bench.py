@@ -101,6 +101,12 @@ class JudgeBench(Bench):
         """Writes the tables alone too, as the package loads them."""
         write_json(out / TABLES, record["tables"], overwrite)
 
+    def _command(self) -> str:
+        folders = " ".join(folder.resolve().name for folder in self.scenes)
+        limit = "" if self.limit is None else f" --limit {self.limit}"
+        every = "" if self.every == 1 else f" --every {self.every}"
+        return f"ashe-live bench fit-judge --scenes {folders}{limit}{every}"
+
     def _samples(self, cases: Sequence[Case], judge: Judge, what: str) -> list[Sample]:
         estimators = {preset: ProxyEstimator(steps, judge) for preset, steps in PRESETS.items()}
         return [
@@ -116,7 +122,7 @@ class JudgeBench(Bench):
         least = least_confidence(answers)
         given = [each.answer for each in answers if each.confidence >= least]
         origin = {
-            "command": "ashe-live bench fit-judge",
+            "command": self._command(),
             "scenes": [folder.resolve().name for folder in self.scenes],
             "pictures": len(cases),
             "categories": dict(sorted(Counter(case.category for case in cases).items())),
