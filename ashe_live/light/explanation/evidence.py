@@ -11,6 +11,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.explanation.shading import Shading, shading_of
 from ashe_live.light.ground.regions import Region
+from ashe_live.light.ground.shadow_shift import hue_of
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials
 from ashe_live.light.pixels.areas import distance_to, grown, shrunk, window_around
@@ -97,11 +98,11 @@ def _shading(explanation: Explanation) -> Shading:
 
 def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[str, float]:
     """The features that need no fit: how the picture looks where `masks` place the object and its shadow."""
-    brightness, red_blue, green = materials.shift
+    brightness = float(materials.shift[0])
     size = max(_pixels(region.unlit), 1)
     longer = math.log(max(_pixels(masks.shadow) / max(_pixels(masks.body), 1), 1e-3))
     return {
-        "hue": abs(green + 0.25 * red_blue),
+        "hue": hue_of(materials.shift),
         "brightness": max(brightness + 0.5, 0.0),
         "short": max(-longer - 1.0, 0.0),
         "long": max(longer, 0.0),

@@ -21,8 +21,17 @@ BINS = np.array([72, 34, 18])
 # Standard deviations of a shadow pixel's colour from its ground's shifted colour, in log-opponent units.
 SHIFT_NOISE = np.array([0.12, 0.12, 0.1])
 FINE = 0.6  # width of a mode, in units of that noise, narrow enough to separate two lights' shifts
+HUE_DEVIATION = 0.18  # standard deviation of `hue_of` of true shifts
+# Farther from daylight's no shadow is: a part of an object of another colour would be taken for one.
+LARGEST_HUE = 0.4
 MOST_VOTERS = 1500
 LEAST_VOTERS = 25
+
+
+def hue_of(shift: Float) -> float:
+    """How far a shift (3,) is from those under daylight, of which green changes in proportion to blue."""
+    _, red_blue, green = shift
+    return float(abs(green + 0.25 * red_blue))
 
 
 def shadow_shifts(ground: LitGround, unlit: Mask, count: int, width: float = 1.0) -> list[Float]:
@@ -70,7 +79,8 @@ def _voted_for(colours: Float32, palette: Mixture, count: int, width: float = 1.
     peaks = _peaks(_blurred(votes) * _plausibility(), count)
     shifts: list[Float] = []
     for shift in _modes(offsets, weights, LOWEST + (peaks + 0.5) * BIN, width):
-        if all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts):
+        is_new = all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts)
+        if is_new and hue_of(shift) <= LARGEST_HUE:
             shifts.append(shift)
     return shifts
 
@@ -103,7 +113,7 @@ def _plausibility() -> Float:
     )
     darker = 1 / (1 + np.exp((brightness + 0.25) / 0.06))
     bluer = np.exp(-0.5 * (np.maximum(red_blue, 0) / 0.2) ** 2)
-    daylight = np.exp(-0.5 * ((green[None] + 0.25 * red_blue[:, None]) / 0.18) ** 2)
+    daylight = np.exp(-0.5 * ((green[None] + 0.25 * red_blue[:, None]) / HUE_DEVIATION) ** 2)
     return np.asarray(darker[:, None, None] * (bluer[:, None] * daylight)[None])
 
 

@@ -28,4 +28,4 @@ def test_the_package_can_load_them(written: list[Path]) -> None:
     text = written[0].read_text(encoding="utf-8")
     tables = read_tables(text)
     assert tables.origin["pictures"] == 4
-    assert tables.as_json() == json.loads(text) | {"origin": tables.as_json()["origin"]}
+    assert json.loads(json.dumps(tables.as_json())) == json.loads(text)
