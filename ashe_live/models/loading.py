@@ -47,6 +47,8 @@ def load_model_file(path: Path, up: str | None = None) -> Model:
         return _read(path, up)
     except (UserError, MemoryError):
         raise
+    except ImportError as error:  # a parser is loaded when it is needed, and the memory's limit has no room for it
+        raise MemoryError(str(error)) from error
     except Exception as error:  # a third-party parser of untrusted files raises anything, or its values do when used
         said = error if isinstance(error, MalformedError) else BROKEN_BODY[path.suffix.lower()]
         raise UserError(f"the model file {path} is malformed ({said})", "export it again") from error
