@@ -35,8 +35,8 @@ DIRECTIONS = 16  # in which outlines are observed when only their tangents are n
 LOWEST_Z = 0.03  # of a light's direction: a lower one is no usable start of a fit, as its shadow is too long
 FEW_PX = 20
 # The number of borders over their effective sample size, as errors of neighbouring borders are correlated; and the
-# misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. Both
-# are calibrated so that 68 % of the errors lie within sigma (docs/accuracy.md).
+# misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. What
+# both leave over is fitted as the overdispersion of `uncertainty.Calibration`.
 BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE = 2.3, 0.007
 END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.

@@ -1,12 +1,13 @@
 """Regions of painted scenes: they hold what was painted, at the scale that was asked for, where it was."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.ground.lit_ground import ground_colours
+from ashe_live.light.ground.lit_ground import ground_colours, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import in_region, painted_region
@@ -87,6 +88,31 @@ def test_an_object_and_a_shadow_that_hardly_part_are_one_region() -> None:
     assert len(unlit_regions(fine_of(), unlit, here.ground, 130, 5)) == 1
     unlit[:, middle - 4 : middle + 6] = False
     assert len(unlit_regions(fine_of(), unlit, here.ground, 130, 5)) > 1
+
+
+def test_an_object_with_a_gap_to_its_shadow_is_also_tried_with_it() -> None:
+    here = painted_region(BOX)
+    unlit = here.unlit.copy()
+    _, columns = np.nonzero(unlit)
+    middle = int(columns.mean())
+    unlit[:, middle - 4 : middle + 6] = False
+    *_, joined = unlit_regions(fine_of(), unlit, here.ground, 130, 5)
+    painted = in_region(joined, here.scene.body) | in_region(joined, here.scene.shadow)
+    assert overlap(joined.unlit, painted) > 0.75
+
+
+def test_a_plain_object_on_specks_of_its_colour_is_found_by_its_mean() -> None:
+    view = View.of(painted_region(BOX).scene.tracked, BALANCED.coarse_width_px)
+    rng = np.random.default_rng(4)
+    specks = np.array([(40, 50, 110), (60, 70, 150), (150, 180, 210)], np.uint8)
+    image = specks[rng.integers(0, 3, view.is_ground.shape)]
+    thing = np.zeros(view.is_ground.shape, np.bool_)
+    thing[20:60, 220:270] = True
+    nothing, everywhere = np.zeros_like(thing), np.ones_like(thing)
+    assert not with_unlit_on_average(nothing, replace(view, image_bgr=image, is_ground=everywhere)).any()
+    with_thing = np.where(thing[..., None], specks[2], image)
+    found = with_unlit_on_average(nothing, replace(view, image_bgr=with_thing, is_ground=everywhere))
+    assert overlap(found, thing) > 0.6
 
 
 def test_where_nothing_is_unlit_there_is_no_region() -> None:
