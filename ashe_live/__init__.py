@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from ashe_live.capture.snapshot import write_png
     from ashe_live.capture.sources import open_source
     from ashe_live.core.camera import Camera, read_camera_file
-    from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose, TrackedFrame
+    from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
     from ashe_live.errors import ModelWarning, UserError
     from ashe_live.models.catalogue import model_names
     from ashe_live.render.light_map import write_light_map
@@ -19,8 +19,8 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Camera",
-    "DirectionalLight",
     "Illumination",
+    "Light",
     "LightEstimate",
     "MarkerPose",
     "ModelWarning",
@@ -40,8 +40,8 @@ __all__ = [
 
 _HOMES = {
     "Camera": "core.camera",
-    "DirectionalLight": "core.types",
     "Illumination": "core.types",
+    "Light": "core.types",
     "LightEstimate": "core.types",
     "MarkerPose": "core.types",
     "ModelWarning": "errors",

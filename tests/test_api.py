@@ -96,7 +96,7 @@ NO_SIZES = (None, 7, "64x48", (64,), (0, 48), (64, -1), (64.5, 48), (True, 48), 
 NO_LENGTHS = (None, "a", 0, -1, float("nan"), float("inf"), 1e300, True, [1])
 NO_ANGLES = (None, "a", 0, 180, -5, float("nan"), 1e300)
 NO_DIRECTIONS = (None, "abc", (0, 0, 0), (1, 2), (1, 2, float("nan")), (1, 2, float("inf")), {})
-A_LIGHT = al.DirectionalLight((0, 0, 1))
+A_LIGHT = al.Light((0, 0, 1))
 WRONG = {
     ("path", "read_photo"): (al.read_photo, NO_PATHS),
     ("path", "open_source"): (al.open_source, NO_PATHS),
@@ -127,9 +127,9 @@ WRONG = {
         lambda value: al.Camera((64, 48), CAMERA.K, value, "file"),
         (None, "a", [1, 2], [1e300] * 5),
     ),
-    ("to_light_marker", "DirectionalLight"): (al.DirectionalLight, NO_DIRECTIONS),
-    ("confidence", "DirectionalLight"): (
-        lambda value: al.DirectionalLight((0, 0, 1), confidence=value),
+    ("to_light_marker", "Light"): (al.Light, NO_DIRECTIONS),
+    ("confidence", "Light"): (
+        lambda value: al.Light((0, 0, 1), confidence=value),
         ("a", -1, 2, float("nan")),
     ),
     ("lights", "Illumination"): (al.Illumination, (None, "a", (1,), [A_LIGHT])),

@@ -12,7 +12,7 @@ from typing import Any
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 
 SCHEMA = 1
 SNAPSHOT_KEYWORD = "ashe-live"
@@ -42,14 +42,14 @@ def marker_json(marker: MarkerPose | None) -> Json:
     }
 
 
-def light_json(light: DirectionalLight | None, reason: str | None = None) -> Json:
+def light_json(light: Light | None, reason: str | None = None) -> Json:
     """`light` None is "no directional light", for `reason`."""
 
     def degrees(radians: float | None) -> float | None:
         return None if radians is None else math.degrees(radians)
 
     return {
-        "kind": "directional" if light else "none",
+        "kind": light.kind if light else "none",
         "to_light_marker": _listed(light.to_light_marker) if light else None,
         "azimuth_deg": light.azimuth_deg if light else None,
         "elevation_deg": light.elevation_deg if light else None,
@@ -58,6 +58,10 @@ def light_json(light: DirectionalLight | None, reason: str | None = None) -> Jso
         "confidence": light.confidence if light else None,
         "angular_size_deg": degrees(light.angular_size_rad) if light else None,
         "shadow_rgb_ratio": _listed(light.shadow_rgb_ratio) if light else None,
+        "position_marker_m": _listed(light.position_marker_m) if light else None,
+        "lamp_covariance": _listed(light.lamp_covariance) if light else None,
+        "radius_m": light.radius_m if light else None,
+        "intensity_rgb_ratio": _listed(light.intensity_rgb_ratio) if light else None,
         "reason": reason,
     }
 

@@ -39,6 +39,8 @@ DRAWN = Range(1, 4096**2, "px")  # in a picture that is drawn: all that is kept 
 COUNT = Range(1, 1e9)
 SHARE = Range(0.0, 1.0)
 ANGLE = Range(0.0, 6.2832, "rad")
+INVERSE_DISTANCE = Range(0.0, 1e3, "1/m")  # of a lamp: no nearer than a millimetre
+LAMP_RADIUS = Range(0.0, 1e3, "m")
 INDEX = Range(0, 1e9)
 CAMERA_NUMBER = Range(0, 65535)
 

@@ -5,11 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Self
 
+import numpy as np
+
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.ranges import ANGLE, MARKER_SIDE, SHARE
+from ashe_live.core.ranges import ANGLE, INVERSE_DISTANCE, LAMP_RADIUS, MARKER_SIDE, SHARE
 from ashe_live.core.transforms import angles_from_direction, normalised
 
 
@@ -85,15 +87,24 @@ class TrackedFrame:
 
 
 @dataclass(frozen=True, slots=True)
-class DirectionalLight:
-    """A light far away, and how sure its direction is. What was not measured is None."""
+class Light:
+    """A sun or a lamp, and how sure its direction is. What was not measured is None.
 
-    to_light_marker: Float  # (3,) unit, from the surface towards the light
+    A lamp differs from a sun in its inverse distance alone, which is 0 for what is as good as infinitely far away.
+    """
+
+    to_light_marker: Float  # (3,) unit, from the marker's centre towards the light
     covariance_rad2: Float | None = None  # (2, 2) on the tangent basis: larger azimuth, larger elevation
     sigma_rad: float | None = None  # radius that contains the truth with probability 0.68
     confidence: float | None = None  # P(angular error < 10 degrees)
     angular_size_rad: float | None = None  # the source's angular diameter
     shadow_rgb_ratio: Float | None = None  # (3,) linear RGB, shadowed over lit ground
+    inverse_distance: float = 0.0  # 1/m, one over a lamp's distance from the marker's centre; 0 for a sun
+    # (3, 3) on (larger azimuth, larger elevation, larger inverse distance): rad, rad and 1/m.
+    lamp_covariance: Float | None = None
+    radius_m: float | None = None  # of a lamp's bulb or shade
+    # (3,) linear RGB, of a lamp: its irradiance of the plane at the marker's centre over that of all other light.
+    intensity_rgb_ratio: Float | None = None
 
     def __post_init__(self) -> None:
         direction = frozen_floats(self.to_light_marker, (3,), "to_light_marker")
@@ -103,10 +114,17 @@ class DirectionalLight:
         for name, allowed in (("sigma_rad", ANGLE), ("confidence", SHARE), ("angular_size_rad", ANGLE)):
             if getattr(self, name) is not None:
                 allowed.checked(getattr(self, name), name)
-        if self.covariance_rad2 is not None:
-            set_frozen(self, covariance_rad2=frozen_floats(self.covariance_rad2, (2, 2), "covariance_rad2"))
-        if self.shadow_rgb_ratio is not None:
-            set_frozen(self, shadow_rgb_ratio=frozen_floats(self.shadow_rgb_ratio, (3,), "shadow_rgb_ratio"))
+        INVERSE_DISTANCE.checked(self.inverse_distance, "inverse_distance")
+        if self.radius_m is not None:
+            LAMP_RADIUS.checked(self.radius_m, "radius_m")
+        for name, shape in (
+            ("covariance_rad2", (2, 2)),
+            ("shadow_rgb_ratio", (3,)),
+            ("lamp_covariance", (3, 3)),
+            ("intensity_rgb_ratio", (3,)),
+        ):
+            if getattr(self, name) is not None:
+                set_frozen(self, **{name: frozen_floats(getattr(self, name), shape, name)})
 
     @property
     def azimuth_deg(self) -> float:
@@ -115,6 +133,23 @@ class DirectionalLight:
     @property
     def elevation_deg(self) -> float:
         return math.degrees(angles_from_direction(self.to_light_marker)[1])
+
+    @property
+    def kind(self) -> str:
+        """ "lamp" for a light near by, "directional" for one as good as infinitely far away."""
+        return "lamp" if self.inverse_distance > 0 else "directional"
+
+    @property
+    def position_marker_m(self) -> Float | None:
+        """(3,) where a lamp is, metres, marker frame; None for a sun."""
+        if self.inverse_distance == 0:
+            return None
+        return np.asarray(self.to_light_marker / self.inverse_distance)
+
+    @property
+    def homogeneous(self) -> Float:
+        """(4,) the light as a point (x, y, z, w), marker frame, metres: w = 0 for a sun."""
+        return np.array([*self.to_light_marker, self.inverse_distance])
 
     def summary(self, decimals: int = 0) -> str:
         """For a person: "azimuth 30°, elevation 45° ± 4.0°, 90 % sure", angles with that many decimals."""
@@ -127,7 +162,7 @@ class DirectionalLight:
 class Illumination:
     """What lights a scene, whether it was estimated, set by hand or made up by a program."""
 
-    lights: tuple[DirectionalLight, ...] = ()  # strongest first; none: the sky alone, and no shadow is cast
+    lights: tuple[Light, ...] = ()  # strongest first; none: the sky alone, and no shadow is cast
     ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that no light of `lights` reaches over lit ground
     ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the video
     real_object: Proxy | None = None  # casts shadows beside the virtual model, and hides what is behind it
@@ -137,7 +172,7 @@ class Illumination:
 
     def __post_init__(self) -> None:
         for light in arguments.instance(self.lights, tuple, "lights"):
-            arguments.instance(light, DirectionalLight, "each of lights")
+            arguments.instance(light, Light, "each of lights")
         for name in ("ambient_rgb_ratio", "ground_rgb"):
             colour = getattr(self, name)
             if colour is not None:
@@ -150,7 +185,7 @@ class Illumination:
             raise ValueError("without a marker in it, a frame does not show where the ground is")
 
     @property
-    def light(self) -> DirectionalLight | None:
+    def light(self) -> Light | None:
         """The strongest light, or None where the sky alone gives light."""
         return self.lights[0] if self.lights else None
 
@@ -179,11 +214,11 @@ class LightEstimate:
             raise ValueError("an estimate without a light needs a reason")
 
     @property
-    def light(self) -> DirectionalLight | None:
+    def light(self) -> Light | None:
         """The strongest light, or None for "no directional light"."""
         return self.illumination.light
 
     @property
-    def lights(self) -> tuple[DirectionalLight, ...]:
+    def lights(self) -> tuple[Light, ...]:
         """All of them, the strongest first."""
         return self.illumination.lights

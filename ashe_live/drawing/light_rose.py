@@ -9,7 +9,7 @@ from PIL import ImageDraw, ImageFont
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles, tangent_basis
-from ashe_live.core.types import DirectionalLight
+from ashe_live.core.types import Light
 from ashe_live.drawing.colours import FAINT_BGR, INK_BGR, PAPER_BGR, SHADOW_BGR
 
 LEAST_LABELLED_PX = 100  # least side of a rose with labelled azimuths; from twice that on, elevations are labelled too
@@ -17,7 +17,7 @@ LEAST_LABELLED_PX = 100  # least side of a rose with labelled azimuths; from twi
 ELLIPSES = (-2 * math.log(1 - 0.68), -2 * math.log(1 - 0.95))
 
 
-def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: Float | None = None) -> Image:
+def light_rose(lights: Sequence[Light], size_px: int, camera_marker: Float | None = None) -> Image:
     """(size, size, 3) BGR: the sky from above, zenith in the centre, horizon at the rim, the marker's x right, y up.
 
     Each light has its ellipses of 68 and 95 %, if its covariance is known. camera_marker: (3,) the direction of the
@@ -58,7 +58,7 @@ def light_rose(lights: Sequence[DirectionalLight], size_px: int, camera_marker: 
     return np.ascontiguousarray(np.asarray(sheet)[:, :, ::-1])
 
 
-def _ellipse(light: DirectionalLight, squared_sigmas: float, around: int = 72) -> list[Float]:
+def _ellipse(light: Light, squared_sigmas: float, around: int = 72) -> list[Float]:
     """Directions (3,) at a squared Mahalanobis distance from the light's direction."""
     assert light.covariance_rad2 is not None
     variances, axes = np.linalg.eigh(light.covariance_rad2)

@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import DirectionalLight, LightEstimate
+from ashe_live.core.types import Light, LightEstimate
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outline, shadow_outline
@@ -25,9 +25,7 @@ def with_masks(picture_bgr: Image, estimate: LightEstimate) -> Image:
     return picture_bgr
 
 
-def with_body(
-    picture_bgr: Image, camera: Camera, T_cam_marker: Float, body: Proxy, lights: Sequence[DirectionalLight]
-) -> Image:
+def with_body(picture_bgr: Image, camera: Camera, T_cam_marker: Float, body: Proxy, lights: Sequence[Light]) -> Image:
     """A copy of the picture with the outlines of a body and of its shadows.
 
     camera: of the picture's size, without distortion.

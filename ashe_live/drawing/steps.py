@@ -12,7 +12,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import DirectionalLight, LightEstimate, TrackedFrame
+from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR, UNSEEN_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import draw_outline, enlarged, tinted, with_body, with_masks
@@ -85,7 +85,7 @@ def traced_pictures(view: View, trace: Trace) -> list[DebugPicture]:
         likely = sorted(zip(trace.probabilities, trace.judged, strict=True), key=itemgetter(0))[-MOST_EXPLANATIONS:]
         overlaid = view.image_bgr
         for _, each in likely:  # the likeliest on top
-            lights = [DirectionalLight(light.to_light_marker) for light in each.lights]
+            lights = [Light(light.to_light_marker) for light in each.lights]
             overlaid = with_body(overlaid, view.camera, view.T_cam_marker, each.proxy, lights)
         odds = ", ".join(f"{100 * probability:.0f} %" for probability, _ in likely[::-1])
         pictures.append(DebugPicture(f"explanations: {odds}", overlaid))

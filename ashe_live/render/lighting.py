@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import DirectionalLight
+from ashe_live.core.types import Light
 
 RGB = tuple[float, float, float]
 
@@ -61,7 +61,7 @@ class Lighting:
 
 
 def lighting_of(
-    lights: tuple[DirectionalLight, ...],
+    lights: tuple[Light, ...],
     ambient_rgb_ratio: Float | None = None,
     ground_albedo: Float | None = None,
 ) -> Lighting:
@@ -91,7 +91,7 @@ def lighting_of(
     return Lighting(suns, _rgb(sky), _rgb(albedo * level))
 
 
-def _ground_share(light: DirectionalLight, count: int) -> Float:
+def _ground_share(light: Light, count: int) -> Float:
     """(3,) share of one of `count` lights in the light on level ground."""
     if light.shadow_rgb_ratio is None:
         return np.full(3, (1 - ASSUMED_SHADOW_RATIO) / count)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.core.types import DirectionalLight, Illumination
+from ashe_live.core.types import Illumination, Light
 from ashe_live.render.lighting import ASSUMED_SHADOW_RATIO
 
 EASED_OVER_S = 0.3
@@ -54,9 +54,7 @@ def _ambient(illumination: Illumination) -> Float | None:
     return illumination.ambient_rgb_ratio if illumination.lights else np.ones(3)
 
 
-def _lights_between(
-    start: tuple[DirectionalLight, ...], end: tuple[DirectionalLight, ...], share: float
-) -> Iterator[DirectionalLight]:
+def _lights_between(start: tuple[Light, ...], end: tuple[Light, ...], share: float) -> Iterator[Light]:
     left = list(start)
     for light in end:
         cosines = [float(other.to_light_marker @ light.to_light_marker) for other in left]
@@ -71,10 +69,10 @@ def _lights_between(
         yield _dimmed(light, 1 - share)
 
 
-def _dimmed(light: DirectionalLight, share: float) -> DirectionalLight:
+def _dimmed(light: Light, share: float) -> Light:
     """The light at `share` of its strength."""
     return replace(light, shadow_rgb_ratio=1 - share * (1 - _ratio(light)))
 
 
-def _ratio(light: DirectionalLight) -> Float:
+def _ratio(light: Light) -> Float:
     return np.full(3, ASSUMED_SHADOW_RATIO) if light.shadow_rgb_ratio is None else light.shadow_rgb_ratio

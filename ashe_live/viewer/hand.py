@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles
-from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
+from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel
 from ashe_live.render.lighting import ASSUMED_SHADOW_RATIO, SUN_ANGULAR_SIZE_RAD
 from ashe_live.viewer.controls import Command, Drag, Request
@@ -159,14 +159,12 @@ class Hand:
             return context.illumination
         right, _ = picture_axes(tracked)
         first = direction_from_angles(math.atan2(-right[1], -right[0]), FIRST_ELEVATION_RAD)
-        return Illumination((DirectionalLight(first),), seen_in=context.illumination.seen_in)
+        return Illumination((Light(first),), seen_in=context.illumination.seen_in)
 
     def _set_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
         """Turns the strongest light of `base`; measured colours are kept, the uncertainty of the direction is not."""
         moved, *others = base.lights
-        light = DirectionalLight(
-            to_light, angular_size_rad=moved.angular_size_rad, shadow_rgb_ratio=moved.shadow_rgb_ratio
-        )
+        light = Light(to_light, angular_size_rad=moved.angular_size_rad, shadow_rgb_ratio=moved.shadow_rgb_ratio)
         self.light, self.frame_index = replace(base, lights=(light, *others)), tracked.frame.index
 
 

@@ -19,7 +19,7 @@ import ashe_live as al
 from ashe_live.commands.light_page import picture_of
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.transforms import angle_between, direction_from_angles, project, rigid
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
@@ -119,7 +119,7 @@ def photo(table, renderer):
     if table.azimuth_deg is not None:
         towards = direction_from_angles(math.radians(table.azimuth_deg), math.radians(table.elevation_deg))
         size = None if table.size_deg is None else math.radians(table.size_deg)
-        lights = (DirectionalLight(towards, angular_size_rad=size, shadow_rgb_ratio=SKY),)
+        lights = (Light(towards, angular_size_rad=size, shadow_rgb_ratio=SKY),)
     if table.model is not None:
         placed = placed_on_marker(load_model(table.model), SIDE_M)
         offset = np.array((*table.at_m, 0.0))

@@ -17,7 +17,7 @@ import numpy as np
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
@@ -110,7 +110,7 @@ def enlarged_frame():
     )
     ratio = np.array(truth["shading_ratio"]["measured"][0])
     size_rad = math.radians(truth["lights"][0]["angular_diameter_deg"])
-    light = DirectionalLight(clip.to_light_marker, angular_size_rad=size_rad, shadow_rgb_ratio=ratio)
+    light = Light(clip.to_light_marker, angular_size_rad=size_rad, shadow_rgb_ratio=ratio)
     return TrackedFrame(Frame(image, FRAME, 0.0), camera, marker), light
 
 

@@ -17,7 +17,7 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Illumination, MarkerPose, TrackedFrame
+from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.quality import QUALITIES
@@ -31,7 +31,7 @@ CELL = (220, 165)
 
 
 def light(azimuth_deg, elevation_deg, ratio, size_deg=None):
-    return DirectionalLight(
+    return Light(
         direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg)),
         angular_size_rad=None if size_deg is None else math.radians(size_deg),
         shadow_rgb_ratio=np.array(ratio),

@@ -12,7 +12,7 @@ import pytest
 from ashe_live import cli
 from ashe_live.commands import view
 from ashe_live.commands.parser import DEFAULT_ESTIMATOR
-from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, TrackedFrame
+from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker_process import Answer, Draw
@@ -26,7 +26,7 @@ class InstantEstimator:
     name: str = DEFAULT_ESTIMATOR
 
     def estimate(self, tracked: TrackedFrame) -> LightEstimate:
-        lights = (DirectionalLight((0.0, 0.3, 1.0)),) if self.has_light else ()
+        lights = (Light((0.0, 0.3, 1.0)),) if self.has_light else ()
         reason = None if self.has_light else "no shadow found beside the object"
         return LightEstimate(
             self.name, tracked.frame.index, Illumination(lights), reason, timing_ms={"fit": 1.0, "total": 1.0}

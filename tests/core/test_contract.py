@@ -10,17 +10,17 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.contract import FileRecord, Json, estimated_light_json, light_by_hand_json, snapshot_json
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs" / "contract.schema.json").read_text(encoding="utf-8"))
 POSE = MarkerPose(np.eye(4), np.zeros((4, 2)), 0.08, 0.2, None)
 CAMERA = Camera.from_hfov((640, 480), 60, "assumed")
-BARE = DirectionalLight(np.array([0.3, -0.2, 1]))
-FULL = DirectionalLight(np.array([0.3, -0.2, 1]), np.eye(2) * 1e-4, 0.015, 0.9, 0.009, np.array([0.2, 0.3, 0.4]))
+BARE = Light(np.array([0.3, -0.2, 1]))
+FULL = Light(np.array([0.3, -0.2, 1]), np.eye(2) * 1e-4, 0.015, 0.9, 0.009, np.array([0.2, 0.3, 0.4]))
 TIMING = {"detect": 1.0, "segment": 2.0, "associate": 3.0, "fit": 4.0, "judge": 5.0, "total": 15.0}
 
 
-def estimate(*lights: DirectionalLight) -> LightEstimate:
+def estimate(*lights: Light) -> LightEstimate:
     return LightEstimate("paper", 3, Illumination(lights), None if lights else "no shadow found")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 
 CORNERS = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 
@@ -57,7 +57,7 @@ def test_no_light_needs_a_reason() -> None:
 
 
 def test_a_light_is_a_unit_vector_with_its_angles() -> None:
-    light = DirectionalLight(np.array([0.0, 2.0, 2.0]))
+    light = Light(np.array([0.0, 2.0, 2.0]))
     assert np.linalg.norm(light.to_light_marker) == pytest.approx(1)
     assert (light.azimuth_deg, light.elevation_deg) == pytest.approx((90, 45))
 
@@ -73,7 +73,7 @@ def test_values_cross_between_processes() -> None:
 def test_an_illumination_is_what_an_estimate_found_and_the_frame_it_was_found_in() -> None:
     pose = MarkerPose(np.eye(4), np.zeros((4, 2)), 0.08, 0.2, None)
     seen = TrackedFrame(Frame(np.zeros((48, 64, 3), np.uint8), 0, 0.0), Camera.from_hfov((64, 48), 60), pose)
-    light = DirectionalLight(np.array([0.3, -0.2, 1]))
+    light = Light(np.array([0.3, -0.2, 1]))
     estimate = LightEstimate("proxy", 0, Illumination((light,), np.full(3, 0.3), np.full(3, 0.5)))
     illumination = estimate.illumination.as_seen_in(seen)
     assert illumination.light is estimate.light is light
@@ -83,3 +83,25 @@ def test_an_illumination_is_what_an_estimate_found_and_the_frame_it_was_found_in
     assert illumination.as_seen_in(without_marker).seen_in is None
     with pytest.raises(ValueError, match="where the ground is"):
         Illumination(seen_in=without_marker)
+
+
+def test_a_lamp_is_where_its_inverse_distance_puts_it() -> None:
+    lamp = Light(np.array([0.0, 3.0, 4.0]), inverse_distance=2.0, radius_m=0.02)
+
+    assert lamp.kind == "lamp"
+    np.testing.assert_allclose(lamp.position_marker_m, [0.0, 0.3, 0.4])
+    np.testing.assert_allclose(lamp.homogeneous[:3] / lamp.homogeneous[3], [0.0, 0.3, 0.4])
+
+
+def test_a_light_without_inverse_distance_is_a_sun() -> None:
+    sun = Light(np.array([0.0, 3.0, 4.0]))
+
+    assert sun.kind == "directional"
+    assert sun.position_marker_m is None
+    assert sun.homogeneous[3] == 0
+
+
+@pytest.mark.parametrize("inverse_distance", [-1.0, np.nan, np.inf, 1e4])
+def test_a_lamp_is_neither_behind_the_plane_nor_inside_the_marker(inverse_distance: float) -> None:
+    with pytest.raises(ValueError, match="inverse_distance"):
+        Light(np.array([0.0, 0.0, 1.0]), inverse_distance=inverse_distance)

@@ -10,7 +10,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, project
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR, UNEXPLAINED_BGR
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body
@@ -23,7 +23,7 @@ from tests.light.synthetic_masks import camera_towards
 SIZE = (320, 240)
 CAMERA = Camera.from_hfov(SIZE, 60)
 VIEW = camera_towards((0.05, 0.0), 0.5, 40.0)
-SUN = DirectionalLight(direction_from_angles(math.radians(30), math.radians(45)), np.diag([1e-3, 4e-3]), 0.07, 0.9)
+SUN = Light(direction_from_angles(math.radians(30), math.radians(45)), np.diag([1e-3, 4e-3]), 0.07, 0.9)
 # An upright cylinder, 6 cm high.
 BODY = Proxy("frustum", np.array([[0.1, 0.0, 0.0, 0.02, 0.0], [0.1, 0.0, 0.06, 0.02, 0.0]]))
 
@@ -112,7 +112,7 @@ def test_the_shadow_leans_away_from_the_light():
 
 
 def test_no_shadow_falls_from_below_and_no_outline_is_behind_the_camera():
-    from_below = DirectionalLight((0.0, 1.0, -0.1))
+    from_below = Light((0.0, 1.0, -0.1))
     assert shadow_outline(CAMERA, VIEW, BODY.points_marker(), at_infinity(from_below.to_light_marker)) is None
     behind = VIEW.copy()
     behind[2, 3] = -5.0
@@ -126,7 +126,7 @@ def test_no_shadow_falls_from_below_and_no_outline_is_behind_the_camera():
 
 @pytest.mark.parametrize("azimuth_deg", [0, 100, 230])
 def test_the_rose_has_x_right_y_up_and_the_horizon_at_its_rim(azimuth_deg):
-    low, high = (DirectionalLight(direction_from_angles(math.radians(azimuth_deg), math.radians(e))) for e in (20, 70))
+    low, high = (Light(direction_from_angles(math.radians(azimuth_deg), math.radians(e))) for e in (20, 70))
     empty = light_rose((), 400).astype(int)
     reach = []
     for light in (low, high):
@@ -142,7 +142,7 @@ def test_the_rose_has_x_right_y_up_and_the_horizon_at_its_rim(azimuth_deg):
 
 def test_the_ellipse_is_long_where_the_covariance_is():
     def extent(covariance):
-        changed = np.abs(light_rose((DirectionalLight(direction_from_angles(0, 0.8), covariance),), 400).astype(int))
+        changed = np.abs(light_rose((Light(direction_from_angles(0, 0.8), covariance),), 400).astype(int))
         orange = (np.abs(changed - SHADOW_BGR).max(axis=2)) < 40
         y, x = np.nonzero(orange)
         return np.ptp(x), np.ptp(y)

@@ -9,7 +9,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Frame, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
@@ -87,9 +87,9 @@ class Stage:
         return PlacedModel(model, model.bounds)
 
     @staticmethod
-    def light(azimuth_deg: float, elevation_deg: float, ratio: tuple[float, ...] | None = None) -> DirectionalLight:
+    def light(azimuth_deg: float, elevation_deg: float, ratio: tuple[float, ...] | None = None) -> Light:
         direction = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
-        return DirectionalLight(direction, shadow_rgb_ratio=None if ratio is None else np.array(ratio))
+        return Light(direction, shadow_rgb_ratio=None if ratio is None else np.array(ratio))
 
     @staticmethod
     def noise(seed: int = 1, size: tuple[int, int] = SIZE) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import direction_from_angles
-from ashe_live.core.types import DirectionalLight, Illumination
+from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.render.light_map import light_map, write_light_map
 from ashe_live.render.lighting import lighting_of
@@ -37,7 +37,7 @@ def level_over_pi(radiance: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(("azimuth_deg", "elevation_deg"), [(30, 45), (-100, 20), (170, 70)])
 def test_it_gives_level_ground_the_light_that_it_was_made_from(size_deg, azimuth_deg, elevation_deg) -> None:
     towards = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
-    light = DirectionalLight(towards, angular_size_rad=math.radians(size_deg), shadow_rgb_ratio=RATIO)
+    light = Light(towards, angular_size_rad=math.radians(size_deg), shadow_rgb_ratio=RATIO)
     radiance = light_map(Illumination((light,)))
     np.testing.assert_allclose(level_over_pi(radiance), 1.0, rtol=0.03)
     # Without the disc there is the shadow's share, and no more.
@@ -57,7 +57,7 @@ def test_without_a_light_the_sky_gives_all() -> None:
 
 
 def test_it_is_written_as_others_read_it(tmp_path: Path) -> None:
-    light = DirectionalLight((1.0, 1.0, 1.0), shadow_rgb_ratio=RATIO)
+    light = Light((1.0, 1.0, 1.0), shadow_rgb_ratio=RATIO)
     path = write_light_map(tmp_path / "sky.hdr", Illumination((light,)))
     read = cv2.imread(str(path), cv2.IMREAD_ANYDEPTH | cv2.IMREAD_COLOR)[..., ::-1]
     assert path.read_bytes().startswith(b"#?RADIANCE")

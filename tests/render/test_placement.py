@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, raycast_to_plane
-from ashe_live.core.types import DirectionalLight, Illumination
+from ashe_live.core.types import Illumination, Light
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
@@ -134,7 +134,7 @@ def test_placements_keep_the_plane_and_are_finite() -> None:
 def test_a_model_without_its_shadow_leaves_the_ground_as_it_is(make_renderer, stage) -> None:
     renderer = make_renderer()
     tracked = stage.tracked(150, stage.pose(-90, 45, 0.4))
-    sun = Illumination((DirectionalLight((1.0, 0.2, 1.0)),))
+    sun = Illumination((Light((1.0, 0.2, 1.0)),))
     pictures = []
     for shown in (Scene(tracked), Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), sun)):
         for casts_shadow in (True, False):

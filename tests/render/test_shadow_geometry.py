@@ -9,7 +9,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import DirectionalLight, Illumination
+from ashe_live.core.types import Illumination, Light
 from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.framing import box_corners
@@ -115,7 +115,7 @@ def test_shadow_agrees_with_path_traced_scenes(make_renderer, stage) -> None:
         camera = Camera(size, np.array(scene["K"]), np.zeros(5), "file")
         white = np.full_like(image, 255)
         tracked = stage.tracked(white, rigid(scene["R"], scene["t"]), camera)
-        light = DirectionalLight(np.array(scene["lights"][0]["dir_to_light"]), shadow_rgb_ratio=np.zeros(3))
+        light = Light(np.array(scene["lights"][0]["dir_to_light"]), shadow_rgb_ratio=np.zeros(3))
         renderer = make_renderer(size=size)
         renderer.render(Scene(tracked, stage.placed(double), Illumination((light,))))
         found = (renderer.read_bgr().max(axis=2) < 40) & ~hidden

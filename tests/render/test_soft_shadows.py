@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.transforms import direction_from_angles, project
-from ashe_live.core.types import DirectionalLight, Illumination
+from ashe_live.core.types import Illumination, Light
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD, lighting_of
@@ -17,8 +17,8 @@ HEIGHT = 0.06
 DARK = 0.2
 
 
-def _light(azimuth_deg: float, elevation_deg: float, size_deg: float | None, ratio: float = DARK) -> DirectionalLight:
-    return DirectionalLight(
+def _light(azimuth_deg: float, elevation_deg: float, size_deg: float | None, ratio: float = DARK) -> Light:
+    return Light(
         direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg)),
         angular_size_rad=None if size_deg is None else math.radians(size_deg),
         shadow_rgb_ratio=np.full(3, ratio),

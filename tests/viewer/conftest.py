@@ -9,7 +9,7 @@ import pytest
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import Outcome
 from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
@@ -223,7 +223,7 @@ class Fakes:
 
     @staticmethod
     def estimate(frame_index: int = 0, with_light: bool = True) -> LightEstimate:
-        light = DirectionalLight((1.0, 0.0, 1.0), sigma_rad=0.05)
+        light = Light((1.0, 0.0, 1.0), sigma_rad=0.05)
         mask = np.zeros((24, 32), bool)
         mask[4:12, 8:16] = True
         if not with_light:

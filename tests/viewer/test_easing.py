@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import angle_between, direction_from_angles
-from ashe_live.core.types import DirectionalLight, Illumination
+from ashe_live.core.types import Illumination, Light
 from ashe_live.render.lighting import lighting_of
 from ashe_live.viewer.easing import EASED_OVER_S, LightEasing
 
@@ -19,7 +19,7 @@ STEPS = np.linspace(0, 1.01 * EASED_OVER_S, 31)
 
 def lit_from(*directions, depth: float = 0.4) -> Illumination:
     ratio = np.full(3, depth)
-    lights = tuple(DirectionalLight(direction, shadow_rgb_ratio=ratio) for direction in directions)
+    lights = tuple(Light(direction, shadow_rgb_ratio=ratio) for direction in directions)
     return Illumination(lights, ambient_rgb_ratio=np.maximum(0, 1 - len(lights) * (1 - ratio)))
 
 

@@ -9,7 +9,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, placed_on_marker
 from ashe_live.models.primitives import box
@@ -39,7 +39,7 @@ MODEL = placed_on_marker(Model("box", (box((1, 1, 1)),)), SIDE_M)
 HEIGHT_M = SIDE_M
 ESTIMATED = Illumination(
     (
-        DirectionalLight(
+        Light(
             direction_from_angles(math.radians(200), math.radians(40)),
             np.eye(2) * 1e-3,
             0.05,
@@ -47,7 +47,7 @@ ESTIMATED = Illumination(
             0.01,
             np.array((0.3, 0.4, 0.5)),
         ),
-        DirectionalLight((0.0, 0.3, 1.0), shadow_rgb_ratio=np.array((0.8, 0.8, 0.8))),
+        Light((0.0, 0.3, 1.0), shadow_rgb_ratio=np.array((0.8, 0.8, 0.8))),
     ),
     ambient_rgb_ratio=np.array((0.2, 0.25, 0.3)),
     ground_rgb=np.array((0.5, 0.4, 0.3)),
@@ -114,7 +114,7 @@ def test_the_shadows_end_follows_the_mouse(eye, camera, estimated):
 
 @pytest.mark.parametrize("elevation_deg", [-10, 0.5, 8])
 def test_a_shadow_whose_end_is_out_of_the_picture_comes_to_the_mouse(elevation_deg):
-    estimated = replace(ESTIMATED, lights=(DirectionalLight(direction_from_angles(1.0, math.radians(elevation_deg))),))
+    estimated = replace(ESTIMATED, lights=(Light(direction_from_angles(1.0, math.radians(elevation_deg))),))
     tracked, hand = seen_from(EYES[0]), Hand()
     drag(hand, Command.MOVE_LIGHT, sight(tracked, estimated), (250.0, 300.0), (255.0, 300.0), (300.0, 310.0))
     assert pixel_of(tracked, shadow_end(hand)) == pytest.approx((300.0, 310.0), abs=0.01)

@@ -20,7 +20,7 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
+from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.files.resources import resource
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
@@ -71,7 +71,7 @@ class RenderBench(Bench):
     def _loop(self, ctx: Context, size: Size) -> Json:
         """Times of decoding, tracking and rendering in `fast`, and of drawing the bare video in the same run."""
         clip = self.clip
-        light = DirectionalLight(clip.to_light_marker)
+        light = Light(clip.to_light_marker)
         model = placed_on_marker(load_model("cube"), clip.marker_side_m)
         renderer = SceneRenderer(ctx, FAST.render, size)
         tracker = MarkerTracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, FAST.tracking)

@@ -10,7 +10,7 @@ import numpy as np
 from ashe_live.bench.resources_held import resident_mib
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.render.offscreen import Context, live_gl_objects
@@ -51,7 +51,7 @@ def cost_of(ctx: Context, preset: RenderPreset, size: Size, scenes: Sequence[Sce
     return Cost(float(p50), float(p99), float(gpu_p50) if has_timer else None, float(gpu_p99) if has_timer else None)
 
 
-def orbit(size: Size, model: PlacedModel | None, lights: tuple[DirectionalLight, ...], views: int = 8) -> list[Scene]:
+def orbit(size: Size, model: PlacedModel | None, lights: tuple[Light, ...], views: int = 8) -> list[Scene]:
     """Scenes with a camera that orbits the marker on grey ground, each with a frame of its own."""
     camera = Camera.from_hfov(size, 55.0)
     picture = np.full((size[1], size[0], 3), 150, dtype=np.uint8)
@@ -67,10 +67,10 @@ def orbit(size: Size, model: PlacedModel | None, lights: tuple[DirectionalLight,
     return scenes
 
 
-def lights_around(count: int) -> tuple[DirectionalLight, ...]:
+def lights_around(count: int) -> tuple[Light, ...]:
     share = 0.6 / max(count, 1)
     return tuple(
-        DirectionalLight(direction_from_angles(0.3 + 1.3 * number, 0.8), shadow_rgb_ratio=np.full(3, 1 - share))
+        Light(direction_from_angles(0.3 + 1.3 * number, 0.8), shadow_rgb_ratio=np.full(3, 1 - share))
         for number in range(count)
     )
 

@@ -15,7 +15,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.contract import Json
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, project, rigid
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.render.offscreen import Context
@@ -78,7 +78,7 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     T_cam_marker = rigid(view["R"], view["t"])
     corners_px = project(camera, T_cam_marker, square_corners(side_m))
     marker = MarkerPose(T_cam_marker, corners_px, side_m, 0.0, None)
-    light = DirectionalLight(
+    light = Light(
         direction_from_angles(math.radians(view["azimuth_deg"]), math.radians(view["elevation_deg"])),
         angular_size_rad=math.radians(view["angular_diameter_deg"]),
         shadow_rgb_ratio=np.array(view["shadow_ratio"]),

@@ -17,7 +17,7 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.types import DirectionalLight, Illumination, TrackedFrame
+from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import LightWorker
@@ -134,7 +134,7 @@ class BenchScene:
         self.estimates_on = False
         self.estimates_ms: list[float] = []  # how long each of them took
         self._session = session
-        self._true = Illumination((DirectionalLight(clip.to_light_marker),))
+        self._true = Illumination((Light(clip.to_light_marker),))
         self._size = size
         self._quality = quality
         self._display = Display()

@@ -15,7 +15,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import radius_of_68_percent
-from ashe_live.core.types import DirectionalLight, TrackedFrame
+from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.light.explanation.evidence import Explanation, appearance, evidence
 from ashe_live.light.explanation.judge_tables import Tables, read_tables
 from ashe_live.light.explanation.uncertainty import Calibration, covariance_of_outlines
@@ -57,9 +57,7 @@ class Judge:
         score = self.tables.explanation.log_odds(explanation_features(explanation))
         return float(np.clip(score, -MOST_LOG_ODDS, MOST_LOG_ODDS))
 
-    def lights_of(
-        self, explanation: Explanation, confidence: float, tracked: TrackedFrame
-    ) -> tuple[DirectionalLight, ...]:
+    def lights_of(self, explanation: Explanation, confidence: float, tracked: TrackedFrame) -> tuple[Light, ...]:
         """The lights of an explanation with covariance, sigma and confidence, the strongest first as in its shifts."""
         lights = []
         for fitted in explanation.lights:
@@ -67,7 +65,7 @@ class Judge:
                 fitted.covariance_rad2, fitted.to_light_marker, confidence, tracked
             )
             sigma_rad = radius_of_68_percent(covariance)
-            lights.append(DirectionalLight(fitted.to_light_marker, covariance, sigma_rad, confidence))
+            lights.append(Light(fitted.to_light_marker, covariance, sigma_rad, confidence))
         return tuple(lights)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised, radius_of_68_percent, tangent_basis
-from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate
+from ashe_live.core.types import Illumination, Light, LightEstimate
 
 MEMBERS = 8  # the number of latest estimates that are fused; older ones are dropped, as the sun moves
 CHANGED_AFTER = 3  # consecutive estimates that contradict the fused one, and agree among themselves, to replace it
@@ -96,7 +96,7 @@ def fused(estimates: Sequence[LightEstimate]) -> LightEstimate:
     return replace(last, illumination=Illumination(lights, ambient, ground, body))
 
 
-def _fused_light(lights: Sequence[DirectionalLight], weights: Float) -> DirectionalLight:
+def _fused_light(lights: Sequence[Light], weights: Float) -> Light:
     """The direction by covariance intersection in the tangent plane, the rest as weighted means.
 
     The confidence is that of the surest: the others agree with it, so that its direction is right if theirs are.
@@ -115,7 +115,7 @@ def _fused_light(lights: Sequence[DirectionalLight], weights: Float) -> Directio
     is_known = all(light.covariance_rad2 is not None for light in lights)
     sizes = _mean([light.angular_size_rad for light in lights], weights)
     confidence = max((light.confidence for light in lights if light.confidence is not None), default=None)
-    return DirectionalLight(
+    return Light(
         mean,
         covariance if is_known else None,
         radius_of_68_percent(covariance) if is_known else None,
@@ -125,7 +125,7 @@ def _fused_light(lights: Sequence[DirectionalLight], weights: Float) -> Directio
     )
 
 
-def _matched(a: Sequence[DirectionalLight], b: Sequence[DirectionalLight]) -> tuple[DirectionalLight, ...] | None:
+def _matched(a: Sequence[Light], b: Sequence[Light]) -> tuple[Light, ...] | None:
     """The lights `b` in the order of their matches in `a`; None when they are not the same lights."""
     if len(a) != len(b):
         return None
@@ -135,7 +135,7 @@ def _matched(a: Sequence[DirectionalLight], b: Sequence[DirectionalLight]) -> tu
     return None
 
 
-def _same_light(a: DirectionalLight, b: DirectionalLight) -> bool:
+def _same_light(a: Light, b: Light) -> bool:
     if a.shadow_rgb_ratio is not None and b.shadow_rgb_ratio is not None:
         factor = (float(a.shadow_rgb_ratio.mean()) + 1e-3) / (float(b.shadow_rgb_ratio.mean()) + 1e-3)
         if not 1 / OTHER_DEPTH <= factor <= OTHER_DEPTH:
@@ -148,14 +148,14 @@ def _same_light(a: DirectionalLight, b: DirectionalLight) -> bool:
     return float(offset @ np.linalg.solve(spread, offset)) <= GATE
 
 
-def _covariance(light: DirectionalLight) -> Float:
+def _covariance(light: Light) -> Float:
     """(3, 3) rad^2 in the marker frame, 0 along the direction: regular at the zenith, unlike azimuth and elevation."""
     basis = tangent_basis(light.to_light_marker)
     covariance = UNKNOWN_SIGMA_RAD**2 * np.eye(2) if light.covariance_rad2 is None else light.covariance_rad2
     return np.asarray(basis.T @ covariance @ basis)
 
 
-def _information(light: DirectionalLight) -> Float:
+def _information(light: Light) -> Float:
     """(3, 3) pseudo-inverse of `_covariance`: the information within the tangent plane."""
     return np.asarray(np.linalg.pinv(_covariance(light), hermitian=True))
 

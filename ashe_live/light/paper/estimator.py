@@ -12,7 +12,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Size
 from ashe_live.core.stages import StageClock
-from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, TrackedFrame
+from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.paper import geometry, masks
 from ashe_live.light.paper.shadow_colour import shadow_rgb_ratio
 
@@ -57,7 +57,7 @@ class PaperEstimator:
         object_mask: Mask | None = None
         shadow_mask: Mask | None = None
 
-        def answer(light: DirectionalLight | None, reason: str | None) -> LightEstimate:
+        def answer(light: Light | None, reason: str | None) -> LightEstimate:
             found = Illumination(() if light is None else (light,))
             return LightEstimate(
                 self.name, tracked.frame.index, found, reason, object_mask, shadow_mask, clock.timing_ms()
@@ -109,7 +109,7 @@ class PaperEstimator:
             return answer(None, "the shadow does not fit a light above the ground")
         ratio = shadow_rgb_ratio(image, shadow_mask, object_mask | sheet)
         clock.end("judge")
-        return answer(DirectionalLight(to_light, shadow_rgb_ratio=ratio), None)
+        return answer(Light(to_light, shadow_rgb_ratio=ratio), None)
 
 
 def _polygon_area(hull_px: Float) -> float:

@@ -12,7 +12,7 @@ from ashe_live.bench.light.clips import LightClip, estimate_clip, read_clips
 from ashe_live.capture.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Frame, Illumination, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 
 SIZE = (64, 48)
@@ -29,7 +29,7 @@ class Wavering:
         if (turn := tracked.frame.index % 3) == 2:
             return LightEstimate(self.name, tracked.frame.index, Illumination(), "tired")
         light = direction_from_angles(0.4, 0.6 + math.radians((2, -2)[turn]))
-        return LightEstimate(self.name, tracked.frame.index, Illumination((DirectionalLight(light),)))
+        return LightEstimate(self.name, tracked.frame.index, Illumination((Light(light),)))
 
 
 def frames(count, without_marker=()):

@@ -13,7 +13,7 @@ from ashe_live.bench.light.results import ALL, ALL_LIT, UPRIGHT, case_result, gr
 from ashe_live.bench.light.targets import verdicts
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles, rigid
-from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose
+from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose
 
 SUN = direction_from_angles(0.5, 0.7)
 LAMP = direction_from_angles(2.5, 0.9)
@@ -29,7 +29,7 @@ def off_by(degrees, from_=SUN, sigma_deg=3.0, confidence=0.9):
     """An answer that many degrees above the truth, as sure as stated, equally in both ways."""
     azimuth, elevation = math.atan2(from_[1], from_[0]), math.asin(from_[2])
     sigma = math.radians(sigma_deg)
-    return DirectionalLight(
+    return Light(
         direction_from_angles(azimuth, elevation + math.radians(degrees)),
         np.eye(2) * (sigma / 1.51) ** 2,
         sigma,

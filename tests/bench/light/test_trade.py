@@ -11,7 +11,7 @@ from ashe_live.bench.cases import Case
 from ashe_live.bench.light.trade import MEDIAN_ERROR, MISSED, VARIATIONS, Variation, print_trade, replaced, sweep
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
-from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate, MarkerPose
+from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 
 
@@ -22,7 +22,7 @@ class Guess:
 
     def estimate(self, tracked):
         return LightEstimate(
-            self.name, tracked.frame.index, Illumination((DirectionalLight((0, 0, 1)),)), timing_ms={"total": 7.0}
+            self.name, tracked.frame.index, Illumination((Light((0, 0, 1)),)), timing_ms={"total": 7.0}
         )
 
 

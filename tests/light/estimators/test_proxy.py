@@ -14,7 +14,7 @@ from ashe_live.bench.cases import read_cases
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, rigid
-from ashe_live.core.types import DirectionalLight, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from tests.light import painted_scenes
 from tests.light.painted_scenes import (
@@ -68,7 +68,7 @@ def estimated(tracked: TrackedFrame) -> LightEstimate:
     return ProxyEstimator().estimate(tracked)
 
 
-def answered(tracked: TrackedFrame) -> DirectionalLight:
+def answered(tracked: TrackedFrame) -> Light:
     estimate = estimated(tracked)
     assert estimate.light is not None, estimate.reason
     return estimate.light
@@ -195,16 +195,14 @@ def turned(tracked: TrackedFrame, angle_rad: float) -> tuple[TrackedFrame, Float
 
 
 @pytest.fixture(scope="module")
-def plain() -> tuple[TrackedFrame, DirectionalLight]:
+def plain() -> tuple[TrackedFrame, Light]:
     """A frame, and its answer."""
     tracked = paint(CYLINDER, size=SMALL, azimuth_deg=110.0, elevation_deg=35.0).tracked
     return tracked, answered(tracked)
 
 
 @pytest.mark.parametrize("quarters", [1, 2, 3])
-def test_turning_the_marker_by_quarters_turns_the_light(
-    plain: tuple[TrackedFrame, DirectionalLight], quarters: int
-) -> None:
+def test_turning_the_marker_by_quarters_turns_the_light(plain: tuple[TrackedFrame, Light], quarters: int) -> None:
     tracked, before = plain
     again, R = turned(tracked, quarters * math.pi / 2)
     after = answered(again)
@@ -216,7 +214,7 @@ def test_turning_the_marker_by_quarters_turns_the_light(
 
 @settings(max_examples=6, deadline=None, derandomize=True)
 @given(st.floats(0, 2 * math.pi))
-def test_turning_the_marker_turns_the_light(plain: tuple[TrackedFrame, DirectionalLight], angle_rad: float) -> None:
+def test_turning_the_marker_turns_the_light(plain: tuple[TrackedFrame, Light], angle_rad: float) -> None:
     """By any angle; only the sheet's corners hide other ground."""
     tracked, before = plain
     again, R = turned(tracked, angle_rad)
@@ -224,7 +222,7 @@ def test_turning_the_marker_turns_the_light(plain: tuple[TrackedFrame, Direction
 
 
 @pytest.mark.parametrize("scale", [1e-3, 12.5, 1e3])
-def test_the_markers_size_does_not_matter(plain: tuple[TrackedFrame, DirectionalLight], scale: float) -> None:
+def test_the_markers_size_does_not_matter(plain: tuple[TrackedFrame, Light], scale: float) -> None:
     tracked, before = plain
     T_cam_marker = np.array(VIEW)
     T_cam_marker[:3, 3] *= scale

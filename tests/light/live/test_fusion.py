@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, tangent_basis
-from ashe_live.core.types import DirectionalLight, Illumination, LightEstimate
+from ashe_live.core.types import Illumination, Light, LightEstimate
 from ashe_live.light.live.fusion import CHANGED_AFTER, MEMBERS, LightFusion, agree, fused
 
 SUN = direction_from_angles(0.7, 0.8)
@@ -18,13 +18,11 @@ def turned(direction, east_deg: float, up_deg: float):
     return direction + np.radians([east_deg, up_deg]) @ tangent_basis(direction)
 
 
-def light(direction, sigmas_deg=(2.0, 2.0), confidence=0.8, depth: float = 0.4) -> DirectionalLight:
-    return DirectionalLight(
-        direction, np.diag(np.radians(sigmas_deg) ** 2), None, confidence, shadow_rgb_ratio=np.full(3, depth)
-    )
+def light(direction, sigmas_deg=(2.0, 2.0), confidence=0.8, depth: float = 0.4) -> Light:
+    return Light(direction, np.diag(np.radians(sigmas_deg) ** 2), None, confidence, shadow_rgb_ratio=np.full(3, depth))
 
 
-def estimate(*lights: DirectionalLight) -> LightEstimate:
+def estimate(*lights: Light) -> LightEstimate:
     return LightEstimate("test", 0, Illumination(lights))
 
 
@@ -140,7 +138,7 @@ def test_a_slow_sun_is_followed():
 
 
 def test_an_estimator_that_tells_no_uncertainty_is_averaged_alike():
-    plain = [LightEstimate("test", 0, Illumination((DirectionalLight(turned(SUN, side, 0)),))) for side in (-2, 2)]
+    plain = [LightEstimate("test", 0, Illumination((Light(turned(SUN, side, 0)),))) for side in (-2, 2)]
     answer = fused(plain).light
     assert math.degrees(angle_between(answer.to_light_marker, SUN)) < 1e-2
     assert answer.covariance_rad2 is answer.sigma_rad is answer.confidence is None
