@@ -137,7 +137,7 @@ def _pieces(word: str, font_px: float, width: int) -> list[str]:
 
 
 def _overlay(block: _Block, size: Size, gap: int) -> Overlay:
-    plate = _plate(block.rows, block.font_px)
+    plate = rows_plate(block.rows, block.font_px)
     height, width = plate.shape[:2]
     left, top = {
         "top left": (gap, gap),
@@ -157,26 +157,40 @@ def _column_widths(rows: Rows, font_px: float) -> list[int]:
     return [max(round(_font(font_px).getlength(row[at])) for row in rows if at < len(row)) for at in range(columns)]
 
 
+@dataclass(frozen=True, slots=True)
+class RowLayout:
+    """Where rows of text stand on their plate, in pixels."""
+
+    size: Size  # of the plate
+    padding: int  # around the rows
+    line: int  # height of a row
+    column_widths: tuple[int, ...]
+    column_gap: int
+
+
+def row_layout(rows: Rows, font_px: float) -> RowLayout:
+    widths = _column_widths(rows, font_px)
+    padding, column_gap, line = round(0.6 * font_px), round(1.4 * font_px), round(1.35 * font_px)
+    width = sum(widths) + column_gap * (len(widths) - 1) + 2 * padding
+    return RowLayout((width, line * len(rows) + 2 * padding), padding, line, tuple(widths), column_gap)
+
+
 def _extent(rows: Rows, font_px: float) -> Size:
     """Width and height of a plate, in pixels."""
-    widths = _column_widths(rows, font_px)
-    padding, column_gap = round(0.6 * font_px), round(1.4 * font_px)
-    return sum(widths) + column_gap * (len(widths) - 1) + 2 * padding, round(1.35 * font_px) * len(rows) + 2 * padding
+    return row_layout(rows, font_px).size
 
 
-def _plate(rows: Rows, font_px: float) -> Image:
+def rows_plate(rows: Rows, font_px: float) -> Image:
     """(h, w, 4) uint8 sRGB, straight alpha: rows of text in aligned columns on a rounded rectangle."""
-    font, widths = _font(font_px), _column_widths(rows, font_px)
-    line_px = round(1.35 * font_px)
-    padding, column_gap = round(0.6 * font_px), round(1.4 * font_px)
-    width, height = _extent(rows, font_px)
+    font, layout = _font(font_px), row_layout(rows, font_px)
+    width, height = layout.size
     picture = PillowImage.new("RGBA", (width, height))
     draw = ImageDraw.Draw(picture)
     draw.rounded_rectangle((0, 0, width - 1, height - 1), radius=round(0.5 * font_px), fill=PLATE_SRGBA)
     for number, row in enumerate(rows):
-        left = padding
-        for cell, column in zip(row, widths, strict=False):
-            middle = padding + (number + 0.5) * line_px
+        left = layout.padding
+        for cell, column in zip(row, layout.column_widths, strict=False):
+            middle = layout.padding + (number + 0.5) * layout.line
             draw.text((left, middle), cell, fill=TEXT_SRGBA, font=font, anchor="lm")
-            left += column + column_gap
+            left += column + layout.column_gap
     return np.array(picture, dtype=np.uint8)

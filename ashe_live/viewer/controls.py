@@ -40,6 +40,7 @@ class Command(Enum):
     OPEN = auto()
     HELP = auto()
     LEAVE = auto()
+    UNDO = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +114,7 @@ class MouseAction(Enum):
     PRESSED = auto()
     RELEASED = auto()
     SCROLLED = auto()
+    MENU = auto()  # its right button went down
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +204,7 @@ BINDINGS = (
         "light and model as before",
         gesture=Gesture.DOUBLE_CLICK,
     ),
+    Binding((CTRL + "Z",), Command.UNDO, "Ctrl+Z", "undo what was done by hand"),
     Binding(
         (CTRL + "V",),
         Command.OPEN,
@@ -255,4 +258,4 @@ def request_for(label: str, place: str | None, held: str = "") -> Request | None
 
 def help_rows() -> tuple[tuple[str, str], ...]:
     """Keys and what they do, row by row."""
-    return tuple((binding.shown, binding.help) for binding in BINDINGS)
+    return (*((binding.shown, binding.help) for binding in BINDINGS), ("right click", "all this in a menu"))

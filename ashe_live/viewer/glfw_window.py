@@ -166,6 +166,8 @@ class GlfwWindow:
             self._shift = bool(modifiers & glfw.MOD_SHIFT)
             kind = MouseAction.PRESSED if action == glfw.PRESS else MouseAction.RELEASED
             self._mouse.append(self._mouse_event(kind))
+        elif button == glfw.MOUSE_BUTTON_RIGHT and action == glfw.PRESS:
+            self._mouse.append(self._mouse_event(MouseAction.MENU))
 
     def _on_scroll(self, _window: object, x: float, y: float) -> None:
         # GLFW reports no modifiers here; and with Shift macOS scrolls sideways.

@@ -4,6 +4,7 @@ import operator
 import time
 from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from ashe_live.core.camera import Size
@@ -21,6 +22,7 @@ from ashe_live.viewer.display import Display
 from ashe_live.viewer.gestures import Gestures
 from ashe_live.viewer.keeping import Keeper
 from ashe_live.viewer.marker_hunt import MarkerHunt
+from ashe_live.viewer.menu import Menu, entries_for
 from ashe_live.viewer.opening import Opener, Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.playback import Playback
@@ -58,6 +60,7 @@ class LiveViewer:
         self._session = session
         self._display = Display()
         self._gestures = Gestures(window.content_scale)
+        self._menu = Menu()
         self._quality_name = quality_name
         self._interval_s = 1 / window.refresh_rate_hz
         self._auto: AutoQuality | None = None
@@ -164,6 +167,8 @@ class LiveViewer:
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality_shown, self._playback.pace_shown, recording)))
         scene = self._display.scene(self._session, size, manner, now_s, self._fps(), status, scale, moment)
+        if menu := self._menu.overlays(size):
+            scene = replace(scene, overlays=(*scene.overlays, *menu))
         shown = (scene, size, self._renderer.preset)
         if self._renderer.is_settled and self._shown is not None and _same(shown, self._shown):
             self._unchanged += 1
@@ -212,6 +217,10 @@ class LiveViewer:
     def _follow_mouse(self, now_s: float) -> None:
         size, scale = self._window.framebuffer_size, self._window.content_scale
         for event in self._window.take_mouse():
+            if self._menu.take_mouse(event, entries_for(*self._session.models), size, scale):
+                if (chosen := self._menu.take_request()) is not None:
+                    self._obey(chosen, now_s)
+                continue
             if self._playback.take_mouse(event, size, scale, now_s):
                 continue
             request = self._gestures.add(event, now_s)
@@ -250,8 +259,10 @@ class LiveViewer:
         return True
 
     def _leave(self) -> None:
-        """Whatever was entered last: the help, the whole screen, the program."""
-        if self._session.show_help:
+        """Whatever was entered last: the menu, the help, the whole screen, the program."""
+        if self._menu.is_open:
+            self._menu.close()
+        elif self._session.show_help:
             self._session.show_help = False
         elif self._window.is_fullscreen:
             self._window.toggle_fullscreen()

@@ -18,6 +18,7 @@ from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
 from ashe_live.viewer.hand import Hand, HandContext
 from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.undo import Undo
 
 NOTICE_S = 4.0
 READ_PER_S = 15.0  # letters, by who reads slowly
@@ -63,6 +64,7 @@ class Session:
         self.steps_bgr: Image | None = None  # sheet of the steps to the last estimate; None: nobody asked for it
         self.shown = Illumination()  # on its way to `lit_by`
         self.hand = Hand()
+        self._undo = Undo()
         self.fusion: LightFusion | None = LightFusion() if policy.automatic else None  # None: each estimate by itself
         self.light_preset = BALANCED
         self.show_light = False
@@ -93,6 +95,12 @@ class Session:
     def model_name(self) -> str:
         """As it is shown: of a file its name without the folders."""
         return Path(self._shelf.shown_name).name
+
+    @property
+    def models(self) -> tuple[tuple[str, ...], int]:
+        """What there is to choose from, as it is shown, and the place of what was chosen."""
+        names = tuple(Path(name).name for name in self._shelf.names)
+        return names, self._shelf.names.index(self._shelf.chosen_name)
 
     @property
     def model_progress(self) -> str | None:
@@ -160,6 +168,7 @@ class Session:
         self._estimated = Illumination()
         self.shown = self._easing.jump(self._estimated)
         self.hand.reset()
+        self._undo.forget()
         self.fusion = None if self.fusion is None else LightFusion()
         self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
         self._steadiness = steadiness
@@ -208,6 +217,7 @@ class Session:
         if self._placed_name is not None:
             self._placements[self._placed_name] = self.hand.placement
             self.hand.placement = self._placements.get(shown, UNMOVED)
+            self._undo.forget()
         self._placed_name = shown
 
     def tell_of_models(self, now_s: float) -> None:
@@ -256,7 +266,11 @@ class Session:
                 self._obey_hand(request, now_s)
             case Command.MOVE_LIGHT | Command.MOVE_MODEL | Command.SCALE_MODEL | Command.TURN_MODEL:
                 self._obey_hand(request, now_s)
+            case Command.UNDO:
+                if not self._undo.undo(self.hand):
+                    self.say("nothing was done by hand that could be undone", now_s)
             case Command.RESET:
+                self._undo.note(self.hand, request, now_s)
                 self.hand.reset()
                 self.parts_shown = WHOLE
             case Command.HELP:
@@ -288,6 +302,7 @@ class Session:
         return self.estimate
 
     def _obey_hand(self, request: Request, now_s: float) -> None:
+        self._undo.note(self.hand, request, now_s)
         before = self.hand.light
         if (said := self.hand.obey(request, HandContext(self.tracked, self._estimated, self.model))) is not None:
             self.say(said, now_s)

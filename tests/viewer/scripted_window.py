@@ -11,7 +11,7 @@ RATE_HZ = 500.0
 
 
 class ScriptedWindow:
-    """Calls the script's steps, one a picture, takes the commands that they return as requests, and closes."""
+    """Calls the script's steps, one a picture, obeys what they return (a request, the mouse's event), and closes."""
 
     framebuffer_size: Size = (64, 48)
     content_scale = 1.0
@@ -25,6 +25,7 @@ class ScriptedWindow:
         self.title = ""
         self.presented: Presentable | None = None
         self.requests: list[Request] = []
+        self.mouse: list[MouseEvent] = []
 
     def take_requests(self, wait_s: float) -> list[Request]:
         if wait_s > 0:
@@ -34,7 +35,8 @@ class ScriptedWindow:
         return requests
 
     def take_mouse(self) -> list[MouseEvent]:
-        return []
+        mouse, self.mouse = self.mouse, []
+        return mouse
 
     def set_title(self, title: str) -> None:
         self.title = title
@@ -57,3 +59,4 @@ class ScriptedWindow:
         self.requests = [Request(wanted)] if isinstance(wanted, Command) else []
         if isinstance(wanted, Request):
             self.requests = [wanted]
+        self.mouse = [wanted] if isinstance(wanted, MouseEvent) else []

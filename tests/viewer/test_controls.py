@@ -76,5 +76,5 @@ def test_modifiers_have_names():
 
 
 def test_the_help_lists_every_binding():
-    assert help_rows() == tuple((binding.shown, binding.help) for binding in BINDINGS)
+    assert set(help_rows()) > {(binding.shown, binding.help) for binding in BINDINGS}
     assert all(shown and text for shown, text in help_rows())

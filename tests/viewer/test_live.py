@@ -21,7 +21,7 @@ from ashe_live.render.offscreen import graphics_failures_told
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer import keeping, marker_hunt
 from ashe_live.viewer import recording as recording_module
-from ashe_live.viewer.controls import Command, Files, Request
+from ashe_live.viewer.controls import Command, Files, MouseAction, MouseEvent, Request
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.live import UNCHANGED_PICTURES, LiveViewer
 from ashe_live.viewer.session import EstimatePolicy, Session
@@ -447,3 +447,30 @@ def test_what_does_not_change_is_not_drawn_again(stage):
     stage.run(awaited(stage, is_settled), lambda: stage.put(1), None, None, None)
     assert counts[-1] >= UNCHANGED_PICTURES
     assert len(stage.renderer.scenes) > counts[-1]
+
+
+def test_the_menu_does_what_its_row_says(stage):
+    stage.put(0)
+
+    def first_row() -> MouseEvent:
+        overlay = stage.renderer.scenes[-1].overlays[-1]
+        return MouseEvent(MouseAction.PRESSED, overlay.left_px + 5.0, overlay.top_px + 6.0)
+
+    stage.session._shelf.at = 2
+    stage.run(None, MouseEvent(MouseAction.MENU, 1.0, 1.0), None, first_row, None)
+    assert stage.session.model_name == "cube"
+
+
+def test_escape_closes_the_menu_before_it_leaves(stage):
+    stage.put(0)
+    still_running = []
+    opening = MouseEvent(MouseAction.MENU, 1.0, 1.0)
+    stage.run(None, opening, None, Command.LEAVE, lambda: still_running.append(True), Command.LEAVE, None, pytest.fail)
+    assert still_running
+
+
+def test_ctrl_z_takes_back_what_was_done_by_hand(stage):
+    stage.put(0)
+    stage.run(None, Request(Command.SCALE_MODEL, 1), Command.UNDO, None, Command.UNDO, None)
+    assert stage.session.hand.placement.scale == 1
+    assert "nothing was done" in stage.session.last_notice
