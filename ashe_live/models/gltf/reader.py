@@ -20,11 +20,12 @@ from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.container import Buffers, split
 from ashe_live.models.gltf.draco import DracoPrimitive
 from ashe_live.models.gltf.materials import Materials
+from ashe_live.models.gltf.missing import note_what_is_missing
 from ashe_live.models.gltf.pose import Pose, skinned
 from ashe_live.models.gltf.schema import UV_SETS, checked
 from ashe_live.models.limits import check_gltf
 from ashe_live.models.malformed import MalformedError
-from ashe_live.models.notes import Notes, listed
+from ashe_live.models.notes import Notes
 from ashe_live.process.messages import printable
 
 DRACO = "KHR_draco_mesh_compression"
@@ -41,13 +42,6 @@ DRAWN = {
 }
 # What is drawn in their place looks much like it; a note says what is missing.
 TOLERATED = ("KHR_materials_", "KHR_texture_basisu", "KHR_lights_punctual", "KHR_xmp", "KHR_animation_pointer")
-PLAIN = {
-    "KHR_materials_clearcoat": "clear coats",
-    "KHR_materials_sheen": "sheen",
-    "KHR_materials_iridescence": "iridescence",
-    "KHR_materials_anisotropy": "anisotropy",
-    "KHR_materials_diffuse_transmission": "diffuse transmission",
-}
 
 
 def read_gltf(path: Path, content: bytes, folder: Folder, notes: Notes) -> Iterator[tuple[Float, RawMesh]]:
@@ -64,7 +58,7 @@ def read_gltf(path: Path, content: bytes, folder: Folder, notes: Notes) -> Itera
         mesh["primitives"] = [primitive for primitive in mesh["primitives"] if "POSITION" in primitive["attributes"]]
     check_gltf(path, amounts_of(header))
     check_layout(header)
-    _note_what_is_missing(document, header, notes)
+    note_what_is_missing(document, header, notes)
     arrays = Arrays(header, Buffers(header, binary, folder))
     is_animated = bool(header.get("animations"))
     reader = _Reader(header, arrays, Materials(header, arrays, folder, notes), notes)
@@ -81,21 +75,6 @@ def _check_extensions(path: Path, document: dict[str, Any]) -> None:
         if not (isinstance(name, str) and (name in DRAWN or name.startswith(TOLERATED))):
             said = printable(name, NAME_CHARACTERS)
             raise UserError(f"the model file {path} needs {said}, which is not supported", "export it without that")
-
-
-def _note_what_is_missing(document: dict[str, Any], header: dict[str, Any], notes: Notes) -> None:
-    materials = document.get("materials", [])
-    used = {name for material in materials for name in material.get("extensions", {})}
-    if plain := [words for name, words in PLAIN.items() if name in used]:
-        notes.add(f"it is drawn without {listed(plain)}")
-    if animations := header.get("animations", []):
-        which = "its animation is" if len(animations) == 1 else f"the first of {len(animations)} animations is"
-        notes.add(f"{which} shown at its first frame, and not played")
-    nodes = document.get("nodes", [])
-    if any("KHR_lights_punctual" in (node.get("extensions") or ()) for node in nodes):
-        notes.add("its own lights are left out")
-    if len(header.get("scenes", [])) > 1:
-        notes.add(f"one of its {len(header['scenes'])} scenes is shown")
 
 
 def _has_extent(T: Float, mesh: RawMesh) -> bool:

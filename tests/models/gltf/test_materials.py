@@ -190,6 +190,25 @@ def test_what_is_drawn_without_is_said_once(tmp_path: Path) -> None:
     assert model.notes == ("it is drawn without clear coats and sheen",)
 
 
+@pytest.mark.parametrize(
+    ("extension", "given", "words"),
+    [
+        ("KHR_materials_ior", {"ior": 1.45}, None),
+        ("KHR_materials_ior", {"ior": 2.42}, "refractive indices"),
+        ("KHR_materials_ior", {"ior": 0}, "refractive indices"),
+        ("KHR_materials_specular", {"specularColorFactor": [1.0, 1.0, 1.0]}, None),
+        ("KHR_materials_specular", {"specularFactor": 0}, "specular factors"),
+        ("KHR_materials_specular", {"specularColorFactor": [1.0, 0.2, 0.2]}, "specular factors"),
+        ("KHR_materials_volume", {"thicknessFactor": 0}, None),
+        ("KHR_materials_volume", {"thicknessFactor": 0.02}, "the thickness of glass"),
+        ("KHR_materials_dispersion", {"dispersion": 0.1}, "dispersion"),
+    ],
+)
+def test_what_would_be_seen_is_said_and_what_would_not_is_not(tmp_path, extension, given, words):
+    model = quad_of(tmp_path, {"extensions": {extension: given}})
+    assert model.notes == (() if words is None else (f"it is drawn without {words}",))
+
+
 def test_textures_of_an_unread_kind_are_left_out_and_said(tmp_path: Path) -> None:
     document = Document()
     document.json["images"] = [{"bufferView": document.view(b"\xabKTX 20\xbb"), "mimeType": "image/ktx2"}]

@@ -1,0 +1,68 @@
+"""What of a glTF file is not drawn as it says: in words, for its notes."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from ashe_live.models.notes import Notes, listed
+
+PLAIN = {
+    "KHR_materials_clearcoat": "clear coats",
+    "KHR_materials_sheen": "sheen",
+    "KHR_materials_iridescence": "iridescence",
+    "KHR_materials_anisotropy": "anisotropy",
+    "KHR_materials_diffuse_transmission": "diffuse transmission",
+}
+# Of what every surface reflects straight on: as much as glass does, in all that is drawn.
+USUAL_REFLECTANCE, VISIBLE_REFLECTANCE = 0.04, 0.02
+VISIBLE_SHARE, VISIBLE_TINT = 0.5, 0.1
+
+
+def _refracts_otherwise(extensions: dict[str, Any]) -> bool:
+    index = _number(extensions, "KHR_materials_ior", "ior", 1.5)
+    if index < 1:  # 0: as if infinite
+        return True
+    return abs(((index - 1) / (index + 1)) ** 2 - USUAL_REFLECTANCE) > VISIBLE_REFLECTANCE
+
+
+def _shines_otherwise(extensions: dict[str, Any]) -> bool:
+    given = extensions.get("KHR_materials_specular")
+    if not isinstance(given, dict):
+        return False
+    share = _number(extensions, "KHR_materials_specular", "specularFactor", 1.0)
+    colour = given.get("specularColorFactor", [])
+    tints = [each for each in colour if isinstance(each, int | float)] if isinstance(colour, list) else []
+    is_mapped = "specularTexture" in given or "specularColorTexture" in given
+    return is_mapped or abs(share - 1) > VISIBLE_SHARE or any(abs(each - 1) > VISIBLE_TINT for each in tints)
+
+
+def _number(extensions: dict[str, Any], name: str, key: str, usual: float) -> float:
+    given = extensions.get(name)
+    value = given.get(key, usual) if isinstance(given, dict) else usual
+    return float(value) if isinstance(value, int | float) else usual
+
+
+# Exporters write these for every material, mostly with values that change nothing.
+SEEN_BY_VALUE: Mapping[str, Callable[[dict[str, Any]], bool]] = {
+    "refractive indices": _refracts_otherwise,
+    "specular factors": _shines_otherwise,
+    "the thickness of glass": lambda each: _number(each, "KHR_materials_volume", "thicknessFactor", 0.0) > 0,
+    "dispersion": lambda each: _number(each, "KHR_materials_dispersion", "dispersion", 0.0) > 0,
+}
+
+
+def note_what_is_missing(document: dict[str, Any], header: dict[str, Any], notes: Notes) -> None:
+    """From the whole document and from the part of it that `checked` has passed."""
+    materials = document.get("materials", [])
+    used = [extensions for material in materials if isinstance(extensions := material.get("extensions", {}), dict)]
+    plain = [words for name, words in PLAIN.items() if any(name in extensions for extensions in used)]
+    plain += [words for words, is_seen in SEEN_BY_VALUE.items() if any(map(is_seen, used))]
+    if plain:
+        notes.add(f"it is drawn without {listed(plain)}")
+    if animations := header.get("animations", []):
+        which = "its animation is" if len(animations) == 1 else f"the first of {len(animations)} animations is"
+        notes.add(f"{which} shown at its first frame, and not played")
+    nodes = document.get("nodes", [])
+    if any("KHR_lights_punctual" in (node.get("extensions") or ()) for node in nodes):
+        notes.add("its own lights are left out")
+    if len(header.get("scenes", [])) > 1:
+        notes.add(f"one of its {len(header['scenes'])} scenes is shown")
