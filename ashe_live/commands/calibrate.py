@@ -1,4 +1,4 @@
-"""`ashe-live calibrate`: a camera's K and distortion, from a board shown to it or from a clip of one."""
+"""`ashe-live calibrate`: a camera's K and distortion, from a board shown to it, or from a clip or photos of one."""
 
 import argparse
 import contextlib
@@ -12,6 +12,7 @@ import numpy as np
 from rich.progress import BarColumn, Progress, TextColumn
 from rich.table import Table
 
+from ashe_live.capture.photo_series import PhotoSeries
 from ashe_live.capture.sources import Source, SourceLost, open_source
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.types import Frame
@@ -51,6 +52,8 @@ def _opened(options: argparse.Namespace) -> Source:
     if options.camera.isdecimal():
         return WebcamSource(int(options.camera), options.size)
     path = Path(options.camera)
+    if path.is_dir():
+        return PhotoSeries(path)
     # A device is no regular file.
     return WebcamSource(options.camera, options.size) if path.is_char_device() else open_source(path)
 

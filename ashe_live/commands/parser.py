@@ -75,8 +75,8 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
         "--camera",
         type=values.camera,
         default="0",
-        metavar="N|CLIP",
-        help="a camera, or a clip of the board (default 0)",
+        metavar="N|CLIP|FOLDER",
+        help="a camera, or a clip or a folder of photos of the board (default 0)",
     )
     calibrate.add_argument(
         "--out", type=Path, required=True, metavar="FILE.json", help="the calibration, for --camera-file"

@@ -51,6 +51,30 @@ def board_clip(pictures: list[Image], tmp_path_factory: pytest.TempPathFactory) 
     return path
 
 
+def test_a_folder_of_photos_gives_a_camera_file(run, pictures: list[Image], tmp_path: Path) -> None:
+    folder, path = tmp_path / "photos", tmp_path / "camera.json"
+    folder.mkdir()
+    for number, picture in enumerate(pictures):
+        cv2.imwrite(str(folder / f"{number:02}.png"), picture)
+    (folder / "notes.txt").write_text("f/8")
+    assert run("calibrate", "--camera", folder, "--out", path).status == 0
+    assert read_camera_file(path).K[0, 0] == pytest.approx(430, rel=0.01)
+
+
+def test_photos_of_two_sizes_are_refused_by_name(run, pictures: list[Image], tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "a.png"), pictures[0])
+    cv2.imwrite(str(tmp_path / "b.png"), pictures[1][:-8])
+    outcome = run("calibrate", "--camera", tmp_path, "--out", tmp_path / "camera.json")
+    assert outcome.status == 2
+    assert "b.png has 480x352 pixels" in outcome.err[-1]
+
+
+def test_a_folder_without_photos_is_refused(run, tmp_path: Path) -> None:
+    outcome = run("calibrate", "--camera", tmp_path, "--out", tmp_path / "camera.json")
+    assert outcome.status == 2
+    assert "no photo" in outcome.err[-1]
+
+
 def test_a_clip_gives_a_camera_file(run, board_clip: Path, tmp_path: Path) -> None:
     path = tmp_path / "camera.json"
     outcome = run("calibrate", "--camera", board_clip, "--out", path)

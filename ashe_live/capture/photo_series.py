@@ -1,0 +1,52 @@
+"""The photos of a folder as one source, a frame each: all by one camera, of one size."""
+
+from pathlib import Path
+
+from ashe_live.capture.photo import SUFFIXES, PhotoSource
+from ashe_live.capture.sources import Source
+from ashe_live.core.types import Frame
+from ashe_live.errors import UserError
+
+
+class PhotoSeries(Source):
+    """The photos that are directly in a folder, in the order of their names; each is decoded when it is read."""
+
+    fps = None
+    is_live = False
+    is_photo = False
+    note = None
+
+    def __init__(self, folder: Path) -> None:
+        """Raises UserError when there is no photo in it, or as PhotoSource for the first one."""
+        self.name = folder.name
+        try:
+            inside = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES and path.is_file())
+        except OSError as error:
+            raise UserError(f"cannot read the folder {folder} ({error.strerror})", "choose another one") from None
+        self._paths = [path for path in inside if not path.name.startswith(".")]
+        if not self._paths:
+            raise UserError(f"there is no photo in the folder {folder}", "take a dozen photos of the board")
+        self._index = 0
+        self.size = PhotoSource(self._paths[0]).size
+
+    def read(self) -> Frame | None:
+        """Raises UserError as PhotoSource, and for a photo of another size."""
+        if self._index >= len(self._paths):
+            return None
+        path = self._paths[self._index]
+        frame = PhotoSource(path).read()
+        assert frame is not None
+        if frame.size != self.size:
+            (width, height), (first_width, first_height) = frame.size, self.size
+            raise UserError(
+                f"{path} has {width}x{height} pixels, and the first photo {first_width}x{first_height}",
+                "use photos of one camera, all upright or all on their side",
+            )
+        self._index += 1
+        return Frame(frame.image_bgr, self._index - 1, float(self._index - 1))
+
+    def rewind(self) -> None:
+        self._index = 0
+
+    def close(self) -> None:
+        self._index = len(self._paths)
