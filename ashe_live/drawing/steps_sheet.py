@@ -26,10 +26,11 @@ def steps_sheet(frozen: TrackedFrame, estimate: LightEstimate, trace: "Trace") -
     from ashe_live.light.pixels.view import View
 
     answer = answer_picture(estimate, frozen, WIDTH_PX)
-    pictures = [*traced_pictures(View.of(frozen, WIDTH_PX), trace), DebugPicture("this frame's answer", answer)]
+    titled = DebugPicture("answer: object blue, shadow yellow", answer)
+    pictures = [*traced_pictures(View.of(frozen, WIDTH_PX), trace), titled]
     if estimate.lights:
         rose = rose_picture(estimate, frozen, answer.shape[0])
         height = max(answer.shape[0], rose.shape[0])
-        pictures.append(DebugPicture("light", centred(rose, (height, WIDTH_PX, 3))))
+        pictures.append(DebugPicture("light: dot, camera: triangle", centred(rose, (height, WIDTH_PX, 3))))
     images, titles = zip(*((picture.image_bgr, picture.title) for picture in pictures), strict=True)
     return contact_sheet(images, titles, COLUMNS, WIDTH_PX)

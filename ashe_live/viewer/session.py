@@ -293,6 +293,8 @@ class Session:
         self.estimate, self.estimated_from, self.steps_bgr = answer, self._frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
+        elif self.last_notice == ANSWER_ALONE:
+            self._notice = None
         # An estimate that was requested before the light was set by hand does not replace it.
         if self.hand.light is not None and self._asked_s >= self._by_hand_s:
             if outcome.estimate.light is None:
