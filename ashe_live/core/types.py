@@ -207,11 +207,18 @@ class LightEstimate:
     object_mask: Mask | None = None  # (h, w) at the estimator's working size
     shadow_mask: Mask | None = None  # (h, w) at the estimator's working size
     timing_ms: Mapping[str, float] = field(default_factory=dict)  # by stage, with "total"
+    views: tuple[int, ...] = ()  # indices of the frames that the answer rests on, `frame_index` first; () is that alone
+    span_rad: float | None = None  # largest angle between their directions of view to the marker; None: one view
 
     def __post_init__(self) -> None:
         arguments.instance(self.illumination, Illumination, "illumination")
         if not self.lights and not self.reason:
             raise ValueError("an estimate without a light needs a reason")
+        set_frozen(self, views=tuple(self.views) or (self.frame_index,))
+        if self.views[0] != self.frame_index:
+            raise ValueError(f"the first view of frame {self.frame_index} is itself, not {self.views[0]}")
+        if self.span_rad is not None:
+            ANGLE.checked(self.span_rad, "span_rad")
 
     @property
     def light(self) -> Light | None:

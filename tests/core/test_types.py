@@ -56,6 +56,16 @@ def test_no_light_needs_a_reason() -> None:
         LightEstimate("paper", 0, Illumination())
 
 
+def test_an_estimate_rests_on_its_own_frame_and_may_on_others() -> None:
+    alone = LightEstimate("paper", 3, Illumination(), "no shadow found")
+    assert alone.views == (3,)
+    assert alone.span_rad is None
+    several = dataclasses.replace(alone, views=(3, 1, 7), span_rad=0.4)
+    assert several.views == (3, 1, 7)
+    with pytest.raises(ValueError, match="first view of frame 3"):
+        dataclasses.replace(alone, views=(1, 3))
+
+
 def test_a_light_is_a_unit_vector_with_its_angles() -> None:
     light = Light(np.array([0.0, 2.0, 2.0]))
     assert np.linalg.norm(light.to_light_marker) == pytest.approx(1)

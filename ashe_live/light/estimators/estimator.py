@@ -1,6 +1,6 @@
 """The interface of light estimators, and the names by which one is chosen."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from ashe_live.core.types import LightEstimate, TrackedFrame
@@ -12,15 +12,17 @@ if TYPE_CHECKING:
 
 
 class Estimator(Protocol):
-    """Estimates the light from one frozen frame; deterministic to the bit."""
+    """Estimates the light from one frozen frame, or from several of an unmoved scene; deterministic to the bit."""
 
     @property
     def name(self) -> str: ...
 
-    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
+    def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:
         """The light in the marker frame; if none can be found, an estimate with no lights and a reason.
 
-        Raises ValueError when the frame has no marker, as directions are given in the marker frame.
+        others: further views of the same unmoved scene; those without a marker are left out. Masks and body are those
+        of `tracked`; `LightEstimate.views` says which views the answer rests on. Raises ValueError when `tracked` has
+        no marker, as directions are given in the marker frame.
         """
         ...
 
@@ -29,7 +31,7 @@ class Estimator(Protocol):
 class TracingEstimator(Estimator, Protocol):
     """An estimator that can also return the intermediate results of an estimate."""
 
-    def traced(self, tracked: TrackedFrame) -> "tuple[LightEstimate, Trace]":
+    def traced(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> "tuple[LightEstimate, Trace]":
         """As `estimate`, with the trace of intermediate results."""
         ...
 

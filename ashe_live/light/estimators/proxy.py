@@ -48,12 +48,16 @@ class ProxyEstimator:
         self._steps = steps
         self._judge = judge or fitted_judge()
 
-    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
+    def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:
         """As Estimator.estimate; the masks show the whole frame at the scale of the explained region."""
-        estimate, _ = self.traced(tracked)
+        estimate, _ = self.traced(tracked, others)
         return estimate
 
-    def traced(self, tracked: TrackedFrame) -> tuple[LightEstimate, Trace]:
+    def traced(
+        self,
+        tracked: TrackedFrame,
+        others: Sequence[TrackedFrame] = (),  # noqa: ARG002 - not used yet: the answer says that it rests on one view
+    ) -> tuple[LightEstimate, Trace]:
         """As `estimate`, with the trace of intermediate results: some megabytes that refer to the picture."""
         if tracked.marker is None:
             raise ValueError("a frame without a marker has no marker frame to answer in")

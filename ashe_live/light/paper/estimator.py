@@ -4,6 +4,7 @@ Source: "A Shadow Estimator for Augmented Reality Systems on Mobile Platforms" (
 `masks` and `geometry`; here they are called in the paper's order. It gives no uncertainty or confidence.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -45,10 +46,14 @@ class PaperEstimator:
     def name(self) -> str:
         return "paper"
 
-    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
+    def estimate(
+        self,
+        tracked: TrackedFrame,
+        others: Sequence[TrackedFrame] = (),  # noqa: ARG002 - as published, it answers from one frame
+    ) -> LightEstimate:
         """The paper's estimate; no lights and a reason if a step finds nothing or the light is not above the ground.
 
-        Raises ValueError when the frame has no marker.
+        others: left out, as the method is one for a single frame. Raises ValueError when the frame has no marker.
         """
         if tracked.marker is None:
             raise ValueError("an estimate needs a frame with a marker")
