@@ -37,7 +37,7 @@ ROOMS: dict[str, set[str]] = {
         "core", "errors", "light.pixels", "light.ground", "light.outline_fit", "light.labels", "light.explanation",
         "light.paper",
     },
-    "light.live": {"core", "light.estimators", "process"},
+    "light.live": {"core", "light.pixels", "light.estimators", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},
     "render": {"core", "errors", "files", "models", "process"},
     "quality": {"tracking", "light.estimators", "render"},

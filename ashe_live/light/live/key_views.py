@@ -1,0 +1,203 @@
+"""Key views: of a camera's frames the few that show an unmoved scene from different sides, kept for the estimator.
+
+Frames from one side tell hardly more than one of them; frames from several part what lies on the marker's plane from
+what stands on it. A frame's direction of view is looked at first, as that costs a few products, its sharpness only if
+that is wanted, and only one that is kept is scaled down.
+"""
+
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import combinations
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+
+MOST_VIEWS = 12
+# The widest picture that a preset of the estimator works on; halving keeps at least that.
+WORKING_WIDTH_PX = 640
+MOST_BYTES = 40e6  # of all views together
+MOST_PIXELS = MOST_BYTES / MOST_VIEWS / 3
+# From directions nearer to each other than this a thing of 5 cm, half a metre away, shifts by less than two pixels.
+LEAST_COSINE = math.cos(math.radians(1.0))
+# A full set takes in what makes its narrowest gap wider by this factor: without it, noise would renew the set for ever.
+GAIN = 1.25
+# The sun moves by a degree in four minutes, and clouds come: an older view gives way to a new one from its side.
+RENEWED_AFTER_S, OLDEST_S = 30.0, 120.0
+# Standard deviation of the pose's rotation: 30 cm beside the marker it moves the ground by 2.6 mm.
+MOST_ROTATION_SIGMA_RAD = math.radians(0.5)
+# Standard deviation of the blur across the marker's borders, in pixels of the picture that is kept: a sharp border,
+# averaged over pixels as a camera does, has 0.4 to 1.
+MOST_BLUR_PX = 2.0
+# The side of what is looked at around a corner of the marker for it.
+CROP_PX = 64
+
+
+def direction_of_view(marker: MarkerPose) -> Float:
+    """(3,) unit, marker frame: from the marker's centre towards the camera."""
+    towards = -marker.T_cam_marker[:3, 3] @ marker.T_cam_marker[:3, :3]
+    return np.asarray(towards / math.sqrt(towards @ towards))
+
+
+def span_of(views: Sequence[TrackedFrame]) -> float:
+    """The largest angle between two views' directions, seen from the marker, in radians; 0 for fewer than two."""
+    directions = [direction_of_view(view.marker) for view in views if view.marker is not None]
+    return max((angle_between(a, b) for a, b in combinations(directions, 2)), default=0.0)
+
+
+class KeyViews:
+    """A handful of frames, spread over the directions from which the scene has been seen.
+
+    One thread adds frames; any may read `views`, and drop some.
+    """
+
+    def __init__(self, most: int = MOST_VIEWS) -> None:
+        self._most = most
+        self._set = _ViewSet(())
+        self._camera: Camera | None = None  # of the frames as they came
+        self._changing = threading.Lock()  # held for some comparisons, never while a picture is looked at
+
+    @property
+    def views(self) -> tuple[TrackedFrame, ...]:
+        """In the order in which they were taken in; scaled down, with their cameras and corners."""
+        return self._set.views
+
+    @property
+    def nbytes(self) -> int:
+        """What the pictures take."""
+        return sum(view.frame.image_bgr.nbytes for view in self.views)
+
+    def add(self, tracked: TrackedFrame) -> bool:
+        """Takes in a frame if it is sharp, well posed and seen from another side; returns whether it was."""
+        marker = tracked.marker
+        if marker is None or not _is_well_posed(marker):
+            return False
+        if tracked.camera is not self._camera:
+            # Its poses belong to its focal length: those of another one do not fit them.
+            self.drop()
+            self._camera = tracked.camera
+        time_s = tracked.frame.time_s
+        given_way = self._set.given_way(direction_of_view(marker), time_s, self._most)
+        if given_way is None:
+            return False
+        size = kept_size(tracked.frame.size)
+        if blur_px(tracked) * size[0] / tracked.frame.size[0] > MOST_BLUR_PX:
+            return False
+        view = scaled(tracked, size)
+        with self._changing:
+            stay = [each for each in _without(self.views, given_way) if _age_s(each, time_s) <= OLDEST_S]
+            self._set = _ViewSet((*stay, view))
+        return True
+
+    def drop(self, views: Sequence[TrackedFrame] | None = None) -> None:
+        """Forgets these views, or all of them."""
+        with self._changing:
+            self._set = _ViewSet(() if views is None else _without(self.views, views))
+
+
+class _ViewSet:
+    """Views and what is to be known of them for every frame that comes."""
+
+    def __init__(self, views: tuple[TrackedFrame, ...]) -> None:
+        self.views = views
+        self._directions = np.array([direction_of_view(view.marker) for view in views if view.marker is not None])
+        if len(views) > 1:
+            between = np.arccos(np.clip(self._directions @ self._directions.T, -1.0, 1.0))
+            np.fill_diagonal(between, np.inf)
+            gaps = np.sort(between, axis=1)
+            # Of the two at the narrowest gap, the one whose next neighbours are nearer.
+            self._redundant = min(range(len(views)), key=lambda at: tuple(gaps[at]))
+            self._narrowest_rad = float(gaps[self._redundant, 0])
+
+    def given_way(self, direction: Float, time_s: float, most: int) -> tuple[TrackedFrame, ...] | None:
+        """Those in whose place a view from `direction` (3,) comes; None where it is not wanted."""
+        if not self.views:
+            return ()
+        cosines = self._directions @ direction
+        nearest = int(cosines.argmax())
+        if cosines[nearest] > LEAST_COSINE:
+            return (self.views[nearest],) if _age_s(self.views[nearest], time_s) > RENEWED_AFTER_S else None
+        if len(self.views) < most:
+            return ()
+        cosines[self._redundant] = -1.0
+        is_gain = math.acos(min(1.0, cosines.max())) > GAIN * self._narrowest_rad
+        return (self.views[self._redundant],) if is_gain else None
+
+
+def _is_well_posed(marker: MarkerPose) -> bool:
+    if marker.bridged:
+        return False
+    covariance = marker.covariance
+    return covariance is None or max(covariance[0, 0], covariance[1, 1]) <= MOST_ROTATION_SIGMA_RAD**2
+
+
+def _without(views: Sequence[TrackedFrame], gone: Sequence[TrackedFrame]) -> tuple[TrackedFrame, ...]:
+    """By identity, as pictures are not to be compared."""
+    return tuple(view for view in views if not any(view is other for other in gone))
+
+
+def _age_s(view: TrackedFrame, now_s: float) -> float:
+    return abs(now_s - view.frame.time_s)
+
+
+def kept_size(size: tuple[int, int]) -> tuple[int, int]:
+    """The size to which a picture is halved, once or several times: such scaling costs the least."""
+    width, height = size
+    while width >= 2 * WORKING_WIDTH_PX or width * height > MOST_PIXELS:
+        width, height = (width + 1) // 2, (height + 1) // 2
+    return width, height
+
+
+def scaled(tracked: TrackedFrame, size: tuple[int, int]) -> TrackedFrame:
+    """The frame at `size`, with its camera and corners; itself where that is its size. It must have a marker."""
+    marker, before = tracked.marker, tracked.frame.size
+    assert marker is not None
+    if size == before:
+        return tracked
+    image: Image = np.asarray(cv2.resize(tracked.frame.image_bgr, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    scale = np.divide(size, before)
+    return replace(
+        tracked,
+        frame=Frame(image, tracked.frame.index, tracked.frame.time_s),
+        camera=tracked.camera.resized(size),
+        marker=replace(
+            marker,
+            corners_px=(marker.corners_px + 0.5) * scale - 0.5,
+            reprojection_rms_px=marker.reprojection_rms_px * float(scale[0]),
+            other_rms_px=None if marker.other_rms_px is None else marker.other_rms_px * float(scale[0]),
+        ),
+    )
+
+
+def blur_px(tracked: TrackedFrame) -> float:
+    """Standard deviation of the blur at the marker's corner, in pixels, across the more blurred of its two sides.
+
+    A black square on white paper is a step: blurred by a normal distribution of deviation s, its steepest slope is its
+    height over s sqrt(2 pi). A motion along one side blurs the other alone. Infinity where there is nothing to measure.
+    """
+    if tracked.marker is None:
+        return math.inf
+    image = tracked.frame.image_bgr
+    corners = tracked.marker.corners_px
+    left, top = np.maximum(np.round(corners[0]) - CROP_PX // 2, 0).astype(int)
+    crop = image[top : top + CROP_PX, left : left + CROP_PX]
+    sides = corners[[1, 3]] - corners[0]
+    if min(crop.shape[:2]) < 3 or not sides.any(axis=1).all():
+        return math.inf
+    grey = cv2.cvtColor(np.asarray(crop), cv2.COLOR_BGR2GRAY)
+    across_x, across_y = (
+        cv2.Sobel(grey, cv2.CV_32F, *order, ksize=1, scale=0.5).ravel()[::2] for order in ((1, 0), (0, 1))
+    )
+    levels = np.sort(grey, axis=None)
+    height = float(levels[int(0.98 * len(levels))]) - float(levels[int(0.02 * len(levels))])
+    # Of a sharpened border and of noise the steepest few tell nothing.
+    normals = np.column_stack((-sides[:, 1], sides[:, 0])) / np.linalg.norm(sides, axis=1)[:, None]
+    rank = int(0.99 * len(across_x))
+    slope = min(float(np.partition(np.abs(x * across_x + y * across_y), rank)[rank]) for x, y in normals)
+    return height / (slope * math.sqrt(2 * math.pi)) if height > 0 and slope > 0 else math.inf

@@ -1,0 +1,95 @@
+"""Whether two views show the same scene: what lies on the marker's plane stays where it is, in ground and shadow.
+
+Both views are drawn onto the plane at a tenth of the marker's side, and brought to one exposure. What differs then
+stands above the plane and shears, by no more than its height times the difference of the views' slopes, or has changed:
+the light, an object, or the marker's place. Views from too far apart tell nothing of each other.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.view import View
+
+CELLS_A_SIDE = 10  # on the plane, of the marker's side
+HALF_SIDES = 5  # from the marker's centre to the border of what is compared, in the marker's sides
+VIEW_WIDTH_PX = 160  # at which a cell is about a pixel or two of the picture
+# Difference of log brightness, brought to one exposure: between lit ground and a shadow that leaves three quarters.
+LEAST_DIFFERENCE = 0.3
+# Brighter than this the sensor may be saturated, and tells no difference.
+SATURATED = 250
+# Things up to so high, in the marker's sides, may stand there; what they shear by is no change. Larger shears hide all.
+HIGHEST_SIDES = 3.0
+MOST_SHEAR_SIDES = 0.8
+REGISTRATION_CELLS = 4  # that poses, the picture's scale and its blur leave open
+LEAST_AREA_SIDES = 0.2  # squared: the area of the least thing whose move is noticed
+LEAST_COMPARED_SIDES = 2.0  # squared: of less ground in common nothing is said
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanePicture:
+    """A view drawn onto the marker's plane."""
+
+    brightness: Float32  # (n, n) log of linear light
+    is_seen: Mask  # (n, n) ground in the picture, neither the printed sheet nor saturated
+    slope: Float  # (2,) towards the camera: metres along the plane for each metre of height
+
+    @staticmethod
+    def of(tracked: TrackedFrame) -> "PlanePicture":
+        """It must have a marker."""
+        view = View.of(tracked, VIEW_WIDTH_PX)
+        cells = 2 * HALF_SIDES * CELLS_A_SIDE
+        pixels_from_cells = _pixels_from_plane(view.camera, view.T_cam_marker) @ _plane_from_cells(view.side_m)
+
+        def drawn(picture: Float32 | Mask) -> Float32:
+            source = np.asarray(picture, np.float32)
+            flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+            return np.asarray(cv2.warpPerspective(source, pixels_from_cells, (cells, cells), flags=flags), np.float32)
+
+        is_told = view.is_ground & (view.image_bgr.max(axis=2) < SATURATED)
+        towards = -view.T_cam_marker[:3, 3] @ view.T_cam_marker[:3, :3]
+        slope = towards[:2] / max(abs(towards[2]), 1e-9)
+        return PlanePicture(drawn(log_opponent(view.image_bgr)[..., 0]), drawn(is_told) > 0.99, slope)
+
+
+def differs(a: PlanePicture, b: PlanePicture) -> bool | None:
+    """Whether something has changed between two views; None where they cannot tell."""
+    shear_sides = HIGHEST_SIDES * float(np.hypot(*(a.slope - b.slope)))
+    is_compared = a.is_seen & b.is_seen
+    if shear_sides > MOST_SHEAR_SIDES or np.count_nonzero(is_compared) < LEAST_COMPARED_SIDES * CELLS_A_SIDE**2:
+        return None
+    difference = a.brightness - b.brightness
+    difference -= np.median(difference[is_compared])
+    is_changed = (np.abs(difference) > LEAST_DIFFERENCE) & is_compared
+    width = REGISTRATION_CELLS + round(shear_sides * CELLS_A_SIDE)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width))
+    left = cv2.morphologyEx(is_changed.astype(np.uint8), cv2.MORPH_OPEN, kernel)
+    return bool(np.count_nonzero(left) > LEAST_AREA_SIDES * CELLS_A_SIDE**2)
+
+
+def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
+    """Which of the views `before` are of another scene than `now`: all of them, if more than half that can tell say so.
+
+    A hand that passes through one of them makes that one alone of no use.
+    """
+    told = [differs(now, each) for each in before]
+    gone = [at for at, is_other in enumerate(told) if is_other]
+    return list(range(len(before))) if 2 * len(gone) > told.count(True) + told.count(False) else gone
+
+
+def _pixels_from_plane(camera: Camera, T_cam_marker: Float) -> Float:
+    """(3, 3) homogeneous pixels of homogeneous points of the plane, metres."""
+    return np.asarray(camera.K @ T_cam_marker[:3, (0, 1, 3)])
+
+
+def _plane_from_cells(side_m: float) -> Float:
+    """(3, 3) homogeneous points of the plane of homogeneous cells, whose centres are integers."""
+    cell_m = side_m / CELLS_A_SIDE
+    first_m = -HALF_SIDES * side_m + cell_m / 2
+    return np.array([[cell_m, 0, first_m], [0, cell_m, first_m], [0, 0, 1]])

@@ -1,0 +1,192 @@
+"""Which frames are kept as views: different sides, sharp, well posed, few and small."""
+
+import dataclasses
+import math
+from itertools import pairwise
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angle_between, project, rigid
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.light.live.key_views import (
+    MOST_BLUR_PX,
+    MOST_BYTES,
+    MOST_VIEWS,
+    OLDEST_S,
+    RENEWED_AFTER_S,
+    WORKING_WIDTH_PX,
+    KeyViews,
+    blur_px,
+    direction_of_view,
+    kept_size,
+    scaled,
+    span_of,
+)
+
+SIZE = (640, 480)
+CAMERA = Camera.from_hfov(SIZE, 60)
+SIDE_M = 0.08
+SQUARE = SIDE_M / 2 * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)])
+SURE = np.diag([1e-3] * 6) ** 2
+
+
+def view(azimuth_deg: float, index: int = 0, time_s: float = 0.0, blur: float = 0.8, camera=CAMERA) -> TrackedFrame:
+    """The marker's square on white paper from 45 degrees above and half a metre, blurred by `blur` pixels."""
+    azimuth = math.radians(azimuth_deg)
+    centre = 0.5 * np.array([math.cos(azimuth), math.sin(azimuth), 1.0]) / math.sqrt(2)
+    forward = -centre / np.linalg.norm(centre)
+    right = np.cross(forward, (0, 0, 1))
+    right /= np.linalg.norm(right)
+    R = np.array([right, np.cross(forward, right), forward])
+    T_cam_marker = rigid(R, -R @ centre)
+    corners = project(camera, T_cam_marker, SQUARE)
+    image = np.full((camera.size[1], camera.size[0], 3), 230, np.uint8)
+    cv2.fillConvexPoly(image, np.round(corners * 16).astype(int), (20, 20, 20), cv2.LINE_AA, 4)
+    if blur:
+        image = cv2.GaussianBlur(image, (0, 0), blur)
+    pose = MarkerPose(T_cam_marker, corners, SIDE_M, 0.1, 0.5, SURE)
+    return TrackedFrame(Frame(image, index, time_s), camera, pose)
+
+
+def orbit(degrees) -> list[TrackedFrame]:
+    return [view(degree, index, index / 30) for index, degree in enumerate(degrees)]
+
+
+def kept_of(frames) -> KeyViews:
+    kept = KeyViews()
+    for frame in frames:
+        kept.add(frame)
+    return kept
+
+
+def narrowest(views) -> float:
+    directions = [direction_of_view(each.marker) for each in views]
+    return min(angle_between(a, b) for at, a in enumerate(directions) for b in directions[:at])
+
+
+def test_a_camera_that_stands_still_leaves_one_view_however_long() -> None:
+    trembling = np.random.default_rng(1).normal(0, 0.2, 200)
+    kept = kept_of([view(degree, index, index / 30) for index, degree in enumerate(trembling)])
+    assert [each.frame.index for each in kept.views] == [0]
+    assert span_of(kept.views) == 0
+
+
+def test_an_orbit_leaves_a_full_set_that_is_spread_over_all_of_it() -> None:
+    frames = orbit(np.linspace(0, 60, 240))
+    kept = kept_of(frames)
+    assert len(kept.views) == MOST_VIEWS
+    assert len({each.frame.index for each in kept.views}) == MOST_VIEWS
+    assert span_of(kept.views) > 0.95 * span_of(frames)
+    assert narrowest(kept.views) > 0.5 * span_of(frames) / (MOST_VIEWS - 1)
+
+
+def test_a_little_motion_gives_several_views() -> None:
+    """Three degrees at half a metre are a breath of movement."""
+    kept = kept_of(orbit(np.linspace(0, 4.5, 60)))
+    assert len(kept.views) >= 3
+    assert math.degrees(span_of(kept.views)) > 2
+
+
+def test_once_full_it_changes_only_for_a_wider_spread() -> None:
+    kept = KeyViews()
+    gaps = []
+    for frame in orbit(np.random.default_rng(2).uniform(0, 50, 300)):
+        if kept.add(frame) and len(kept.views) == MOST_VIEWS:
+            gaps.append(narrowest(kept.views))
+    assert all(later >= 0.999 * earlier for earlier, later in pairwise(gaps))
+    assert len(gaps) < 40
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        lambda good: dataclasses.replace(good, marker=None),
+        lambda good: dataclasses.replace(good, marker=dataclasses.replace(good.marker, bridged=True)),
+        lambda good: dataclasses.replace(good, marker=dataclasses.replace(good.marker, covariance=1e3 * SURE)),
+    ],
+    ids=["no marker", "bridged", "badly posed"],
+)
+def test_what_is_badly_posed_is_not_kept(bad) -> None:
+    kept = KeyViews()
+    assert not kept.add(bad(view(0)))
+    assert kept.add(view(0))
+
+
+def test_a_blurred_frame_is_not_kept() -> None:
+    kept = KeyViews()
+    assert not kept.add(view(0, blur=2 * MOST_BLUR_PX))
+    assert kept.views == ()
+    smeared = view(0)
+    image = cv2.blur(np.asarray(smeared.frame.image_bgr), (25, 1))
+    assert not kept.add(dataclasses.replace(smeared, frame=Frame(image, 0, 0.0)))
+
+
+@pytest.mark.parametrize("blur", [1.5, 2.5, 4.0])
+@pytest.mark.parametrize("azimuth_deg", [0, 20, 45])
+def test_blur_is_measured_in_pixels(blur, azimuth_deg) -> None:
+    assert blur_px(view(azimuth_deg, blur=blur)) == pytest.approx(blur, rel=0.3)
+
+
+def test_without_a_marker_or_contrast_nothing_is_sharp() -> None:
+    seen = view(0)
+    assert blur_px(dataclasses.replace(seen, marker=None)) == math.inf
+    flat = np.full_like(seen.frame.image_bgr, 77)
+    assert blur_px(dataclasses.replace(seen, frame=Frame(flat, 0, 0.0))) == math.inf
+    away = dataclasses.replace(seen.marker, corners_px=seen.marker.corners_px + 5000)
+    assert blur_px(dataclasses.replace(seen, marker=away)) == math.inf
+
+
+@pytest.mark.parametrize(
+    "size", [(640, 480), (1280, 720), (1920, 1080), (3840, 2160), (1080, 1920), (2160, 3840), (1601, 907), (320, 240)]
+)
+def test_views_are_as_large_as_the_estimator_uses_and_all_fit_the_memory(size) -> None:
+    width, height = kept_size(size)
+    assert MOST_VIEWS * 3 * width * height <= MOST_BYTES
+    assert width >= min(size[0], WORKING_WIDTH_PX if size[0] > size[1] else 500)
+    assert width / height == pytest.approx(size[0] / size[1], rel=0.01)
+
+
+def test_a_kept_view_shows_every_point_where_its_camera_projects_it() -> None:
+    large = view(10, camera=Camera.from_hfov((1600, 1200), 60))
+    small = scaled(large, kept_size(large.frame.size))
+    assert small.frame.size == small.camera.size == (800, 600)
+    np.testing.assert_allclose(project(small.camera, small.marker.T_cam_marker, SQUARE), small.marker.corners_px)
+    grey = cv2.cvtColor(np.asarray(small.frame.image_bgr), cv2.COLOR_BGR2GRAY)
+    expected = np.array(small.marker.corners_px[:, None], np.float32)
+    seen = cv2.cornerSubPix(grey, expected.copy(), (4, 4), (-1, -1), (3, 30, 0.001))
+    # A drawn polygon is half a pixel larger on all sides.
+    np.testing.assert_allclose(seen.mean(axis=0)[0], small.marker.corners_px.mean(axis=0), atol=0.1)
+    np.testing.assert_allclose(seen[:, 0], small.marker.corners_px, atol=0.6)
+
+
+def test_memory_is_bounded_and_counted() -> None:
+    kept = kept_of(orbit(np.linspace(0, 300, 100)))
+    assert kept.nbytes == MOST_VIEWS * 640 * 480 * 3 <= MOST_BYTES
+
+
+def test_another_focal_length_begins_a_new_set() -> None:
+    kept = kept_of(orbit([0, 10, 20]))
+    kept.add(view(40, camera=Camera.from_hfov(SIZE, 50)))
+    assert len(kept.views) == 1
+
+
+def test_an_old_view_gives_way_to_a_new_one_from_its_side_and_a_very_old_one_to_any() -> None:
+    kept = kept_of([view(0, 0, 0.0), view(10, 1, 1.0)])
+    assert not kept.add(view(0, 2, RENEWED_AFTER_S / 2))
+    assert kept.add(view(0, 3, RENEWED_AFTER_S + 0.1))
+    assert [each.frame.index for each in kept.views] == [1, 3]
+    assert kept.add(view(40, 4, OLDEST_S + 2))
+    assert [each.frame.index for each in kept.views] == [3, 4]
+
+
+def test_views_are_dropped_some_or_all() -> None:
+    kept = kept_of(orbit([0, 10, 20]))
+    first, _, last = kept.views
+    kept.drop([first, last])
+    assert [each.frame.index for each in kept.views] == [1]
+    kept.drop()
+    assert kept.views == ()
+    assert kept.add(view(0))

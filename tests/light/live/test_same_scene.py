@@ -1,0 +1,77 @@
+"""Two views of one scene agree on its plane, however the camera moved; a changed light, object or marker does not."""
+
+import pytest
+
+from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.known_clip import shipped_clip
+from ashe_live.light.live.key_views import KeyViews
+from ashe_live.light.live.same_scene import PlanePicture, differs, outdated
+from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.preset import BALANCED
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.light.painted_scenes import BOX, Caster, paint
+from tests.light.synthetic_masks import camera_towards
+
+MUG = Caster("cylinder", at=(0.02, -0.13), width_m=0.07, height_m=0.1)
+
+
+def seen(*casters, azimuth_deg=0.0, ground="checkered", light_deg=200.0, exposure=1.0, seed=0, **kwargs):
+    """A picture from the side `azimuth_deg` of the first, drawn onto the plane."""
+    towards = camera_towards((0.02, 0.0), 0.6, 45.0, azimuth_deg)
+    scene = paint(
+        *casters, ground=ground, azimuth_deg=light_deg, exposure=exposure, seed=seed, T_cam_marker=towards, **kwargs
+    )
+    return PlanePicture.of(scene.tracked)
+
+
+@pytest.mark.parametrize("ground", ["plain", "checkered", "bricks"])
+@pytest.mark.parametrize("turned_deg", [0.5, 3, 8, 14])
+def test_a_moving_camera_changes_nothing(ground, turned_deg) -> None:
+    first = seen(BOX, MUG, ground=ground)
+    assert differs(first, seen(BOX, MUG, ground=ground, azimuth_deg=turned_deg, exposure=0.8, seed=1)) is False
+
+
+def test_from_far_apart_nothing_is_said() -> None:
+    assert differs(seen(BOX), seen(BOX, azimuth_deg=40)) is None
+
+
+@pytest.mark.parametrize("turned_deg", [0, 3])
+@pytest.mark.parametrize(
+    "changed",
+    [
+        lambda **view: seen(BOX, light_deg=235.0, **view),
+        lambda **view: seen(BOX, elevation_deg=75.0, **view),
+        lambda **view: seen(BOX, light_deg=20.0, **view),
+        lambda **view: seen(Caster(at=(0.12, 0.06)), **view),
+        lambda **view: seen(Caster(at=(0.16, 0.05)), **view),
+        lambda **view: seen(BOX, MUG, **view),
+        lambda **view: seen(**view),
+    ],
+    ids=["sun turned", "sun risen", "another lamp", "box moved", "marker moved", "mug put down", "box taken away"],
+)
+def test_what_has_changed_is_noticed(changed, turned_deg) -> None:
+    assert differs(seen(BOX), changed(azimuth_deg=turned_deg, seed=1)) is True
+
+
+def test_a_hand_in_one_view_makes_that_one_of_no_use_and_a_new_light_all_of_them() -> None:
+    now = seen(BOX)
+    steady = [seen(BOX, azimuth_deg=angle, seed=angle) for angle in (1, 4, 7)]
+    hand = seen(BOX, Caster(at=(-0.1, -0.1), width_m=0.12, height_m=0.05), azimuth_deg=2)
+    far = seen(BOX, light_deg=235.0, azimuth_deg=60)
+    assert outdated(now, [steady[0], hand, *steady[1:], far]) == [1]
+    old = [seen(BOX, light_deg=235.0, azimuth_deg=angle) for angle in (1, 4, 7, 60)]
+    assert outdated(now, old) == [0, 1, 2, 3]
+    assert outdated(now, []) == []
+
+
+def test_the_shipped_clip_shows_one_scene() -> None:
+    clip = shipped_clip()
+    tracker = MarkerTracker(parse_marker(clip.marker_spec), clip.camera, clip.marker_side_m, BALANCED)
+    kept = KeyViews()
+    with ClipSource(clip.path) as source:
+        while (frame := source.read()) is not None:
+            kept.add(tracker.track(frame))
+    pictures = [PlanePicture.of(view) for view in kept.views]
+    told = [differs(a, b) for at, a in enumerate(pictures) for b in pictures[:at]]
+    assert not any(told)
+    assert told.count(False) >= len(pictures)
