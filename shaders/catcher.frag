@@ -2,16 +2,17 @@
 // where the real object's shadow has darkened it already.
 #version 330 core
 #include "srgb.glsl"
+#include "lights.glsl"
 #include "ground_shadow.glsl"
 
 uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
-uniform vec3 sky;  // the sky's fraction of lit level ground's light, linear RGB; the suns' are the rest
+uniform vec3 sky;  // its fraction of the light on level ground at the marker, linear RGB; the lights' are the rest
 #if LIGHTS > 0
 uniform vec3 sun_on_ground[LIGHTS];
 #endif
 #if LIGHTS > 0 && CASTERS > 1
-uniform vec3 ground_rgb;  // colour of the lit ground in the video, linear; 0 if it is not known
+uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video, linear; 0 if it is not known
 const float RIM_PX = 2.5;  // largest error of the real shadow's outline
 #endif
 uniform sampler2D contact;  // fraction of the sky that the model hides
@@ -41,8 +42,11 @@ float lit_past_real(int light) {
     }
     float lit_ground = dot(ground_rgb, LUMINANCE);
     if (least == most || lit_ground <= 0.0) return known;
-    float share = dot(sun_on_ground[light], LUMINANCE);
-    float gone = clamp((1.0 - dot(video_here(), LUMINANCE) / lit_ground) / max(share, 1e-3), 0.0, 1.0);
+    vec3 whole = sky;
+    for (int each = 0; each < LIGHTS; ++each) whole += sun_on_ground[each] * ground_falloff(each, ground);
+    float share = dot(sun_on_ground[light], LUMINANCE) * ground_falloff(light, ground);
+    float seen = dot(video_here(), LUMINANCE) / lit_ground;
+    float gone = clamp((dot(whole, LUMINANCE) - seen) / max(share, 1e-3), 0.0, 1.0);
     return mix(known, 1.0 - gone, most - least);
 }
 #endif
@@ -55,7 +59,7 @@ void main() {
     vec3 after = sky * (1.0 - texture(contact, at).r * inside.x * inside.y);
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
-        vec3 seen = sun_on_ground[light];
+        vec3 seen = sun_on_ground[light] * ground_falloff(light, ground);
 #if CASTERS > 1
         seen *= lit_past_real(light);
 #endif

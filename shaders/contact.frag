@@ -1,5 +1,6 @@
 // Occlusion of the ground by the model from one direction of the sky.
 #version 330 core
+#include "lights.glsl"
 #include "shadow.glsl"
 
 uniform float weight;

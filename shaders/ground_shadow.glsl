@@ -10,7 +10,12 @@ uniform vec2 ground_shadow_upper[MAPS];
 // Fraction of a light that a caster (0: the model, 1: the real object) lets through to a point of the plane.
 float lit_on_ground(int caster, int light, vec2 ground) {
     int map = caster * LIGHTS + light;
-    vec2 at = (ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0)).xy;
-    return texture(ground_shadows, clamp(at, ground_shadow_lower[map], ground_shadow_upper[map])).r;
+    vec4 at = ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0);
+    float lit = texture(ground_shadows, clamp(at.xy / at.w, ground_shadow_lower[map], ground_shadow_upper[map])).r;
+#if LAMPS
+    // The ground that is behind a lamp which sees its caster beside it.
+    lit = at.w > 1e-3 ? lit : 1.0;
+#endif
+    return lit;
 }
 #endif

@@ -1,12 +1,12 @@
 // A tile of the ground, aligned with the light's view.
 #version 330 core
 
-uniform mat4 marker_from_tile;  // for one sun and caster: where its rays meet the marker plane
+uniform mat4 marker_from_tile;  // for one light and caster: where its rays meet the marker plane
 
-out vec3 position;  // metres, marker frame
+out vec3 ground;  // x, y, w; metres, marker frame
 
 void main() {
     vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1);
-    position = (marker_from_tile * vec4(corner, 0.0, 1.0)).xyz;
+    ground = (marker_from_tile * vec4(corner, 0.0, 1.0)).xyw;
     gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
 }

@@ -2,6 +2,7 @@
 // Each macro switches on a feature of the material or the scene.
 #version 330 core
 #include "srgb.glsl"
+#include "lights.glsl"
 #include "shadow.glsl"
 
 uniform vec4 base_colour;
@@ -122,12 +123,14 @@ void main() {
 #endif
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
-        float cosine = dot(n, to_light[light]);
+        float falloff;
+        vec3 to_light = towards_light(light, position, falloff);
+        float cosine = dot(n, to_light);
         if (cosine <= 0.0) continue;
-        vec3 direct = sun[light] * cosine * shadow(light, position, n);
+        vec3 direct = sun[light] * (falloff * cosine * shadow(light, position, n, to_light));
         diffuse += direct;
 #ifdef GLOSSY
-        vec3 between = normalize(to_eye + to_light[light]);
+        vec3 between = normalize(to_eye + to_light);
         float v_h = max(dot(to_eye, between), 0.0);
         mirrored += direct * again * ggx(max(dot(n, between), 0.0), n_v, cosine, rough * rough) * fresnel(f0, v_h);
 #endif

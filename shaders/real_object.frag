@@ -1,6 +1,7 @@
-// Darkens the real object in the video where the model blocks a sun's light from it.
+// Darkens the real object in the video where the model blocks a light from it.
 #version 330 core
 #include "srgb.glsl"
+#include "lights.glsl"
 #include "shadow.glsl"
 
 uniform sampler2D video;
@@ -22,7 +23,9 @@ void main() {
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
         // Parts of the object that face away from a light receive none of it anyway.
-        vec3 seen = sun[light] * max(0.0, dot(normal, to_light[light]));
+        float falloff;
+        vec3 seen = sun[light] * max(0.0, dot(normal, towards_light(light, position, falloff)));
+        seen *= falloff;
         before += seen;
         after += seen * lit_past(0, light, position);
     }

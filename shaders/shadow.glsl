@@ -1,10 +1,10 @@
-// The fraction of a sun's light that reaches a point, from shadow maps: a tile of one texture for each caster and
-// light. LIGHTS may be 0; CASTERS is 1 (the model) or 2 (with the real object).
+// The fraction of a light that reaches a point, from shadow maps: a tile of one texture for each caster and light.
+// LIGHTS may be 0; LAMPS is 1 where any of them is near by; CASTERS is 1 (the model) or 2 (with the real object).
 //
 // BLOCKER_TAPS 0: percentage-closer filtering with PCF_RADIUS, 1 or more (Reeves, Salesin, Cook, "Rendering
-// antialiased shadows with depth maps", SIGGRAPH 1987). Else SOFT_TAPS over the penumbra by the sun's angular size
-// (Fernando, "Percentage-closer soft shadows", SIGGRAPH 2005; here for a directional light, so that the blocker search
-// covers the sun's angular size as seen from the receiver).
+// antialiased shadows with depth maps", SIGGRAPH 1987). Else SOFT_TAPS over the penumbra by the light's size
+// (Fernando, "Percentage-closer soft shadows", SIGGRAPH 2005; here for parallel rays, as which those of a lamp are seen
+// in its map's coordinates (render/light_view.py): the blocker search covers the light as seen from the receiver).
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
 
@@ -13,10 +13,12 @@ uniform sampler2D shadow_depths;  // the same texture, without comparison
 uniform vec2 shadow_texture_size;  // texels
 uniform float shadow_map_size;  // texels a side of a tile
 uniform vec2 shadow_tile[MAPS];  // lower left corners, texels
-uniform mat4 shadow_from_marker[MAPS];  // to a tile's coordinates and depth, all in [0, 1]
+uniform mat4 shadow_from_marker[MAPS];  // to a tile's coordinates and depth, all in [0, 1]; of a lamp projective
+#if LAMPS
+uniform mat4 shadow_planes_from_marker[MAPS];  // the same for planes (normal, offset)
+#endif
 uniform vec3 shadow_extent[MAPS];  // size in metres of a tile's coordinates and depth
-uniform vec3 to_light[LIGHTS];
-uniform float tan_half_size[LIGHTS];  // tangent of half the sun's angular diameter
+uniform float tan_half_size[MAPS];  // the light's radius over its distance from the caster
 
 // From a tile's texels to the texture's coordinates; the tile's border is empty, so points beyond it are lit.
 vec2 in_texture(int map, vec2 texel) {
@@ -90,19 +92,37 @@ float lit_fraction(int map, float tan_half, vec3 at, vec2 slope) {
 }
 #endif
 
+// A map's coordinates and depth of a point. `scale`: how much larger a texel is there than at the caster.
+vec3 in_map(int map, vec3 position, out float scale) {
+    vec4 at = shadow_from_marker[map] * vec4(position, 1.0);
+#if LAMPS
+    // Beside and behind a lamp nothing is blocked: its caster is before it.
+    const float LEAST_SCALE = 1e-3;
+    scale = max(at.w, LEAST_SCALE);
+    return at.w < LEAST_SCALE ? vec3(0.5, 0.5, -1.0) : at.xyz / scale;
+#else
+    scale = 1.0;
+    return at.xyz;
+#endif
+}
+
 // Fraction of a light that a caster (0: the model, 1: the real object) lets through to a point that is not on it.
 float lit_past(int caster, int light, vec3 position) {
     int map = caster * LIGHTS + light;
+    float scale;
     // The map's depth range ends behind the caster, but the ground continues: points beyond it count as at its end.
-    return lit_fraction(map, tan_half_size[light], (shadow_from_marker[map] * vec4(position, 1.0)).xyz, vec2(0.0));
+    return lit_fraction(map, tan_half_size[map], in_map(map, position, scale), vec2(0.0));
 }
 
-// The same for a point on the caster's own surface, `normal` pointing to the side of the light.
-float lit_past_itself(int caster, int light, vec3 position, vec3 normal) {
+// The same for a point on the caster's own surface, `normal` pointing to the side of the light, which is in the direction
+// `to_light`.
+float lit_past_itself(int caster, int light, vec3 position, vec3 normal, vec3 to_light) {
     int map = caster * LIGHTS + light;
     vec3 extent = shadow_extent[map];
-    float texel = max(extent.x, extent.y) / shadow_map_size;
-    float cosine = dot(normal, to_light[light]);
+    float scale;
+    vec3 at = in_map(map, position, scale);
+    float texel = scale * max(extent.x, extent.y) / shadow_map_size;
+    float cosine = dot(normal, to_light);
     float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
     // A tap at distance t compares with a depth that differs by t tan(theta); an offset along the normal by
     // t sin(theta) compensates exactly for that on a plane, at every slope.
@@ -110,20 +130,24 @@ float lit_past_itself(int caster, int light, vec3 position, vec3 normal) {
     // For a wide penumbra that offset would detach the shadow from its caster: taps follow the plane's slope (depth per
     // texel), and the offset only covers rounding and curvature.
     float reach = 1.5 * texel;
+#if LAMPS
+    vec3 facing = (shadow_planes_from_marker[map] * vec4(normal, -dot(normal, position))).xyz;
+#else
     vec3 facing = (mat3(shadow_from_marker[map]) * normal) * extent * extent;
-    float steepest = 30.0 * texel / extent.z;
+#endif
+    float steepest = 30.0 * texel / (scale * scale * extent.z);
     vec2 slope = clamp(-facing.xy / min(facing.z, -1e-6) / shadow_map_size, -steepest, steepest);
 #else
     float reach = 1.5 * float(PCF_RADIUS + 1) * texel;
     vec2 slope = vec2(0.0);
 #endif
-    vec3 lifted = position + reach * sine * normal + 0.5 * texel * to_light[light];
-    return lit_fraction(map, tan_half_size[light], (shadow_from_marker[map] * vec4(lifted, 1.0)).xyz, slope);
+    vec3 lifted = position + reach * sine * normal + 0.5 * texel * to_light;
+    return lit_fraction(map, tan_half_size[map], in_map(map, lifted, scale), slope);
 }
 
 // Fraction of a light that reaches a point on the model.
-float shadow(int light, vec3 position, vec3 normal) {
-    float lit = lit_past_itself(0, light, position, normal);
+float shadow(int light, vec3 position, vec3 normal, vec3 to_light) {
+    float lit = lit_past_itself(0, light, position, normal, to_light);
 #if CASTERS > 1
     lit *= lit_past(1, light, position);
 #endif

@@ -15,7 +15,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.render.geometry import GpuModel
-from ashe_live.render.lighting import Sun
+from ashe_live.render.lighting import Lighting, Sun
 from ashe_live.render.preset import FAST
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
@@ -52,7 +52,8 @@ class ContactPatch:
         """Draws the patch of a model that is uploaded, a direction each step."""
         self._framebuffer.clear()
         for direction in sky_directions(DIRECTIONS):
-            self._depth_map.render((self._model,), (Sun(direction, NO_LIGHT, NO_LIGHT, 0.0),))
+            light = Sun(direction, NO_LIGHT, NO_LIGHT, 0.0)
+            self._depth_map.render((self._model,), Lighting((light,), NO_LIGHT, NO_LIGHT))
             self._depth_map.bind(self._program)
             # All patches share one program: another may have used it between two steps.
             set_uniforms(self._program, weight=1.0 / DIRECTIONS, patch_bounds=tuple(self.bounds.ravel()))

@@ -10,10 +10,10 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import translated_and_scaled
 from ashe_live.render.canvas import Canvas
-from ashe_live.render.lighting import Sun
+from ashe_live.render.lighting import Lighting
 from ashe_live.render.preset import RenderPreset
 from ashe_live.render.programs import Programs, set_uniforms
-from ashe_live.render.shadow_maps import ShadowMaps, tile_corners
+from ashe_live.render.shadow_maps import NOTHING_SEEN, ShadowMaps, tile_corners
 from ashe_live.render.texture_units import UNIT_OF
 
 # A penumbra wider than this share of the caster's width is cut off.
@@ -34,9 +34,9 @@ class GroundShadows:
         self._drawn = 0
         self._uniforms: dict[str, Float] = {}
 
-    def render(self, shadows: ShadowMaps, suns: tuple[Sun, ...]) -> None:
+    def render(self, shadows: ShadowMaps, lighting: Lighting) -> None:
         """Filters the depth maps, unless these have not changed."""
-        if self._drawn == shadows.renders or not suns:
+        if self._drawn == shadows.renders or not lighting.suns:
             return
         self._drawn = shadows.renders
         boxes = shadows.boxes
@@ -53,25 +53,28 @@ class GroundShadows:
             self._rectangle = program, self._ctx.vertex_array(program, [])
         shadows.bind(program)
         framebuffer.use()
+        framebuffer.clear(1.0)
         self._ctx.enable_only(moderngl.NOTHING)
         texture_from_marker = []
         for number, (box, corner) in enumerate(zip(boxes, corners, strict=True)):
-            caster, light = divmod(number, len(suns))
-            # Wider by the penumbra, and by two texels that are lit.
-            beyond = np.minimum(suns[light].penumbra_m(1.1 * box.highest_m) / box.extent[:2], WIDEST_PENUMBRA)
+            caster, light = divmod(number, len(lighting.suns))
+            # Wider by the penumbra of what is a tenth higher, and by two texels that are lit.
+            beyond = np.minimum(1.1 * box.penumbra_m / box.extent[:2], WIDEST_PENUMBRA)
             beyond = (beyond + 2 / self._size) / (1 - 4 / self._size)
             tile_from_unit = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1))
             tile_from_marker = tile_from_unit @ box.unit_from_marker
-            self._ctx.viewport = (int(corner[0]), int(corner[1]), self._size, self._size)
-            ground = _ground_from_tile(tile_from_marker, suns[light].to_light)
-            set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
-            self._rectangle[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+            if box.unit_from_marker is not NOTHING_SEEN:
+                self._ctx.viewport = (int(corner[0]), int(corner[1]), self._size, self._size)
+                ground = _ground_from_tile(tile_from_marker)
+                set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
+                self._rectangle[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
             texture_from_tile = translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1))
             texture_from_marker.append(texture_from_tile @ tile_from_marker)
         self._uniforms = {
             "ground_shadow_from_marker": np.array(texture_from_marker),
             "ground_shadow_lower": (corners + 0.5) / texture_size,
             "ground_shadow_upper": (corners + self._size - 0.5) / texture_size,
+            "light_point": lighting.light_points,
         }
 
     def bind(self, program: moderngl.Program) -> None:
@@ -89,9 +92,9 @@ class GroundShadows:
         self._rectangle = None
 
 
-def _ground_from_tile(tile_from_marker: Float, to_light: Float) -> Float:
-    """(4, 4): from a tile's coordinates to where the light's ray there meets the marker plane."""
-    start = np.linalg.inv(tile_from_marker)
-    along = np.eye(4)
-    along[:3, 2] -= to_light / to_light[2]
-    return np.asarray(along @ start)
+def _ground_from_tile(tile_from_marker: Float) -> Float:
+    """(4, 4): from a tile's coordinates to where the light's ray there meets the marker plane, homogeneous."""
+    on_plane = np.ix_((0, 1, 3), (0, 1, 3))
+    found = np.zeros((4, 4))
+    found[on_plane] = np.linalg.inv(tile_from_marker[on_plane])
+    return found

@@ -1,4 +1,4 @@
-"""Sky and sun irradiances for shading, from the measured ratios of the real shadows."""
+"""Irradiances of the sky, suns and lamps for shading, from the measured ratios of the real shadows."""
 
 import math
 from dataclasses import dataclass
@@ -14,10 +14,10 @@ MAX_LIGHTS = 4
 # Of shadowed over lit ground where it was not measured: about the share of a clear sky at noon.
 ASSUMED_SHADOW_RATIO = 0.4
 SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
+LAMP_RADIUS_M = 0.03  # of a household bulb (A60), for a lamp whose size was not measured
 # Below this sine of the elevation a sun's irradiance is no longer raised to match its share on level ground.
 MIN_BALANCED_SINE = 0.2
 LEAST_REST = 0.5  # of the product of the shadows' ratios
-LEAST_NEARER = 0.4  # of the light's elevation above its own radius; lower lights' penumbrae are cut off
 # The albedo of ground whose colour is not known, and the largest that is accepted.
 GROUND_ALBEDO = 0.35
 MAX_ALBEDO = 0.9
@@ -25,29 +25,71 @@ MAX_ALBEDO = 0.9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sun:
-    """One directional light. Units as in Lighting."""
+    """One light, far away or (a lamp) near by. Units as in Lighting, at the marker's centre.
 
-    to_light: Float  # (3,) unit, marker frame, above the horizon
+    In the terms of glTF's KHR_lights_punctual a sun is a directional light, a lamp a point light: its `intensity` is in
+    candela where our unit is a lux, and its light falls by the square of the distance in metres.
+    """
+
+    to_light: Float  # (3,) unit, marker frame, from the marker's centre, above the horizon
     ground_share: RGB  # share of the light on level ground, which its shadow takes away
     irradiance: RGB  # on a surface that faces it
-    angular_size_rad: float  # diameter
+    angular_size_rad: float  # diameter, seen from the marker's centre
+    inverse_distance: float = 0.0  # 1/m, one over the distance from the marker's centre; 0 for a sun
 
-    def penumbra_m(self, height_m: float) -> float:
-        """Width, across the light, of the outer half of the penumbra on the ground of a point `height_m` above it."""
-        sine = float(self.to_light[2])
-        spread = math.tan(self.angular_size_rad / 2)
-        # Outwards it falls on ground that is farther away; under a light that reaches down to the horizon, for ever.
-        nearer = 1 - spread * math.sqrt(1 - min(sine, 1.0) ** 2) / sine
-        return spread * height_m / sine / max(nearer, LEAST_NEARER)
+    @property
+    def homogeneous(self) -> Float:
+        """(4,) the light as a point, marker frame, metres; w = 0 for a sun."""
+        return np.array([*self.to_light, self.inverse_distance])
+
+    @property
+    def tan_half_size(self) -> float:
+        """The light's radius over its distance from the marker's centre."""
+        return math.tan(self.angular_size_rad / 2)
+
+    @property
+    def intensity(self) -> RGB:
+        """A lamp's irradiance at 1 m. Raises ValueError for a sun."""
+        if self.inverse_distance == 0:
+            raise ValueError("a directional light has an irradiance and no intensity")
+        return _rgb(np.array(self.irradiance) / self.inverse_distance**2)
+
+    def towards(self, points: Float) -> Float:
+        """(n, 3) vectors from points (n, 3) to the light, over its distance from the marker's centre."""
+        return np.asarray(self.to_light - self.inverse_distance * points)
+
+    def ground_falloff(self, ground: Float) -> Float:
+        """(n,) its light on level ground at points (n, 2) over that at the marker's centre: h / d^3, by Lambert."""
+        points = np.column_stack([ground, np.zeros(len(ground))])
+        return np.asarray(np.linalg.norm(self.towards(points), axis=1) ** -3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lighting:
-    """Irradiances over pi, in units in which fully lit level ground receives 1, so that white ground has radiance 1."""
+    """Irradiances over pi, in units in which fully lit level ground receives 1 at the marker's centre.
 
-    suns: tuple[Sun, ...]  # strongest first, MAX_LIGHTS at most
-    sky: RGB  # on level ground; with the suns' shares it makes 1
-    bounce: RGB  # from the ground, on a surface that faces it
+    White ground then has radiance 1 there, and under suns everywhere.
+    """
+
+    suns: tuple[Sun, ...]  # and lamps; strongest first, MAX_LIGHTS at most
+    sky: RGB  # on level ground; with the suns' shares it makes 1 at the marker's centre
+    bounce: RGB  # from the ground at the marker's centre, on a surface that faces it
+
+    @property
+    def constants(self) -> dict[str, int]:
+        """What a shader that includes lights.glsl is built with."""
+        return {"lights": len(self.suns), "lamps": int(any(sun.inverse_distance > 0 for sun in self.suns))}
+
+    @property
+    def light_points(self) -> Float:
+        """(n, 4) the suns as homogeneous points, marker frame, metres."""
+        return np.array([sun.homogeneous for sun in self.suns])
+
+    def bounce_at(self, ground: Float) -> RGB:
+        """From the ground at a point (2,), on a surface that faces it: more of it near a lamp."""
+        shares = self.ground_shares.reshape(-1, 3)
+        falloff = np.array([sun.ground_falloff(ground[None])[0] for sun in self.suns])
+        return _rgb(np.array(self.bounce) * (self.sky + falloff @ shares) / (self.sky + shares.sum(axis=0)))
 
     @property
     def irradiances(self) -> Float:
@@ -67,15 +109,18 @@ def lighting_of(
 ) -> Lighting:
     """Sky and suns from the shadows' ratios: a light whose shadow has the ratio r gives 1 - r of level ground's light.
 
-    Where ratios and ambient (3,) contradict each other, the ambient holds and the suns share the rest. Lights below
-    the horizon give nothing; without any the sky gives all: no sun is invented. What a surface gets from below is the
-    ground's own light, of its own colour (3,).
+    Where ratios and ambient (3,) contradict each other, the ambient holds and the suns share the rest. The ambient is
+    that where the shadow lies, so that where a lamp's share was measured at the marker's centre that holds. Lights
+    below the horizon give nothing; without any the sky gives all: no sun is invented. What a surface gets from below
+    is the ground's own light, of its own colour (3,).
     """
     albedo = np.full(3, GROUND_ALBEDO) if ground_albedo is None else np.clip(ground_albedo, 0.0, MAX_ALBEDO)
     lights = tuple(light for light in lights if light.to_light_marker[2] > 0)[:MAX_LIGHTS]
     if not lights:
         return Lighting((), (1.0, 1.0, 1.0), _rgb(albedo))
-    shares = np.array([_ground_share(light, len(lights)) for light in lights])
+    shares = np.array([1 - ground_ratio(light, len(lights)) for light in lights])
+    if any(light.intensity_rgb_ratio is not None for light in lights):
+        ambient_rgb_ratio = None
     total = shares.sum(axis=0)
     # Shares that sum to more than 1 were measured wrongly; the product of the shadows' ratios bounds what is left.
     rest = np.maximum(1 - total, LEAST_REST * (1 - shares).prod(axis=0))
@@ -85,17 +130,29 @@ def lighting_of(
     across = shares / np.maximum(sines, MIN_BALANCED_SINE)[:, None]
     level = sky + sines @ across
     suns = tuple(
-        Sun(light.to_light_marker, _rgb(share), _rgb(irradiance), light.angular_size_rad or SUN_ANGULAR_SIZE_RAD)
+        Sun(light.to_light_marker, _rgb(share), _rgb(irradiance), angular_size(light), light.inverse_distance)
         for light, share, irradiance in zip(lights, shares, across, strict=True)
     )
     return Lighting(suns, _rgb(sky), _rgb(albedo * level))
 
 
-def _ground_share(light: Light, count: int) -> Float:
-    """(3,) share of one of `count` lights in the light on level ground."""
+def ground_ratio(light: Light, count: int = 1) -> Float:
+    """(3,) level ground at the marker's centre without one of `count` lights over that with all of them."""
+    if light.intensity_rgb_ratio is not None:
+        return np.asarray(1 / (1 + np.maximum(light.intensity_rgb_ratio, 0.0)))
     if light.shadow_rgb_ratio is None:
-        return np.full(3, (1 - ASSUMED_SHADOW_RATIO) / count)
-    return 1 - np.clip(light.shadow_rgb_ratio, 0.0, 1.0)
+        return np.full(3, 1 - (1 - ASSUMED_SHADOW_RATIO) / count)
+    return np.clip(light.shadow_rgb_ratio, 0.0, 1.0)
+
+
+def angular_size(light: Light) -> float:
+    """The light's angular diameter seen from the marker's centre; a plausible one where it was not measured."""
+    if light.inverse_distance > 0:
+        if light.radius_m is not None:
+            return 2 * math.atan(light.radius_m * light.inverse_distance)
+        if light.angular_size_rad is None:
+            return 2 * math.atan(LAMP_RADIUS_M * light.inverse_distance)
+    return light.angular_size_rad or SUN_ANGULAR_SIZE_RAD
 
 
 def _rgb(values: Float) -> RGB:

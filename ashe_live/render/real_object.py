@@ -42,7 +42,7 @@ class RealObject:
                 program,
                 viewport=tuple(float(value) for value in framing.viewport),
                 sky=lighting.sky,
-                ground_bounce=lighting.bounce,
+                ground_bounce=lighting.bounce_at(self.proxy.foot_marker[:2]),
                 sun=lighting.irradiances,
             )
         set_uniforms(program, clip_from_marker=framing.clip_from_marker)

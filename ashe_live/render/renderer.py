@@ -187,8 +187,8 @@ class SceneRenderer:
         assert scene.tracked is not None
         assert scene.tracked.marker is not None
         lighting = self._photometry.lighting(scene.illumination)
-        self._shadows.render((model,) if self._real is None else (model, self._real), lighting.suns)
-        self._ground_shadows.render(self._shadows, lighting.suns)
+        self._shadows.render((model,) if self._real is None else (model, self._real), lighting)
+        self._ground_shadows.render(self._shadows, lighting)
         self._catcher.fit(model, lighting, self._shadows)
         arrows = []
         if scene.shows_light:

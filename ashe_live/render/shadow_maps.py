@@ -1,4 +1,4 @@
-"""Shadow maps: depth as the suns see it, one map for each caster and light, redrawn only when one of them changes.
+"""Shadow maps: depth as the lights see it, one map for each caster and light, redrawn only when one of them changes.
 
 Lance Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978. A map's frustum encloses its caster alone
 and depends on caster and light alone: it is as tight as can be, and the shadow's edges stand still on the ground while
@@ -13,8 +13,9 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import light_view, orthographic, transform_points, translated_and_scaled
-from ashe_live.render.lighting import Sun
+from ashe_live.core.transforms import orthographic, translated_and_scaled
+from ashe_live.render.light_view import LightView, view_of
+from ashe_live.render.lighting import Lighting, Sun
 from ashe_live.render.preset import RenderPreset
 from ashe_live.render.programs import set_uniforms
 from ashe_live.render.texture_units import UNIT_OF
@@ -38,9 +39,15 @@ class Caster(Protocol):
 class LightBox:
     """What one map shows of one light's view."""
 
-    unit_from_marker: Float  # (4, 4) to the map's coordinates and depth, all in [0, 1]
-    extent: Float  # (3,) metres across and along the light
-    highest_m: float  # of the caster above the marker plane
+    unit_from_marker: Float  # (4, 4) projective, to the map's coordinates and depth, all in [0, 1]
+    extent: Float  # (3,) metres in the light's view, across and along the light
+    tan_half_size: float  # the light's radius over its distance from the caster
+    penumbra_m: float  # the widest on the ground, in the light's view
+
+
+# Of a lamp within its caster: every point counts as nearer to the light than anything else.
+NOTHING_SEEN = np.zeros((4, 4))
+NOTHING_SEEN[:, 3] = 0.5, 0.5, -1.0, 1.0
 
 
 class ShadowMaps:
@@ -61,7 +68,7 @@ class ShadowMaps:
         self._depths.compare_func = ""
         self._texture: moderngl.Texture | None = None
         self._framebuffer: moderngl.Framebuffer | None = None
-        self._light_count = 0
+        self._lights = Lighting((), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)).constants
         self._content: tuple[tuple[Caster, ...], bytes] | None = None
         self._uniforms: dict[str, Float] = {}
 
@@ -70,7 +77,7 @@ class ShadowMaps:
         """What a shader that includes shadow.glsl is built with, to be drawn on the model or the real object."""
         preset = self._preset
         return {
-            "lights": self._light_count,
+            **self._lights,
             "casters": 2 if self.real_shades_model else 1,
             "pcf_radius": preset.pcf_radius,
             "blocker_taps": preset.blocker_taps if preset.soft_on_model else 0,
@@ -82,13 +89,14 @@ class ShadowMaps:
         """How far the filter blurs a hard edge, at most; the penumbra comes on top."""
         return 2 * (self._preset.pcf_radius + 1)
 
-    def render(self, casters: Sequence[Caster], suns: Sequence[Sun]) -> None:
+    def render(self, casters: Sequence[Caster], lighting: Lighting) -> None:
         """Draws the maps of one or two casters (the model first), unless they hold that already."""
-        lights = np.array([[*sun.to_light, sun.angular_size_rad] for sun in suns]).tobytes()
+        suns = lighting.suns
+        lights = np.array([[*sun.homogeneous, sun.angular_size_rad] for sun in suns]).tobytes()
         if self._content is not None and self._content[1] == lights and same_objects(self._content[0], casters):
             return
         self._content = tuple(casters), lights
-        self._light_count, self.caster_count = len(suns), len(casters)
+        self._lights, self.caster_count = lighting.constants, len(casters)
         model, *real = casters
         pairs = [(_overlaps(other, model, sun), _overlaps(model, other, sun)) for other in real for sun in suns]
         self.shadows_meet = any(onto_model[0] for onto_model, _ in pairs)
@@ -102,7 +110,9 @@ class ShadowMaps:
         self._allocate(tiles.max(axis=0) + size)
         assert self._framebuffer is not None
         self.boxes = tuple(
-            _fitted(caster.points, sun.to_light, size, self._margin) for caster in casters for sun in suns
+            _fitted(view_of(sun, caster.points), caster.points, size, self._margin)
+            for caster in casters
+            for sun in suns
         )
         self._framebuffer.viewport = (0, 0, *self._framebuffer.size)
         self._framebuffer.use()
@@ -110,7 +120,8 @@ class ShadowMaps:
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         for number, (box, corner) in enumerate(zip(self.boxes, tiles, strict=True)):
             self._ctx.viewport = (int(corner[0]), int(corner[1]), size, size)
-            casters[number // len(suns)].render_depth(CLIP_FROM_UNIT @ box.unit_from_marker)
+            if box.unit_from_marker is not NOTHING_SEEN:
+                casters[number // len(suns)].render_depth(CLIP_FROM_UNIT @ box.unit_from_marker)
         extents = np.array([box.extent for box in self.boxes])
         self.texel_m = float(extents[:, :2].max()) / size
         self._uniforms = {
@@ -118,8 +129,9 @@ class ShadowMaps:
             "shadow_tile": tiles.astype(np.float64),
             "shadow_from_marker": np.array([box.unit_from_marker for box in self.boxes]),
             "shadow_extent": extents,
-            "to_light": np.array([sun.to_light for sun in suns]),
-            "tan_half_size": np.array([np.tan(sun.angular_size_rad / 2) for sun in suns]),
+            "shadow_planes_from_marker": np.array([_plane_transform(box.unit_from_marker) for box in self.boxes]),
+            "tan_half_size": np.array([box.tan_half_size for box in self.boxes]),
+            "light_point": lighting.light_points,
         }
 
     def bind(self, program: moderngl.Program) -> None:
@@ -164,12 +176,14 @@ class ShadowMaps:
 
 def _overlaps(caster: Caster, receiver: Caster, sun: Sun) -> tuple[bool, bool]:
     """Whether their shadows may meet on the ground, and whether the caster may shade the receiver; by their boxes."""
-    view = light_view(sun.to_light)
-    seen, seen_receiver = (transform_points(view, each.points) for each in (caster, receiver))
+    points = np.concatenate([caster.points, receiver.points])
+    view = view_of(sun, points)
+    if view is None:
+        return True, True
+    seen, seen_receiver = view.seen(caster.points), view.seen(receiver.points)
     low, high = seen.min(axis=0), seen.max(axis=0)
     receiver_low, receiver_high = seen_receiver.min(axis=0), seen_receiver.max(axis=0)
-    highest = max(caster.points[:, 2].max(), receiver.points[:, 2].max()) / sun.to_light[2]
-    wider = np.tan(sun.angular_size_rad / 2) * max(highest, high[2] - receiver_low[2])
+    wider = max(view.penumbra_m(points), view.tan_half_size * (high[2] - receiver_low[2]))
     meets = not ((low - 2 * wider > receiver_high) | (high + 2 * wider < receiver_low))[:2].any()
     return bool(meets), bool(meets and high[2] > receiver_low[2])
 
@@ -184,14 +198,15 @@ def tile_corners(count: int) -> Float:
     return np.array([(number % columns, number // columns) for number in range(count)])
 
 
-def _fitted(points: Float, to_light: Float, size: int, margin: int) -> LightBox:
-    """As tight as the margin (in texels) allows.
+def _fitted(view: LightView | None, points: Float, size: int, margin: int) -> LightBox:
+    """Of a view of points (n, 3), marker frame, as tight as the margin (in texels) allows.
 
     The extent is in whole multiples of a sixteenth of itself's power of two, and the box's corner on the texels' grid:
     a caster that changes a little keeps its texels where they were.
     """
-    view = light_view(to_light)
-    seen = transform_points(view, points)
+    if view is None:
+        return LightBox(NOTHING_SEEN, np.ones(3), 0.0, 0.0)
+    seen = view.seen(points)
     lower, upper = seen.min(axis=0), seen.max(axis=0)
     extent = np.maximum(upper - lower, MIN_EXTENT_RATIO * (upper - lower).max())
     texel = _rounded_up(extent[:2] / (size - 2 * margin - 1))
@@ -199,8 +214,16 @@ def _fitted(points: Float, to_light: Float, size: int, margin: int) -> LightBox:
     middle, depth = (lower + upper)[2] / 2, 1.01 * extent[2]
     box_lower = np.array([*corner, middle - depth / 2])
     box_extent = np.array([*(size * texel), depth])
-    clip_from_marker = orthographic(box_lower, box_lower + box_extent) @ view
-    return LightBox(UNIT_FROM_CLIP @ clip_from_marker, box_extent, float(points[:, 2].max()))
+    clip_from_marker = orthographic(box_lower, box_lower + box_extent) @ view.from_marker
+    penumbra_m = view.penumbra_m(points)
+    return LightBox(UNIT_FROM_CLIP @ clip_from_marker, box_extent, view.tan_half_size, penumbra_m)
+
+
+def _plane_transform(unit_from_marker: Float) -> Float:
+    """(4, 4) for planes as rows (normal, offset): the inverse transpose."""
+    if unit_from_marker is NOTHING_SEEN:
+        return np.zeros((4, 4))
+    return np.asarray(np.linalg.inv(unit_from_marker).T)
 
 
 def _rounded_up(lengths: Float) -> Float:

@@ -35,6 +35,7 @@ class Command(Enum):
     LIGHT_STRENGTH = auto()
     LIGHT_SOFTNESS = auto()
     LIGHT_COLOUR = auto()
+    LIGHT_DISTANCE = auto()
     FOLLOW_OTHER = auto()
     RESET = auto()
     OPEN = auto()
@@ -86,6 +87,7 @@ class Gesture(Enum):
     SHIFT_DRAG = auto()
     WHEEL = auto()
     SHIFT_WHEEL = auto()
+    ALT_WHEEL = auto()
     DOUBLE_CLICK = auto()
     DROP = auto()  # of files on the window
 
@@ -126,6 +128,7 @@ class MouseEvent:
     y_px: float  # from the top edge
     shift: bool = False
     notches: float = 0.0  # of the wheel, away from the hand
+    alt: bool = False
 
 
 HELD = CTRL, ALT, SHIFT = "CTRL+", "ALT+", "SHIFT+"
@@ -167,6 +170,15 @@ BINDINGS = (
     ),
     Binding(
         (CTRL + "[", CTRL + "]"), Command.LIGHT_COLOUR, "Ctrl+ [ ]", "light: warmer, cooler", (1, -1), repeats=True
+    ),
+    Binding(
+        (ALT + "PAGE_UP", ALT + "PAGE_DOWN"),
+        Command.LIGHT_DISTANCE,
+        "Alt+wheel, Page Up, Down",
+        "light: farther, nearer (a lamp)",
+        (1, -1),
+        repeats=True,
+        gesture=Gesture.ALT_WHEEL,
     ),
     Binding(
         tuple(ALT + arrow for arrow in ARROWS),

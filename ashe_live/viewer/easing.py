@@ -9,7 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.core.types import Illumination, Light
-from ashe_live.render.lighting import ASSUMED_SHADOW_RATIO
+from ashe_live.render.lighting import angular_size, ground_ratio
 
 EASED_OVER_S = 0.3
 # A light farther than this from every former one does not move there: the old one fades out and the new one in.
@@ -63,16 +63,24 @@ def _lights_between(start: tuple[Light, ...], end: tuple[Light, ...], share: flo
             continue
         near = left.pop(cosines.index(max(cosines)))
         direction = normalised((1 - share) * near.to_light_marker + share * light.to_light_marker)
-        ratio = (1 - share) * _ratio(near) + share * _ratio(light)
-        yield replace(light, to_light_marker=direction, shadow_rgb_ratio=ratio)
+        yield replace(
+            light,
+            to_light_marker=direction,
+            # Of a sun it is 0, so that a sun comes nearer until it is a lamp.
+            inverse_distance=_mix(near.inverse_distance, light.inverse_distance, share),
+            angular_size_rad=_mix(angular_size(near), angular_size(light), share),
+            radius_m=None,
+            shadow_rgb_ratio=(1 - share) * ground_ratio(near) + share * ground_ratio(light),
+            intensity_rgb_ratio=None,
+        )
     for light in left:
         yield _dimmed(light, 1 - share)
 
 
 def _dimmed(light: Light, share: float) -> Light:
     """The light at `share` of its strength."""
-    return replace(light, shadow_rgb_ratio=1 - share * (1 - _ratio(light)))
+    return replace(light, shadow_rgb_ratio=1 - share * (1 - ground_ratio(light)), intensity_rgb_ratio=None)
 
 
-def _ratio(light: Light) -> Float:
-    return np.full(3, ASSUMED_SHADOW_RATIO) if light.shadow_rgb_ratio is None else light.shadow_rgb_ratio
+def _mix(start: float, end: float, share: float) -> float:
+    return (1 - share) * start + share * end

@@ -30,7 +30,7 @@ class Gestures:
                 self._clicked = (event, now_s) if is_click else None
                 self._pressed, self._drags = None, False
             case MouseAction.SCROLLED:
-                gesture = Gesture.SHIFT_WHEEL if event.shift else Gesture.WHEEL
+                gesture = Gesture.SHIFT_WHEEL if event.shift else Gesture.ALT_WHEEL if event.alt else Gesture.WHEEL
                 return Request(COMMAND_BY_GESTURE[gesture], event.notches)
         return None
 

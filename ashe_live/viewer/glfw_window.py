@@ -171,10 +171,13 @@ class GlfwWindow:
 
     def _on_scroll(self, _window: object, x: float, y: float) -> None:
         # GLFW reports no modifiers here; and with Shift macOS scrolls sideways.
-        keys = (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
-        self._shift = any(glfw.get_key(self._window, key) == glfw.PRESS for key in keys)
+        self._shift = self._is_down(glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
+        alt = self._is_down(glfw.KEY_LEFT_ALT, glfw.KEY_RIGHT_ALT)
         event = self._mouse_event(MouseAction.SCROLLED)
-        self._mouse.append(replace(event, notches=y or x))
+        self._mouse.append(replace(event, notches=y or x, alt=alt))
+
+    def _is_down(self, *keys: int) -> bool:
+        return any(glfw.get_key(self._window, key) == glfw.PRESS for key in keys)
 
     def _on_drop(self, _window: object, paths: list[str]) -> None:
         self._requests.append(Request(COMMAND_BY_GESTURE[Gesture.DROP], Files(tuple(paths))))

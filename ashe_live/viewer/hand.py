@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles
 from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel
-from ashe_live.render.lighting import ASSUMED_SHADOW_RATIO, SUN_ANGULAR_SIZE_RAD
+from ashe_live.render.lighting import angular_size, ground_ratio
 from ashe_live.viewer.controls import Command, Drag, Request
 from ashe_live.viewer.pointing import Pixel, ground_at, picture_axes, pixel_of
 
@@ -29,6 +29,10 @@ FIRST_ELEVATION_RAD = math.radians(45)
 SOFTER_STEP, STRONGER_STEP, WARMER_STEP = 1.25, 1.15, 1.08
 SHARPEST_RAD, SOFTEST_RAD = math.radians(0.1), math.radians(40)
 FAINTEST = 0.03
+# Of one notch on a lamp's distance, and its limits in sides of the marker; beyond the farthest it is a sun.
+FARTHER_STEP = 1.1
+NEAREST_LAMP_SIDES, FARTHEST_LAMP_SIDES = 1.0, 40.0
+LEAST_ABOVE_MODEL = 1.05  # of the model's height: where a lamp is lower, the end of its shadow cannot be dragged
 LEAST_HEIGHT_SIDES = 0.25  # a flat model's shadow is dragged as if it were so high
 NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
 
@@ -70,6 +74,8 @@ class Hand:
         match request:
             case Request(Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR, int() as notches):
                 return self._change_light(tracked, context, request.command, notches)
+            case Request(Command.LIGHT_DISTANCE, int() | float() as notches):
+                return self._change_distance(tracked, context, notches)
             case Request(Command.MOVE_LIGHT, (right, up)):
                 self._step_light(tracked, context, right, up)
             case Request(Command.MOVE_LIGHT, Drag() as drag):
@@ -118,25 +124,23 @@ class Hand:
         if context.model is not None:
             height = max(height, float(context.model.bounds[1, 2])) * self.placement.scale
         if drag.is_first:
-            x, y, z = base.lights[0].to_light_marker
-            end = pixel_of(tracked, foot - height / z * np.array((x, y))) if z > 0 else None
-            self._shadow_end_px = drag.begin_px if end is None else end
+            end = _shadow_of(base.lights[0], foot, height)
+            end_px = None if end is None else pixel_of(tracked, end)
+            self._shadow_end_px = drag.begin_px if end_px is None else end_px
         end_now = ground_at(tracked, _brought(drag, self._shadow_end_px))
         if end_now is None:
             return
-        slope = (foot - end_now) / height
-        steepness = max(float(np.linalg.norm(slope)), 1e-12)
-        slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
-        self._set_light(tracked, base, np.array((*slope, 1.0)))
+        to_light = _light_through(end_now, foot, height, base.lights[0].inverse_distance)
+        if to_light is not None:
+            self._set_light(tracked, base, to_light)
 
     def _change_light(self, tracked: TrackedFrame, context: HandContext, command: Command, notches: int) -> str:
         """Strength, softness or colour of the strongest light; returns what it is now."""
         base = self._light_to_move(tracked, context)
         light, *others = base.lights
-        size = light.angular_size_rad or SUN_ANGULAR_SIZE_RAD
-        ratio = np.full(3, ASSUMED_SHADOW_RATIO) if light.shadow_rgb_ratio is None else light.shadow_rgb_ratio
+        size = angular_size(light)
         # How often the light is dimmed in its shadow, as exponents: 0 casts none.
-        depth = -np.log(np.clip(ratio, FAINTEST, 1 - FAINTEST))
+        depth = -np.log(np.clip(ground_ratio(light), FAINTEST, 1 - FAINTEST))
         if command is Command.LIGHT_SOFTNESS:
             size = min(max(size * SOFTER_STEP**notches, SHARPEST_RAD), SOFTEST_RAD)
         elif command is Command.LIGHT_STRENGTH:
@@ -144,12 +148,39 @@ class Hand:
         else:
             depth = depth * WARMER_STEP ** (notches * np.array((1.0, 0.0, -1.0)))
         ratio = np.clip(np.exp(-depth), FAINTEST, 1 - FAINTEST)
-        changed = replace(light, angular_size_rad=size, shadow_rgb_ratio=ratio)
+        sized = _with_size(light, size)
+        changed = replace(sized, shadow_rgb_ratio=ratio, intensity_rgb_ratio=None)
         # What was measured of the ambient light says the same as the shadow's ratio, and would hold against it.
         self.light = replace(base, lights=(changed, *others), ambient_rgb_ratio=None)
         self.frame_index = tracked.frame.index
         red, green, blue = (f"{100 * value:.0f}" for value in 1 - ratio)
         return f"light: {math.degrees(size):.1f}° wide; its shadow takes {red}, {green}, {blue} % of red, green, blue"
+
+    def _change_distance(self, tracked: TrackedFrame, context: HandContext, notches: float) -> str:
+        """Of the strongest light, as large as it is and as strong at the marker; returns what it is now."""
+        assert tracked.marker is not None
+        base = self._light_to_move(tracked, context)
+        light, *others = base.lights
+        farthest, nearest = (sides * tracked.marker.side_m for sides in (FARTHEST_LAMP_SIDES, NEAREST_LAMP_SIDES))
+        was_lamp = light.inverse_distance > 0
+        distance = min(1 / light.inverse_distance, farthest) if was_lamp else farthest
+        radius = distance * math.tan(angular_size(light) / 2)
+        if was_lamp:
+            distance *= FARTHER_STEP ** min(max(notches, -MOST_NOTCHES), MOST_NOTCHES)
+        if distance > farthest * (1 + 1e-9) or (not was_lamp and notches >= 0):
+            size = 2 * math.atan(radius / farthest)
+            changed, said = (
+                replace(light, inverse_distance=0.0, angular_size_rad=size, radius_m=None),
+                "a sun, far away",
+            )
+        else:
+            distance = max(distance, nearest)
+            radius = min(radius, distance * math.tan(SOFTEST_RAD / 2))
+            changed = replace(light, inverse_distance=1 / distance, radius_m=radius)
+            said = f"a lamp, {100 * distance:.0f} cm from the marker"
+        self.light = replace(base, lights=(_of_unknown_error(changed), *others))
+        self.frame_index = tracked.frame.index
+        return f"light: {said}"
 
     def _light_to_move(self, tracked: TrackedFrame, context: HandContext) -> Illumination:
         """The illumination as it was set last, else as estimated, else a default."""
@@ -164,8 +195,44 @@ class Hand:
     def _set_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
         """Turns the strongest light of `base`; measured colours are kept, the uncertainty of the direction is not."""
         moved, *others = base.lights
-        light = Light(to_light, angular_size_rad=moved.angular_size_rad, shadow_rgb_ratio=moved.shadow_rgb_ratio)
+        light = _of_unknown_error(replace(moved, to_light_marker=to_light))
         self.light, self.frame_index = replace(base, lights=(light, *others)), tracked.frame.index
+
+
+def _of_unknown_error(light: Light) -> Light:
+    return replace(light, covariance_rad2=None, sigma_rad=None, confidence=None, lamp_covariance=None)
+
+
+def _with_size(light: Light, size_rad: float) -> Light:
+    """The light as large as that, seen from the marker's centre."""
+    if light.inverse_distance == 0:
+        return replace(light, angular_size_rad=size_rad)
+    return replace(light, radius_m=math.tan(size_rad / 2) / light.inverse_distance)
+
+
+def _shadow_of(light: Light, foot: Float, height: float) -> Float | None:
+    """(2,) on the plane, of a point `height` above `foot` (2,); None where the light is not above it."""
+    x, y, z = light.to_light_marker
+    above = z - light.inverse_distance * height
+    return np.asarray((z * foot - height * np.array((x, y))) / above) if above > 0 else None
+
+
+def _light_through(end: Float, foot: Float, height: float, inverse_distance: float) -> Float | None:
+    """(3,) unit vector to the light, as far away as that, for which `_shadow_of` is `end` (2,); None if there is none.
+
+    No lower than LOWEST_RAD: a sun then stops there.
+    """
+    slope = (foot - end) / height
+    if inverse_distance == 0:
+        steepness = max(float(np.linalg.norm(slope)), 1e-12)
+        slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
+    # With (x, y) = z slope + q end, the larger z for which the vector's length is 1.
+    a, b, c = 1 + slope @ slope, inverse_distance * (slope @ end), inverse_distance**2 * (end @ end) - 1
+    if b * b < a * c:
+        return None
+    z = float((math.sqrt(b * b - a * c) - b) / a)
+    lowest = max(LEAST_ABOVE_MODEL * inverse_distance * height, math.sin(LOWEST_RAD) - 1e-12)
+    return np.array((*(z * slope + inverse_distance * end), z)) if z >= lowest else None
 
 
 def _brought(drag: Drag, pixel: Pixel) -> Pixel:

@@ -262,7 +262,7 @@ class Session:
                 self.say(f"{self.parts_shown}: B goes on", now_s)
             case Command.TURN_UP:
                 self.say(f"{self.model_name}: {self._shelf.turn_up()} is up", now_s)
-            case Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR:
+            case Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR | Command.LIGHT_DISTANCE:
                 self._obey_hand(request, now_s)
             case Command.MOVE_LIGHT | Command.MOVE_MODEL | Command.SCALE_MODEL | Command.TURN_MODEL:
                 self._obey_hand(request, now_s)

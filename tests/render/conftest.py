@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import direction_from_angles, rigid
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.transforms import direction_from_angles, project, rigid
 from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.models.mesh import Mesh, Model
@@ -90,6 +91,18 @@ class Stage:
     def light(azimuth_deg: float, elevation_deg: float, ratio: tuple[float, ...] | None = None) -> Light:
         direction = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
         return Light(direction, shadow_rgb_ratio=None if ratio is None else np.array(ratio))
+
+    @staticmethod
+    def along(picture: np.ndarray, tracked: TrackedFrame, xs: np.ndarray, y: float = 0.0) -> np.ndarray:
+        """Linear brightness over the lit ground's at places (x, y, 0), between pixels interpolated."""
+        points = np.column_stack([xs, np.full(len(xs), y), np.zeros(len(xs))])
+        columns, rows = project(tracked.camera, tracked.marker.T_cam_marker, points).T
+        grey = LINEAR_FROM_SRGB_8BIT[picture[..., 1]] / LINEAR_FROM_SRGB_8BIT[255]
+        left, top = np.floor(columns).astype(int), np.floor(rows).astype(int)
+        u, v = columns - left, rows - top
+        upper = grey[top, left] * (1 - u) + grey[top, left + 1] * u
+        lower = grey[top + 1, left] * (1 - u) + grey[top + 1, left + 1] * u
+        return upper * (1 - v) + lower * v
 
     @staticmethod
     def noise(seed: int = 1, size: tuple[int, int] = SIZE) -> np.ndarray:

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.core.transforms import direction_from_angles, project
+from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Illumination, Light
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
@@ -25,18 +24,6 @@ def _light(azimuth_deg: float, elevation_deg: float, size_deg: float | None, rat
     )
 
 
-def _along(picture: np.ndarray, tracked, xs: np.ndarray, y: float = 0.0) -> np.ndarray:
-    """Linear brightness over the lit ground's at places (x, y, 0), between pixels interpolated."""
-    points = np.column_stack([xs, np.full(len(xs), y), np.zeros(len(xs))])
-    columns, rows = project(tracked.camera, tracked.marker.T_cam_marker, points).T
-    grey = LINEAR_FROM_SRGB_8BIT[picture[..., 1]] / LINEAR_FROM_SRGB_8BIT[255]
-    left, top = np.floor(columns).astype(int), np.floor(rows).astype(int)
-    u, v = columns - left, rows - top
-    upper = grey[top, left] * (1 - u) + grey[top, left + 1] * u
-    lower = grey[top + 1, left] * (1 - u) + grey[top + 1, left + 1] * u
-    return upper * (1 - v) + lower * v
-
-
 @pytest.mark.parametrize("quality", list(QUALITIES))
 @pytest.mark.parametrize("size_deg", [4.0, 12.0])
 def test_penumbra_is_as_wide_as_the_light_looks(make_renderer, stage, quality: str, size_deg: float) -> None:
@@ -48,7 +35,7 @@ def test_penumbra_is_as_wide_as_the_light_looks(make_renderer, stage, quality: s
     renderer.render(Scene(tracked, stage.placed(plate), Illumination((_light(180, 45, size_deg),))))
     edge, half = 0.05 + HEIGHT, HEIGHT * math.tan(math.radians(size_deg / 2)) * 2
     xs = edge + half * np.linspace(-1.6, 1.6, 33)
-    lit = (_along(renderer.read_bgr(), tracked, xs) - DARK) / (1 - DARK)
+    lit = (stage.along(renderer.read_bgr(), tracked, xs) - DARK) / (1 - DARK)
     assert lit[0] < 0.03
     assert lit[-1] > 0.97
     # How high the edge stands over the sun's centre, in radii; then what a straight edge leaves free of a disc.
@@ -73,11 +60,11 @@ def test_each_light_casts_its_own_shadow(make_renderer, stage, quality: str) -> 
     picture = renderer.read_bgr()
     for turn, share in enumerate((0.1, 0.15, 0.2, 0.25)):
         away = -direction_from_angles(math.pi / 2 * turn, 0.0)[:2] * 0.09
-        found = _along(picture, tracked, np.array([away[0]]), away[1])[0]
+        found = stage.along(picture, tracked, np.array([away[0]]), away[1])[0]
         assert found == pytest.approx(1 - share, abs=0.012)
     two = tuple(_light(azimuth_deg, 30, 0.5, 0.7) for azimuth_deg in (176, 184))
     renderer.render(Scene(tracked, pole, Illumination(two)))
-    assert _along(renderer.read_bgr(), tracked, np.array([0.06]))[0] == pytest.approx(0.4, abs=0.012)
+    assert stage.along(renderer.read_bgr(), tracked, np.array([0.06]))[0] == pytest.approx(0.4, abs=0.012)
 
 
 def test_shares_that_cannot_be_are_made_to_fit() -> None:
@@ -99,7 +86,7 @@ def test_shadows_edge_stands_still_while_the_camera_turns(make_renderer, stage, 
     for azimuth_deg in range(-60, 61, 12):
         tracked = stage.tracked(255, stage.pose(azimuth_deg, 65, 0.3, target=(0.09, 0, 0)))
         renderer.render(Scene(tracked, pole, Illumination((light,))))
-        lit = _along(renderer.read_bgr(), tracked, xs)
+        lit = stage.along(renderer.read_bgr(), tracked, xs)
         edges.append(float(np.interp((1 + DARK) / 2, lit[100:300], xs[100:300])))
     reach = 0.015 + 0.06 / math.tan(math.radians(35))
     texel = 0.06 / preset.ground_shadow_size / math.sin(math.radians(35))

@@ -9,7 +9,7 @@ import pytest
 
 from ashe_live.core.transforms import angle_between, direction_from_angles
 from ashe_live.core.types import Illumination, Light
-from ashe_live.render.lighting import lighting_of
+from ashe_live.render.lighting import angular_size, lighting_of
 from ashe_live.viewer.easing import EASED_OVER_S, LightEasing
 
 SUN = direction_from_angles(0.7, 0.8)
@@ -86,3 +86,29 @@ def test_on_the_way_only_what_changes_is_a_new_array():
     """What is drawn once for a ground colour is known by its identity."""
     end = replace(lit_from(SUN), ground_rgb=np.full(3, 0.4))
     assert all(shown.ground_rgb is end.ground_rgb for shown in passage(NONE, end))
+
+
+@pytest.mark.parametrize("radius_m", [None, 0.02])
+def test_a_sun_comes_nearer_until_it_is_the_lamp(radius_m):
+    """Its inverse distance and the size that is seen change in small steps of one sign."""
+    turned = direction_from_angles(0.9, 0.7)
+    lamp = Light(turned, shadow_rgb_ratio=np.full(3, 0.4), inverse_distance=2.5, radius_m=radius_m)
+    for start, end in ((lit_from(SUN), Illumination((lamp,))), (Illumination((lamp,)), lit_from(SUN))):
+        lights = [shown.light for shown in passage(start, end)]
+        inverse = np.array([light.inverse_distance for light in lights])
+        sizes = np.array([angular_size(light) for light in lights])
+        assert inverse[0] == start.light.inverse_distance
+        assert lights[-1] is end.light
+        for values in (inverse, sizes):
+            steps = np.diff(values) * np.sign(values[-1] - values[0])
+            assert (steps >= -1e-12).all()
+            assert steps.max() < 0.1 * abs(values[-1] - values[0])
+        # Both ends are seen as they are by themselves.
+        assert sizes[0] == pytest.approx(angular_size(start.light))
+
+
+def test_a_lamp_whose_share_was_measured_at_the_marker_fades_by_it():
+    lamp = Light(SUN, shadow_rgb_ratio=np.full(3, 0.9), inverse_distance=2.0, intensity_rgb_ratio=np.full(3, 3.0))
+    shares = [lighting_of(shown.lights).suns[0].ground_share[0] for shown in passage(NONE, Illumination((lamp,)))]
+    assert (shares[0], shares[-1]) == pytest.approx((0.0, 0.75))
+    assert max(np.diff(shares)) < 0.1

@@ -63,6 +63,11 @@ def test_a_dense_screen_has_as_wide_a_slack():
     assert requests(Gestures(2.0), (PRESSED, 5, 5), (MOVED, 5 + 1.5 * CLICK_SLACK_PX, 5)) == []
 
 
+def test_the_wheel_with_alt_moves_the_light_nearer_and_farther():
+    scrolled = MouseEvent(MouseAction.SCROLLED, 5, 5, notches=-2.0, alt=True)
+    assert Gestures().add(scrolled, 0.0) == Request(Command.LIGHT_DISTANCE, -2.0)
+
+
 def test_the_wheel_scales_and_with_shift_turns():
     scrolled = MouseEvent(MouseAction.SCROLLED, 1, 1, False, 2.5), MouseEvent(MouseAction.SCROLLED, 1, 1, True, -1.0)
     gestures = Gestures()

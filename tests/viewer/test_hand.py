@@ -7,15 +7,18 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
+from ashe_live.core.contract import light_by_hand_json
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, placed_on_marker
 from ashe_live.models.primitives import box
-from ashe_live.render.lighting import lighting_of
+from ashe_live.render.lighting import angular_size, lighting_of
 from ashe_live.viewer.controls import Command, Drag, Request
 from ashe_live.viewer.hand import (
+    FARTHER_STEP,
+    FARTHEST_LAMP_SIDES,
     FARTHEST_SIDES,
     FIRST_ELEVATION_RAD,
     HIGHEST_RAD,
@@ -23,6 +26,7 @@ from ashe_live.viewer.hand import (
     LIGHT_STEP_RAD,
     LOWEST_RAD,
     MOVE_STEP_SIDES,
+    NEAREST_LAMP_SIDES,
     SCALE_STEP,
     SMALLEST,
     TURN_STEP_RAD,
@@ -54,6 +58,8 @@ ESTIMATED = Illumination(
     real_object=Proxy("cup", np.array([(0.1, 0.0, 0.0, 0.03, 0.0), (0.1, 0.0, 0.08, 0.03, 0.0)])),
 )
 
+NEAR = replace(ESTIMATED, lights=(replace(ESTIMATED.lights[0], inverse_distance=2.0, radius_m=0.02),))
+
 
 def seen_from(eye: tuple[float, float, float], camera: Camera = PINHOLE, aim=(0.0, 0.0, 0.0)) -> TrackedFrame:
     forward = np.array(aim) - eye
@@ -79,8 +85,9 @@ def drag(hand: Hand, command: Command, seen: HandContext, begin, *ends) -> None:
 
 def shadow_end(hand: Hand) -> np.ndarray:
     """(2,) of the top of the model's middle axis."""
-    to_light = hand.light.light.to_light_marker
-    return np.array(hand.placement.shift_m) - HEIGHT_M * hand.placement.scale * to_light[:2] / to_light[2]
+    x, y, z, inverse = hand.light.light.homogeneous
+    height, foot = HEIGHT_M * hand.placement.scale, np.array(hand.placement.shift_m)
+    return (z * foot - height * np.array((x, y))) / (z - inverse * height)
 
 
 @pytest.mark.parametrize("eye", EYES)
@@ -98,7 +105,7 @@ def test_the_grabbed_point_of_the_table_stays_under_the_mouse(eye, camera):
 
 @pytest.mark.parametrize("eye", EYES)
 @pytest.mark.parametrize("camera", [PINHOLE, BENT], ids=["pinhole", "lens"])
-@pytest.mark.parametrize("estimated", [ESTIMATED, Illumination()], ids=["estimated", "none"])
+@pytest.mark.parametrize("estimated", [ESTIMATED, Illumination(), NEAR], ids=["estimated", "none", "lamp"])
 def test_the_shadows_end_follows_the_mouse(eye, camera, estimated):
     """Grabbed there, it stays under the mouse; grabbed elsewhere, it moves as many pixels."""
     tracked = seen_from(eye, camera)
@@ -183,7 +190,8 @@ def test_the_light_stays_above_the_table():
     assert angles_from_direction(hand.light.light.to_light_marker) == pytest.approx((azimuth, HIGHEST_RAD))
 
 
-def test_no_drag_makes_anything_impossible():
+@pytest.mark.parametrize("estimated", [ESTIMATED, NEAR], ids=["sun", "lamp"])
+def test_no_drag_makes_anything_impossible(estimated):
     """Over horizon and zenith, on a plane seen from above, nearly edge on, edge on, from below."""
     random = np.random.default_rng(5)
     eyes = (*EYES, (0.0, -0.5, 0.02), (0.0, -0.5, 0.0), (0.1, -0.5, -0.2))
@@ -192,8 +200,10 @@ def test_no_drag_makes_anything_impossible():
         for place in range(60):
             for command in (Command.MOVE_LIGHT, Command.MOVE_MODEL):
                 begin, now = random.uniform(-300, 1200, (2, 2))
-                hand.obey(Request(command, Drag(tuple(begin), tuple(now), place % 3 == 0)), sight(tracked))
+                drawn = Drag(tuple(begin), tuple(now), place % 3 == 0)
+                hand.obey(Request(command, drawn), sight(tracked, estimated))
         if hand.light is not None:
+            assert hand.light.light.inverse_distance == estimated.light.inverse_distance
             assert angles_from_direction(hand.light.light.to_light_marker)[1] >= LOWEST_RAD - 1e-9
         assert np.linalg.norm(hand.placement.shift_m) <= FARTHEST_SIDES * SIDE_M + 1e-9
         assert np.isfinite(hand.placement.marker_from_placed).all()
@@ -301,3 +311,59 @@ def test_no_key_makes_a_light_that_cannot_be():
             lighting = lighting_of(hand.light.lights, hand.light.ambient_rgb_ratio)
             assert np.isfinite(lighting.irradiances).all()
             assert (np.array(lighting.sky) >= 0).all()
+
+
+def test_a_light_by_hand_comes_nearer_and_goes_away_again():
+    """By the same factor each notch, as large as it is; farther than the farthest lamp it is the sun that it was."""
+    tracked, hand = seen_from(EYES[0]), Hand()
+    said = hand.obey(Request(Command.LIGHT_DISTANCE, -1), sight(tracked))
+    first = hand.light.light
+    assert np.linalg.norm(first.position_marker_m) == pytest.approx(FARTHEST_LAMP_SIDES * SIDE_M)
+    assert "320 cm" in said
+    assert angular_size(first) == pytest.approx(ESTIMATED.light.angular_size_rad)
+    np.testing.assert_array_equal(first.to_light_marker, ESTIMATED.light.to_light_marker)
+    hand.obey(Request(Command.LIGHT_DISTANCE, -2.5), sight(tracked))
+    nearer = hand.light.light
+    assert nearer.inverse_distance == pytest.approx(first.inverse_distance * FARTHER_STEP**2.5)
+    assert nearer.radius_m == pytest.approx(first.radius_m)
+    assert nearer.lamp_covariance is nearer.covariance_rad2 is nearer.confidence is None
+    for _ in range(4):
+        said = hand.obey(Request(Command.LIGHT_DISTANCE, 1), sight(tracked))
+    assert hand.light.light.kind == "directional"
+    assert "far away" in said
+    assert hand.light.light.angular_size_rad == pytest.approx(ESTIMATED.light.angular_size_rad)
+    hand.obey(Request(Command.LIGHT_DISTANCE, -1e9), sight(tracked))
+    for _ in range(3):
+        hand.obey(Request(Command.LIGHT_DISTANCE, -1e9), sight(tracked))
+    assert 1 / hand.light.light.inverse_distance == pytest.approx(NEAREST_LAMP_SIDES * SIDE_M)
+
+
+def test_a_snapshot_knows_where_the_lamp_by_hand_is():
+    tracked, hand = seen_from(EYES[0]), Hand()
+    hand.obey(Request(Command.LIGHT_DISTANCE, -1), sight(tracked))
+    for _ in range(10):
+        hand.obey(Request(Command.LIGHT_DISTANCE, -1), sight(tracked))
+    written = light_by_hand_json(hand.light, hand.frame_index)["light"]
+    light = hand.light.light
+    assert written["kind"] == "lamp"
+    np.testing.assert_allclose(written["position_marker_m"], light.to_light_marker / light.inverse_distance)
+    assert written["radius_m"] == light.radius_m
+
+
+def test_a_lamps_softness_is_its_radius():
+    tracked, hand = seen_from(EYES[0]), Hand()
+    hand.obey(Request(Command.LIGHT_SOFTNESS, 1), sight(tracked, NEAR))
+    assert hand.light.light.radius_m > NEAR.light.radius_m
+    assert hand.light.light.inverse_distance == NEAR.light.inverse_distance
+
+
+def test_a_lamp_is_not_dragged_to_where_it_would_be_below_the_models_top():
+    estimated = replace(NEAR, lights=(replace(NEAR.lights[0], inverse_distance=1 / (1.5 * HEIGHT_M)),))
+    tracked, hand = seen_from(EYES[1]), Hand()
+    for step in np.linspace(0, 200, 21):
+        drawn = Drag((320.0, 240.0), (320.0 - step, 240.0 + step), step == 0)
+        hand.obey(Request(Command.MOVE_LIGHT, drawn), sight(tracked, estimated))
+        light = estimated.light if hand.light is None else hand.light.light
+        assert np.isfinite(light.homogeneous).all()
+        if hand.light is not None:
+            assert light.position_marker_m[2] > HEIGHT_M

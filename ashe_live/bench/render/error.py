@@ -14,15 +14,20 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.contract import Json
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import direction_from_angles, project, rigid
+from ashe_live.core.transforms import direction_from_angles, project, raycast_to_plane, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
+from ashe_live.render.lighting import lighting_of
 from ashe_live.render.offscreen import Context
 from ashe_live.render.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.pose import square_corners
+
+GROUND_POINTS = 5
+PATCH_PX = 5  # the side of a square around each, of which the mean counts
+APART_PX = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,14 +38,15 @@ class Reference:
     scene: Scene  # the picture without the model, and the true light, as a perfect estimate would give it
     expected: Image  # (h, w, 3) BGR, with the model
     is_model: Mask  # (h, w)
-    shadow_brightness: float  # luminance of shadowed over lit ground
+    shadow_brightness: Float  # (h, w) luminance of shadowed over lit ground; NaN where no ground is
 
 
 @dataclass(frozen=True, slots=True)
 class PictureError:
-    shadow_iou: float  # of the masks of pixels outside the model that lost more than half of the sun's light
+    shadow_iou: float  # of the masks of pixels outside the model that lost more than half of the light's light
     shadow_de: float  # mean CIE 1976 colour difference where the path tracer's shadow is
     model_de: float  # mean CIE 1976 colour difference on the model
+    ground: float  # largest relative error of the ground's luminance, of GROUND_POINTS places deep in the shadow
 
 
 def read_references(folder: Path) -> list[Reference]:
@@ -63,10 +69,13 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
     threshold = (1 + reference.shadow_brightness) / 2
     ours, truth = (beside & (_darkening(image, bare) < threshold) for image in (picture, reference.expected))
     difference = _colour_difference(picture, reference.expected)
+    smooth = (cv2.blur(_luminance(image), (PATCH_PX, PATCH_PX)) for image in (picture, reference.expected))
+    found, expected = (np.array([image[at] for at in _deepest(truth)]) for image in smooth)
     return PictureError(
         overlap(ours, truth),
         float(difference[truth].mean()),
         float(difference[within].mean()),
+        float(np.abs(found / expected - 1).max()),
     )
 
 
@@ -78,11 +87,14 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     T_cam_marker = rigid(view["R"], view["t"])
     corners_px = project(camera, T_cam_marker, square_corners(side_m))
     marker = MarkerPose(T_cam_marker, corners_px, side_m, 0.0, None)
-    light = Light(
-        direction_from_angles(math.radians(view["azimuth_deg"]), math.radians(view["elevation_deg"])),
-        angular_size_rad=math.radians(view["angular_diameter_deg"]),
-        shadow_rgb_ratio=np.array(view["shadow_ratio"]),
-    )
+    light = _light(view)
+    pixels = np.stack(np.meshgrid(*map(np.arange, camera.size)), axis=-1).reshape(-1, 2)
+    ground = raycast_to_plane(camera, T_cam_marker, pixels)[:, :2]
+    (lit,) = lighting_of((light,)).suns
+    # Of all pixels, over that at the marker's centre.
+    falloff = lit.ground_falloff(ground)
+    level = 1 - np.outer(1 - falloff, lit.ground_share)
+    linear = LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3)
     x, y = view["caster"]["base_xy_m"]
     discs = [(x, y, height, radius, 0.0) for radius, height in view["caster"]["profile_m"]]
     tracked = TrackedFrame(Frame(bare, 0, 0.0), camera, marker)
@@ -92,13 +104,27 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
         Illumination(
             (light,),
             real_object=Proxy("lathe", np.array(discs)),
-            ground_rgb=np.median(LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3), axis=0),
+            ground_rgb=np.nanmedian(linear / level, axis=0),
             seen_in=tracked,
         ),
     )
     is_model = _read(folder / f"{name}_{model}_mask.png")[..., 0] > 127
-    brightness = float(np.dot(view["shadow_ratio"], REC709_LUMINANCE))
-    return Reference(f"{name}, {model}", scene, _read(folder / f"{name}_{model}.png"), is_model, brightness)
+    brightness = ((np.array(view["shadow_ratio"]) @ REC709_LUMINANCE) / (level @ REC709_LUMINANCE)).reshape(
+        bare.shape[:2]
+    )
+    return Reference(
+        f"{name}, {model}", scene, _read(folder / f"{name}_{model}.png"), is_model, brightness.reshape(is_model.shape)
+    )
+
+
+def _light(view: Json) -> Light:
+    """The true one, of a view's record."""
+    towards = direction_from_angles(math.radians(view["azimuth_deg"]), math.radians(view["elevation_deg"]))
+    ratio = np.array(view["shadow_ratio"])
+    if (distance_m := view.get("distance_m")) is None:
+        size_rad = math.radians(view["angular_diameter_deg"])
+        return Light(towards, angular_size_rad=size_rad, shadow_rgb_ratio=ratio)
+    return Light(towards, shadow_rgb_ratio=ratio, inverse_distance=1 / distance_m, radius_m=view["radius_m"])
 
 
 def _read(path: Path) -> Image:
@@ -110,8 +136,25 @@ def _read(path: Path) -> Image:
 
 def _darkening(image: Image, bare: Image) -> Float:
     """(h, w) brightness in linear light over that of the picture without the model."""
-    with_model, without = (LINEAR_FROM_SRGB_8BIT[each[..., ::-1]] @ REC709_LUMINANCE for each in (image, bare))
-    return np.asarray(with_model / np.maximum(without, 1e-3))
+    return np.asarray(_luminance(image) / np.maximum(_luminance(bare), 1e-3))
+
+
+def _luminance(image: Image) -> Float:
+    """(h, w) in linear light."""
+    return np.asarray(LINEAR_FROM_SRGB_8BIT[image[..., ::-1]] @ REC709_LUMINANCE)
+
+
+def _deepest(mask: Mask) -> list[tuple[int, int]]:
+    """Row and column of up to GROUND_POINTS pixels of the mask, the farthest from its border first."""
+    depth = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 3)
+    found = []
+    for _ in range(GROUND_POINTS):
+        row, column = np.unravel_index(int(depth.argmax()), depth.shape)
+        if depth[row, column] < PATCH_PX / 2:
+            break
+        found.append((int(row), int(column)))
+        cv2.circle(depth, (int(column), int(row)), APART_PX, 0.0, cv2.FILLED)
+    return found
 
 
 def _colour_difference(a: Image, b: Image) -> Float:

@@ -1,0 +1,33 @@
+// The lights as homogeneous points, LIGHTS of them; LAMPS is 1 where any is near by.
+#if LIGHTS > 0
+uniform vec4 light_point[LIGHTS];  // unit vector from the marker's centre, and one over the distance in 1/m: 0 for a sun
+
+#if LAMPS
+// Nothing is lit more than from a hundredth of the lamp's distance from the marker's centre: it has a size.
+const float LEAST_DISTANCE2 = 1e-4;
+#endif
+
+// Unit vector from a point towards a light. `falloff`: the light's irradiance there, across its direction, over that at
+// the marker's centre, by the inverse square of the distance.
+vec3 towards_light(int light, vec3 position, out float falloff) {
+#if LAMPS
+    vec3 towards = light_point[light].xyz - light_point[light].w * position;
+    float distance2 = max(dot(towards, towards), LEAST_DISTANCE2);
+    falloff = 1.0 / distance2;
+    return towards * inversesqrt(distance2);
+#else
+    falloff = 1.0;
+    return light_point[light].xyz;
+#endif
+}
+
+// The light's irradiance of the level ground over that at the marker's centre: h / d^3.
+float ground_falloff(int light, vec2 ground) {
+    float falloff;
+    towards_light(light, vec3(ground, 0.0), falloff);
+#if LAMPS
+    falloff *= sqrt(falloff);
+#endif
+    return falloff;
+}
+#endif
