@@ -13,36 +13,45 @@ class Layout:
     """The positions of parameters in theta (..., split + q) for a number of lights and any shape."""
 
     lights: int
-    # The displacement s of a shadow per unit of height: lights are varied as directions.
-    PER_LIGHT: ClassVar[int] = 2
+    with_nearness: bool = False  # whether the nearness w / z of each light is varied too, its third parameter
+    # The displacement s of a shadow per unit of height.
+    PER_DIRECTION: ClassVar[int] = 2
+
+    @property
+    def per_light(self) -> int:
+        """The number of parameters of one light."""
+        return self.PER_DIRECTION + self.with_nearness
 
     @property
     def split(self) -> int:
         """The number of the lights' parameters, and the index of the shape's first."""
-        return self.PER_LIGHT * self.lights
+        return self.per_light * self.lights
 
     def light(self, number: int) -> slice:
         """The parameters of light `number`."""
-        return slice(self.PER_LIGHT * number, self.PER_LIGHT * (number + 1))
+        return slice(self.per_light * number, self.per_light * (number + 1))
 
     def lights_of(self, theta: Float, nearness: Float | float = 0.0) -> Float:
         """(..., l, 4) the lights as homogeneous points with z = 1.
 
-        nearness: (l,) their w / z, which is no part of theta; 0 for lights at infinity.
+        nearness: (l,) their w / z where it is no part of theta; 0 for lights at infinity.
         """
-        parameters = theta[..., : self.split].reshape(*theta.shape[:-1], self.lights, self.PER_LIGHT)
+        parameters = theta[..., : self.split].reshape(*theta.shape[:-1], self.lights, self.per_light)
         points = np.zeros((*parameters.shape[:-1], 4))
-        points[..., : self.PER_LIGHT], points[..., 2], points[..., 3] = parameters, 1.0, nearness
+        points[..., :2], points[..., 2] = parameters[..., :2], 1.0
+        points[..., 3] = parameters[..., 2] if self.with_nearness else nearness
         return points
 
     def shape_of(self, theta: Float) -> Float:
         """(..., q) the shape's parameters."""
         return theta[..., self.split :]
 
-    @classmethod
-    def theta(cls, lights: Float, shape: Float) -> Float:
-        """(split + q,) the parameter vector of lights (l, 4), without their nearness, and a shape (q,)."""
-        return np.append(light_parameters(lights), shape)
+    def theta(self, lights: Float, shape: Float) -> Float:
+        """(split + q,) the parameter vector of lights (l, 4) and a shape (q,)."""
+        parameters = light_parameters(lights)
+        if self.with_nearness:
+            parameters = np.column_stack([parameters, nearness_of(lights)])
+        return np.append(parameters, shape)
 
 
 def nearness_of(lights: Float) -> Float:
@@ -52,4 +61,4 @@ def nearness_of(lights: Float) -> Float:
 
 def light_parameters(lights: Float) -> Float:
     """(..., l, 2) the parameters of lights (..., l, 4): the displacement s = (x, y) / z of each."""
-    return np.asarray(lights[..., : Layout.PER_LIGHT] / lights[..., 2:3])
+    return np.asarray(lights[..., : Layout.PER_DIRECTION] / lights[..., 2:3])

@@ -36,18 +36,21 @@ class Supports:
     reach_px: Float  # (n, 1 + l, d) max of u . p over the outline of body n, for direction u
     part: NDArray[np.intp]  # (n, 1 + l, d) index of the spheroid that reaches farthest
     by_part: Float  # (n, 1 + l, 5, d) derivative by that spheroid's x, y, z, radius, half height
-    by_light: Float  # (n, l, 2, d) derivative of a shadow's reach by its light's parameters in theta
+    by_light: Float  # (n, l, 3, d) derivative of a shadow's reach by its light's displacement s and nearness w / z
 
-    def by_theta(self, by_shape: Float) -> Float:
-        """(n, split + q, 1 + l, d) derivatives by theta; by_shape: (n, k, 5, q) those of the spheroids by the shape."""
+    def by_theta(self, by_shape: Float, with_nearness: bool = False) -> Float:
+        """(n, split + q, 1 + l, d) derivatives by theta.
+
+        by_shape: (n, k, 5, q) those of the spheroids by the shape. with_nearness: as in the Layout of theta.
+        """
         (n, outlines, d), (k, q) = self.part.shape, by_shape.shape[1::2]
-        layout = Layout(outlines - 1)
+        layout = Layout(outlines - 1, with_nearness)
         is_touched = self.part[:, :, None] == np.arange(k)[:, None]
         by_parts = (is_touched[:, :, :, None] * self.by_part[:, :, None]).reshape(n, outlines, 5 * k, d)
         slopes = np.zeros((n, layout.split + q, outlines, d))
         slopes[:, layout.split :] = (by_shape.reshape(n, 1, 5 * k, q).swapaxes(2, 3) @ by_parts).swapaxes(1, 2)
         for light in range(layout.lights):
-            slopes[:, layout.light(light), 1 + light] = self.by_light[:, light]
+            slopes[:, layout.light(light), 1 + light] = self.by_light[:, light, : layout.per_light]
         return slopes
 
 
@@ -91,8 +94,10 @@ def outline_supports(
         sideways = (slopes[:, :, :2] * axes[..., :2, 2:]).sum(axis=2)
         depth += radius**2 / lean * sideways + lift * axes[..., 2, 2:]
         height += lift
-    by_part /= np.maximum(depth, nearest)[:, :, None]
-    by_light = -by_part[:, 1:, :2] * height[:, 1:, None]
+    depth = np.maximum(depth, nearest)[:, :, None]
+    by_part /= depth
+    from_origin = (origin[..., :2] @ directions - origin[..., 2:] * reach_px[:, :, None]) / depth
+    by_light = -np.concatenate([by_part[:, 1:, :2], from_origin[:, 1:]], axis=2) * height[:, 1:, None]
     return Supports(reach_px, part, by_part, by_light)
 
 

@@ -86,3 +86,8 @@ def test_theta_holds_the_lights_first_and_gives_them_back() -> None:
     np.testing.assert_allclose(there, lamps / lamps[:, 2:3])
     for i in range(2):
         np.testing.assert_array_equal(theta[layout.light(i)], light_parameters(lights)[i])
+    near = Layout(2, with_nearness=True)
+    theta = near.theta(lamps, shape)
+    np.testing.assert_array_equal(near.shape_of(theta), shape)
+    np.testing.assert_allclose(near.lights_of(theta), lamps / lamps[:, 2:3])
+    assert theta[near.light(1)][2] == nearness_of(lamps)[1]
