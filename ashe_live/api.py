@@ -19,10 +19,9 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
 from ashe_live.quality import QUALITIES, Quality
 from ashe_live.tracking import tracker
-from ashe_live.tracking.layout import parse_target
+from ashe_live.tracking.layout import parse_target, usual_side_m
 
 MARKER = "aruco:4x4_50:0"
-SIDE_M = 0.08
 ASSUMED_FPS = 30.0
 TIME = Range(-1e9, 1e9, "s")
 
@@ -42,15 +41,15 @@ def estimate_light(
     image_bgr: Image,
     camera: Camera,
     marker: str = MARKER,
-    side_m: float = SIDE_M,
+    side_m: float | None = None,
     quality: str = "balanced",
     estimator: str = "proxy",
 ) -> LightEstimate:
     """Where the light is in one picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
 
-    `camera` is scaled to the picture; `side_m` is the black square's side. Without a marker, or without a light, the
-    estimate has no lights and says why. Raises UserError when the marker's name or file cannot be used, or the camera
-    is of another shape; ValueError for wrong use.
+    `camera` is scaled to the picture; `side_m` is the black square's side (None: 0.08) or the cube's edge (None: 0.06).
+    Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the marker's
+    name or file cannot be used, or the camera is of another shape; ValueError for wrong use.
     """
     chosen = make_estimator(estimator, quality)
     return chosen.estimate(Tracker(camera, marker, side_m, quality).track(image_bgr))
@@ -85,11 +84,13 @@ class LightEstimator:
 class Tracker:
     """Finds the marker in one picture after another. For use by one thread at a time."""
 
-    def __init__(self, camera: Camera, marker: str = MARKER, side_m: float = SIDE_M, quality: str = "balanced") -> None:
+    def __init__(
+        self, camera: Camera, marker: str = MARKER, side_m: float | None = None, quality: str = "balanced"
+    ) -> None:
         """As `estimate_light`."""
-        MARKER_SIDE.checked(side_m, "side_m")
         arguments.instance(camera, Camera, "camera")
         target = parse_target(arguments.text(marker, "marker"))
+        side_m = usual_side_m(marker) if side_m is None else MARKER_SIDE.checked(side_m, "side_m")
         self._tracker = tracker.MarkerTracker(target, camera, side_m, _quality(quality).tracking)
         self._next_index = 0
         self._time_s = -1 / ASSUMED_FPS

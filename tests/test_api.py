@@ -109,7 +109,10 @@ WRONG = {
     ("camera", "Tracker"): (al.Tracker, (None, 60, "a", np.eye(3))),
     ("camera", "estimate_light"): (lambda value: al.estimate_light(GREY, value), (None, 60, "a")),
     ("marker", "Tracker"): (lambda value: al.Tracker(CAMERA, value), NO_NAMES),
-    ("side_m", "Tracker"): (lambda value: al.Tracker(CAMERA, side_m=value), NO_LENGTHS),
+    ("side_m", "Tracker"): (
+        lambda value: al.Tracker(CAMERA, side_m=value),
+        [one for one in NO_LENGTHS if one is not None],
+    ),
     ("quality", "Tracker"): (lambda value: al.Tracker(CAMERA, quality=value), NO_QUALITIES),
     ("quality", "make_estimator"): (lambda value: al.make_estimator("proxy", value), NO_QUALITIES),
     ("name", "make_estimator"): (al.make_estimator, NO_NAMES),

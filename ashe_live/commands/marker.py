@@ -1,16 +1,22 @@
-"""`ashe-live marker`: a marker to print at true size, or to show on a screen."""
+"""`ashe-live marker`: a marker to print at true size, also as a cube to fold, or to show on a screen."""
 
 import argparse
 
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import say
-from ashe_live.tracking.layout import Layout, parse_target
+from ashe_live.tracking.cube.faces import USUAL_EDGE_M
+from ashe_live.tracking.cube.sheet import write_cube_sheet
+from ashe_live.tracking.layout import CUBE, Layout, cube_layout, parse_target
 from ashe_live.tracking.printing import write_marker_sheet
 
 SHOWN_PX = 960  # a multiple of what a cell may take, and larger than most windows show it
 
 
 def run(options: argparse.Namespace) -> int:
+    if options.cube or options.marker == CUBE:
+        return _cube(options)
+    if options.side is not None:
+        raise UserError("--side is a cube's edge", "give --cube with it, or --size-mm for a flat marker")
     marker = parse_target(options.marker)
     if options.show:
         # Only here, so that printing needs neither GLFW nor OpenGL.
@@ -25,4 +31,15 @@ def run(options: argparse.Namespace) -> int:
         return ExitStatus.ANSWERED
     write_marker_sheet(options.out, marker, options.size_mm / 1000, options.overwrite)
     say(f"{options.out}: print it at 100 %, then the ruler line on it is true")
+    return ExitStatus.ANSWERED
+
+
+def _cube(options: argparse.Namespace) -> int:
+    if options.show:
+        raise UserError(
+            "a screen cannot be folded: --show is of no use for a cube", "give --out cube.pdf, and print it"
+        )
+    edge_m = USUAL_EDGE_M if options.side is None else options.side
+    write_cube_sheet(options.out, cube_layout(), edge_m, options.paper, options.overwrite)
+    say(f"{options.out}: print it at 100 % on stiff matt paper, fold it, stand it on its plain face: --marker {CUBE}")
     return ExitStatus.ANSWERED

@@ -17,8 +17,8 @@ START = "start"
 DEFAULT_MARKER = "aruco:4x4_50:0"
 DEFAULT_ESTIMATOR = "proxy"
 MARKER_HELP = (
-    f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png or "
-    f"grid:DICT:COLSxROWS (default: the one in view, or {DEFAULT_MARKER})"
+    f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png, "
+    f"grid:DICT:COLSxROWS or cube (default: the one in view, or {DEFAULT_MARKER})"
 )
 UPS = ("x", "y", "z", "-x", "-y", "-z")
 MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
@@ -116,6 +116,12 @@ def _add_marker_options(marker: argparse.ArgumentParser) -> None:
     marker.add_argument(
         "--size-mm", type=values.millimetres, default=80.0, metavar="MM", help="side of the black square (default 80)"
     )
+    cube = marker.add_argument_group("a cube to fold")
+    cube.add_argument(
+        "--cube", action="store_true", help="print a cube, which is marker, caster and light probe in one"
+    )
+    cube.add_argument("--side", type=values.side_m, metavar="METRES", help="its edge (default 0.06)")
+    cube.add_argument("--paper", choices=("a4", "letter", "a3"), default="a4", help="(default a4)")
     marker.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
 
@@ -180,9 +186,8 @@ def _add_scene_options(parser: argparse.ArgumentParser) -> None:
     scene.add_argument(
         "--marker-size",
         type=values.side_m,
-        default=0.08,
         metavar="METRES",
-        help="black square's side (default 0.08)",
+        help="black square's side (default 0.08), or the cube's edge (default 0.06)",
     )
     camera = scene.add_mutually_exclusive_group()
     camera.add_argument("--camera-file", type=Path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}')

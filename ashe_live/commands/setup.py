@@ -11,7 +11,7 @@ from ashe_live.process.messages import tell
 from ashe_live.quality import BALANCED, QUALITIES, Quality
 from ashe_live.tracking.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
-from ashe_live.tracking.layout import parse_target
+from ashe_live.tracking.layout import parse_target, usual_side_m
 from ashe_live.tracking.tracker import MarkerTracker
 
 CameraFor = Callable[[Size], Camera]
@@ -61,11 +61,12 @@ def make_tracker(
     """
     marker = parse_target(options.marker)
     camera_for = camera_for or camera_chooser(options)
+    side_m = usual_side_m(options.marker) if options.marker_size is None else options.marker_size
     preset = quality_of(options).tracking
     tracker = (
-        FocalTracker(marker, camera_for, options.marker_size, preset, memory)
+        FocalTracker(marker, camera_for, side_m, preset, memory)
         if isinstance(camera_for, AssumedCamera)
-        else MarkerTracker(marker, camera_for, options.marker_size, preset)
+        else MarkerTracker(marker, camera_for, side_m, preset)
     )
     if isinstance(tracker, FocalTracker) and isinstance(source, PhotoSource) and source.focal_px is not None:
         tracker.tell(Camera.from_focal(source.size, source.focal_px, "exif"))

@@ -1,4 +1,4 @@
-"""Several markers printed on one rigid sheet, tracked as one: seen by any of them, and surer than by each alone."""
+"""Several markers on one rigid thing, a sheet or a cube, tracked as one: seen by any, and surer than by each alone."""
 
 from dataclasses import dataclass
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
+from ashe_live.tracking.cube.faces import CORNERS, DICTIONARY, FACES, FIRST_ID, TAG_SHARE, USUAL_EDGE_M
 from ashe_live.tracking.markers import Marker, parse_marker
 from ashe_live.tracking.pose import square_corners
 
@@ -13,6 +14,8 @@ from ashe_live.tracking.pose import square_corners
 GRID_GAP = 0.25
 # Each costs time in every frame.
 MOST_MEMBERS = 24
+USUAL_SIDE_M = 0.08
+CUBE = "cube"
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,15 +23,20 @@ class Member:
     """A marker and where it lies."""
 
     marker: Marker
-    corners: Float  # (4, 3) in units of a square's side, the layout's frame: top-left, top-right, bottom-right, ...
+    corners: Float  # (4, 3) in the layout's units and frame: top-left, top-right, bottom-right, bottom-left
 
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """Markers in one plane; its frame has its origin in their middle, x right and y up as printed."""
+    """Markers on one rigid thing.
+
+    On a sheet: the unit is a square's side, and the frame has its origin in their middle, x right and y up as printed.
+    On a body that stands on the table: the unit is the body's own, and the plane z = 0 is the table's.
+    """
 
     spec: str
     members: tuple[Member, ...]
+    body: Float | None = None  # (k, 3) points whose convex hull the printed body is; None: a sheet
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -39,11 +47,14 @@ class Layout:
 
 
 def parse_target(spec: str) -> Marker | Layout:
-    """The marker that `spec` names, or the layout: grid:DICT:COLSxROWS[:FIRST], numbered row by row from FIRST (0).
+    """The marker that `spec` names, or the layout: grid:DICT:COLSxROWS[:FIRST], numbered row by row from FIRST (0), or
+    the folded cube.
 
     Raises UserError when it names neither.
     """
     kind, _, rest = spec.partition(":")
+    if spec == CUBE:
+        return cube_layout()
     if kind != "grid":
         return parse_marker(spec)
     family, _, numbers = rest.partition(":")
@@ -69,6 +80,18 @@ def grid_layout(spec: str, markers: list[Marker], columns: int) -> Layout:
         centre = (column - (columns - 1) / 2) * pitch, ((rows - 1) / 2 - row) * pitch, 0.0
         members.append(Member(marker, square_corners(1.0) + centre))
     return Layout(spec, tuple(members))
+
+
+def cube_layout() -> Layout:
+    """The markers of the folded cube's faces; its unit is the cube's edge."""
+    markers = (parse_marker(f"{DICTIONARY}:{FIRST_ID + number}") for number in range(len(FACES)))
+    members = tuple(Member(marker, face.corners(TAG_SHARE)) for marker, face in zip(markers, FACES, strict=True))
+    return Layout(CUBE, members, CORNERS)
+
+
+def usual_side_m(spec: str) -> float:
+    """The size in metres of what `spec` names where nobody gave one: a square's side, the cube's edge."""
+    return USUAL_EDGE_M if spec == CUBE else USUAL_SIDE_M
 
 
 def members_of(target: Marker | Layout) -> tuple[Member, ...]:

@@ -36,6 +36,32 @@ def test_a_marker_that_does_not_exist_is_one_line(run, tmp_path, arguments):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_cube_is_printed_by_either_of_its_names(run, tmp_path):
+    outcome = run("marker", "--cube", "--out", tmp_path / "cube.pdf", "--side", "0.05", "--paper", "letter")
+    assert outcome.status == 0
+    assert "--marker cube" in outcome.out[0]
+    assert (tmp_path / "cube.pdf").read_bytes().startswith(b"%PDF")
+    assert run("marker", "--marker", "cube", "--out", tmp_path / "same.pdf").status == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--cube", "--show"), "no use"),
+        (("--cube", "--out", "cube.pdf", "--side", "0.07"), "--side from 0.03 to 0.064"),
+        (("--cube", "--out", "cube.pdf", "--side", "-1"), "not a number"),
+        (("--out", "flat.pdf", "--side", "0.05"), "--cube"),
+    ],
+)
+def test_a_cube_that_cannot_be_is_one_line(run, tmp_path, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    outcome = run("marker", *arguments)
+    assert outcome.status == 2
+    (line,) = outcome.err
+    assert words in line
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only X11 and Wayland name their display")
 def test_without_a_display_there_is_no_marker_on_it(run, monkeypatch):
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):

@@ -1,0 +1,93 @@
+"""A white page to draw on in true size, and how it is written."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import PIL.ImageDraw
+import PIL.ImageFont
+
+from ashe_live.core.arrays import Image
+from ashe_live.errors import UserError
+from ashe_live.files.new_file import check_output
+from ashe_live.files.writing import written_whole
+
+SUFFIXES = (".pdf", ".png")
+PRINTER_EDGE_MM = 8
+INK = 0
+PAPER = 255
+
+Millimetres = tuple[float, float]  # from the page's top-left corner
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A white page to draw on, measured in millimetres from its top-left corner."""
+
+    image: PIL.Image.Image
+    dpi: int
+
+    @classmethod
+    def blank(cls, size_mm: Millimetres, dpi: int) -> "Page":
+        width, height = (round(side / 25.4 * dpi) for side in size_mm)
+        return cls(PIL.Image.new("L", (width, height), PAPER), dpi)
+
+    @property
+    def width_mm(self) -> float:
+        return self.image.width / self.dpi * 25.4
+
+    @property
+    def height_mm(self) -> float:
+        return self.image.height / self.dpi * 25.4
+
+    def px(self, mm: float) -> int:
+        return round(mm / 25.4 * self.dpi)
+
+    def picture(self, grey: Image, top_left_mm: Millimetres) -> None:
+        self.image.paste(
+            PIL.Image.fromarray(np.ascontiguousarray(grey)), (self.px(top_left_mm[0]), self.px(top_left_mm[1]))
+        )
+
+    def line(self, start_mm: Millimetres, end_mm: Millimetres, width_mm: float = 0.25, ink: int = INK) -> None:
+        ends = [(self.px(x), self.px(y)) for x, y in (start_mm, end_mm)]
+        PIL.ImageDraw.Draw(self.image).line(ends, fill=ink, width=max(1, self.px(width_mm)))
+
+    def text(
+        self, centre_mm: Millimetres, words: str, height_mm: float = 4.0, room_mm: float | None = None, ink: int = INK
+    ) -> None:
+        """Words centred on a point, made smaller where they need more room than there is: the page's, or `room_mm`."""
+        draw = PIL.ImageDraw.Draw(self.image)
+        room = self.image.width - 2 * self.px(PRINTER_EDGE_MM) if room_mm is None else self.px(room_mm)
+        size = float(self.px(height_mm))
+        size *= min(1.0, room / max(1.0, draw.textlength(words, PIL.ImageFont.load_default(size))))
+        font = PIL.ImageFont.load_default(size)
+        draw.text((self.px(centre_mm[0]), self.px(centre_mm[1])), words, fill=ink, font=font, anchor="mm")
+
+    def ruler(self, start_mm: Millimetres, upright: bool = False) -> None:
+        """A line of 100 mm to the right, or downwards, with a tick every 10 mm and labels at 0, 50 and 100."""
+
+        def at(along: float, aside: float) -> Millimetres:
+            x, y = start_mm
+            return (x + aside, y + along) if upright else (x + along, y - aside)
+
+        self.line(at(0, 0), at(100, 0))
+        for mm in range(0, 101, 10):
+            self.line(at(mm, 3.0 if mm % 50 == 0 else 1.5), at(mm, 0))
+        for mm, label in ((0, "0"), (50, "50"), (100, "100 mm")):
+            self.text(at(mm, -9 if upright else -4), label, 3.5)
+
+    def write(self, path: Path, overwrite: bool, title: str) -> None:
+        """As a PDF or PNG by `path`'s suffix. Raises UserError for a place that cannot be written."""
+        with written_whole(path, overwrite) as file:
+            if path.suffix.lower() == ".pdf":
+                self.image.save(file.stream, "PDF", resolution=self.dpi, quality=95, title=title)
+            else:
+                self.image.save(file.stream, "PNG", dpi=(self.dpi, self.dpi))
+
+
+def check_page_file(path: Path, overwrite: bool) -> None:
+    """Raises UserError for a suffix that pages do not have, or an existing file (without `overwrite`)."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise UserError(f"cannot print to {path.name!r}", "name a .pdf or a .png file")
+    check_output(path, overwrite)

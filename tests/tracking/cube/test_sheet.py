@@ -1,0 +1,109 @@
+"""The cube's sheet: in true size, on one page, and folded up it has every print where the tracker expects it."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import PIL.Image
+import pytest
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.errors import UserError
+from ashe_live.tracking.cube.faces import CORNERS, DICTIONARY, FACES, FIRST_ID
+from ashe_live.tracking.cube.sheet import largest_edge_mm, write_cube_sheet
+from ashe_live.tracking.dictionary_marker import DICTIONARIES
+from ashe_live.tracking.layout import cube_layout
+
+EDGE_M = 0.06
+MM_PER_INCH = 25.4
+
+
+def sheet(folder: Path, edge_m: float = EDGE_M, paper: str = "a4") -> tuple[Image, float]:
+    """The printed page (h, w), and its millimetres a pixel."""
+    path = folder / f"{paper}.png"
+    write_cube_sheet(path, cube_layout(), edge_m, paper)
+    with PIL.Image.open(path) as page:
+        return np.asarray(page.convert("L")), MM_PER_INCH / page.info["dpi"][0]
+
+
+def corners_mm(page: Image, mm_per_px: float) -> dict[int, Float]:
+    """(4, 2) by number: what OpenCV finds of the dictionary, its corners from the page's top-left corner."""
+    small = cv2.resize(page, None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+    dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARIES[DICTIONARY.removeprefix("aruco:")])
+    quads, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(small)
+    return {
+        int(number): (quad.reshape(4, 2) + 0.5) * 4 * mm_per_px
+        for quad, number in zip(quads, np.ravel(ids), strict=True)
+    }
+
+
+def turned(points: Float, on_axis: Float, axis: Float, angle: float) -> Float:
+    return (points - on_axis) @ cv2.Rodrigues(np.asarray(axis, float) * angle)[0].T + on_axis
+
+
+@pytest.mark.parametrize(("edge_m", "paper"), [(0.06, "a4"), (0.06, "letter"), (0.03, "a4"), (0.09, "a3")])
+def test_folded_along_its_lines_the_sheet_is_the_cube_that_is_tracked(
+    tmp_path: Path, edge_m: float, paper: str
+) -> None:
+    found = corners_mm(*sheet(tmp_path, edge_m, paper))
+    assert sorted(found) == [FIRST_ID + number for number in range(len(FACES))]
+    # The page as it lies on the table, printed side up, the top face's centre at the origin: x right, y up.
+    middle = found[FIRST_ID].mean(axis=0)
+    layout = cube_layout()
+    for number, member in enumerate(layout.members):
+        flat = np.column_stack([(found[FIRST_ID + number] - middle) * (1, -1) / 1000, np.zeros(4)])
+        away = flat.mean(axis=0)
+        if number:
+            # Each side hangs on the top by the fold between them, and is folded down by a right angle.
+            way = np.round(away / edge_m)
+            flat = turned(flat, 0.5 * edge_m * way, np.cross((0, 0, 1), way), np.pi / 2)
+        on_table = flat + np.array((0, 0, edge_m))
+        assert on_table == pytest.approx(edge_m * member.corners, abs=1e-4)
+
+
+def test_the_ruler_is_a_hundred_millimetres_long(tmp_path: Path) -> None:
+    page, mm_per_px = sheet(tmp_path)
+    below_the_net = page[int(0.6 * len(page)) :, : int(28 / mm_per_px)]
+    inked = below_the_net < 128
+    column = int(inked.sum(axis=0).argmax())
+    rows = np.flatnonzero(inked[:, column])
+    assert (rows[-1] - rows[0]) * mm_per_px == pytest.approx(100, abs=0.3)
+
+
+@pytest.mark.parametrize("paper", ["a4", "letter", "a3"])
+def test_the_largest_cube_stays_within_what_printers_reach(tmp_path: Path, paper: str) -> None:
+    page, mm_per_px = sheet(tmp_path, largest_edge_mm(paper) / 1000, paper)
+    rim = int(7.5 / mm_per_px)
+    inside = np.zeros_like(page, dtype=bool)
+    inside[rim:-rim, rim:-rim] = True
+    assert page[~inside].min() == 255
+
+
+def test_around_each_print_the_face_is_white_but_for_its_number(tmp_path: Path) -> None:
+    page, mm_per_px = sheet(tmp_path)
+    top = corners_mm(page, mm_per_px)[FIRST_ID]
+    left, upper = (top.min(axis=0) - 1000 * EDGE_M * 0.13) / mm_per_px
+    right, lower = (top.max(axis=0) + 1000 * EDGE_M * 0.13) / mm_per_px
+    face = page[int(upper) : int(lower), int(left) : int(right)].copy()
+    depth = int(0.12 * 1000 * EDGE_M / mm_per_px)
+    rim = np.concatenate([face[:depth].ravel(), face[:, :depth].ravel(), face[:, -depth:].ravel()])
+    assert (rim < 250).mean() < 0.01
+
+
+@pytest.mark.parametrize("edge_m", [0.0, 0.02, 0.065, 0.2, float("nan"), float("inf")])
+def test_an_edge_that_fits_no_page_is_one_line_with_its_remedy(tmp_path: Path, edge_m: float) -> None:
+    path = tmp_path / "cube.pdf"
+    with pytest.raises(UserError) as caught:
+        write_cube_sheet(path, cube_layout(), edge_m)
+    assert "--side from 0.03 to 0.064" in caught.value.remedy
+    assert not path.exists()
+
+
+def test_a_face_looks_away_from_the_cubes_middle_and_lies_on_its_surface() -> None:
+    for face in FACES:
+        assert np.cross(face.right, face.up) @ (face.centre - (0, 0, 0.5)) == pytest.approx(0.5)
+        whole = face.corners()
+        assert all(np.abs(CORNERS - corner).sum(axis=1).min() < 1e-12 for corner in whole)
+    assert not any(face.centre[2] < 0.4 for face in FACES)
