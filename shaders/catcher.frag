@@ -1,4 +1,4 @@
-// Darkens the video where the model blocks light from the ground, by the measured ratio of the real shadow, except
+// The fraction of light that the ground loses where the model blocks it, by the measured ratio of the real shadow, except
 // where the real object's shadow has darkened it already.
 #version 330 core
 #include "srgb.glsl"
@@ -20,7 +20,8 @@ uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, t
 
 in vec2 ground;
 in vec2 ground_placed;
-out vec4 encoded;
+layout(location = 0) out vec4 added_light;  // none
+layout(location = 1) out vec4 removed;
 
 vec3 video_here() {
     return linear_from_srgb(texture(video, (gl_FragCoord.xy - viewport.xy) / viewport.zw).rgb);
@@ -69,5 +70,6 @@ void main() {
 #endif
     vec3 ratio = after / max(before, 1e-3);
     if (min(ratio.r, min(ratio.g, ratio.b)) > 0.9995) discard;
-    encoded = vec4(srgb_from_linear(video_here() * ratio), 1.0);
+    added_light = vec4(0.0);
+    removed = vec4(1.0 - ratio, 0.0);
 }

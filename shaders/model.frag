@@ -1,7 +1,6 @@
-// A surface lit by the sky, suns, and light reflected from the ground; encoded once, at the end.
+// A surface lit by the sky, suns, and light reflected from the ground, in linear light.
 // Each macro switches on a feature of the material or the scene.
 #version 330 core
-#include "srgb.glsl"
 #include "lights.glsl"
 #include "shadow.glsl"
 
@@ -49,7 +48,8 @@ uniform sampler2D occlusion_map;
 #ifdef EMISSIVE_MAP
 uniform sampler2D emissive_map;
 #endif
-out vec4 encoded;
+layout(location = 0) out vec4 added_light;  // premultiplied by the coverage, which is its alpha
+layout(location = 1) out vec4 removed;  // fraction of the light behind it
 
 vec3 surface_normal() {
     vec3 n = normalize(gl_FrontFacing ? normal : -normal);
@@ -145,12 +145,15 @@ void main() {
 #endif
 #endif
 #ifdef BLEND
-    // The framebuffer blends encoded values; specular reflection and emission add to the coverage by their brightness.
-    vec3 shine = srgb_from_linear(glow * exposure);
-    float cover = 1.0 - (1.0 - base.a) * (1.0 - max(shine.r, max(shine.g, shine.b)));
-    encoded = vec4(srgb_from_linear((albedo * diffuse * base.a + glow) * exposure / max(cover, 1e-3)) * cover, cover);
-#else
-    // The picture's alpha is the fraction of the video in it.
-    encoded = vec4(srgb_from_linear((albedo * diffuse + glow) * exposure), 0.0);
+    float cover = base.a;
+#ifdef GLOSSY
+    // What is reflected does not come through.
+    vec3 reflected = f0 * share.x + share.y;
+    cover += (1.0 - cover) * min(max(reflected.r, max(reflected.g, reflected.b)), 1.0);
 #endif
+    added_light = vec4((albedo * diffuse * base.a + glow) * exposure, cover);
+#else
+    added_light = vec4((albedo * diffuse + glow) * exposure, 1.0);
+#endif
+    removed = vec4(added_light.a);
 }

@@ -1,11 +1,8 @@
-// Darkens the real object in the video where the model blocks a light from it.
+// The fraction of light that the real object loses where the model blocks a light from it.
 #version 330 core
-#include "srgb.glsl"
 #include "lights.glsl"
 #include "shadow.glsl"
 
-uniform sampler2D video;
-uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform vec3 sky;
 uniform vec3 ground_bounce;
 #if LIGHTS > 0
@@ -13,7 +10,8 @@ uniform vec3 sun[LIGHTS];
 #endif
 
 in vec3 position;
-out vec4 encoded;
+layout(location = 0) out vec4 added_light;  // none
+layout(location = 1) out vec4 removed;
 
 void main() {
     vec3 normal = normalize(cross(dFdx(position), dFdy(position)));
@@ -30,6 +28,6 @@ void main() {
         after += seen * lit_past(0, light, position);
     }
 #endif
-    vec3 seen = texture(video, (gl_FragCoord.xy - viewport.xy) / viewport.zw).rgb;
-    encoded = vec4(srgb_from_linear(linear_from_srgb(seen) * after / max(before, 1e-3)), 1.0);
+    added_light = vec4(0.0);
+    removed = vec4(1.0 - after / max(before, 1e-3), 0.0);
 }

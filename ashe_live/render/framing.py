@@ -59,6 +59,16 @@ def box_corners(bounds: Float) -> Float:
     return np.array(list(itertools.product(*bounds.T)))
 
 
+def grown(rectangle: Rectangle, margin: int, size: Size) -> Rectangle:
+    """By `margin` pixels on each side, as far as a framebuffer of `size` reaches; an empty one stays empty."""
+    left, bottom, width, height = rectangle
+    if min(width, height) <= 0:
+        return rectangle
+    x0, y0 = max(0, left - margin), max(0, bottom - margin)
+    x1, y1 = min(size[0], left + width + margin), min(size[1], bottom + height + margin)
+    return x0, y0, x1 - x0, y1 - y0
+
+
 def _spanned(clip_from_marker: Float, points: Float, viewport: Rectangle) -> Rectangle:
     """The pixels of `viewport` that the hull of points in front of the camera can touch; empty outside it."""
     clip = np.column_stack([points, np.ones(len(points))]) @ clip_from_marker.T

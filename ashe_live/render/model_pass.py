@@ -74,9 +74,7 @@ class ModelPass:
             return
         (eye_placed,) = transform_points(standing.placed_from_marker, inputs.framing.eye_marker[None])
         blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - eye_placed)))
-        # Alpha is the share of the video in the picture.
-        blend = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ZERO, moderngl.ONE_MINUS_SRC_ALPHA
-        self._ctx.blend_func = blend  # type: ignore[assignment]  # moderngl's stub knows two of the four
+        self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         for part in blended:
             self._ctx.enable_only(gl_flags(part.material))
             for culled in ("front", "back") if part.material.double_sided else ("back",):

@@ -37,8 +37,8 @@ class Photometry:
             if measured_in is tracked or 0 < tracked.frame.time_s - measured_in.frame.time_s < LOOK_HELD_S:
                 return look
         look = look_of(tracked, self._preset.matches_blur, self._preset.matches_noise)
-        if self._preset.matches_lens and tracked.camera.is_distorted:
-            # The lens pass interpolates, which blurs as well.
+        if self._preset.matches_lens and tracked.camera.is_distorted and look.blur_sigma_px is not None:
+            # The composite interpolates then, which blurs as well.
             variance = max(0.0, look.blur_sigma_px**2 - INTERPOLATION_VARIANCE_PX2)
             look = replace(look, blur_sigma_px=math.sqrt(variance))
         self._look = tracked, look

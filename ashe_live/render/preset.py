@@ -14,8 +14,8 @@ class RenderPreset:
     soft_on_model: bool  # False: shadows on model and real object have one softness, of (2 r + 1)^2 taps
     pcf_radius: int  # that r
     msaa_samples: int  # 0: none
-    matches_blur: bool  # the model is blurred as the video is
-    matches_noise: bool  # and gets its noise
+    matches_blur: bool  # model and shadow are blurred as the video is
+    matches_noise: bool  # and get its noise
     matches_lens: bool  # and bends as its lens does; False: the lens is taken off the video
     environment_size: int  # texels a side of what polished surfaces mirror, a power of two
 
@@ -28,8 +28,8 @@ FAST = RenderPreset(
     soft_on_model=False,
     pcf_radius=1,
     msaa_samples=0,
-    matches_blur=False,
-    matches_noise=False,
+    matches_blur=True,
+    matches_noise=True,
     matches_lens=True,
     environment_size=32,
 )

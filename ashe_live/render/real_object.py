@@ -1,5 +1,7 @@
 """The real object's proxy: it occludes what is behind it, casts its shadow, and receives the model's."""
 
+from typing import Any
+
 import moderngl
 import numpy as np
 
@@ -9,7 +11,6 @@ from ashe_live.render.framing import Framing
 from ashe_live.render.lighting import Lighting
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
-from ashe_live.render.video import Video
 
 GL_DEPTH_CLAMP = 0x864F
 
@@ -31,16 +32,14 @@ class RealObject:
         set_uniforms(program, clip_from_marker=clip_from_marker)
         self._array(program).render()
 
-    def draw(self, framing: Framing, video: Video, lighting: Lighting, shadows: ShadowMaps) -> None:
-        """Draws its depth and, where the model shades it, the video multiplied by what is left of the light."""
+    def draw(self, framing: Framing, lighting: Lighting, shadows: ShadowMaps) -> None:
+        """Draws its depth and, where the model shades it, the fraction of light that it loses."""
         program = self._programs.get("depth")
         if shadows.model_shades_real:
             program = self._programs.get("real_object", **shadows.constants | {"casters": 1})
-            video.bind()
             shadows.bind(program)
             set_uniforms(
                 program,
-                viewport=tuple(float(value) for value in framing.viewport),
                 sky=lighting.sky,
                 ground_bounce=lighting.bounce_at(self.proxy.foot_marker[:2]),
                 sun=lighting.irradiances,
@@ -50,10 +49,10 @@ class RealObject:
         # Near and far enclose the model and its shadow; the object may stand before and behind both.
         self._ctx.enable_direct(GL_DEPTH_CLAMP)
         framebuffer = self._ctx.fbo
-        framebuffer.color_mask = (shadows.model_shades_real,) * 4
+        framebuffer.color_mask = _for_both_layers(shadows.model_shades_real)
         framebuffer.use()
         self._array(program).render()
-        framebuffer.color_mask = (True,) * 4
+        framebuffer.color_mask = _for_both_layers(True)
         framebuffer.use()
         self._ctx.disable_direct(GL_DEPTH_CLAMP)
 
@@ -69,3 +68,7 @@ class RealObject:
             layout = [(self._vertices, "3f", "in_position")]
             self._arrays[program] = self._ctx.vertex_array(program, layout, self._indices)
         return self._arrays[program]
+
+
+def _for_both_layers(is_written: bool) -> Any:  # moderngl's stub knows masks of one attachment
+    return ((is_written,) * 4,) * 2

@@ -6,18 +6,17 @@ import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera, Size
+from ashe_live.core.camera import Size
 from ashe_live.core.proxy import Proxy
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
-from ashe_live.render.camera_match import CameraMatch
+from ashe_live.render.composite import Composite
 from ashe_live.render.environment import Environment
-from ashe_live.render.framing import Framing, Rectangle, framing, letterbox
+from ashe_live.render.framing import framing, grown, letterbox
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lens import Lens
-from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.model_pass import LookedUp, ModelPass, ShadingInputs
 from ashe_live.render.offscreen import check_graphics
 from ashe_live.render.overlays import OverlayPass
@@ -32,8 +31,6 @@ from ashe_live.render.standing import StandingModel
 from ashe_live.render.surface import Surface
 from ashe_live.render.video import Video
 
-NOWHERE: Rectangle = (0, 0, 0, 0)
-
 
 class SceneRenderer:
     """Renders scenes of `size` pixels into its own framebuffer; from there to a window, or to an array.
@@ -46,11 +43,12 @@ class SceneRenderer:
         self._ctx = ctx
         self._preset = preset
         self.video = Video(ctx)
+        self._straight_video = Video(ctx)
         self.overlays = OverlayPass(ctx)
         self._arrow = LightArrow(ctx)
-        self._camera_match = CameraMatch(ctx)
         self._lens = Lens(ctx)
         self._programs = Programs(ctx)
+        self._composite = Composite(ctx, self._programs)
         self._environment = Environment(ctx, preset.environment_size)
         self._model_pass = ModelPass(ctx, self._programs)
         self._catcher = ShadowCatcher(ctx, self._programs)
@@ -133,16 +131,10 @@ class SceneRenderer:
         else:
             viewport = letterbox(scene.tracked.frame.size, self.size)
             bends = self._preset.matches_lens and scene.tracked.camera.is_distorted
-            camera = self._lens.pinhole_of(scene.tracked.camera) if bends else scene.tracked.camera
-            self.video.show(scene.tracked, viewport, camera)
+            self.video.show(scene.tracked, viewport, None if bends else scene.tracked.camera)
             self.video.copy_or_draw(self._surface.colour, viewport)
-            if bends:
-                self._lens.keep_bare(self._surface.colour)
-            region = NOWHERE
             if self._models.shown is not None and scene.tracked.marker is not None:
-                region = self._draw_model(self._models.shown.standing(scene.placement), scene, camera)
-            if bends:
-                self._lens.draw(self._surface.colour, scene.tracked, viewport, region)
+                self._draw_model(self._models.shown.standing(scene.placement), scene, bends)
         self._surface.colour.use()
         self.overlays.draw(scene.overlays, self.size)
 
@@ -172,7 +164,8 @@ class SceneRenderer:
             self.video,
             self.overlays,
             self._arrow,
-            self._camera_match,
+            self._straight_video,
+            self._composite,
             self._lens,
             self._shadows,
             self._ground_shadows,
@@ -182,10 +175,11 @@ class SceneRenderer:
         ):
             held.release()
 
-    def _draw_model(self, model: StandingModel, scene: Scene, camera: Camera) -> Rectangle:
-        """For a pinhole camera; returns the part of the picture that it may have changed."""
-        assert scene.tracked is not None
-        assert scene.tracked.marker is not None
+    def _draw_model(self, model: StandingModel, scene: Scene, bends: bool) -> None:
+        """`bends`: the picture is that of the camera's own lens; else that of a pinhole camera."""
+        tracked = scene.tracked
+        assert tracked is not None
+        assert tracked.marker is not None
         lighting = self._photometry.lighting(scene.illumination)
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting)
         self._ground_shadows.render(self._shadows, lighting)
@@ -193,38 +187,41 @@ class SceneRenderer:
         arrows = []
         if scene.shows_light:
             arrows = [arrow_placement(model.corners, light.to_light_marker) for light in scene.illumination.lights]
-        viewport = letterbox(scene.tracked.frame.size, self.size)
-        points = self._drawn_points(model, arrows)
-        frame = framing(camera, scene.tracked.marker.T_cam_marker, points, viewport)
+        viewport = letterbox(tracked.frame.size, self.size)
+        camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
+        frame = framing(camera, tracked.marker.T_cam_marker, self._drawn_points(model, arrows), viewport)
         if frame is None:
-            return NOWHERE
-        look = self._photometry.look(scene.tracked)
+            return
+        look = self._photometry.look(tracked)
         if model.model.mirrors:
             self._environment.show(scene.illumination, look.white_rgb)
-        self._draw_framed(model, frame, lighting, look.white_rgb, arrows, scene)
-        part = frame.part(model.corners)
-        self._camera_match.draw(self._surface.colour, part, viewport, scene.tracked.frame, look)
-        return frame.region
+        straight = self.video
+        if bends and self._shadows.shadows_meet:
+            straight = self._straight_video
+            straight.show(tracked, viewport, camera)
+        reach = self._composite.reach_px(viewport, tracked.frame, look, self._surface.samples)
+        with self._surface.drawing(grown(frame.region, 2 * reach + 1, self.size)):
+            inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
+            self._draw_layers(model, inputs, arrows, scene, straight)
+        lens = self._lens if bends else None
+        self._composite.draw(self._surface, frame.region, viewport, self.video, tracked, look, lens)
 
-    def _draw_framed(
-        self, model: StandingModel, frame: Framing, lighting: Lighting, white: RGB, arrows: list[Float], scene: Scene
+    def _draw_layers(
+        self, model: StandingModel, inputs: ShadingInputs, arrows: list[Float], scene: Scene, video: Video
     ) -> None:
-        """Works within the framing's region only: a software rasteriser pays for every pixel."""
-        inputs = ShadingInputs(frame, lighting, self._looked_up, white)
-        with self._surface.drawing(frame.region) as multisampled:
-            self._ctx.viewport = frame.viewport
-            if multisampled:
-                self.video.draw()
-            if self._real is not None:
-                self._real.draw(frame, self.video, lighting, self._shadows)
-            self._model_pass.draw_opaque(model, inputs)
-            for arrow in arrows:
-                self._arrow.draw(frame, arrow)
-            casters = 2 if self._shadows.shadows_meet else 1
-            ground_rgb = scene.illumination.ground_rgb
-            if scene.casts_shadow:
-                self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model, ground_rgb)
-            self._model_pass.draw_blended(model, inputs)
+        """`video`: as the framing's pinhole camera sees it."""
+        frame, lighting = inputs.framing, inputs.lighting
+        self._ctx.viewport = frame.viewport
+        if self._real is not None:
+            self._real.draw(frame, lighting, self._shadows)
+        self._model_pass.draw_opaque(model, inputs)
+        for arrow in arrows:
+            self._arrow.draw(frame, arrow)
+        casters = 2 if self._shadows.shadows_meet else 1
+        ground_rgb = scene.illumination.ground_rgb
+        if scene.casts_shadow:
+            self._catcher.draw(frame, video, lighting, self._ground_shadows, casters, model, ground_rgb)
+        self._model_pass.draw_blended(model, inputs)
 
     def _drawn_points(self, model: StandingModel, arrows: list[Float]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""

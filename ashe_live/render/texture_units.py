@@ -22,8 +22,7 @@ UNIT_OF = {
     "video": 11,
     # Full-screen passes.
     "picture": 12,
-    "original": 12,
-    "bare": 13,
-    "drawn": 14,
+    "added_light": 13,
+    "removed": 14,
     "straight_from_bent": 15,
 }

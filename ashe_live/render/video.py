@@ -17,7 +17,7 @@ WHOLE_VIEWPORT = (-1.0, -1.0, 1.0, 1.0)
 
 
 class Video:
-    """The latest frame as a texture, bottom row first, with the lens's distortion removed."""
+    """The latest frame as a texture, bottom row first."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self.uploads = 0
@@ -35,7 +35,7 @@ class Video:
     def show(self, tracked: TrackedFrame, viewport: Rectangle, pinhole: Camera | None = None) -> None:
         """Uploads the frame unless it is there already, and readies the sampler for `viewport`.
 
-        `pinhole`: the camera without distortion that sees it; one with the same K if None.
+        `pinhole`: as a camera with its K and without distortion sees it; as it came if None.
         """
         size = tracked.frame.size
         if self._texture is None or self._texture.size != size:
@@ -44,8 +44,8 @@ class Video:
         is_same = self._shown is not None and self._shown.frame is tracked.frame and self._pinhole is pinhole
         if self._shown is None or not is_same or self._shown.camera is not tracked.camera:
             image = tracked.frame.image_bgr
-            if tracked.camera.is_distorted:
-                image = self._without_distortion(image, tracked.camera, pinhole or tracked.camera)
+            if pinhole is not None and tracked.camera.is_distorted:
+                image = self._without_distortion(image, tracked.camera, pinhole)
             # Mesa takes four channels thirty times as fast as three, and new memory costs more than the conversion.
             cv2.flip(image, 0, dst=self._flipped)
             cv2.cvtColor(self._flipped, cv2.COLOR_BGR2RGBA, dst=self._rgba)

@@ -26,6 +26,8 @@ BLUR_RANGE_PX = (0.0, 3.0)
 BOX_VARIANCE_PX2 = 1 / 12  # of a pixel, which the model's own pixels have too
 INTERPOLATION_VARIANCE_PX2 = 1 / 6  # of bilinear sampling, on average
 NOISE_WINDOW_PX = 160
+COARSE_CHROMA = 0.6  # between the 1/2 of repeated pixels and the 1 of independent ones
+LEAST_CHROMA_DETAIL = 0.05  # levels squared, that there is something to tell it by
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,8 +35,10 @@ class VideoLook:
     """Measured in one frame."""
 
     white_rgb: RGB  # linear RGB in the picture of a fully lit, level, perfectly white surface
-    blur_sigma_px: float  # of the lens and the processing, beyond the pixel's own area; pixels of the video
+    # Of the lens and the processing, beyond the pixel's own area; pixels of the video. None: not asked for.
+    blur_sigma_px: float | None
     noise_sigma: float  # standard deviation of the encoded values in [0, 1]
+    has_coarse_chroma: bool = False  # colour at half the resolution, as most encodings of video and photos have it
 
 
 def white_of(tracked: TrackedFrame) -> RGB:
@@ -58,15 +62,20 @@ def white_of(tracked: TrackedFrame) -> RGB:
 
 
 def look_of(tracked: TrackedFrame, blur: bool = True, noise: bool = True) -> VideoLook:
-    """White, blur and noise of a frame with a marker; 0 for what is not asked for."""
+    """White, blur and noise of a frame with a marker; None or 0 for what is not asked for."""
     assert tracked.marker is not None
     white = white_of(tracked)
     if not blur and not noise:
-        return VideoLook(white, 0.0, 0.0)
+        return VideoLook(white, None, 0.0)
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
     corners = tracked.marker.corners_px
-    sigma_px = edge_blur_px(grey, corners) if blur else 0.0
-    return VideoLook(white, sigma_px, noise_sigma(_window(grey, corners.mean(axis=0))) / 255 if noise else 0.0)
+    middle = corners.mean(axis=0)
+    return VideoLook(
+        white,
+        edge_blur_px(grey, corners) if blur else None,
+        noise_sigma(_window(grey, middle)) / 255 if noise else 0.0,
+        blur and has_coarse_chroma(_window(tracked.frame.image_bgr, middle)),
+    )
 
 
 def edge_blur_px(grey: Image, corners_px: Float) -> float:
@@ -120,6 +129,19 @@ def noise_sigma(grey: Image) -> float:
     return float(np.median(np.abs(response))) / (0.6745 * 6) if response.size else 0.0
 
 
+def has_coarse_chroma(image_bgr: Image) -> bool:
+    """Whether (h, w, 3) uint8 has its colours at half the resolution in each row, as 4:2:0 and 4:2:2 encodings do.
+
+    Neighbours then differ much less than pixels that are two apart, of whatever content: by half of the variance where
+    values are repeated, less where they are interpolated, while those of independent noise differ alike.
+    """
+    colours = cv2.cvtColor(image_bgr, cv2.COLOR_BGR2YCrCb)[..., 1:].astype(np.float32)
+    if colours.shape[1] < 3:
+        return False
+    beside, beyond = (float(np.square(colours[:, step:] - colours[:, :-step]).mean()) for step in (1, 2))
+    return beyond > LEAST_CHROMA_DETAIL and beside < COARSE_CHROMA * beyond
+
+
 def _linear_at(tracked: TrackedFrame, ground: Float) -> Float:
     """(m, 3) linear RGB of those places (n, 2) of the marker plane that the frame shows."""
     assert tracked.marker is not None
@@ -140,6 +162,6 @@ def _window(grey: Image, centre: Float) -> Image:
     """The part around `centre` that stands for the whole; all of a small picture."""
     half = NOISE_WINDOW_PX // 2
     column, row = (
-        int(np.clip(at, half, max(half, limit - half))) for at, limit in zip(centre, grey.shape[::-1], strict=True)
+        int(np.clip(at, half, max(half, limit - half))) for at, limit in zip(centre, grey.shape[1::-1], strict=True)
     )
     return grey[max(0, row - half) : row + half, max(0, column - half) : column + half]

@@ -9,23 +9,26 @@ REGION = (5, 7, 20, 10)
 
 
 @pytest.mark.parametrize("samples", [0, 4])
-def test_only_the_region_is_drawn_and_copied(ctx: moderngl.Context, samples: int) -> None:
+def test_only_the_region_is_emptied_and_drawn(ctx: moderngl.Context, samples: int) -> None:
     surface = Surface(ctx, (60, 40), samples)
-    surface.colour.clear(0.0, 0.0, 0.0, 1.0)
     white = ctx.texture((1, 1), 4, b"\xff\xff\xff\xff")
     program = build_program(ctx, "screen")
     rectangle = ctx.vertex_array(program, [])
-    with surface.drawing(REGION) as multisampled:
-        assert multisampled == (surface.samples > 0)
-        ctx.viewport = (0, 0, 60, 40)
-        ctx.enable_only(moderngl.NOTHING)
-        white.use(0)
-        set_uniforms(program, picture=0, rectangle=(-1.0, -1.0, 1.0, 1.0))
-        rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
-    expected = np.zeros((40, 60, 3), dtype=np.uint8)
     left, bottom, width, height = REGION
-    expected[40 - bottom - height : 40 - bottom, left : left + width] = 255
-    np.testing.assert_array_equal(surface.read_bgr(), expected)
+    expected = np.zeros((40, 60), dtype=np.float16)
+    for region, is_drawn in (((0, 0, 60, 40), False), (REGION, True), ((0, 0, 10, 10), False)):
+        with surface.drawing(region):
+            ctx.viewport = (0, 0, 60, 40)
+            ctx.enable_only(moderngl.NOTHING)
+            white.use(0)
+            set_uniforms(program, picture=0, rectangle=(-1.0, -1.0, 1.0, 1.0))
+            if is_drawn:
+                rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+    surface.bind_layers()
+    expected[bottom : bottom + height, left : left + width] = 1.0
+    expected[:10, :10] = 0.0
+    drawn = np.frombuffer(surface.layers[0].read(), np.float16).reshape(40, 60, 4)
+    np.testing.assert_array_equal(drawn[..., 0], expected)
     for held in (surface, white, rectangle, program):
         held.release()
     ctx.detect_framebuffer(0).use()

@@ -1,5 +1,7 @@
 """What is measured of the video, and that the model takes it on."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -10,7 +12,7 @@ from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.scene import Scene
-from ashe_live.render.video_look import ASSUMED_WHITE, PAPER_ALBEDO, edge_blur_px, look_of, white_of
+from ashe_live.render.video_look import ASSUMED_WHITE, PAPER_ALBEDO, edge_blur_px, has_coarse_chroma, look_of, white_of
 
 SIDE = 0.08
 FINE = 4  # the printed sheet is drawn that much finer, then averaged
@@ -72,6 +74,22 @@ def test_models_edges_are_as_soft_as_the_markers(make_renderer, stage) -> None:
     assert edge_blur_px(grey, tracked.marker.corners_px) == pytest.approx(1.4, abs=0.5)
 
 
+@pytest.mark.parametrize("repeats", [True, False])
+def test_coarse_chroma_is_told_from_colours_of_every_pixel(repeats: bool) -> None:
+    rng = np.random.default_rng(3)
+    ycrcb = rng.integers(90, 160, (80, 80, 3), dtype=np.uint8)
+    coarse = np.ascontiguousarray(ycrcb[::2, ::2, 1:])
+    how = cv2.INTER_NEAREST if repeats else cv2.INTER_LINEAR
+    assert not has_coarse_chroma(cv2.cvtColor(ycrcb, cv2.COLOR_YCrCb2BGR))
+    ycrcb[..., 1:] = cv2.resize(coarse, (80, 80), interpolation=how)
+    assert has_coarse_chroma(cv2.cvtColor(ycrcb, cv2.COLOR_YCrCb2BGR))
+
+
+def test_a_picture_without_colour_tells_nothing_of_its_chroma() -> None:
+    grey = np.random.default_rng(3).integers(0, 255, (80, 80, 1), dtype=np.uint8)
+    assert not has_coarse_chroma(np.repeat(grey, 3, axis=2))
+
+
 def test_models_noise_is_the_videos_and_new_in_every_frame(make_renderer, stage) -> None:
     renderer = make_renderer(BALANCED.render)
     tracked = _sheet(stage, noise=4.0)
@@ -88,7 +106,7 @@ def test_models_noise_is_the_videos_and_new_in_every_frame(make_renderer, stage)
     assert (pictures[0] - pictures[1])[inside > 0].std() > 4.0
     far = cv2.dilate(inside, np.ones((61, 61))) == 0
     np.testing.assert_array_equal(pictures[0][far], tracked.frame.image_bgr[far])
-    quiet = make_renderer(FAST.render)  # the switches are off
+    quiet = make_renderer(replace(FAST.render, matches_noise=False))
     quiet.render(Scene(tracked, model))
     assert quiet.read_bgr()[inside > 0].std() < 0.5
 

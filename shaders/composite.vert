@@ -1,4 +1,4 @@
-// The whole viewport; the scissor restricts it to the part of the picture where the model may be.
+// The whole framebuffer; the scissor restricts it to the part of the picture that may change.
 #version 330 core
 
 void main() {

@@ -1,0 +1,77 @@
+// The video times what is left of its light, plus the model's light, both blurred as the video is; then the noise that
+// the video's own pixels have lost or never had. Where nothing was drawn, the video is left unchanged.
+#version 330 core
+#include "srgb.glsl"
+
+uniform sampler2D added_light;  // linear RGB; alpha: fraction of the pixel that the model covers
+uniform sampler2D removed;  // fraction of the video's light that is gone, linear RGB
+uniform sampler2D video;
+uniform vec4 viewport;  // left, bottom, width, height in pixels
+uniform float weights[REACH + 1];  // of a row's middle, and of its neighbours on either side
+uniform float noise_sigma;  // standard deviation, of encoded values
+uniform vec2 grain_px;  // size of a pixel of the video, in pixels of the viewport
+uniform int seed;
+#ifdef BENDS
+uniform sampler2D straight_from_bent;  // undistorted coordinates by those of the video; a coarse grid
+uniform vec4 region;  // of the pinhole picture, in which something was drawn
+#endif
+
+out vec4 encoded;
+
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
+
+// Jarzynski, Olano, "Hash functions for GPU rendering", JCGT 2020: PCG.
+uint scrambled(uint value) {
+    uint state = value * 747796405u + 2891336453u;
+    uint word = ((state >> ((state >> 28u) + 4u)) ^ state) * 277803737u;
+    return (word >> 22u) ^ word;
+}
+
+// Approximately standard normal: the sum of the four bytes of a hash.
+float noise(uvec2 at) {
+    uint bits = scrambled(at.x + scrambled(at.y + scrambled(uint(seed))));
+    vec4 bytes = vec4(bits & 255u, (bits >> 8u) & 255u, (bits >> 16u) & 255u, bits >> 24u);
+    return (dot(bytes, vec4(1.0)) / 255.0 - 2.0) * 1.7253;
+}
+
+// Layers at a whole number of pixels from `middle`, which is a pixel or, where the lens bends, between pixels.
+#ifdef BENDS
+#define READ(layer, middle, column, row) textureLod(layer, (middle + vec2(column, row)) / vec2(textureSize(layer, 0)), 0.0)
+#else
+#define READ(layer, middle, column, row) \
+    texelFetch(layer, clamp(middle + ivec2(column, row), ivec2(0), textureSize(layer, 0) - 1), 0)
+#endif
+
+void main() {
+    vec2 at = (gl_FragCoord.xy - viewport.xy) / viewport.zw;
+#ifdef BENDS
+    vec2 nodes = vec2(textureSize(straight_from_bent, 0));
+    vec2 middle = viewport.xy + texture(straight_from_bent, (at * (nodes - 1.0) + 0.5) / nodes).xy * viewport.zw;
+    if (any(lessThan(middle, region.xy)) || any(greaterThan(middle, region.xy + region.zw))) discard;
+#else
+    ivec2 middle = ivec2(gl_FragCoord.xy);
+#endif
+    vec4 light = vec4(0.0);
+    vec3 gone = vec3(0.0);
+    for (int row = -REACH; row <= REACH; ++row) {
+        for (int column = -REACH; column <= REACH; ++column) {
+            float weight = weights[abs(row)] * weights[abs(column)];
+            light += weight * READ(added_light, middle, column, row);
+            gone += weight * READ(removed, middle, column, row).rgb;
+        }
+    }
+    vec3 seen = linear_from_srgb(texture(video, at).rgb);
+    vec3 composed = srgb_from_linear(seen * (1.0 - gone) + light.rgb);
+#ifdef COARSE_CHROMA
+    // The mean of two by two pixels, which share a colour as they do in the video, from the differences in that square.
+    float luma = dot(composed, LUMINANCE);
+    vec3 colour = composed - luma;
+    vec2 other = 0.5 - mod(floor(gl_FragCoord.xy), 2.0);
+    colour += other.x * dFdx(colour);
+    colour += other.y * dFdy(colour);
+    composed = luma + colour;
+#endif
+    if (max(light.a, max(gone.r, max(gone.g, gone.b))) < 0.0005) discard;
+    uvec2 grain = uvec2((gl_FragCoord.xy - viewport.xy) / grain_px);
+    encoded = vec4(composed + noise_sigma * light.a * noise(grain), 1.0);
+}
