@@ -6,7 +6,7 @@ import numpy as np
 from ashe_live.core.transforms import project
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import END_IN_VIEW
-from ashe_live.light.pixels.view import SHEET_SIDES, View
+from ashe_live.light.pixels.view import View
 
 TOO_LITTLE_GROUND = "too little lit ground around the marker"
 NOTHING_THERE = "nothing stands on the ground: put something that casts a shadow beside the marker"
@@ -39,9 +39,7 @@ def fault_of_exposure(view: View) -> str | None:
 
 def _is_paper_light(view: View) -> bool:
     """Whether the marker's own sheet is exposed as paper should be."""
-    half = SHEET_SIDES * view.side_m / 2
-    sheet = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
-    outline = project(view.camera, view.T_cam_marker, sheet)
+    outline = project(view.camera, view.T_cam_marker, view.sheet.corners(view.side_m))
     if not np.isfinite(outline).all():
         return False
     inside = np.zeros(view.is_ground.shape, np.uint8)

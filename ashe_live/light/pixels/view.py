@@ -1,6 +1,6 @@
 """The undistorted frame at a working size, or a window of it, with the mask of the ground."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -9,9 +9,8 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
 
-# The printed sheet is wider than the black square, and its own edge is neither object nor shadow.
-SHEET_SIDES = 1.45
 # Ground farther away than this many times the marker's distance is resolved too coarsely to be of use.
 FARTHEST = 4.0
 
@@ -27,6 +26,7 @@ class View:
     T_cam_marker: Float  # (4, 4)
     side_m: float  # of the marker
     is_ground: Mask  # (h, w) where the marker's plane is visible, outside of the printed sheet
+    sheet: Sheet = USUAL_SHEET
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -36,7 +36,8 @@ class View:
         if camera.is_distorted:
             image = np.asarray(cv2.undistort(image, camera.K, camera.dist), dtype=np.uint8)
             camera = Camera(camera.size, camera.K, np.zeros(5), camera.source)
-        return _made(image, camera, tracked.marker.T_cam_marker, tracked.marker.side_m)
+        T_cam_marker, side_m = tracked.marker.T_cam_marker, tracked.marker.side_m
+        return _made(image, camera, T_cam_marker, side_m, measured_sheet(image, camera, T_cam_marker, side_m))
 
     @property
     def size(self) -> tuple[int, int]:
@@ -47,7 +48,7 @@ class View:
         if width_px >= self.size[0]:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
-        return _made(image, camera, self.T_cam_marker, self.side_m)
+        return _made(image, camera, self.T_cam_marker, self.side_m, self.sheet)
 
     def cut(self, window: Window) -> "View":
         """The part of the frame in `window`, seen by a camera whose principal point moves along."""
@@ -56,7 +57,7 @@ class View:
         K[:2, 2] -= columns.start, rows.start
         size = columns.stop - columns.start, rows.stop - rows.start
         camera = Camera(size, K, self.camera.dist, self.camera.source)
-        return View(self.image_bgr[window], camera, self.T_cam_marker, self.side_m, self.is_ground[window])
+        return replace(self, image_bgr=self.image_bgr[window], camera=camera, is_ground=self.is_ground[window])
 
 
 def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]:
@@ -68,11 +69,12 @@ def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]
     return image, camera.resized(size)
 
 
-def _made(image: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> View:
-    return View(image, camera, T_cam_marker, side_m, _ground_mask(camera, T_cam_marker, side_m))
+def _made(image: Image, camera: Camera, T_cam_marker: Float, side_m: float, sheet: Sheet) -> View:
+    is_ground = _ground_mask(camera, T_cam_marker, sheet.corners(side_m))
+    return View(image, camera, T_cam_marker, side_m, is_ground, sheet)
 
 
-def _ground_mask(camera: Camera, T_cam_marker: Float, side_m: float) -> Mask:
+def _ground_mask(camera: Camera, T_cam_marker: Float, sheet_marker: Float) -> Mask:
     """(h, w) pixels whose ray meets the marker's plane, not too far away, outside of the printed sheet."""
     width, height = camera.size
     normal, place = T_cam_marker[:3, 2], T_cam_marker[:3, 3]
@@ -81,9 +83,7 @@ def _ground_mask(camera: Camera, T_cam_marker: Float, side_m: float) -> Mask:
     facing = np.sign(offset) * row
     least = max(abs(offset) / (FARTHEST * float(np.linalg.norm(place))), 1e-9)
     mask = facing[0] * np.arange(width) + (facing[1] * np.arange(height) + facing[2])[:, None] > least
-    half = SHEET_SIDES * side_m / 2
-    square = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
-    outline = project(camera, T_cam_marker, square)
+    outline = project(camera, T_cam_marker, sheet_marker)
     if np.isfinite(outline).all():
         sheet = np.zeros((height, width), np.uint8)
         cv2.fillConvexPoly(sheet, np.round(np.clip(outline, -1e6, 1e6) * 16).astype(np.int32), 1, shift=4)

@@ -40,7 +40,7 @@ EXPECTED_DEG = {
     ("box", "plain", 110, 35): 0.33,
     ("box", "plain", 200, 40): 0.22,
     ("box", "plain", 290, 25): 0.10,
-    ("box", "plain", 330, 65): 0.50,
+    ("box", "plain", 330, 65): 0.85,
     ("box", "checkered", 80, 50): 0.50,
     ("box", "checkered", 200, 40): 0.34,
     ("box", "checkered", 290, 25): 0.12,

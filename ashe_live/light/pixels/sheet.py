@@ -1,0 +1,76 @@
+"""The printed sheet: how far the paper reaches beyond the marker's black square, measured in the picture.
+
+People print and cut markers with margins of any width. What of the sheet is taken for ground stands out from it as an
+object would, and joins the objects that stand beside it.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.light.pixels.log_colour import log_opponent
+
+# Distances from the marker's centre, in its sides: where the margin is surely paper, and how far its end is looked for.
+PAPER, FARTHEST = (0.555, 0.605), 1.1
+USUAL = 0.725  # where no end is seen, as on a white table
+STEP = 0.02  # between samples
+ALONG = np.linspace(-0.45, 0.45, 16)  # lines of samples across a side
+# Log-opponent distance from the margin's colour that ends the paper: at least, and as a fraction of the largest.
+LEAST_CHANGE, CHANGED = 0.2, 0.4
+LASTING = 3  # samples in a row beyond which the change is no speck
+ADDED = 0.04  # sides: a card's thickness, and paper that curls
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """How far the printed sheet reaches from the marker's centre, in the marker's sides."""
+
+    right: float = USUAL
+    above: float = USUAL
+    left: float = USUAL
+    below: float = USUAL
+
+    def corners(self, side_m: float) -> Float:
+        """(4, 3) m, marker frame: the sheet's corners in order around it."""
+        x0, x1, y0, y1 = -self.left, self.right, -self.below, self.above
+        return side_m * np.array([(x0, y1, 0), (x1, y1, 0), (x1, y0, 0), (x0, y0, 0)])
+
+
+USUAL_SHEET = Sheet()
+
+
+def measured_sheet(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m: float) -> Sheet:
+    """The sheet around the marker in a picture (h, w, 3) without distortion.
+
+    From the black square outwards, the paper ends where most lines of samples leave the colour that they begin with.
+    A side whose end is not seen is taken to be like the others.
+    """
+    outwards = np.arange(PAPER[0], FARTHEST, STEP)
+    out, along = np.meshgrid(outwards, ALONG)
+    places = np.stack([(out, along), (along, out), (-out, along), (along, -out)])  # right, above, left, below
+    plane = np.insert(side_m * places.transpose(0, 2, 3, 1), 2, 1.0, axis=3)
+    image = plane @ (camera.K @ T_cam_marker[:3, [0, 1, 3]]).T
+    depth = image[..., 2]
+    if depth.min() <= 0:
+        return USUAL_SHEET
+    x, y = (image[..., :2] / depth[..., None]).transpose(3, 0, 1, 2).astype(np.float32)
+    width, height = camera.size
+    is_seen = ((x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)).all(axis=(1, 2))
+    samples = cv2.remap(image_bgr, x.reshape(-1, len(outwards)), y.reshape(-1, len(outwards)), cv2.INTER_LINEAR)
+    colours = log_opponent(np.asarray(samples, dtype=np.uint8), 0).reshape(*x.shape, 3)
+    paper = np.median(colours[:, :, outwards <= PAPER[1]], axis=2, keepdims=True)
+    change = np.median(np.linalg.norm(colours - paper, axis=3), axis=1)
+    ends = [_end(outwards, each) if seen else None for each, seen in zip(change, is_seen, strict=True)]
+    known = [end + ADDED for end in ends if end is not None]
+    others = float(np.median(known)) if known else USUAL
+    return Sheet(*(others if end is None else end + ADDED for end in ends))
+
+
+def _end(outwards: Float, change: Float) -> float | None:
+    """Where the change of colour (n,) begins to last; None where it does not."""
+    is_other = change > max(LEAST_CHANGE, CHANGED * float(change.max()))
+    lasts = np.logical_and.reduce([is_other[i : len(is_other) - LASTING + 1 + i] for i in range(LASTING)])
+    return float(outwards[int(lasts.argmax())]) if lasts.any() else None
