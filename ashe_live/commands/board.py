@@ -9,6 +9,6 @@ from ashe_live.tracking.printing import write_board_sheet
 
 
 def run(options: argparse.Namespace) -> int:
-    write_board_sheet(options.out, CalibrationBoard(), options.square_mm / 1000, options.overwrite)
+    write_board_sheet(options.out, CalibrationBoard(), options.square_mm / 1000, options.overwrite, options.paper)
     say(f"{options.out}: print it, fix it on something flat, then: ashe-live calibrate --out camera.json")
     return ExitStatus.ANSWERED

@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> int:
             raise UserError("a grid of markers is for printing", "name one marker with --marker, or give --out")
         show_marker(marker.spec, marker.bitmap(SHOWN_PX))
         return ExitStatus.ANSWERED
-    write_marker_sheet(options.out, marker, options.size_mm / 1000, options.overwrite)
+    write_marker_sheet(options.out, marker, options.size_mm / 1000, options.overwrite, options.paper)
     say(f"{options.out}: print it at 100 %, then the ruler line on it is true")
     return ExitStatus.ANSWERED
 

@@ -68,6 +68,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     board.add_argument(
         "--square-mm", type=values.millimetres, default=25.0, metavar="MM", help="side of a square (default 25)"
     )
+    _add_paper(board)
     board.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
     calibrate = commands.add_parser("calibrate", help="measure a camera's focal length and distortion with the board")
@@ -121,8 +122,14 @@ def _add_marker_options(marker: argparse.ArgumentParser) -> None:
         "--cube", action="store_true", help="print a cube, which is marker, caster and light probe in one"
     )
     cube.add_argument("--side", type=values.side_m, metavar="METRES", help="its edge (default 0.06)")
-    cube.add_argument("--paper", choices=("a4", "letter", "a3"), default="a4", help="(default a4)")
+    _add_paper(marker)
     marker.add_argument("--overwrite", action="store_true", help="replace an existing file")
+
+
+def _add_paper(printed: argparse.ArgumentParser) -> None:
+    printed.add_argument(
+        "--paper", choices=("a4", "letter", "a3"), default="a4", help="larger sheets are of its series (default a4)"
+    )
 
 
 def _add_benches(bench: argparse.ArgumentParser) -> None:

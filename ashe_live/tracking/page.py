@@ -1,5 +1,6 @@
 """A white page to draw on in true size, and how it is written."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +15,11 @@ from ashe_live.files.new_file import check_output
 from ashe_live.files.writing import written_whole
 
 SUFFIXES = (".pdf", ".png")
+# Portrait pages by the paper that a printer has, from that paper to the largest of its series: ISO 216 and ANSI Y14.1.
+ISO_MM = ((210, 297), (297, 420), (420, 594), (594, 841), (841, 1189))
+ANSI_MM = ((215.9, 279.4), (279.4, 431.8), (431.8, 558.8), (558.8, 863.6), (863.6, 1117.6))
+PAPERS_MM: Mapping[str, tuple[tuple[float, float], ...]] = {"a4": ISO_MM, "letter": ANSI_MM, "a3": ISO_MM[1:]}
+FINEST_DPI, FINEST_WIDTH_MM = 600, 210  # larger pages have about as many pixels
 PRINTER_EDGE_MM = 8
 INK = 0
 PAPER = 255
@@ -29,7 +35,8 @@ class Page:
     dpi: int
 
     @classmethod
-    def blank(cls, size_mm: Millimetres, dpi: int) -> "Page":
+    def blank(cls, size_mm: Millimetres) -> "Page":
+        dpi = round(FINEST_DPI * min(1, FINEST_WIDTH_MM / size_mm[0]))
         width, height = (round(side / 25.4 * dpi) for side in size_mm)
         return cls(PIL.Image.new("L", (width, height), PAPER), dpi)
 

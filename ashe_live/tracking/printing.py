@@ -6,16 +6,8 @@ from ashe_live.errors import UserError
 from ashe_live.tracking.calibration_board import CalibrationBoard
 from ashe_live.tracking.layout import Layout, members_of
 from ashe_live.tracking.markers import Marker
-from ashe_live.tracking.page import PRINTER_EDGE_MM, Millimetres, Page, check_page_file
+from ashe_live.tracking.page import PAPERS_MM, PRINTER_EDGE_MM, Millimetres, Page, check_page_file
 
-# ISO 216 portrait pages, and the resolution that gives each of them about as many pixels as the first.
-PAGES_MM_DPI = (
-    ("A4", (210, 297), 600),
-    ("A3", (297, 420), 424),
-    ("A2", (420, 594), 300),
-    ("A1", (594, 841), 212),
-    ("A0", (841, 1189), 150),
-)
 MIN_SIDE_MM = 10
 MIN_SQUARE_MM = 5
 # White around the black square: without it no detector finds the square's edge on a dark table.
@@ -23,9 +15,12 @@ QUIET_ZONE = 1 / 8
 FOOT_MM = 45
 
 
-def write_marker_sheet(path: Path, marker: Marker | Layout, side_m: float, overwrite: bool = False) -> None:
+def write_marker_sheet(
+    path: Path, marker: Marker | Layout, side_m: float, overwrite: bool = False, paper: str = "a4"
+) -> None:
     """Writes a PDF or PNG page, by `path`'s suffix, whose black squares are `side_m` wide when printed at 100 %.
 
+    paper: one of PAPERS_MM; the page is this one, or the next larger one of its series that has room for the marker.
     Raises UserError for another suffix, an existing file (without `overwrite`), a size that fits no page, or a place
     that cannot be written.
     """
@@ -33,9 +28,9 @@ def write_marker_sheet(path: Path, marker: Marker | Layout, side_m: float, overw
     check_page_file(path, overwrite)
     members = members_of(marker)
     width, height = marker.extent if isinstance(marker, Layout) else (1.0, 1.0)
-    page = _blank_page((width * side_mm, height * side_mm), QUIET_ZONE * side_mm)
+    page = _blank_page((width * side_mm, height * side_mm), QUIET_ZONE * side_mm, paper)
     if side_mm < MIN_SIDE_MM or page is None:
-        largest = int((PAGES_MM_DPI[-1][1][0] - 2 * PRINTER_EDGE_MM) / (max(width, height) + 2 * QUIET_ZONE))
+        largest = int((PAPERS_MM[paper][-1][0] - 2 * PRINTER_EDGE_MM) / (max(width, height) + 2 * QUIET_ZONE))
         raise UserError(f"no page fits a marker of {side_mm:g} mm", f"choose a size from {MIN_SIDE_MM} to {largest} mm")
     middle_x, middle_y = _middle_mm(page)
     for member in members:
@@ -45,15 +40,17 @@ def write_marker_sheet(path: Path, marker: Marker | Layout, side_m: float, overw
     _write(path, overwrite, page, f"{_short(marker.spec)}   {side_mm:g} mm")
 
 
-def write_board_sheet(path: Path, board: CalibrationBoard, square_m: float, overwrite: bool = False) -> None:
+def write_board_sheet(
+    path: Path, board: CalibrationBoard, square_m: float, overwrite: bool = False, paper: str = "a4"
+) -> None:
     """As write_marker_sheet, with the calibration board, whose squares are `square_m` wide."""
     square_mm = square_m * 1000
     check_page_file(path, overwrite)
     columns, rows = board.squares
     width_mm, height_mm = columns * square_mm, rows * square_mm
-    page = _blank_page((width_mm, height_mm), QUIET_ZONE * square_mm)
+    page = _blank_page((width_mm, height_mm), QUIET_ZONE * square_mm, paper)
     if square_mm < MIN_SQUARE_MM or page is None:
-        widest = (PAGES_MM_DPI[-1][1][0] - 2 * PRINTER_EDGE_MM) / (columns + 2 * QUIET_ZONE)
+        widest = (PAPERS_MM[paper][-1][0] - 2 * PRINTER_EDGE_MM) / (columns + 2 * QUIET_ZONE)
         remedy = f"choose squares from {MIN_SQUARE_MM} to {int(widest)} mm"
         raise UserError(f"no page fits a board of squares of {square_mm:g} mm", remedy)
     middle_x, middle_y = _middle_mm(page)
@@ -62,12 +59,12 @@ def write_board_sheet(path: Path, board: CalibrationBoard, square_m: float, over
     _write(path, overwrite, page, f"calibration board   {columns} x {rows} squares of {square_mm:g} mm   must lie flat")
 
 
-def _blank_page(size_mm: Millimetres, quiet_mm: float) -> Page | None:
+def _blank_page(size_mm: Millimetres, quiet_mm: float, paper: str) -> Page | None:
     """The smallest page that holds a picture of `size_mm` with white around it, or None."""
-    for _, (width, height), dpi in PAGES_MM_DPI:
+    for width, height in PAPERS_MM[paper]:
         room = width - 2 * PRINTER_EDGE_MM, height - FOOT_MM - 2 * PRINTER_EDGE_MM - 12
         if all(0 < side + 2 * quiet_mm <= most for side, most in zip(size_mm, room, strict=True)):
-            return Page.blank((width, height), dpi)
+            return Page.blank((width, height))
     return None
 
 

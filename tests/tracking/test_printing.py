@@ -77,6 +77,14 @@ def test_a_large_marker_gets_a_larger_page(tmp_path: Path) -> None:
     assert float(box[2]) / 72 * 25.4 == pytest.approx(297, abs=0.2)
 
 
+@pytest.mark.parametrize(("side_m", "inches"), [(0.08, (8.5, 11)), (0.2, (11, 17)), (0.3, (17, 22)), (0.6, (34, 44))])
+def test_american_printers_get_american_pages(tmp_path: Path, side_m: float, inches: tuple[float, float]) -> None:
+    path = tmp_path / "marker.pdf"
+    write_marker_sheet(path, ARUCO, side_m, paper="letter")
+    box = path.read_bytes().split(b"/MediaBox [")[1].split(b"]")[0].split()
+    assert [float(number) / 72 for number in box[2:]] == pytest.approx(inches, abs=0.01)
+
+
 @pytest.mark.parametrize("side_m", [0.0, -0.08, 0.005, 2.0, float("nan"), float("inf")])
 def test_a_size_that_no_page_fits_is_refused(tmp_path: Path, side_m: float) -> None:
     with pytest.raises(UserError, match="no page fits"):

@@ -8,10 +8,8 @@ import numpy as np
 from ashe_live.errors import UserError
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE, Face
 from ashe_live.tracking.layout import Layout
-from ashe_live.tracking.page import PRINTER_EDGE_MM, Millimetres, Page, check_page_file
+from ashe_live.tracking.page import PAPERS_MM, PRINTER_EDGE_MM, Millimetres, Page, check_page_file
 
-PAPERS_MM = {"a4": (210, 297), "letter": (215.9, 279.4), "a3": (297, 420)}
-DPI = 600
 ROWS, COLUMNS = 4, 3
 SMALLEST_MM = 30
 FLAP_MM = 7.0
@@ -38,13 +36,13 @@ def write_cube_sheet(path: Path, cube: Layout, edge_m: float, paper: str = "a4",
     """
     edge_mm = 1000 * edge_m
     check_page_file(path, overwrite)
-    size_mm = PAPERS_MM[paper]
+    size_mm = PAPERS_MM[paper][0]
     most_mm = largest_edge_mm(paper)
     if not SMALLEST_MM <= edge_mm <= most_mm:
         remedy = f"choose --side from {SMALLEST_MM / 1000:g} to {most_mm / 1000:g}"
         larger = "" if paper == "a3" or edge_mm < SMALLEST_MM else ", or --paper a3"
         raise UserError(f"a cube of {edge_m:g} m does not fit on {paper}", remedy + larger)
-    page = Page.blank(size_mm, DPI)
+    page = Page.blank(size_mm)
     net = _Net(((size_mm[0] - COLUMNS * edge_mm) / 2, (size_mm[1] - ROWS * edge_mm - FLAP_MM) / 2), edge_mm)
     for number, (face, member) in enumerate(zip(FACES, cube.members, strict=True), 1):
         x, y = net.corner(face.row, face.column)
@@ -63,7 +61,7 @@ def write_cube_sheet(path: Path, cube: Layout, edge_m: float, paper: str = "a4",
 
 def largest_edge_mm(paper: str) -> int:
     """Of a cube whose net fits on the paper, whole millimetres."""
-    width, height = (side - 2 * PRINTER_EDGE_MM for side in PAPERS_MM[paper])
+    width, height = (side - 2 * PRINTER_EDGE_MM for side in PAPERS_MM[paper][0])
     return int(min(width / COLUMNS, (height - FLAP_MM) / ROWS))
 
 
