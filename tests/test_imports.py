@@ -32,10 +32,14 @@ ROOMS: dict[str, set[str]] = {
     "light.explanation": {
         "core", "light.pixels", "light.ground", "light.shape", "light.outline_fit", "light.labels",
     },
+    "light.views": {
+        "core", "light.pixels", "light.ground", "light.shape", "light.outline_fit", "light.labels",
+        "light.explanation",
+    },
     "light.paper": {"core"},
     "light.estimators": {
         "core", "errors", "light.pixels", "light.ground", "light.outline_fit", "light.labels", "light.explanation",
-        "light.paper",
+        "light.views", "light.paper",
     },
     "light.live": {"core", "light.pixels", "light.estimators", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},

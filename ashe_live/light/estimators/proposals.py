@@ -8,7 +8,7 @@ from ashe_live.light.explanation.explain import Proposal
 from ashe_live.light.explanation.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import distinct, splits, with_near_shadow_undecided
+from ashe_live.light.labels.associate import distinct, flat_areas, splits, with_near_shadow_undecided
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.labels.two_lights import (
     are_two_shadows,
@@ -17,6 +17,7 @@ from ashe_live.light.labels.two_lights import (
     materials_of_two,
     separated_shadows,
 )
+from ashe_live.light.views.evidence import plane_support
 
 SHADOWS_PER_SHIFT = 2  # number of areas that are tried as the shadow, the largest first
 PAIRS, PAIRS_TRIED = 1, 1  # number of pairs of two lights' shifts that are split, and of such splits that are fitted
@@ -26,13 +27,14 @@ def proposals_of(
     region: Region, ground: LitGround, shifts: Sequence[Float], paired: Sequence[Float]
 ) -> Iterator[Proposal]:
     """The region's splits for each of `shifts` (3,), and for two lights whose shifts are among `paired` (3,)."""
+    flat = flat_areas(region)
     alone = [materials_of(region, ground, shift) for shift in shifts]
     pairs = likeliest_pairs(region, ground, paired, PAIRS)
     single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
     both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
     together = [materials for materials in both if materials is not None]
     for materials in alone + together:
-        for whole in splits(region, ground, materials, SHADOWS_PER_SHIFT):
+        for whole in splits(region, ground, materials, SHADOWS_PER_SHIFT, flat):
             split = replace(whole, parts=separated_shadows(materials, whole.shadow_mask))
             if materials.lights == 2:
                 if are_two_shadows(split.parts):
@@ -48,6 +50,12 @@ def selected_for_fit(proposals: Sequence[Proposal], count: int, judge: Judge) ->
     """The `count` best-looking different proposals by one light, then the PAIRS_TRIED best by two."""
     alone = [proposal for proposal in proposals if proposal.materials.lights == 1]
     together = [proposal for proposal in proposals if proposal.materials.lights == 2]
-    alone.sort(key=lambda one: judge.split_score(one.region, one.materials, one.split), reverse=True)
+
+    def score(one: Proposal) -> float:
+        region, split = one.region, one.split
+        of_colours = judge.split_score(region, one.materials, split)
+        return of_colours + plane_support(region, split.object_mask, split.shadow_mask)
+
+    alone.sort(key=score, reverse=True)
     together.sort(key=lambda one: cost_reduction(one.region, one.materials, one.split), reverse=True)
     return distinct(alone, Proposal.is_like, count) + together[:PAIRS_TRIED]

@@ -15,6 +15,7 @@ from ashe_live.core.stages import StageClock
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
+from ashe_live.light.estimators.together import explained_together, scene_views, span_of
 from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
 from ashe_live.light.explanation.explain import are_alike, explained, refined, refined_by_tangents
@@ -28,7 +29,7 @@ from ashe_live.light.explanation.no_answer import (
 )
 from ashe_live.light.explanation.penumbra import angular_size
 from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
-from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, lit_rgb, unlit_mask, with_unlit_on_average
+from ashe_live.light.ground.lit_ground import LitGround, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
 from ashe_live.light.labels.associate import distinct
@@ -53,11 +54,7 @@ class ProxyEstimator:
         estimate, _ = self.traced(tracked, others)
         return estimate
 
-    def traced(
-        self,
-        tracked: TrackedFrame,
-        others: Sequence[TrackedFrame] = (),  # noqa: ARG002 - not used yet: the answer says that it rests on one view
-    ) -> tuple[LightEstimate, Trace]:
+    def traced(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> tuple[LightEstimate, Trace]:
         """As `estimate`, with the trace of intermediate results: some megabytes that refer to the picture."""
         if tracked.marker is None:
             raise ValueError("a frame without a marker has no marker frame to answer in")
@@ -66,35 +63,35 @@ class ProxyEstimator:
         fine = View.of(tracked, steps.fine_width_px)
         coarse = fine.scaled(steps.coarse_width_px)
         trace = Trace(coarse)
+        views = scene_views(tracked, fine, coarse, others, steps)
+        clock.end("segment")
 
         def none(reason: str, body: Mask | None = None, shadow: Mask | None = None) -> tuple[LightEstimate, Trace]:
             reason = fault_of_exposure(coarse) or reason
+            return answer(Illumination(), reason, body, shadow), trace
+
+        def answer(found: Illumination, reason: str | None, body: Mask | None, shadow: Mask | None) -> LightEstimate:
             index, timing_ms = tracked.frame.index, clock.timing_ms()
-            return LightEstimate(self.name, index, Illumination(), reason, body, shadow, timing_ms), trace
+            indices = tuple(view.index for view in views)
+            return LightEstimate(self.name, index, found, reason, body, shadow, timing_ms, indices, span_of(views))
 
-        trace.ground = ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
-        if ground is None:
-            clock.end("segment")
+        if not views:
             return none(TOO_LITTLE_GROUND)
-        unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
-        trace.unlit = unlit = with_unlit_on_average(unlit, coarse)
-        trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
-        clock.end("segment")
-        if not regions:
-            return none(NOTHING_THERE)
-
-        shifts = shadow_shifts(ground, unlit, steps.shifts)
-        paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
-        proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired)]
-        clock.end("associate")
-        trace.proposals = selected_for_fit(proposals, steps.tried, judge)
-        trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
-        log_odds = cache(judge.log_odds)
-        candidates = _refined_and_others(rough, fine, coarse, ground, steps, log_odds)
-        clock.end("fit")
+        trace.ground = ground = views[0].ground
+        candidates = self._explanations(fine, coarse, ground, trace, clock)
+        if len(views) == 1:
+            odds = [judge.log_odds(each) for each in candidates]
+        else:
+            others_found = [
+                (view, self._explanations(view.fine, view.coarse, view.ground, Trace(view.coarse), clock))
+                for view in views[1:][: steps.companions]
+            ]
+            together = explained_together([(views[0], candidates), *others_found], views, steps, judge)
+            candidates, odds = [each for each, _ in together], [log_odds for _, log_odds in together]
+            clock.end("views")
         if not candidates:
-            return none(NO_SHADOW)
-        probabilities = probabilities_of([log_odds(each) for each in candidates])
+            return none(NO_SHADOW if trace.regions else NOTHING_THERE)
+        probabilities = probabilities_of(odds)
         trace.judged, trace.probabilities = candidates, probabilities.tolist()
         index, confidence = best_direction(probabilities, [each.lights[0].to_light_marker for each in candidates])
         best = candidates[index]
@@ -107,15 +104,30 @@ class ProxyEstimator:
         lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
         if len(lights) == 1:
             lights = [replace(lights[0], angular_size_rad=_angular_size(best))]
-        estimate = LightEstimate(
-            self.name,
-            tracked.frame.index,
-            Illumination(tuple(lights), ratios[-1], lit_rgb(ground), best.proxy),
-            None,
-            *_masks_of(best),
-            clock.timing_ms(),
-        )
-        return estimate, trace
+        found = Illumination(tuple(lights), ratios[-1], lit_rgb(ground), best.proxy)
+        return answer(found, None, *_masks_of(best)), trace
+
+    def _explanations(
+        self, fine: View, coarse: View, ground: LitGround, trace: Trace, clock: StageClock
+    ) -> list[Explanation]:
+        """What one view may show: its explanations, the likeliest refined; none where nothing stands out."""
+        steps, judge = self._steps, self._judge
+        unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
+        trace.unlit = unlit = with_unlit_on_average(unlit, coarse)
+        trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
+        clock.end("segment")
+        if not regions:
+            return []
+
+        shifts = shadow_shifts(ground, unlit, steps.shifts)
+        paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
+        proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired)]
+        clock.end("associate")
+        trace.proposals = selected_for_fit(proposals, steps.tried, judge)
+        trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
+        found = _refined_and_others(rough, fine, coarse, ground, steps, cache(judge.log_odds))
+        clock.end("fit")
+        return found
 
 
 def _refined_and_others(

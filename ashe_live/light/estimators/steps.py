@@ -22,6 +22,9 @@ class ProxySteps:
     refined: int  # number of fits that are relabelled and refitted, the likeliest
     ground: GroundSteps
     fine_fit: FitPreset  # of those; the first fit is the same for all presets
+    views: int  # number of views that are used together, the frame's own included
+    companions: int  # number of the other views that explanations are looked for in, as in the frame itself
+    joint: int  # number of explanations that are aligned in all views, the likeliest
 
 
 FAST = ProxySteps(
@@ -34,6 +37,9 @@ FAST = ProxySteps(
     refined=2,
     ground=GroundSteps(12, 8, 1),
     fine_fit=preset.FAST,
+    views=4,
+    companions=0,
+    joint=3,
 )
 BALANCED = ProxySteps(
     coarse_width_px=320,
@@ -45,6 +51,9 @@ BALANCED = ProxySteps(
     refined=2,
     ground=GroundSteps(),
     fine_fit=preset.BALANCED,
+    views=6,
+    companions=1,
+    joint=4,
 )
 ACCURATE = ProxySteps(
     coarse_width_px=320,
@@ -56,6 +65,9 @@ ACCURATE = ProxySteps(
     refined=4,
     ground=GroundSteps(),
     fine_fit=preset.BALANCED,
+    views=12,
+    companions=2,
+    joint=6,
 )
 
 

@@ -109,26 +109,26 @@ def criterion(placed: PlacedBody) -> float:
 
 def _aligned(several: Sequence[Start]) -> list[Alignment | None]:
     """As `aligned`, where all bodies have the same number of lights."""
-    candidates = iter(_placed([(lit, start.sight, start.costs) for start in several for lit in start.bodies]))
+    candidates = iter(placed_in([(lit, start.sight, start.costs) for start in several for lit in start.bodies]))
     best = [min((next(candidates) for _ in start.bodies), key=criterion) for start in several]
     here = list(best)
     for number, range_share in enumerate(SEARCH_RANGES):
         in_view = [i for i, one in enumerate(here) if one.is_in_view]
         if not in_view:
             break
-        steps = _normal_equations(
+        steps = normal_equations(
             [here[i] for i in in_view], range_share, 1.0 if number == len(SEARCH_RANGES) - 1 else EARLY_LOSS_FACTOR
         ).steps()
         stepping = [(here[i], step) for i, step in zip(in_view, steps, strict=True)]
-        moved = _placed([(one.lit.moved(step), one.sight, one.costs) for one, step in stepping])
+        moved = placed_in([(one.lit.moved(step), one.sight, one.costs) for one, step in stepping])
         for i, one in zip(in_view, moved, strict=True):
             here[i] = one
             best[i] = min(best[i], one, key=attrgetter("cost"))
-    seen = iter(_measured([one for one in best if one.is_in_view]))
+    seen = iter(measured([one for one in best if one.is_in_view]))
     return [next(seen) if one.is_in_view else None for one in best]
 
 
-def _placed(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[PlacedBody]:
+def placed_in(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[PlacedBody]:
     """Projects and paints each body in its picture, and adds up the unary costs."""
     outlines = lit_outlines([lit for lit, _, _ in several], [Sight.of(costs.region.view) for _, _, costs in several])
     found = []
@@ -139,7 +139,7 @@ def _placed(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[PlacedBody]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _NormalEquations:
+class NormalEquations:
     """Weighted normal equations of n bodies, from the residuals at r = (1 + l) p points of their outlines."""
 
     borders: Borders
@@ -148,16 +148,25 @@ class _NormalEquations:
     by_theta: Float  # (n, split + q, r) derivatives of the points' outward movement by theta
     normal: Float  # (n, split + q, split + q) information matrix of theta, the prior included
 
+    @property
+    def gradient(self) -> Float:
+        """(n, split + q) towards the borders."""
+        return np.asarray((self.by_theta @ (self.weight * self.offset_px)[..., None])[..., 0])
+
     def steps(self) -> Float:
         """(n, split + q) damped Gauss-Newton steps of theta towards the borders."""
-        damped, diagonal = self.normal.copy(), np.arange(self.normal.shape[1])
-        curvature = self.normal[:, diagonal, diagonal]
-        damped[:, diagonal, diagonal] += DAMPING * curvature + 1e-6 * curvature.max(axis=1, keepdims=True) + 1e-12
-        gradient = self.by_theta @ (self.weight * self.offset_px)[..., None]
-        return np.asarray(np.clip(np.linalg.solve(damped, gradient)[..., 0], -LARGEST_STEP, LARGEST_STEP))
+        return damped_steps(self.normal, self.gradient)
 
 
-def _normal_equations(several: Sequence[PlacedBody], range_share: float, loss_factor: float) -> _NormalEquations:
+def damped_steps(normal: Float, gradient: Float) -> Float:
+    """(n, t) the Gauss-Newton steps of n normal equations (n, t, t) with gradients (n, t), damped and limited."""
+    damped, diagonal = normal.copy(), np.arange(normal.shape[1])
+    curvature = normal[:, diagonal, diagonal]
+    damped[:, diagonal, diagonal] += DAMPING * curvature + 1e-6 * curvature.max(axis=1, keepdims=True) + 1e-12
+    return np.asarray(np.clip(np.linalg.solve(damped, gradient[..., None])[..., 0], -LARGEST_STEP, LARGEST_STEP))
+
+
+def normal_equations(several: Sequence[PlacedBody], range_share: float, loss_factor: float) -> NormalEquations:
     """Sets up the normal equations of bodies in view, with borders searched within `range_share` of the object's size.
 
     loss_factor: factor on the scale of Cauchy's loss.
@@ -176,14 +185,14 @@ def _normal_equations(several: Sequence[PlacedBody], range_share: float, loss_fa
     normal = (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2)
     diagonal = np.arange(normal.shape[1])
     normal[:, diagonal, diagonal] += padded([prior_information(one.lit.body.family, one.lit.layout) for one in several])
-    return _NormalEquations(borders, away, weight, by_theta, normal)
+    return NormalEquations(borders, away, weight, by_theta, normal)
 
 
-def _measured(several: Sequence[PlacedBody]) -> list[Alignment]:
+def measured(several: Sequence[PlacedBody]) -> list[Alignment]:
     """Measures misfit, clarity and information of bodies in view, where they stand."""
     if not several:
         return []
-    pull = _normal_equations(several, SEARCH_RANGES[-1], 1.0)
+    pull = normal_equations(several, SEARCH_RANGES[-1], 1.0)
     squares = (pull.weight * pull.offset_px**2).sum(axis=1) / np.maximum(pull.weight.sum(axis=1), 1e-9)
     clarity = pull.borders.clarity.reshape(len(several), -1)
     found = []

@@ -173,7 +173,7 @@ def _explanation(proposal: Proposal, alignment: Alignment | None) -> Explanation
         return None
     region, split = proposal.region, proposal.split
     as_object = _cost_of_object(region, alignment.placed.predicted.body & region.is_ground, split)
-    return Explanation(region, proposal.materials, split, alignment, _lights(alignment), as_object)
+    return Explanation(region, proposal.materials, split, alignment, lights_of(alignment), as_object)
 
 
 def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
@@ -181,7 +181,8 @@ def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
     return object_cost(region, seen if np.count_nonzero(seen) > FEW_PX else split.object_mask)
 
 
-def _lights(alignment: Alignment) -> tuple[FittedLight, ...]:
+def lights_of(alignment: Alignment) -> tuple[FittedLight, ...]:
+    """The lights of an aligned body, with the covariance that its normal equations imply."""
     covariance = np.asarray(np.linalg.inv(_information(alignment)))
     lights = fitted_lights(alignment.placed.lit.lights, covariance)
     return tuple(

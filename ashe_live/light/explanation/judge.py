@@ -54,7 +54,11 @@ class Judge:
 
     def log_odds(self, explanation: Explanation) -> float:
         """Log odds that the explanation is right, its direction within GOOD_RAD, rather than none of those tried."""
-        score = self.tables.explanation.log_odds(explanation_features(explanation))
+        return self.log_odds_of(explanation_features(explanation))
+
+    def log_odds_of(self, features: Mapping[str, float]) -> float:
+        """As `log_odds`, of an explanation with these features."""
+        score = self.tables.explanation.log_odds(features)
         return float(np.clip(score, -MOST_LOG_ODDS, MOST_LOG_ODDS))
 
     def lights_of(self, explanation: Explanation, confidence: float, tracked: TrackedFrame) -> tuple[Light, ...]:

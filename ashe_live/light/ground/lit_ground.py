@@ -34,6 +34,8 @@ NEAR_PX = 3  # the reach of the smoothing of `squared_distance`
 # Scale at which colours are averaged, and the least area there, in pixels, of an object found by its mean colour.
 AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
 AVERAGED_STEPS = GroundSteps(12, 8, 1)  # averages have few colours
+# Log odds of lying on the plane below which a pixel is something that stands there, whatever its colour.
+OFF_PLANE = -1.5
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
 
 
@@ -47,6 +49,7 @@ class LitGround:
     rare: Mask  # (h, w) where the pixel's colour has a small spread over the frame
     squared_distance: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from rare colours
     sheen: Mask  # (h, w) ground that is brighter than the palette by specular or reflected light
+    on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
 
 
 def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> LitGround | None:
@@ -100,8 +103,10 @@ def lit_rgb(ground: LitGround) -> Float:
 
 def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
     """(h, w) objects and shadows: compact areas of at least `least_px` pixels that the lit ground does not explain."""
-    unexplained = (ground.squared_distance > UNLIT_DISTANCE) & ~ground.sheen
-    return large_areas(cleaned(is_ground & ground.rare & unexplained), least_px)
+    unexplained = ground.rare & (ground.squared_distance > UNLIT_DISTANCE) & ~ground.sheen
+    if ground.on_plane is not None:
+        unexplained |= ground.on_plane < OFF_PLANE
+    return large_areas(cleaned(is_ground & unexplained), least_px)
 
 
 def with_unlit_on_average(unlit: Mask, view: View) -> Mask:

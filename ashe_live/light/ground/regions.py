@@ -34,6 +34,7 @@ class Region:
     unlit: Mask  # (h, w) pixels that the lit ground does not explain
     window: Window  # where it lies in the whole frame
     frame_shape: tuple[int, ...]  # (h, w) of the whole frame at this scale
+    on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
     quantised: Quantised = field(init=False)  # its colours, quantised to the size of the noise
     unreliable: Mask = field(init=False)  # (h, w) pixels off the ground, and those near enough to see that border
 
@@ -88,7 +89,12 @@ def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region
     enlarged = cv2.resize(area.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST)[window].astype(bool)
     cut = view.cut(window)
     unlit = _unlit(colours, ground, enlarged, cut.is_ground)
-    return Region(cut, colours, unlit, window, view.is_ground.shape)
+    on_plane = None
+    if ground.on_plane is not None:
+        on_plane = np.asarray(
+            cv2.resize(ground.on_plane, view.size, interpolation=cv2.INTER_LINEAR)[window], dtype=np.float32
+        )
+    return Region(cut, colours, unlit, window, view.is_ground.shape, on_plane)
 
 
 def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shape: tuple[int, ...]) -> Window:

@@ -22,7 +22,7 @@ from ashe_live.light.pixels.areas import (
     shrunk,
     smoothed,
 )
-from ashe_live.light.pixels.mixtures import Mixture, nearest_squared_distance
+from ashe_live.light.pixels.mixtures import Mixture, clusters, nearest_squared_distance
 
 T = TypeVar("T")
 
@@ -37,6 +37,9 @@ REACH_PX = 3
 # The depth of one light's shadow varies, in units of its shift: in a penumbra, and where the object hides the sky too.
 DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
 SHADOW_LIKE = 0.3
+# An area is flat by log odds of FLAT_ODDS, of pixels of which so many count as one sample, where hardly any pixel has
+# log odds below ABOVE.
+FLAT_COLOURS, FLAT_ODDS, PIXELS_PER_SAMPLE, ABOVE, FLAT_ABOVE = 6, 1.5, 40.0, -0.7, 0.03
 # Fraction of the shadow's largest distance from the object beyond which a pixel that looks like shadow cannot be the
 # object's own dark side.
 SURELY_SHADOW = 0.6
@@ -75,14 +78,18 @@ class Split:
         return bool(np.count_nonzero(differing) < SAME_SHARE * np.count_nonzero(self.whole))
 
 
-def splits(region: Region, ground: LitGround, materials: Materials, shadows_tried: int) -> list[Split]:
+def splits(
+    region: Region, ground: LitGround, materials: Materials, shadows_tried: int, flat: Mask | None = None
+) -> list[Split]:
     """The candidate divisions of the region's unlit areas into object and shadow, given the shift of `materials`.
 
-    shadows_tried: number of areas, the largest first, that are each taken for the shadow.
+    shadows_tried: number of areas, the largest first, that are each taken for the shadow. flat: (h, w) what lies on the
+    plane, and is no object.
     """
+    unlit = region.unlit if flat is None else region.unlit & ~flat
     shadow_like = _shadow_like(region, ground, materials.shifts)
     shadows = areas_by_size(shadow_like, LEAST_PX)[:shadows_tried]
-    roughs = [rough for shadow in shadows for rough in _splits_with(shadow, shadow_like, region.unlit)]
+    roughs = [rough for shadow in shadows for rough in _splits_with(shadow, shadow_like, unlit | shadow_like)]
     refined = (_classified(region, materials, rough) for rough in distinct(roughs, Split.is_like))
     return distinct((split for split in refined if split.is_large_enough), Split.is_like)
 
@@ -109,6 +116,24 @@ def with_near_shadow_undecided(split: Split) -> Split | None:
     surely = split.shadow_mask & (away > SURELY_SHADOW * away[split.shadow_mask].max())
     doubtful = Split(split.object_mask, surely, split.shadow_mask & ~surely)
     return doubtful if doubtful.is_large_enough else None
+
+
+def flat_areas(region: Region) -> Mask | None:
+    """(h, w) unlit areas of one colour that other views confirm to lie on the plane: paint, paper, or shadow.
+
+    Only the border of an area tells whether it moves, its inside looks the same wherever it is; so areas are judged
+    whole. None where there are no other views.
+    """
+    if region.on_plane is None:
+        return None
+    labels = clusters(region.quantised.colours, FLAT_COLOURS)[0].astype(np.uint8)[region.quantised.cell]
+    flat = np.zeros_like(region.unlit)
+    for colour in range(FLAT_COLOURS):
+        for area in areas_by_size(majority((labels == colour) & region.unlit), LEAST_AREA_PX):
+            odds = region.on_plane[grown(area, 1)]
+            if odds.sum() > FLAT_ODDS * PIXELS_PER_SAMPLE and (odds < ABOVE).mean() < FLAT_ABOVE:
+                flat |= area
+    return flat
 
 
 def _shadow_like(region: Region, ground: LitGround, shifts: tuple[Float, ...]) -> Mask:
@@ -165,6 +190,9 @@ def _reassigned(region: Region, materials: Materials, rough: Split) -> Split:
     """
     core = _core(rough.object_mask)
     as_object = object_cost(region, core)
+    if region.on_plane is not None:
+        # What an object shows stands above the plane. Twice the log odds, as costs are twice negative logs.
+        as_object = as_object + 2 * region.on_plane
     nearby = grown(rough.object_mask | rough.shadow_mask, REACH_PX) & region.is_ground
     object_like = majority((as_object < np.minimum(materials.lit, materials.shaded)) & nearby, 5)
     body = filled(overlapping(object_like, core, 0.3) if (object_like & core).any() else core)

@@ -1,0 +1,109 @@
+"""Explanations of several views together: each view's candidates, placed and aligned in all of them."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from operator import itemgetter
+
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.judge import Judge
+from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.view import View
+from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
+from ashe_live.light.views.joint import JointExplanation, explained_in_views, lit_body_of, own_costs
+from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
+from ashe_live.light.views.seen import SceneView, costs_around
+from ashe_live.light.views.which import span_rad, towards_camera, usable
+
+COMPARED = 3  # number of views that the plane in a view other than the first is compared with
+FIRST_VIEWS = 3  # number of views in which candidates are aligned before the likeliest are in all
+
+
+def scene_views(
+    tracked: TrackedFrame, fine: View, coarse: View, others: Sequence[TrackedFrame], steps: ProxySteps
+) -> list[SceneView]:
+    """`tracked`, which must have a marker, and the others that are used with it: all that an answer rests on.
+
+    fine, coarse: views of `tracked`. Another view with too little lit ground is left out; if there is too little in
+    `tracked`, there are no views.
+    """
+    first = _scene_view(tracked.frame.index, fine, coarse, steps)
+    if first is None:
+        return []
+    views = [first]
+    for other in usable(tracked, others, steps.views - 1):
+        fine = View.of(other, steps.fine_width_px)
+        view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), steps)
+        if view is not None:
+            views.append(view)
+    return views if len(views) == 1 else _with_plane(views)
+
+
+def span_of(views: Sequence[SceneView]) -> float | None:
+    """The largest angle between the views' directions to the marker; None for one view."""
+    return span_rad([towards_camera(view.coarse.T_cam_marker) for view in views])
+
+
+def _scene_view(index: int, fine: View, coarse: View, steps: ProxySteps) -> SceneView | None:
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
+    return None if ground is None else SceneView(index, fine, coarse, ground)
+
+
+def _with_plane(views: Sequence[SceneView]) -> list[SceneView]:
+    """The views with what the others tell about which of their pixels lie on the plane.
+
+    The first view is compared with all others, each of these with COMPARED others, that first one among them.
+    """
+    found = []
+    for number, view in enumerate(views):
+        others = [other for other in views if other is not view][: None if number == 0 else COMPARED]
+        colours = log_opponent(view.coarse.image_bgr)
+        seen = [each for other in others if (each := on_plane(view.coarse, colours, other.coarse)) is not None]
+        ratio = log_likelihood_ratio(seen, view.coarse.is_ground.shape)
+        found.append(replace(view, ground=replace(view.ground, on_plane=ratio)))
+    return found
+
+
+def explained_together(
+    found: Sequence[tuple[SceneView, Sequence[Explanation]]],
+    views: Sequence[SceneView],
+    steps: ProxySteps,
+    judge: Judge,
+) -> list[tuple[Explanation, float]]:
+    """The likeliest different candidates of some of the views, aligned in all, and their log odds; the likeliest first.
+
+    found: views with their explanations. views: all, that of the answer first.
+    """
+    candidates = [(view, each) for view, several in found for each in several]
+
+    def in_one_view(pair: tuple[SceneView, Explanation]) -> float:
+        one = pair[1]
+        return judge.log_odds(one) + plane_support(one.region, one.predicted.body, one.predicted.shadow)
+
+    candidates.sort(key=in_one_view, reverse=True)
+
+    def log_odds(one: JointExplanation) -> float:
+        return joint_log_odds(one, judge)
+
+    few, rest = views[:FIRST_VIEWS], views[FIRST_VIEWS:]
+    tried = []
+    for home, one in candidates[: 2 * steps.joint]:
+        lit, shifts = lit_body_of(one)
+        costs = [own_costs(one) if view is home else costs_around(lit, shifts, view, steps.region_px) for view in few]
+        # Masks and body are to be those of the first view.
+        if costs[0] is not None:
+            tried.append((lit, [each for each in costs if each is not None]))
+    likely = sorted((each for each in explained_in_views(tried) if each is not None), key=log_odds, reverse=True)
+    likely = distinct_explanations(likely)[: steps.joint]
+    if rest:
+        more = []
+        for each in likely:
+            lit, shifts = lit_body_of(each.joint)
+            costs = [costs_around(lit, shifts, view, steps.region_px) for view in rest]
+            seen = [own_costs(one) for one in each.each]
+            more.append((lit, [*seen, *(one for one in costs if one is not None)]))
+        likely = distinct_explanations([each for each in explained_in_views(more) if each is not None])
+    judged = [(each.joint, log_odds(each)) for each in likely]
+    return sorted(judged, key=itemgetter(1), reverse=True)

@@ -1,0 +1,65 @@
+"""What several views together say for or against an explanation."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ashe_live.core.arrays import Mask
+from ashe_live.light.explanation.judge import Judge, explanation_features
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.views.joint import JointExplanation
+
+PIXELS_PER_SAMPLE = 40.0  # of the region: colours, their edges and the errors of poses are alike over patches
+MOST_SUPPORT = 2.0  # the bodies of explanations differ in much that labels of object and shadow do not tell
+ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
+ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
+
+
+def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
+    """The features of an explanation of several views: the mean over the views of what each shows.
+
+    What the views have in common (how well the lights are determined) is that of all together.
+    """
+    of_views = [explanation_features(each) for each in explanation.each]
+    return {name: float(np.mean([features[name] for features in of_views])) for name in of_views[0]}
+
+
+def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
+    """Log odds that the explanation is right rather than none of those tried."""
+    joint = explanation.joint
+    return judge.log_odds_of(joint_features(explanation)) + plane_support(
+        joint.region, joint.predicted.body, joint.predicted.shadow
+    )
+
+
+def plane_support(region: Region, body: Mask, shadow: Mask) -> float:
+    """Log odds by which other views confirm that the shadow (h, w) lies on the plane and the body (h, w) does not.
+
+    0 where there are no other views, or they tell nothing.
+    """
+    if region.on_plane is None:
+        return 0.0
+    seen = region.is_ground
+    difference = region.on_plane[shadow & seen].sum() - region.on_plane[body & seen].sum()
+    return float(np.clip(difference / PIXELS_PER_SAMPLE, -MOST_SUPPORT, MOST_SUPPORT))
+
+
+def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:
+    """The explanations in order, without those that place a like body and like lights where an earlier one does."""
+    kept: list[JointExplanation] = []
+    for one in several:
+        if not any(_are_alike(one, other) for other in kept):
+            kept.append(one)
+    return kept
+
+
+def _are_alike(one: JointExplanation, other: JointExplanation) -> bool:
+    """Whether the bodies stand in one place, of like size, and the lights are from like directions."""
+    if len(one.joint.lights) != len(other.joint.lights):
+        return False
+    a, b = one.joint.alignment.placed.lit.body, other.joint.alignment.placed.lit.body
+    apart = np.linalg.norm(a.proxy.foot_marker - b.proxy.foot_marker)
+    if apart > ALIKE_SHARE * min(a.frame.unit_m, b.frame.unit_m):
+        return False
+    pairs = zip(one.joint.lights, other.joint.lights, strict=True)
+    return all(float(x.to_light_marker @ y.to_light_marker) > ALIKE_COSINE for x, y in pairs)

@@ -1,0 +1,152 @@
+"""One body and its lights, aligned with the borders in several views at once.
+
+The normal equations of the views add up, as their borders are measured independently; what a body's model cannot show
+is an error that they share (docs/maths.md, "Several views").
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import project
+from ashe_live.light.explanation.alignment import (
+    SEARCH_RANGES,
+    Alignment,
+    PlacedBody,
+    damped_steps,
+    measured,
+    normal_equations,
+    placed_in,
+)
+from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.explain import lights_of
+from ashe_live.light.labels.associate import Split
+from ashe_live.light.labels.costs import Costs
+from ashe_live.light.outline_fit.search import prior_information
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.sight import Sight
+
+EARLY_LOSS_FACTOR = 3.0  # times the scale of Cauchy's loss, in all rounds but the last
+RANGES = SEARCH_RANGES[1:]  # a body that was aligned in one view is nearly right in the others
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointExplanation:
+    """An explanation of several views by one body and its lights."""
+
+    joint: Explanation  # in the first view, with the misfit, the clarity and the information of all
+    each: tuple[Explanation, ...]  # in each view, the first one included
+
+
+def lit_body_of(explanation: Explanation) -> tuple[LitBody, Sequence[Float]]:
+    """The body with its lights, and the colour shift (3,) of each light's shadow."""
+    return explanation.alignment.placed.lit, explanation.materials.shifts[: len(explanation.lights)]
+
+
+def own_costs(explanation: Explanation) -> Costs:
+    """What the pixels cost in the view that an explanation is of."""
+    return Costs(explanation.region, explanation.materials, explanation.as_object)
+
+
+def explained_in_views(several: Sequence[tuple[LitBody, Sequence[Costs]]]) -> list[JointExplanation | None]:
+    """Each body aligned with the borders in all its views; None where it is not in the first view.
+
+    several: a body with its lights, and the costs of the pixels around it in each view, the first one first.
+    """
+    found: list[JointExplanation | None] = [None] * len(several)
+    counts = [len(lit.lights) for lit, _ in several]
+    for count in set(counts):
+        members = [i for i, each in enumerate(counts) if each == count]
+        for i, lit in zip(members, _aligned([several[i] for i in members]), strict=True):
+            found[i] = _explained(lit, several[i][1])
+    return found
+
+
+def _aligned(several: Sequence[tuple[LitBody, Sequence[Costs]]]) -> list[LitBody]:
+    """The cheapest state of each body along Gauss-Newton steps of its views' normal equations, added up."""
+    here = _placed(several)
+    best, least = list(here), [_cost(placed) for placed in here]
+    for number, share in enumerate(RANGES):
+        flat = [one for placed in here for one in placed if one.is_in_view]
+        if not flat:
+            break
+        loss_factor = 1.0 if number == len(RANGES) - 1 else EARLY_LOSS_FACTOR
+        pull = normal_equations(flat, share, loss_factor)
+        gradient, at, moved = pull.gradient, 0, []
+        for placed, (_, costs) in zip(here, several, strict=True):
+            end = at + sum(one.is_in_view for one in placed)
+            lit = placed[0].lit
+            if end > at:
+                normal = _summed(pull.normal[at:end], lit)
+                lit = lit.moved(damped_steps(normal[None], gradient[None, at:end].sum(axis=1))[0])
+            moved.append((lit, costs))
+            at = end
+        here = _placed(moved)
+        for i, placed in enumerate(here):
+            if (cost := _cost(placed)) < least[i]:
+                best[i], least[i] = placed, cost
+    return [placed[0].lit for placed in best]
+
+
+def _placed(several: Sequence[tuple[LitBody, Sequence[Costs]]]) -> list[list[PlacedBody]]:
+    flat = iter(placed_in([(lit, _sight(lit, costs), costs) for lit, each in several for costs in each]))
+    return [[next(flat) for _ in each] for _, each in several]
+
+
+def _sight(lit: LitBody, costs: Costs) -> Sight:
+    """The sight of a view, its pixels counted from the body's foot."""
+    view = costs.region.view
+    foot = project(view.camera, view.T_cam_marker, np.array([[*lit.body.frame.origin_marker, 0.0]]))[0]
+    return Sight(view.camera, view.T_cam_marker, foot if np.isfinite(foot).all() else np.zeros(2))
+
+
+def _cost(placed: Sequence[PlacedBody]) -> float:
+    return sum(one.cost for one in placed)
+
+
+def _summed(normals: Float, lit: LitBody) -> Float:
+    """(t, t) the sum of normal matrices (v, t, t), each of which includes the prior, with the prior counted once."""
+    total = normals.sum(axis=0)
+    prior = prior_information(lit.body.family, lit.layout)
+    diagonal = np.arange(len(prior))
+    total[diagonal, diagonal] -= (len(normals) - 1) * prior
+    return np.asarray(total)
+
+
+def _explained(lit: LitBody, several: Sequence[Costs]) -> JointExplanation | None:
+    placed = placed_in([(lit, _sight(lit, costs), costs) for costs in several])
+    if not placed[0].is_in_view:
+        return None
+    alignments = measured([one for one in placed if one.is_in_view])
+    joint = _together(alignments)
+    lights = lights_of(joint)
+    each = []
+    for alignment in (joint, *alignments):
+        seen, costs = alignment.placed.predicted, alignment.placed.costs
+        ground = costs.region.is_ground
+        split = Split(seen.body & ground, seen.shadow & ground, None, seen.parts)
+        each.append(Explanation(costs.region, costs.materials, split, alignment, lights, costs.as_object))
+    return JointExplanation(each[0], tuple(each[1:]))
+
+
+def _together(alignments: Sequence[Alignment]) -> Alignment:
+    """The first alignment with the information of all, and with their mean misfit and clarity.
+
+    Misfits are relative to the object's size in each view.
+    """
+    first = alignments[0]
+    relative = [(one.misfit_px / one.placed.object_px) ** 2 for one in alignments]
+    shadows = np.mean([one.clear_shadows for one in alignments], axis=0)
+    ends = np.max([one.ends_in_view for one in alignments], axis=0)
+    return replace(
+        first,
+        normal=_summed(np.array([one.normal for one in alignments]), first.placed.lit),
+        misfit_px=math.sqrt(float(np.mean(relative))) * first.placed.object_px,
+        clear_body=float(np.mean([one.clear_body for one in alignments])),
+        clear_shadow=float(np.mean([one.clear_shadow for one in alignments])),
+        clear_shadows=tuple(float(clear) for clear in shadows),
+        ends_in_view=tuple(float(end) for end in ends),
+    )

@@ -1,0 +1,194 @@
+"""The marker's plane in several views: for every pixel of one, how far the others confirm that it lies on the plane.
+
+What lies there (ground, paint, shadows) is seen by every camera where the plane's homography takes it (Hartley and
+Zisserman, "Multiple View Geometry", 13.1); what stands on it shears away (plane plus parallax). Plain areas agree
+wherever they are, so agreement is rated against what the pixel's neighbourhood would show instead (docs/maths.md, "The
+plane").
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.transforms import inverse_rigid, project
+from ashe_live.light.pixels.areas import shrunk, smoothed
+from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.view import View
+
+# Standard deviation of an 8-bit sRGB value: sensor noise and JPEG, after the smoothing of the colours.
+NOISE_SRGB = 1.5 / 255
+MISPLACED_PX = 0.5  # standard deviation of a pixel's place in another view: pose, lens, and differences in sharpness
+LEAST_NOISE = 0.02  # of log-opponent colours: differences in sharpness and tone between two pictures
+# Prior probabilities that another view shows something else at a point of the plane: an object before it, or a glint.
+HIDDEN, GLINT = 0.1, 0.01
+MOST_SHEARED = 0.9  # of what stands on the plane: its foot does not shear
+SPREAD_OF_ANYTHING = np.array([0.6, 0.3, 0.3], np.float32)  # standard deviations of what is there instead
+# Of the shear of a point TALL, where neighbours are compared, and in standard deviations the difference of like ones.
+SHEARS, MATCH, MOST_BY_ACCIDENT = (0.33, 0.67, 1.0, -0.33, -0.67, -1.0), 2.0, 0.98
+TALL = 0.5  # height, in sides of the marker, of the points whose shear counts as that of an object
+MOST_SHEAR_PX = 40.0  # beyond which neighbours are no neighbours any more
+SEEN_SHARE = 0.02  # least fraction of the frame that both views must see of the plane
+# Pixels of the reference view are common to all comparisons, so that these are correlated.
+CORRELATION = 0.5
+EXPOSURE_ROUNDS, EXPOSURE_SCALE, EXPOSURE_SAMPLES = 4, 0.08, 4000
+# Gloss moves with the eye, smoothly: what remains is taken out over this part of the frame's width, at a smaller scale.
+GLOSS_SHARE, GLOSS_SCALE, GLOSS_REDUCED = 1 / 16, 0.15, 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OnPlane:
+    """What one other view shows on the plane, brought to the place and exposure of the reference view."""
+
+    colours: Float32  # (h, w, 3) log-opponent
+    seen: Mask  # (h, w) where the other view shows the plane
+    residual: Float32  # (h, w, 3) the reference's colours less these
+    variance: Float32  # (h, w, 3) expected of the residual where both show the same point of the plane
+    shear_px: Float  # (2,) in the reference view, of a point TALL above the marker's centre
+
+
+def plane_homography(of: View, to: View) -> Float:
+    """(3, 3) homography from the pixels of one view to those of another, through the marker's plane."""
+    onto_of, onto_to = (view.camera.K @ view.T_cam_marker[:3][:, [0, 1, 3]] for view in (of, to))
+    return np.asarray(onto_to @ np.linalg.inv(onto_of))
+
+
+def on_plane(reference: View, colours: Float32, other: View) -> OnPlane | None:
+    """What `other` shows on the plane, at the pixels of `reference`, whose log-opponent colours are (h, w, 3).
+
+    None where both see too little of the plane.
+    """
+    H = plane_homography(reference, other)
+    width, height = reference.size
+    size = (width, height)
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    theirs = cv2.warpPerspective(log_opponent(other.image_bgr), H, size, flags=flags)
+    ground = shrunk(other.is_ground, 1).astype(np.uint8)
+    seen = cv2.warpPerspective(ground, H, size, flags=cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP) > 0
+    # Pixels whose rays meet the plane behind the other camera are mapped with a negative third coordinate.
+    depth = H[2, 0] * np.arange(width) + (H[2, 1] * np.arange(height) + H[2, 2])[:, None]
+    seen &= reference.is_ground & (depth * np.sign(H[2] @ _marker_px(reference)) > 0)
+    if np.count_nonzero(seen) < SEEN_SHARE * seen.size:
+        return None
+    residual = colours - theirs
+    exposure = _exposure(residual, seen)
+    exposure += _gloss(residual - exposure, seen)
+    theirs, residual = theirs + exposure, residual - exposure
+    variance = _variance(colours, theirs)
+    # Noise as strong as on what agrees, at least as expected: half of a normal variable's squares are below 0.455.
+    excess = np.median((residual**2 / variance)[seen], axis=0) / 0.455
+    variance *= np.maximum(excess, 1).astype(np.float32)
+    return OnPlane(theirs, seen, residual, variance, _shear_px(reference, other))
+
+
+def log_likelihood_ratio(several: Sequence[OnPlane], shape: tuple[int, ...]) -> Float32:
+    """(h, w) log odds, from the views, that a pixel lies on the plane rather than above it; 0 where nothing tells.
+
+    A view that shows something else at a point of the plane counts against it only so far, as an object before it may
+    be the cause.
+    """
+    total, count = np.zeros(shape, np.float32), np.zeros(shape, np.float32)
+    for one in several:
+        total += _log_odds(one)
+        count += one.seen
+    return smoothed(total / (1 + np.float32(CORRELATION) * np.maximum(count - 1, 0)))
+
+
+def _log_odds(one: OnPlane) -> Float32:
+    """(h, w) log odds by one view: that it shows the same point of the plane, or something else of the neighbourhood.
+
+    Of what stands on the plane, points whose shear is below a pixel show the same as if they lay on it; and the same
+    share of the plane, HIDDEN of it at most, disappears behind what stands on it in the other view. A sheared point
+    shows the same by accident with the probability that its neighbours along the shear do.
+    """
+    shear_px = float(np.linalg.norm(one.shear_px))
+    sheared = min(max(1 - 1 / max(shear_px, 1e-6), 0.0), MOST_SHEARED)
+    if sheared == 0:
+        return np.zeros(one.seen.shape, np.float32)
+    hidden = HIDDEN * sheared + GLINT
+    scale = 1 / np.sqrt(one.variance)
+    ours, theirs = (one.colours + one.residual) * scale, one.colours * scale
+    by_accident = np.zeros(one.seen.shape, np.float32)
+    for share in SHEARS:
+        across, down = np.round(share * one.shear_px).astype(int)
+        neighbour = np.roll(theirs, (-down, -across), axis=(0, 1))
+        by_accident += np.exp(-0.5 * ((ours - neighbour) ** 2).sum(axis=2) / MATCH**2)
+    by_accident = np.minimum(by_accident / len(SHEARS), MOST_BY_ACCIDENT)
+    same = 1 - sheared * (1 - by_accident)
+    else_ = sheared * (1 - by_accident)
+    anything = one.variance + SPREAD_OF_ANYTHING**2
+    exponent = (one.residual**2 * (1 / anything - 1 / one.variance) + np.log(anything / one.variance)).sum(axis=2)
+    odds = np.exp(np.clip(0.5 * exponent, -20, 20))
+    ratio = np.log(((1 - hidden) * odds + hidden) / (same * odds + else_))
+    return np.where(one.seen, ratio, 0).astype(np.float32)
+
+
+def _exposure(residual: Float32, seen: Mask) -> Float32:
+    """(h, w, 3) the two pictures' difference in exposure, white balance and vignetting: a robust quadratic."""
+    inside = np.flatnonzero(seen)
+    inside = inside[:: max(1, len(inside) // EXPOSURE_SAMPLES)]
+    rows, columns = np.divmod(np.arange(seen.size, dtype=np.float32), seen.shape[1])
+    u, v = 2 * columns / seen.shape[1] - 1, 2 * rows / seen.shape[0] - 1
+    bases = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v], axis=1).astype(np.float32)
+    values, slow = residual.reshape(-1, 3)[inside].astype(np.float64), bases[inside].astype(np.float64)
+    field = np.zeros((6, 3))
+    field[0] = np.median(values, axis=0)
+    prior = np.diag([0.0, 1, 1, 1, 1, 1]) * 0.02 * len(inside)
+    for _ in range(EXPOSURE_ROUNDS):
+        away = ((values - slow @ field) ** 2).sum(axis=1)
+        weight = 1 / (1 + away / EXPOSURE_SCALE**2)
+        weighted = slow * weight[:, None]
+        field = np.linalg.solve(weighted.T @ slow + prior, weighted.T @ values)
+    return np.asarray((bases @ field.astype(np.float32)).reshape(*seen.shape, 3))
+
+
+def _gloss(residual: Float32, seen: Mask) -> Float32:
+    """(h, w, 3) the smooth part of what remains, by a normalised convolution with Cauchy's weights."""
+    height, width = seen.shape
+    small = max(1, width // GLOSS_REDUCED), max(1, height // GLOSS_REDUCED)
+    values = cv2.resize(residual, small, interpolation=cv2.INTER_NEAREST)
+    inside = cv2.resize(seen.astype(np.float32), small, interpolation=cv2.INTER_NEAREST)[..., None]
+    smooth = np.zeros_like(values)
+    for _ in range(3):
+        away = ((values - smooth) ** 2).sum(axis=2, keepdims=True)
+        weight = inside / (1 + away / GLOSS_SCALE**2) ** 2
+        sums = cv2.GaussianBlur(np.concatenate([values * weight, weight], axis=2), (0, 0), GLOSS_SHARE * small[0])
+        smooth = sums[..., :3] / (sums[..., 3:] + 0.05)
+    return np.asarray(cv2.resize(smooth, (width, height), interpolation=cv2.INTER_LINEAR))
+
+
+def _variance(ours: Float32, theirs: Float32) -> Float32:
+    """(h, w, 3) expected of the difference of two pictures of the same point: noise, and misplacement at edges."""
+    # For log light, an sRGB value v has the slope 2.2 / v, and brightness l is about 2.2 ln v.
+    value = np.exp(np.minimum(ours[..., :1], 0) / 2.2)
+    noise = 2 * (2.2 * NOISE_SRGB / np.maximum(value, 0.03)) ** 2 + LEAST_NOISE**2
+    slope = _slope_squared(ours) + _slope_squared(theirs)
+    return np.asarray(noise + 0.5 * MISPLACED_PX**2 * slope, dtype=np.float32)
+
+
+def _slope_squared(picture: Float32) -> Float32:
+    """(h, w, 3) squared gradient per pixel."""
+    across, down = (cv2.Sobel(picture, cv2.CV_32F, *order, ksize=3, scale=1 / 8) for order in ((1, 0), (0, 1)))
+    return np.asarray(across**2 + down**2, dtype=np.float32)
+
+
+def _shear_px(reference: View, other: View) -> Float:
+    """(2,) pixels in the reference view from a point TALL above the marker to where `other` sees it on the plane."""
+    height = TALL * reference.side_m
+    eye = inverse_rigid(other.T_cam_marker)[:3, 3]
+    point = np.array([0.0, 0.0, height])
+    if eye[2] <= height:
+        return np.zeros(2)
+    behind = np.append((eye + (point - eye) * eye[2] / (eye[2] - height))[:2], 0.0)
+    seen, cast = project(reference.camera, reference.T_cam_marker, np.array([point, behind]))
+    shear = cast - seen
+    # A point that one of the cameras cannot see has no image.
+    return np.clip(shear, -MOST_SHEAR_PX, MOST_SHEAR_PX) if np.isfinite(shear).all() else np.zeros(2)
+
+
+def _marker_px(view: View) -> Float:
+    """(3,) homogeneous pixel of the marker's centre."""
+    centre = view.camera.K @ view.T_cam_marker[:3, 3]
+    return np.asarray(centre / centre[2])

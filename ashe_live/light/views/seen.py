@@ -1,0 +1,54 @@
+"""A view of the scene with its own lit ground, and what the pixels cost there around a body that another view shows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.ground.lit_ground import LitGround, unlit_mask
+from ashe_live.light.ground.regions import Region, region_of
+from ashe_live.light.labels.costs import Costs
+from ashe_live.light.labels.materials import Materials, materials_of, object_cost
+from ashe_live.light.labels.two_lights import materials_of_two
+from ashe_live.light.pixels.areas import overlapping
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.predicted import predicted
+
+LEAST_PX = 60  # of a body with its shadow, in the coarse picture: what shows less tells nothing
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneView:
+    """A view at its finest and at the ground's resolution, with the lit ground in it."""
+
+    index: int  # of its frame
+    fine: View
+    coarse: View
+    ground: LitGround
+
+
+def costs_around(lit: LitBody, shifts: Sequence[Float], view: SceneView, region_px: int) -> Costs | None:
+    """What the pixels around a body and its shadows cost in a view; the object's colours are learned in its silhouette.
+
+    shifts: (3,) each, of the materials in which the body was explained. None where too little of it is in view.
+    """
+    whole = predicted(lit.body.proxy, lit.lights, view.coarse).whole & view.coarse.is_ground
+    if np.count_nonzero(whole) < LEAST_PX:
+        return None
+    unlit = unlit_mask(view.ground, view.coarse.is_ground, LEAST_PX)
+    around = overlapping(unlit, whole, 0.3) if (unlit & whole).any() else whole
+    region = region_of(view.fine, whole | around, view.ground, region_px)
+    materials = _materials(region, view.ground, shifts)
+    if materials is None:
+        return None
+    body = predicted(lit.body.proxy, lit.lights, region.view).body
+    return Costs(region, materials, object_cost(region, body & region.is_ground))
+
+
+def _materials(region: Region, ground: LitGround, shifts: Sequence[Float]) -> Materials | None:
+    first = materials_of(region, ground, shifts[0])
+    return (
+        first if len(shifts) == 1 else materials_of_two(region, ground, first, materials_of(region, ground, shifts[1]))
+    )

@@ -1,0 +1,75 @@
+"""Estimates from several views of one scene."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import FAST
+from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
+from tests.light.synthetic_masks import camera_towards, direction
+
+STICKER = Caster("cylinder", (0.12, -0.07), 0.07, 1e-4, (0.03, 0.03, 0.035))
+
+
+def seen_from(heading_deg: float, *casters: Caster, ground: str = "plain", index: int = 0) -> TrackedFrame:
+    pose = camera_towards((0.06, 0.0), 0.5, 45.0, heading_deg)
+    tracked = paint(*casters, ground=ground, T_cam_marker=pose, size=(480, 360), seed=index).tracked
+    return dataclasses.replace(tracked, frame=Frame(tracked.frame.image_bgr, index, 0.0))
+
+
+def views_of(
+    *casters: Caster, ground: str = "plain", headings: tuple[float, ...] = (90, 75, 105)
+) -> list[TrackedFrame]:
+    return [seen_from(heading, *casters, ground=ground, index=i) for i, heading in enumerate(headings)]
+
+
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+@pytest.mark.parametrize("caster", [BOX, CYLINDER])
+def test_several_views_give_the_light(caster: Caster, ground: str) -> None:
+    first, *others = views_of(caster, ground=ground)
+    estimate = ProxyEstimator(FAST).estimate(first, others)
+    assert estimate.light is not None, estimate.reason
+    assert math.degrees(angle_between(estimate.light.to_light_marker, direction(200, 40))) < 1.0
+    assert estimate.views[0] == 0
+    assert set(estimate.views) == {0, 1, 2}
+    # 45 degrees above the ground, 30 apart around it.
+    assert estimate.span_rad == pytest.approx(math.acos(0.5 + 0.5 * math.cos(math.radians(30))), abs=0.02)
+
+
+def test_a_dark_sticker_at_the_foot_is_neither_object_nor_shadow() -> None:
+    first, *others = views_of(BOX, STICKER)
+    estimate = ProxyEstimator(FAST).estimate(first, others)
+    assert estimate.light is not None, estimate.reason
+    assert math.degrees(angle_between(estimate.light.to_light_marker, direction(200, 40))) < 2.0
+
+
+def test_views_without_a_marker_count_for_nothing() -> None:
+    first, other, _ = views_of(BOX)
+    blind = dataclasses.replace(other, marker=None)
+    alone, with_blind = ProxyEstimator(FAST).estimate(first), ProxyEstimator(FAST).estimate(first, [blind])
+    assert alone.light is not None
+    assert with_blind.light is not None
+    np.testing.assert_array_equal(alone.light.to_light_marker, with_blind.light.to_light_marker)
+    assert with_blind.views == (0,)
+    assert with_blind.span_rad is None
+
+
+def test_nothing_stands_on_an_empty_ground_in_any_view() -> None:
+    first, *others = views_of(ground="bricks")
+    estimate = ProxyEstimator(FAST).estimate(first, others)
+    assert estimate.light is None
+    assert estimate.reason
+
+
+def test_the_same_views_give_the_same_bits() -> None:
+    first, *others = views_of(BOX)
+    one, again = (ProxyEstimator(FAST).estimate(first, others).light for _ in range(2))
+    assert one is not None
+    assert again is not None
+    np.testing.assert_array_equal(one.to_light_marker, again.to_light_marker)
+    np.testing.assert_array_equal(one.covariance_rad2, again.covariance_rad2)

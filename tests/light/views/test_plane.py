@@ -1,0 +1,88 @@
+"""What several views tell about the plane: by geometry, on painted pictures of known scenes."""
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.view import View
+from ashe_live.light.views.plane import log_likelihood_ratio, on_plane, plane_homography
+from tests.light.painted_scenes import BOX, Caster, Painted, paint
+from tests.light.synthetic_masks import camera_towards
+
+WIDTH = 320
+
+
+def painted_from(heading_deg: float, *casters: Caster, ground: str = "bricks", **rest) -> Painted:
+    pose = camera_towards((0.06, 0.0), 0.5, 45.0, heading_deg)
+    return paint(*casters, ground=ground, T_cam_marker=pose, **rest)
+
+
+def ratio_of(first: TrackedFrame, *others: TrackedFrame) -> np.ndarray:
+    reference = View.of(first, WIDTH)
+    colours = log_opponent(reference.image_bgr)
+    seen = [on_plane(reference, colours, View.of(other, WIDTH)) for other in others]
+    return log_likelihood_ratio([one for one in seen if one is not None], reference.is_ground.shape)
+
+
+def small(mask: np.ndarray, margin_px: int = 2) -> np.ndarray:
+    """(h, w) at the views' size, without the outline."""
+    size = WIDTH, mask.shape[0] * WIDTH // mask.shape[1]
+    shrunk = cv2.resize(mask.astype(np.uint8), size, interpolation=cv2.INTER_AREA)
+    return cv2.erode(shrunk, np.ones((2 * margin_px + 1,) * 2, np.uint8)) > 0
+
+
+def test_the_homography_takes_points_of_the_plane_where_the_other_camera_sees_them() -> None:
+    one, other = (View.of(painted_from(heading).tracked, WIDTH) for heading in (80, 110))
+    points = np.array([(0.1, 0.05, 0), (-0.08, 0.02, 0), (0.2, -0.1, 0)])
+    pixels = np.column_stack([project(one.camera, one.T_cam_marker, points), np.ones(3)])
+    taken = pixels @ plane_homography(one, other).T
+    np.testing.assert_allclose(
+        taken[:, :2] / taken[:, 2:], project(other.camera, other.T_cam_marker, points), atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+def test_a_shadow_stays_on_the_plane_and_a_box_does_not(ground: str) -> None:
+    first = painted_from(90, BOX, ground=ground)
+    ratio = ratio_of(first.tracked, *(painted_from(heading, BOX, ground=ground).tracked for heading in (75, 105)))
+    shadow, body = small(first.shadow), small(first.body, 1)
+    # A plain face agrees with itself where it overlaps itself, which tells nothing: what is left decides.
+    assert ratio[shadow].mean() > 0
+    assert np.mean(ratio[shadow] < -1) < 0.1  # where the box hides it in another view
+    assert ratio[body].mean() < -0.3
+    assert np.mean(ratio[body] < -1) > 0.25
+
+
+def test_a_flat_dark_thing_is_no_object() -> None:
+    sticker = Caster(width_m=0.06, height_m=1e-4, rgb=(0.03, 0.03, 0.03))
+    first = painted_from(90, sticker)
+    ratio = ratio_of(first.tracked, *(painted_from(heading, sticker).tracked for heading in (75, 105)))
+    assert np.mean(ratio[small(first.body)] < -1) < 0.02
+
+
+def test_another_exposure_and_white_balance_change_nothing_on_the_plane() -> None:
+    first, other = painted_from(90, BOX), painted_from(105, BOX, exposure=0.7)
+    tinted = (other.tracked.frame.image_bgr * np.array([0.95, 1.0, 0.92])).astype(np.uint8)
+    frame = TrackedFrame(Frame(tinted, 1, 0.0), other.tracked.camera, other.tracked.marker)
+    ratio = ratio_of(first.tracked, frame)
+    ground = small(~first.body & ~first.sheet, 4) & ~small(first.shadow, 0)
+    assert np.mean(ratio[ground] < -1) < 0.1
+    assert ratio[ground].mean() > 0 > ratio[small(first.body, 1)].mean()
+
+
+def test_from_one_place_nothing_can_be_told() -> None:
+    first, again = painted_from(90, BOX), painted_from(90, BOX, seed=1)
+    np.testing.assert_array_equal(ratio_of(first.tracked, again.tracked), 0)
+
+
+def test_views_of_different_grounds_tell_nothing() -> None:
+    away = paint(size=(320, 240), T_cam_marker=camera_towards((5.0, 0.0), 0.5, 60.0))
+    assert on_plane(*_reference(), View.of(away.tracked, WIDTH)) is None
+
+
+def _reference() -> tuple[View, np.ndarray]:
+    reference = View.of(painted_from(90, BOX).tracked, WIDTH)
+    return reference, log_opponent(reference.image_bgr)
