@@ -8,7 +8,8 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.live.fusion import LightFusion
+from ashe_live.light.live.held_answer import HeldAnswer
+from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
@@ -17,6 +18,7 @@ from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
 from ashe_live.viewer.hand import Hand, HandContext
+from ashe_live.viewer.sharpening import Sharpening
 from ashe_live.viewer.shelf import Shelf
 from ashe_live.viewer.undo import Undo
 
@@ -26,9 +28,6 @@ ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it,
 # What B goes through.
 WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
 PARTS = WHOLE, "the model without its shadow", VIDEO_ALONE
-# Between two automatic estimates: while the fused answer still changes, and once it has settled.
-AUTO_EVERY_S = 0.4
-AUTO_SETTLED_EVERY_S = 1.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +36,7 @@ class EstimatePolicy:
 
     on_first_steady: bool = False
     at_frame: int | None = None
-    automatic: bool = False  # again and again, whenever the marker is steady
+    automatic: bool = False  # the light is watched, and estimated anew when it changes
 
     def wants(self, tracked: TrackedFrame, is_steady: bool) -> bool:
         if self.at_frame is not None:
@@ -65,7 +64,11 @@ class Session:
         self.shown = Illumination()  # on its way to `lit_by`
         self.hand = Hand()
         self._undo = Undo()
-        self.fusion: LightFusion | None = LightFusion() if policy.automatic else None  # None: each estimate by itself
+        self.automatic = policy.automatic  # the light is watched, also while the camera stands still
+        self.held = HeldAnswer()  # since the last request by a person
+        self.sharpening = Sharpening()
+        self.key_views = KeyViews()  # of what is shown; whoever tracks the frames adds them
+        self.camera_may_move = False  # as a person may move it
         self.light_preset = BALANCED
         self.show_light = False
         self.show_masks = False
@@ -76,6 +79,8 @@ class Session:
         self._shelf = shelf
         self._worker = worker
         self._frozen: TrackedFrame | None = None
+        self._others: tuple[TrackedFrame, ...] = ()  # that went with the frozen frame
+        self._is_awaited = False  # the estimate under way, by a person
         # Before the first estimate polished surfaces mirror the first frame with a marker.
         self._estimated = Illumination()
         self._policy = policy
@@ -121,6 +126,11 @@ class Session:
     def is_estimating(self) -> bool:
         return self._worker.busy
 
+    @property
+    def is_awaited(self) -> bool:
+        """Whether an estimate is under way that a person waits for."""
+        return self._worker.busy and self._is_awaited
+
     def notice(self, now_s: float) -> str | None:
         """The last message, for a few seconds."""
         if self._notice is None or now_s > self._notice[1]:
@@ -151,8 +161,8 @@ class Session:
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
             self.request_estimate(now_s)
-        elif self.fusion is not None and is_steady and not self.is_estimating and self._is_due(now_s, self.fusion):
-            self.request_estimate(now_s, is_awaited=self.estimate is None)
+        elif tracked.marker is not None and not self.is_estimating and self.hand.light is None:
+            self._sharpen(tracked, is_steady, now_s)
 
     def settle_for_last(self, now_s: float) -> bool:
         """At the end of a clip: its last frame is estimated where no marker was steady; returns whether it is."""
@@ -169,7 +179,8 @@ class Session:
         self.shown = self._easing.jump(self._estimated)
         self.hand.reset()
         self._undo.forget()
-        self.fusion = None if self.fusion is None else LightFusion()
+        self.held, self.sharpening = HeldAnswer(), Sharpening()
+        self.key_views.drop()
         self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
         self._steadiness = steadiness
         self._worker.give_up()
@@ -178,21 +189,43 @@ class Session:
         """Shows the model in the file as soon as it is read."""
         self._shelf.add(path)
 
-    def request_estimate(self, now_s: float, is_awaited: bool = True) -> bool:
-        """Hands the current frame to the worker and returns True; shows a message when that is not possible.
+    def request_estimate(self, now_s: float) -> bool:
+        """Hands the current frame, and the key views at hand, to the worker for a person who waits; returns True.
 
-        `is_awaited`: by a person; else the estimate gives way to whatever else the machine does.
+        Shows a message when that is not possible.
         """
         if self.tracked is None or self.tracked.marker is None:
             self.say("no marker in view: point the camera at it, then press Space", now_s)
-        elif not self._worker.request(
-            self.tracked, self.light_preset, steps_sheet if self.show_masks else None, is_awaited
-        ):
+        elif not self._request(self.tracked, now_s, is_awaited=True):
             self.say("still estimating", now_s)
         else:
-            self._frozen, self._asked_s = self.tracked, now_s
             return True
         return False
+
+    def _sharpen(self, tracked: TrackedFrame, is_steady: bool, now_s: float) -> None:
+        """Asks for an estimate from the key views when they tell more, or, automatically, from a steady frame."""
+        views = self.key_views.views
+        if self.estimate is not None and self.sharpening.is_due_for(views, now_s):
+            self._request(views[-1], now_s)
+        elif self.automatic and is_steady and self.sharpening.is_due_again(now_s):
+            is_known = self.estimate is not None
+            only_if_changed = is_known and self.sharpening.is_up_to_date(now_s)
+            self._request(tracked, now_s, is_awaited=not is_known, only_if_changed=only_if_changed)
+
+    def _request(
+        self, frozen: TrackedFrame, now_s: float, is_awaited: bool = False, only_if_changed: bool = False
+    ) -> bool:
+        """False, and nothing happens, while another estimate is under way."""
+        views = self.key_views.views
+        others = tuple(view for view in views if view.frame.index != frozen.frame.index)
+        draw = steps_sheet if self.show_masks else None
+        if not self._worker.request(frozen, self.light_preset, draw, is_awaited, others, only_if_changed):
+            return False
+        self._frozen, self._others, self._asked_s, self._is_awaited = frozen, others, now_s, is_awaited
+        if is_awaited:
+            self.sharpening = Sharpening()
+        self.sharpening.asked(views, now_s)
+        return True
 
     def poll(self, now_s: float) -> LightEstimate | None:
         """Takes what the worker and the model loader have finished, and advances the easing of the light.
@@ -284,21 +317,32 @@ class Session:
     def _accept(self, outcome: Outcome | None, now_s: float) -> LightEstimate | None:
         if isinstance(outcome, WorkerFailure):
             self.say(f"the estimate failed: {outcome.message}", now_s)
+            self.sharpening.answered(False)
             return None
-        if outcome is None or (self.fusion is not None and not self.fusion.add(outcome.estimate)):
+        if outcome is None:
             return None
-        answer = outcome.estimate if self.fusion is None else self.fusion.answer
-        if answer is not None:
-            self._estimated = answer.illumination.as_seen_in(self._frozen)
-        self.estimate, self.estimated_from, self.steps_bgr = answer, self._frozen, outcome.picture_bgr
+        self.key_views.drop([self._others[place] for place in outcome.outdated])
+        has_changed = len(outcome.outdated) == len(self._others) > 0
+        if has_changed:
+            self.sharpening = Sharpening()
+        new = outcome.estimate
+        if new is None:
+            return None
+        if self._is_awaited:
+            self.held = HeldAnswer()
+        self.sharpening.answered(self.held.offer(new, has_changed) or self.held.is_disputed)
+        if self.held.estimate is not new:
+            return None
+        self._estimated = new.illumination.as_seen_in(self._frozen)
+        self.estimate, self.estimated_from, self.steps_bgr = new, self._frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
         elif self.last_notice == ANSWER_ALONE:
             self._notice = None
         # An estimate that was requested before the light was set by hand does not replace it.
         if self.hand.light is not None and self._asked_s >= self._by_hand_s:
-            if outcome.estimate.light is None:
-                self.say(f"no clear light: {outcome.estimate.reason}; it stays as set by hand", now_s)
+            if new.light is None:
+                self.say(f"no clear light: {new.reason}; it stays as set by hand", now_s)
             else:
                 self.hand.light = None
         return self.estimate
@@ -312,17 +356,14 @@ class Session:
             return
         self._by_hand_s = now_s
         self._policy_is_done = True
-        if self.fusion is not None:
-            self.fusion = None
-            self.say("the light is by hand: A estimates it again and again", now_s)
+        if self.automatic:
+            self.automatic = False
+            self.say("the light is by hand: A watches it again", now_s)
 
     def _toggle_automatic(self, now_s: float) -> None:
-        if self.fusion is None:
-            self.fusion = LightFusion()
-            self.say("the light is estimated again and again: A ends it", now_s)
+        self.automatic = not self.automatic
+        if self.automatic:
+            self.sharpening = Sharpening()
+            self.say("the light is watched, and estimated anew when it changes: A ends it", now_s)
         else:
-            self.fusion = None
             self.say("the light is held: Space estimates it anew", now_s)
-
-    def _is_due(self, now_s: float, fusion: LightFusion) -> bool:
-        return now_s - self._asked_s >= (AUTO_SETTLED_EVERY_S if fusion.is_settled else AUTO_EVERY_S)

@@ -16,6 +16,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.light.live.key_views import KeyViews
 from ashe_live.quality import FAST
 from ashe_live.render.offscreen import graphics_failures_told
 from ashe_live.tracking.steadiness import Steadiness
@@ -34,11 +35,11 @@ PATIENCE_S = 20.0
 class ScriptedPipeline:
     """Frames that the test puts in."""
 
-    is_clip, is_photo, duration_s, has_ended = True, False, 2.0, False
+    is_clip, is_photo, is_camera, duration_s, has_ended = True, False, False, 2.0, False
     fps, status, stall, name = 100.0, None, None, "table.mp4"
 
     def __init__(self) -> None:
-        self.frames = LatestMailbox()
+        self.frames, self.key_views = LatestMailbox(), KeyViews()
         self.paused, self.restarts = [], 0
         self.may_follow_others, self.followed = False, []
 

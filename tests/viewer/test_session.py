@@ -15,7 +15,8 @@ from ashe_live.models.placement import UNMOVED
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.display import bare_scene
-from ashe_live.viewer.session import ANSWER_ALONE, AUTO_EVERY_S, AUTO_SETTLED_EVERY_S, NOTICE_S, EstimatePolicy, Session
+from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, EstimatePolicy, Session
+from ashe_live.viewer.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
 from ashe_live.viewer.status import camera_line, guidance, light_line, marker_line, source_lines, status_lines
 
 
@@ -213,14 +214,30 @@ def run_steadily(session, fakes, answers, until_s: float, has_marker=lambda _s: 
         session.take(fakes.tracked(index, has_marker(now_s)), now_s)
 
 
-def test_automatically_it_estimates_again_and_again_and_less_often_once_the_light_is_known(make, fakes):
+def test_automatically_it_estimates_until_that_gains_nothing_and_then_only_what_has_changed(make, fakes):
     session = make(EstimatePolicy(automatic=True))
+    session.key_views = fakes.KeyViews(fakes.tracked(1000))
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 20.0)
-    asked_s = np.array([frozen.frame.time_s for frozen in session._worker.requested])
-    gaps_s = np.diff(asked_s)
-    assert gaps_s[:5] == pytest.approx(AUTO_EVERY_S, abs=0.1)
-    assert gaps_s[-5:] == pytest.approx(AUTO_SETTLED_EVERY_S, abs=0.1)
-    assert "of 8 estimates" in light_line(session)
+    worker = session._worker
+    gaps_s = np.diff([frozen.frame.time_s for frozen in worker.requested])
+    assert worker.only_if_changed[: FUTILE + 1] == [False] * (FUTILE + 1)
+    assert gaps_s[:FUTILE] == pytest.approx(EVERY_S, abs=0.1)
+    assert all(worker.only_if_changed[FUTILE + 1 :])
+    assert gaps_s[FUTILE:] == pytest.approx(CHECKED_EVERY_S, abs=0.1)
+
+
+def test_a_changed_scene_is_estimated_anew_and_its_views_are_dropped(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    session.key_views = fakes.KeyViews(fakes.tracked(1000))
+    run_steadily(session, fakes, lambda _s: fakes.estimate(), 10.0)
+    assert session.sharpening.is_settled
+    lamp = fakes.estimate(7, towards=(0.0, -1.0, 1.0))
+    session.take(fakes.tracked(7), 30.0)
+    session._worker.outdated, session._worker.answer = (0,), lamp
+    assert session.poll(30.0) is lamp
+    assert session.estimate is lamp
+    assert session.key_views.views == ()
+    assert not session.sharpening.is_settled
 
 
 def test_automatically_nothing_is_asked_without_a_steady_marker(make, fakes):
@@ -235,11 +252,102 @@ def test_an_outlier_changes_neither_light_nor_masks_and_a_changed_light_does(mak
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0)
     before = session.estimate, session.estimated_from
     for answers in range(3):
-        session.request_estimate(9.0)
+        session.take(fakes.tracked(1000 + answers), 9.0 + 2 * answers)
+        assert session.is_estimating
         session._worker.answer = fakes.estimate(with_light=False)
         assert (session.poll(9.0) is None) is (answers < 2)
         assert ((session.estimate, session.estimated_from) == before) is (answers < 2)
     assert session.estimate.light is None
+
+
+def test_what_a_person_asks_for_is_shown_whatever_was_held(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    for now_s, towards in ((0.0, (1.0, 0.0, 1.0)), (1.0, (0.0, -1.0, 1.0))):
+        session.request_estimate(now_s)
+        session._worker.answer = fakes.estimate(towards=towards)
+        assert session.poll(now_s) is session.estimate
+        assert session.estimate.light.to_light_marker == pytest.approx(np.array(towards) / np.sqrt(2))
+    session.request_estimate(2.0)
+    session._worker.answer = fakes.estimate(with_light=False)
+    session.poll(2.0)
+    assert session.estimate.light is None
+
+
+def orbit(fakes, count: int, step_deg: float = 2.0, first: int = 100):
+    return [fakes.tracked(first + at, tilt_deg=step_deg * at) for at in range(count)]
+
+
+def test_an_answer_rests_on_the_frozen_frame_and_the_key_views_at_hand(make, fakes):
+    session = make()
+    views = orbit(fakes, 4)
+    session.key_views = fakes.KeyViews(*views)
+    frozen = fakes.tracked(102)  # one of them, before it was scaled
+    session.take(frozen, 0.0)
+    session.request_estimate(0.0)
+    assert session._worker.requested == [frozen]
+    assert [view.frame.index for view in session._worker.others] == [100, 101, 103]
+
+
+def test_while_the_camera_moves_the_answer_is_sharpened_until_that_gains_nothing(make, fakes):
+    session = make()
+    session.take(fakes.tracked(0), 0.0)
+    session.request_estimate(0.0)
+    session._worker.answer = fakes.estimate(0, sigma_rad=0.07)
+    session.poll(0.0)
+    sigmas = [0.06, 0.04, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02]
+    for at in range(60):
+        now_s = 1.0 + at
+        session.key_views = fakes.KeyViews(*orbit(fakes, 2 + at // 2))
+        session.take(fakes.tracked(at), now_s)
+        if session.is_estimating:
+            assert not session.is_awaited
+            frozen = session._worker.requested[-1]
+            assert frozen is session.key_views.views[-1]
+            others = [view.frame.index for view in session._worker.others]
+            session._worker.answer = fakes.estimate(
+                frozen.frame.index, sigma_rad=sigmas.pop(0), others=others, span_rad=0.1
+            )
+            session.poll(now_s)
+    assert session.estimate.light.sigma_rad == 0.02
+    assert session.sharpening.is_settled
+    assert len(sigmas) == 3  # the first three gained, the next three did not
+    assert "views over 6°" in light_line(session)
+
+
+def test_nobody_moves_nothing_is_sharpened(make, fakes):
+    session = make()
+    session.key_views = fakes.KeyViews(fakes.tracked(0))
+    for index in range(60):
+        session.take(fakes.tracked(index), index / 10)
+        if index == 0:
+            session.request_estimate(0.0)
+            session._worker.answer = fakes.estimate(0)
+        session.poll(index / 10)
+    assert len(session._worker.requested) == 1
+
+
+def test_a_light_by_hand_is_not_sharpened(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    estimated(session, fakes, 0.0)
+    by_hand(session, 1.0)
+    session.key_views = fakes.KeyViews(*orbit(fakes, 6))
+    session.take(fakes.tracked(1), 5.0)
+    assert not session.is_estimating
+
+
+def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move_the_camera(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    estimated(session, fakes, 0.0)
+    assert "move" not in light_line(session)  # a clip moves by itself
+    session.camera_may_move = True
+    assert light_line(session) == "light: azimuth 0°, elevation 45° ± 2.9°, move the camera a little"
+    session.request_estimate(1.0)
+    session._worker.answer = fakes.estimate(sigma_rad=0.01)
+    session.poll(1.0)
+    assert "move" not in light_line(session)
 
 
 def test_a_key_switches_it_on_and_holds_the_light_when_it_is_switched_off(make, fakes):
@@ -376,7 +484,7 @@ def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(make, fakes
     session = make(EstimatePolicy(on_first_steady=True, automatic=True))
     session.take(fakes.tracked(), 0.0)
     by_hand(session, 0.0)
-    assert session.fusion is None
+    assert not session.automatic
     for index in range(1, 30):
         session.take(fakes.tracked(index), index / 10)
     assert not session.is_estimating
@@ -423,8 +531,9 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
     assert session.lit_by == session.shown == Illumination()
     assert session.true_to_light_marker is None
     assert bare_scene(session).placement == UNMOVED
-    assert session.fusion is not None
-    assert session.fusion.count == 0
+    assert session.automatic
+    assert session.held.estimate is None
+    assert session.key_views.views == ()
     session.take(fakes.tracked(9), 2.0)  # a photo is steady at once
     assert session.is_estimating
     assert session._worker.requested[-1].frame.index == 9
@@ -459,7 +568,7 @@ def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
     urgent = []
     now_s = 0.0
     for index in range(12):
-        now_s += AUTO_SETTLED_EVERY_S
+        now_s += CHECKED_EVERY_S
         session.take(fakes.tracked(index), now_s)
         if session.is_estimating:
             urgent.append(session._worker.is_awaited)
