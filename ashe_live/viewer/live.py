@@ -154,7 +154,7 @@ class LiveViewer:
         if self._pipeline.has_ended:
             self._session.settle_for_last(now_s)
         # An estimate that agrees with those before it is not printed again.
-        if self._session.poll(now_s) is not None and self._session.held.is_news:
+        if self._session.poll(now_s) is not None and self._session.watch.held.is_news:
             say(light_line(self._session))
         size = self._window.framebuffer_size
         if min(size) < 1:  # minimised
@@ -260,7 +260,8 @@ class LiveViewer:
         return True
 
     def _watch(self, pipeline: Pipeline) -> None:
-        self._session.key_views, self._session.camera_may_move = pipeline.key_views, pipeline.is_camera
+        watch = self._session.watch
+        watch.key_views, watch.camera_may_move = pipeline.key_views, pipeline.is_camera
 
     def _leave(self) -> None:
         """Whatever was entered last: the menu, the help, the whole screen, the program."""
@@ -302,7 +303,7 @@ class LiveViewer:
         start = QUALITIES.get(name, QUALITIES["balanced"])
         self._auto = AutoQuality(self._interval_s * 1e3, start) if name == AUTO else None
         # The estimator has a process of its own: its preset need not step down when the renderer's does.
-        self._session.light_preset = start.light
+        self._session.watch.preset = start.light
         self._apply(start)
 
     def _apply(self, quality: Quality) -> None:

@@ -7,17 +7,15 @@ from pathlib import Path
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
-from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.live.held_answer import HeldAnswer
-from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker, Outcome
-from ashe_live.light.live.worker_process import WorkerFailure
+from ashe_live.light.live.worker_process import Draw, WorkerFailure
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.process.messages import tell
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
 from ashe_live.viewer.hand import Hand, HandContext
+from ashe_live.viewer.light_watch import LightWatch
 from ashe_live.viewer.sharpening import Sharpening
 from ashe_live.viewer.shelf import Shelf
 from ashe_live.viewer.undo import Undo
@@ -65,11 +63,7 @@ class Session:
         self.hand = Hand()
         self._undo = Undo()
         self.automatic = policy.automatic  # the light is watched, also while the camera stands still
-        self.held = HeldAnswer()  # since the last request by a person
-        self.sharpening = Sharpening()
-        self.key_views = KeyViews()  # of what is shown; whoever tracks the frames adds them
-        self.camera_may_move = False  # as a person may move it
-        self.light_preset = BALANCED
+        self.watch = LightWatch(worker)
         self.show_light = False
         self.show_masks = False
         self.show_help = False
@@ -77,10 +71,6 @@ class Session:
         self.parts_shown = PARTS[0]
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the one that is followed is not in view
         self._shelf = shelf
-        self._worker = worker
-        self._frozen: TrackedFrame | None = None
-        self._others: tuple[TrackedFrame, ...] = ()  # that went with the frozen frame
-        self._is_awaited = False  # the estimate under way, by a person
         # Before the first estimate polished surfaces mirror the first frame with a marker.
         self._estimated = Illumination()
         self._policy = policy
@@ -89,7 +79,7 @@ class Session:
         self._easing = LightEasing()
         self._placements: dict[str, Placement] = {}  # of models that were shown, by their names
         self._placed_name: str | None = None  # the model that the hand's placement is of
-        self._asked_s = self._by_hand_s = -math.inf
+        self._by_hand_s = -math.inf
         self._notice: tuple[str, float] | None = None
 
     @property
@@ -124,12 +114,7 @@ class Session:
 
     @property
     def is_estimating(self) -> bool:
-        return self._worker.busy
-
-    @property
-    def is_awaited(self) -> bool:
-        """Whether an estimate is under way that a person waits for."""
-        return self._worker.busy and self._is_awaited
+        return self.watch.is_estimating
 
     def notice(self, now_s: float) -> str | None:
         """The last message, for a few seconds."""
@@ -161,8 +146,10 @@ class Session:
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
             self.request_estimate(now_s)
-        elif tracked.marker is not None and not self.is_estimating and self.hand.light is None:
-            self._sharpen(tracked, is_steady, now_s)
+        elif tracked.marker is not None and self.hand.light is None:
+            is_asked = self.watch.sharpen(now_s, self._draw)
+            if self.automatic and is_steady and not is_asked:
+                self.watch.look_again(tracked, now_s, self._draw)
 
     def settle_for_last(self, now_s: float) -> bool:
         """At the end of a clip: its last frame is estimated where no marker was steady; returns whether it is."""
@@ -173,17 +160,15 @@ class Session:
 
     def begin_anew(self, steadiness: Steadiness) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
-        self.tracked = self.estimate = self.estimated_from = self.steps_bgr = self._frozen = None
+        self.tracked = self.estimate = self.estimated_from = self.steps_bgr = None
         self.true_to_light_marker = None
         self._estimated = Illumination()
         self.shown = self._easing.jump(self._estimated)
         self.hand.reset()
         self._undo.forget()
-        self.held, self.sharpening = HeldAnswer(), Sharpening()
-        self.key_views.drop()
+        self.watch.begin_anew()
         self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
         self._steadiness = steadiness
-        self._worker.give_up()
 
     def open_model(self, path: str) -> None:
         """Shows the model in the file as soon as it is read."""
@@ -196,36 +181,16 @@ class Session:
         """
         if self.tracked is None or self.tracked.marker is None:
             self.say("no marker in view: point the camera at it, then press Space", now_s)
-        elif not self._request(self.tracked, now_s, is_awaited=True):
+        elif not self.watch.ask(self.tracked, now_s, self._draw):
             self.say("still estimating", now_s)
         else:
             return True
         return False
 
-    def _sharpen(self, tracked: TrackedFrame, is_steady: bool, now_s: float) -> None:
-        """Asks for an estimate from the key views when they tell more, or, automatically, from a steady frame."""
-        views = self.key_views.views
-        if self.estimate is not None and self.sharpening.is_due_for(views, now_s):
-            self._request(views[-1], now_s)
-        elif self.automatic and is_steady and self.sharpening.is_due_again(now_s):
-            is_known = self.estimate is not None
-            only_if_changed = is_known and self.sharpening.is_up_to_date(now_s)
-            self._request(tracked, now_s, is_awaited=not is_known, only_if_changed=only_if_changed)
-
-    def _request(
-        self, frozen: TrackedFrame, now_s: float, is_awaited: bool = False, only_if_changed: bool = False
-    ) -> bool:
-        """False, and nothing happens, while another estimate is under way."""
-        views = self.key_views.views
-        others = tuple(view for view in views if view.frame.index != frozen.frame.index)
-        draw = steps_sheet if self.show_masks else None
-        if not self._worker.request(frozen, self.light_preset, draw, is_awaited, others, only_if_changed):
-            return False
-        self._frozen, self._others, self._asked_s, self._is_awaited = frozen, others, now_s, is_awaited
-        if is_awaited:
-            self.sharpening = Sharpening()
-        self.sharpening.asked(views, now_s)
-        return True
+    @property
+    def _draw(self) -> Draw | None:
+        """What draws the steps, where they are to be seen."""
+        return steps_sheet if self.show_masks else None
 
     def poll(self, now_s: float) -> LightEstimate | None:
         """Takes what the worker and the model loader have finished, and advances the easing of the light.
@@ -236,7 +201,7 @@ class Session:
             self.say(str(error), now_s)
         self.tell_of_models(now_s)
         self._keep_placements()
-        outcome = self._accept(self._worker.poll(), now_s)
+        outcome = self._accept(self.watch.poll(), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
@@ -262,7 +227,7 @@ class Session:
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
-        outcome = self._accept(self._worker.wait(timeout_s), now_s) if self._worker.busy else None
+        outcome = self._accept(self.watch.wait(timeout_s), now_s)
         self.shown = self._easing.jump(self.lit_by)
         return outcome
 
@@ -317,30 +282,16 @@ class Session:
     def _accept(self, outcome: Outcome | None, now_s: float) -> LightEstimate | None:
         if isinstance(outcome, WorkerFailure):
             self.say(f"the estimate failed: {outcome.message}", now_s)
-            self.sharpening.answered(False)
             return None
-        if outcome is None:
+        if outcome is None or outcome.estimate is None or not self.watch.stands(outcome.estimate):
             return None
-        self.key_views.drop([self._others[place] for place in outcome.outdated])
-        has_changed = len(outcome.outdated) == len(self._others) > 0
-        if has_changed:
-            self.sharpening = Sharpening()
-        new = outcome.estimate
-        if new is None:
-            return None
-        if self._is_awaited:
-            self.held = HeldAnswer()
-        self.sharpening.answered(self.held.offer(new, has_changed) or self.held.is_disputed)
-        if self.held.estimate is not new:
-            return None
-        self._estimated = new.illumination.as_seen_in(self._frozen)
-        self.estimate, self.estimated_from, self.steps_bgr = new, self._frozen, outcome.picture_bgr
+        new, frozen = outcome.estimate, self.watch.frozen
+        self._estimated = new.illumination.as_seen_in(frozen)
+        self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
-        elif self.last_notice == ANSWER_ALONE:
-            self._notice = None
         # An estimate that was requested before the light was set by hand does not replace it.
-        if self.hand.light is not None and self._asked_s >= self._by_hand_s:
+        if self.hand.light is not None and self.watch.asked_s >= self._by_hand_s:
             if new.light is None:
                 self.say(f"no clear light: {new.reason}; it stays as set by hand", now_s)
             else:
@@ -363,7 +314,7 @@ class Session:
     def _toggle_automatic(self, now_s: float) -> None:
         self.automatic = not self.automatic
         if self.automatic:
-            self.sharpening = Sharpening()
+            self.watch.sharpening = Sharpening()
             self.say("the light is watched, and estimated anew when it changes: A ends it", now_s)
         else:
             self.say("the light is held: Space estimates it anew", now_s)

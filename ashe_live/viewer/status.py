@@ -38,7 +38,7 @@ def light_line(session: Session) -> str:
         if session.true_to_light_marker is not None:
             error = angle_between(light.to_light_marker, session.true_to_light_marker)
             text += f" ({math.degrees(error):.1f}° from the truth)"
-    return f"{text}, estimating…" if session.is_awaited else text
+    return f"{text}, estimating…" if session.watch.is_awaited else text
 
 
 def views_said(session: Session) -> str:
@@ -50,7 +50,7 @@ def views_said(session: Session) -> str:
         return f", {len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°"
     sigma_rad = estimate.light.sigma_rad
     is_vague = sigma_rad is not None and sigma_rad > SHARP_ENOUGH_RAD
-    may_gain = session.camera_may_move and session.sharpening.span_rad < WIDE_ENOUGH_RAD
+    may_gain = session.watch.camera_may_move and session.watch.sharpening.span_rad < WIDE_ENOUGH_RAD
     return ", move the camera a little" if is_vague and may_gain else ""
 
 

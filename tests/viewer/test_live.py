@@ -128,7 +128,7 @@ def test_the_estimate_is_printed(stage, capfd):
     stage.put(0)
 
     def answer() -> None:
-        stage.session._worker.answer = stage.fakes.estimate()
+        stage.session.watch._worker.answer = stage.fakes.estimate()
 
     stage.run(Command.ESTIMATE, answer, None)
     assert capfd.readouterr().out == "light: azimuth 0°, elevation 45° ± 2.9°\n"
@@ -306,7 +306,7 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
     stage.dropped.frames.put(stage.fakes.tracked(0))
 
     def answer() -> None:
-        stage.session._worker.answer = stage.fakes.estimate()
+        stage.session.watch._worker.answer = stage.fakes.estimate()
 
     def is_there() -> bool:
         return stage.window.title == "ashe-live: sun.mp4"
@@ -429,7 +429,7 @@ def test_no_other_is_looked_for_while_the_marker_is_there(stage):
 
 def test_the_light_is_saved_for_other_programs(stage, tmp_path):
     stage.put(0)
-    stage.session._worker.answer = stage.fakes.estimate()
+    stage.session.watch._worker.answer = stage.fakes.estimate()
     stage.run(None, Command.KEEP_LIGHT, Command.ESTIMATE, None, Command.KEEP_LIGHT, None)
     (sky,), (record,) = tmp_path.glob("*.hdr"), tmp_path.glob("*.json")
     assert sky.read_bytes().startswith(b"#?RADIANCE")
