@@ -217,7 +217,7 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
     view.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
     view.add_argument(
-        "--auto", action="store_true", help="estimate again and again while the marker is steady, and fuse (key A)"
+        "--auto", action="store_true", help="watch the light, and estimate it anew when it changes (key A)"
     )
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
     output = parser.add_argument_group("without a window")

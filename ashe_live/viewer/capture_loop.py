@@ -13,6 +13,7 @@ from ashe_live.capture.sources import Seekable, Source, SourceLost
 from ashe_live.core.mailbox import Closed, LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.light.live.key_views import KeyViews
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.pace import Pace
@@ -75,6 +76,7 @@ class CaptureLoop:
         wish: Wish,
         wishes: LatestMailbox[Wish],
         frames: LatestMailbox[TrackedFrame],
+        key_views: KeyViews,
         tracker_for: Callable[[str], MarkerTracker] | None = None,
     ) -> None:
         self.state = State()
@@ -85,6 +87,7 @@ class CaptureLoop:
         self._wishes = wishes
         self._tracker_for = tracker_for
         self._frames = frames
+        self._key_views = key_views
         self._period_s = 1 / (source.fps or 30.0)
         self._pace = Pace()
         self._flaw: str | None = None  # of a looped clip: the note that its source had at the end
@@ -137,6 +140,7 @@ class CaptureLoop:
         if wish.marker is not None and wish.marker != self._wish.marker and self._tracker_for is not None:
             before, self._tracker = self._tracker, self._tracker_for(wish.marker)
             self._tracker.preset = before.preset
+            self._key_views.drop()
         self._wish = wish
         self._pace.speed = wish.speed
         if wish.tracking is not None:
@@ -154,7 +158,10 @@ class CaptureLoop:
     def _hand_over(self, frame: Frame) -> None:
         place = Place(frame.time_s, frame.index)
         self._publish(shown=place, at=place)
-        self._frames.put(self._tracker.track(frame))
+        tracked = self._tracker.track(frame)
+        self._frames.put(tracked)
+        # Afterwards, so that no picture waits for it.
+        self._key_views.add(tracked)
 
     def _end_of_clip(self) -> None:
         self._publish(at=self.state.shown)
@@ -189,6 +196,7 @@ class CaptureLoop:
                 self._publish(obeyed=self._wish.jump)
                 self._wait(lambda: False, RECONNECT_EVERY_S)
             self._tracker.reset()
+            self._key_views.drop()
             return None
         finally:
             self._publish(asked_s=None)
@@ -216,8 +224,10 @@ class CaptureLoop:
                 self._clip.seek_frame(index)
             if index is None or before.index is None or index != before.index + 1:
                 self._tracker.jump()
+                self._key_views.drop()
         self._pace.begin_anew()
 
     def _rewind(self) -> None:
         self._source.rewind()
         self._tracker.reset()
+        self._key_views.drop()

@@ -140,7 +140,7 @@ BINDINGS = (
     Binding(("LEFT",), Command.PREVIOUS_MODEL, "Left", "previous model"),
     Binding(("RIGHT",), Command.NEXT_MODEL, "Right", "next model"),
     Binding(("SPACE",), Command.ESTIMATE, "Space", "estimate the light"),
-    Binding(("A",), Command.AUTOMATIC, "A", "estimate again and again"),
+    Binding(("A",), Command.AUTOMATIC, "A", "watch for a changed light"),
     Binding(("L",), Command.TOGGLE_LIGHT, "L", "show where the light is"),
     Binding(("D",), Command.TOGGLE_MASKS, "D", "show what was found"),
     Binding(

@@ -45,12 +45,14 @@ def play_headless(
                 break
             source.rewind()
             tracker.reset()
+            session.watch.key_views.drop()
             begin_s = shown_s + period_s
             continue
         tracked = tracker.track(frame)
         measured_ms = (time.perf_counter() - started) * 1e3
         shown_s = begin_s + frame.time_s
 
+        session.watch.key_views.add(tracked)
         session.take(tracked, shown_s)
         if session.is_estimating:
             estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)

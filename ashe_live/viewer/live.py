@@ -58,6 +58,7 @@ class LiveViewer:
         self._renderer = renderer
         self._pipeline = pipeline
         self._session = session
+        self._watch(pipeline)
         self._display = Display()
         self._gestures = Gestures(window.content_scale)
         self._menu = Menu()
@@ -152,9 +153,8 @@ class LiveViewer:
     def _draw(self, now_s: float) -> None:
         if self._pipeline.has_ended:
             self._session.settle_for_last(now_s)
-        fusion = self._session.fusion
         # An estimate that agrees with those before it is not printed again.
-        if self._session.poll(now_s) is not None and (fusion is None or fusion.is_new):
+        if self._session.poll(now_s) is not None and self._session.watch.held.is_news:
             say(light_line(self._session))
         size = self._window.framebuffer_size
         if min(size) < 1:  # minimised
@@ -253,10 +253,15 @@ class LiveViewer:
         self._keeper.clip_name = opened.pipeline.name if opened.pipeline.is_clip else None
         self._pipeline.track_with(self._tracking)
         self._playback = Playback(opened.pipeline, self._session, self._loop)
+        self._watch(opened.pipeline)
         self._session.begin_anew(Steadiness(1) if opened.pipeline.is_photo else Steadiness())
         self._session.take(opened.first, now_s)
         self._window.set_title(f"ashe-live: {opened.name}")
         return True
+
+    def _watch(self, pipeline: Pipeline) -> None:
+        watch = self._session.watch
+        watch.key_views, watch.camera_may_move = pipeline.key_views, pipeline.is_camera
 
     def _leave(self) -> None:
         """Whatever was entered last: the menu, the help, the whole screen, the program."""
@@ -298,7 +303,7 @@ class LiveViewer:
         start = QUALITIES.get(name, QUALITIES["balanced"])
         self._auto = AutoQuality(self._interval_s * 1e3, start) if name == AUTO else None
         # The estimator has a process of its own: its preset need not step down when the renderer's does.
-        self._session.light_preset = start.light
+        self._session.watch.preset = start.light
         self._apply(start)
 
     def _apply(self, quality: Quality) -> None:

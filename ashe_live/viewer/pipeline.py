@@ -9,6 +9,7 @@ from typing import Any
 from ashe_live.capture.sources import Seekable, Source
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.live.key_views import KeyViews
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.capture_loop import FIRST_FRAME, CaptureLoop, Jump, Place, Wish
@@ -34,10 +35,11 @@ class Pipeline:
     ) -> None:
         """`tracker_for` makes one for another marker, named by its spec; it is called in that thread."""
         self.frames = LatestMailbox[TrackedFrame]()
+        self.key_views = KeyViews()  # of what is shown; none from before a jump
         self._source = source
         self._wish = Wish(loop)
         self._wishes = LatestMailbox[Wish]()
-        self._capture = CaptureLoop(source, tracker, self._wish, self._wishes, self.frames, tracker_for)
+        self._capture = CaptureLoop(source, tracker, self._wish, self._wishes, self.frames, self.key_views, tracker_for)
         self.may_follow_others = tracker_for is not None
         self._thread = threading.Thread(target=self._capture.run, name="capture", daemon=True)
 
@@ -55,6 +57,11 @@ class Pipeline:
     def is_clip(self) -> bool:
         """Whether it can be sought in."""
         return isinstance(self._source, Seekable)
+
+    @property
+    def is_camera(self) -> bool:
+        """Whether somebody may move it."""
+        return self._source.is_live
 
     @property
     def is_photo(self) -> bool:

@@ -7,16 +7,16 @@ from pathlib import Path
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
-from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.live.fusion import LightFusion
 from ashe_live.light.live.worker import LightWorker, Outcome
-from ashe_live.light.live.worker_process import WorkerFailure
+from ashe_live.light.live.worker_process import Draw, WorkerFailure
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.process.messages import tell
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
 from ashe_live.viewer.hand import Hand, HandContext
+from ashe_live.viewer.light_watch import LightWatch
+from ashe_live.viewer.sharpening import Sharpening
 from ashe_live.viewer.shelf import Shelf
 from ashe_live.viewer.undo import Undo
 
@@ -26,9 +26,6 @@ ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it,
 # What B goes through.
 WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
 PARTS = WHOLE, "the model without its shadow", VIDEO_ALONE
-# Between two automatic estimates: while the fused answer still changes, and once it has settled.
-AUTO_EVERY_S = 0.4
-AUTO_SETTLED_EVERY_S = 1.5
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +34,7 @@ class EstimatePolicy:
 
     on_first_steady: bool = False
     at_frame: int | None = None
-    automatic: bool = False  # again and again, whenever the marker is steady
+    automatic: bool = False  # the light is watched, and estimated anew when it changes
 
     def wants(self, tracked: TrackedFrame, is_steady: bool) -> bool:
         if self.at_frame is not None:
@@ -65,8 +62,8 @@ class Session:
         self.shown = Illumination()  # on its way to `lit_by`
         self.hand = Hand()
         self._undo = Undo()
-        self.fusion: LightFusion | None = LightFusion() if policy.automatic else None  # None: each estimate by itself
-        self.light_preset = BALANCED
+        self.automatic = policy.automatic  # the light is watched, also while the camera stands still
+        self.watch = LightWatch(worker)
         self.show_light = False
         self.show_masks = False
         self.show_help = False
@@ -74,8 +71,6 @@ class Session:
         self.parts_shown = PARTS[0]
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the one that is followed is not in view
         self._shelf = shelf
-        self._worker = worker
-        self._frozen: TrackedFrame | None = None
         # Before the first estimate polished surfaces mirror the first frame with a marker.
         self._estimated = Illumination()
         self._policy = policy
@@ -84,7 +79,7 @@ class Session:
         self._easing = LightEasing()
         self._placements: dict[str, Placement] = {}  # of models that were shown, by their names
         self._placed_name: str | None = None  # the model that the hand's placement is of
-        self._asked_s = self._by_hand_s = -math.inf
+        self._by_hand_s = -math.inf
         self._notice: tuple[str, float] | None = None
 
     @property
@@ -119,7 +114,7 @@ class Session:
 
     @property
     def is_estimating(self) -> bool:
-        return self._worker.busy
+        return self.watch.is_estimating
 
     def notice(self, now_s: float) -> str | None:
         """The last message, for a few seconds."""
@@ -151,8 +146,10 @@ class Session:
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
             self.request_estimate(now_s)
-        elif self.fusion is not None and is_steady and not self.is_estimating and self._is_due(now_s, self.fusion):
-            self.request_estimate(now_s, is_awaited=self.estimate is None)
+        elif tracked.marker is not None and self.hand.light is None:
+            is_asked = self.watch.sharpen(now_s, self._draw)
+            if self.automatic and is_steady and not is_asked:
+                self.watch.look_again(tracked, now_s, self._draw)
 
     def settle_for_last(self, now_s: float) -> bool:
         """At the end of a clip: its last frame is estimated where no marker was steady; returns whether it is."""
@@ -163,36 +160,37 @@ class Session:
 
     def begin_anew(self, steadiness: Steadiness) -> None:
         """Resets everything for another clip or photo, which has another light and another marker."""
-        self.tracked = self.estimate = self.estimated_from = self.steps_bgr = self._frozen = None
+        self.tracked = self.estimate = self.estimated_from = self.steps_bgr = None
         self.true_to_light_marker = None
         self._estimated = Illumination()
         self.shown = self._easing.jump(self._estimated)
         self.hand.reset()
         self._undo.forget()
-        self.fusion = None if self.fusion is None else LightFusion()
+        self.watch.begin_anew()
         self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
         self._steadiness = steadiness
-        self._worker.give_up()
 
     def open_model(self, path: str) -> None:
         """Shows the model in the file as soon as it is read."""
         self._shelf.add(path)
 
-    def request_estimate(self, now_s: float, is_awaited: bool = True) -> bool:
-        """Hands the current frame to the worker and returns True; shows a message when that is not possible.
+    def request_estimate(self, now_s: float) -> bool:
+        """Hands the current frame, and the key views at hand, to the worker for a person who waits; returns True.
 
-        `is_awaited`: by a person; else the estimate gives way to whatever else the machine does.
+        Shows a message when that is not possible.
         """
         if self.tracked is None or self.tracked.marker is None:
             self.say("no marker in view: point the camera at it, then press Space", now_s)
-        elif not self._worker.request(
-            self.tracked, self.light_preset, steps_sheet if self.show_masks else None, is_awaited
-        ):
+        elif not self.watch.ask(self.tracked, now_s, self._draw):
             self.say("still estimating", now_s)
         else:
-            self._frozen, self._asked_s = self.tracked, now_s
             return True
         return False
+
+    @property
+    def _draw(self) -> Draw | None:
+        """What draws the steps, where they are to be seen."""
+        return steps_sheet if self.show_masks else None
 
     def poll(self, now_s: float) -> LightEstimate | None:
         """Takes what the worker and the model loader have finished, and advances the easing of the light.
@@ -203,7 +201,7 @@ class Session:
             self.say(str(error), now_s)
         self.tell_of_models(now_s)
         self._keep_placements()
-        outcome = self._accept(self._worker.poll(), now_s)
+        outcome = self._accept(self.watch.poll(), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
@@ -229,7 +227,7 @@ class Session:
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
-        outcome = self._accept(self._worker.wait(timeout_s), now_s) if self._worker.busy else None
+        outcome = self._accept(self.watch.wait(timeout_s), now_s)
         self.shown = self._easing.jump(self.lit_by)
         return outcome
 
@@ -285,20 +283,17 @@ class Session:
         if isinstance(outcome, WorkerFailure):
             self.say(f"the estimate failed: {outcome.message}", now_s)
             return None
-        if outcome is None or (self.fusion is not None and not self.fusion.add(outcome.estimate)):
+        if outcome is None or outcome.estimate is None or not self.watch.stands(outcome.estimate):
             return None
-        answer = outcome.estimate if self.fusion is None else self.fusion.answer
-        if answer is not None:
-            self._estimated = answer.illumination.as_seen_in(self._frozen)
-        self.estimate, self.estimated_from, self.steps_bgr = answer, self._frozen, outcome.picture_bgr
+        new, frozen = outcome.estimate, self.watch.frozen
+        self._estimated = new.illumination.as_seen_in(frozen)
+        self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
-        elif self.last_notice == ANSWER_ALONE:
-            self._notice = None
         # An estimate that was requested before the light was set by hand does not replace it.
-        if self.hand.light is not None and self._asked_s >= self._by_hand_s:
-            if outcome.estimate.light is None:
-                self.say(f"no clear light: {outcome.estimate.reason}; it stays as set by hand", now_s)
+        if self.hand.light is not None and self.watch.asked_s >= self._by_hand_s:
+            if new.light is None:
+                self.say(f"no clear light: {new.reason}; it stays as set by hand", now_s)
             else:
                 self.hand.light = None
         return self.estimate
@@ -312,17 +307,14 @@ class Session:
             return
         self._by_hand_s = now_s
         self._policy_is_done = True
-        if self.fusion is not None:
-            self.fusion = None
-            self.say("the light is by hand: A estimates it again and again", now_s)
+        if self.automatic:
+            self.automatic = False
+            self.say("the light is by hand: A watches it again", now_s)
 
     def _toggle_automatic(self, now_s: float) -> None:
-        if self.fusion is None:
-            self.fusion = LightFusion()
-            self.say("the light is estimated again and again: A ends it", now_s)
+        self.automatic = not self.automatic
+        if self.automatic:
+            self.watch.sharpening = Sharpening()
+            self.say("the light is watched, and estimated anew when it changes: A ends it", now_s)
         else:
-            self.fusion = None
             self.say("the light is held: Space estimates it anew", now_s)
-
-    def _is_due(self, now_s: float, fusion: LightFusion) -> bool:
-        return now_s - self._asked_s >= (AUTO_SETTLED_EVERY_S if fusion.is_settled else AUTO_EVERY_S)

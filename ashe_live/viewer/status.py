@@ -11,6 +11,8 @@ AWAITED = "estimated as soon as the marker is steady"
 AFTER_NONE = "one upright thing in direct light, its whole shadow on a plain surface, clear of the marker; then Space"
 SET_BY_HAND = "or set it by hand: drag in the picture, and the end of the model's shadow follows"
 KEYS = "H: keys"
+# An answer so sharp needs no advice, and where views over so wide an angle gave none, moving on will not.
+SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
@@ -23,20 +25,33 @@ def light_line(session: Session) -> str:
     if light is None and estimate is None:
         if session.is_estimating:
             return "light: estimating…"
-        return f"light: {AWAITED if session.awaits_steady or session.fusion is not None else FIRST_STEP}"
+        return f"light: {AWAITED if session.awaits_steady or session.automatic else FIRST_STEP}"
     if light is None:
         assert estimate is not None
         text = f"no clear light: {estimate.reason}"
     else:
         text = f"{'light' if session.hand.light is None else 'light by hand'}: {light.summary()}"
-        if session.fusion is not None and session.fusion.count > 1:
-            text += f", of {session.fusion.count} estimates"
+        if session.hand.light is None:
+            text += views_said(session)
         if (count := len(session.lit_by.lights)) > 1:
             text += f", first of {count}"
         if session.true_to_light_marker is not None:
             error = angle_between(light.to_light_marker, session.true_to_light_marker)
             text += f" ({math.degrees(error):.1f}° from the truth)"
-    return f"{text}, estimating…" if session.is_estimating else text
+    return f"{text}, estimating…" if session.watch.is_awaited else text
+
+
+def views_said(session: Session) -> str:
+    """How many views the estimate rests on, or what would make it sharper; empty where there is nothing to say."""
+    estimate = session.estimate
+    if estimate is None or estimate.light is None:
+        return ""
+    if estimate.span_rad is not None:
+        return f", {len(estimate.views)} views over {math.degrees(estimate.span_rad):.0f}°"
+    sigma_rad = estimate.light.sigma_rad
+    is_vague = sigma_rad is not None and sigma_rad > SHARP_ENOUGH_RAD
+    may_gain = session.watch.camera_may_move and session.watch.sharpening.span_rad < WIDE_ENOUGH_RAD
+    return ", move the camera a little" if is_vague and may_gain else ""
 
 
 def marker_line(tracked: TrackedFrame | None) -> str:

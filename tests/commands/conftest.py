@@ -1,7 +1,7 @@
 """Commands run in this process, with an estimator that answers at once where the estimator is not the subject."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from ashe_live.commands.parser import DEFAULT_ESTIMATOR
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
 from ashe_live.light.estimators.steps import ProxySteps
-from ashe_live.light.live.worker_process import Answer, Draw
+from ashe_live.light.live.worker_process import Answer
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class InstantEstimator:
     has_light: bool = True
     name: str = DEFAULT_ESTIMATOR
 
-    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
+    def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:  # noqa: ARG002
         lights = (Light((0.0, 0.3, 1.0)),) if self.has_light else ()
         reason = None if self.has_light else "no shadow found beside the object"
         return LightEstimate(
@@ -43,7 +43,7 @@ class InstantWorker:
     def busy(self) -> bool:
         return self._asked is not None
 
-    def request(self, tracked: TrackedFrame, _preset: ProxySteps, draw: Draw | None, is_awaited: bool) -> bool:  # noqa: ARG002
+    def request(self, tracked: TrackedFrame, _preset: ProxySteps, *_how: object) -> bool:
         self._asked = tracked
         return True
 

@@ -1,7 +1,8 @@
 """Stand-ins for what the viewer is made of, so that its own logic is tested without camera, estimator or OpenGL."""
 
+import math
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
@@ -19,16 +20,19 @@ SIDE_M = 0.08
 CAMERA = Camera.from_hfov(SIZE, 60)
 
 
-def pose() -> MarkerPose:
-    T_cam_marker = rigid(np.diag((1.0, -1.0, -1.0)), (0, 0, 0.4))
+def pose(tilt_deg: float = 0.0) -> MarkerPose:
+    """Seen from straight above, or from `tilt_deg` aside."""
+    tilt = math.radians(tilt_deg)
+    across = np.array([[1, 0, 0], [0, math.cos(tilt), -math.sin(tilt)], [0, math.sin(tilt), math.cos(tilt)]])
+    T_cam_marker = rigid(across @ np.diag((1.0, -1.0, -1.0)), (0, 0, 0.4))
     half = SIDE_M / 2
     square = np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
     return MarkerPose(T_cam_marker, project(CAMERA, T_cam_marker, square), SIDE_M, 0.25, None)
 
 
-def tracked(index: int = 0, has_marker: bool = True, fps: float = 30.0) -> TrackedFrame:
+def tracked(index: int = 0, has_marker: bool = True, fps: float = 30.0, tilt_deg: float = 0.0) -> TrackedFrame:
     frame = Frame(np.full((SIZE[1], SIZE[0], 3), 90, np.uint8), index, index / fps)
-    return TrackedFrame(frame, CAMERA, pose() if has_marker else None, 1.0)
+    return TrackedFrame(frame, CAMERA, pose(tilt_deg) if has_marker else None, 1.0)
 
 
 class FakeSource:
@@ -83,6 +87,8 @@ class FakeClip(FakeSource):
 class FakeTracker:
     """Finds the marker in every frame. `hook(frame)` runs first."""
 
+    preset: object = None
+
     def __init__(self) -> None:
         self.resets = self.jumps = 0
         self.hook: Callable[[Frame], None] = lambda _frame: None
@@ -105,13 +111,25 @@ class FakeWorker:
         self.requested: list[TrackedFrame] = []
         self.answer: LightEstimate | WorkerFailure | None = None
         self.picture: Image | None = None  # goes with an answer that it was asked for with
+        self.outdated: tuple[int, ...] = ()  # goes with the next answer
+        self.only_if_changed: list[bool] = []  # of the requests
         self.busy = self.draws = False
 
-    def request(self, frozen: TrackedFrame, _preset: ProxySteps, draw: Draw | None, is_awaited: bool) -> bool:
+    def request(
+        self,
+        frozen: TrackedFrame,
+        _preset: ProxySteps,
+        draw: Draw | None,
+        is_awaited: bool,
+        others: tuple[TrackedFrame, ...],
+        only_if_changed: bool,
+    ) -> bool:
         if self.busy:
             return False
         self.busy, self.draws, self.is_awaited = True, draw is not None, is_awaited
         self.requested.append(frozen)
+        self.others = others
+        self.only_if_changed.append(only_if_changed)
         return True
 
     def poll(self) -> Outcome | None:
@@ -119,13 +137,30 @@ class FakeWorker:
             return None
         self.busy = False
         answer, self.answer = self.answer, None
-        return answer if isinstance(answer, WorkerFailure) else Answer(answer, self.picture if self.draws else None)
+        if isinstance(answer, WorkerFailure):
+            return answer
+        outdated, self.outdated = self.outdated, ()
+        if self.only_if_changed[-1] and len(outdated) < len(self.others):
+            return Answer(None)
+        return Answer(answer, self.picture if self.draws else None, outdated)
 
     def give_up(self) -> None:
         self.busy, self.answer = False, None
 
     def wait(self, _timeout_s: float) -> Outcome | None:
         return self.poll()
+
+
+class FakeKeyViews:
+    """The frames that it is made of, but for those that are dropped."""
+
+    def __init__(self, *views: TrackedFrame) -> None:
+        self.views = views
+
+    def drop(self, views: Sequence[TrackedFrame] | None = None) -> None:
+        self.views = tuple(
+            each for each in self.views if views is not None and not any(each is other for other in views)
+        )
 
 
 class FakeShelf:
@@ -206,11 +241,12 @@ class FakeRenderer:
 class Fakes:
     """All of the above by name, as a conftest cannot be imported."""
 
-    Source, Clip, Tracker, Worker, Shelf, Renderer = (
+    Source, Clip, Tracker, Worker, KeyViews, Shelf, Renderer = (
         FakeSource,
         FakeClip,
         FakeTracker,
         FakeWorker,
+        FakeKeyViews,
         FakeShelf,
         FakeRenderer,
     )
@@ -222,13 +258,17 @@ class Fakes:
         return TrackedFrame(frame, Camera.from_hfov(frame.size, 60), pose(), 1.0)
 
     @staticmethod
-    def estimate(frame_index: int = 0, with_light: bool = True) -> LightEstimate:
-        light = Light((1.0, 0.0, 1.0), sigma_rad=0.05)
+    def estimate(
+        frame_index: int = 0, with_light: bool = True, towards=(1.0, 0.0, 1.0), sigma_rad=0.05, others=(), span_rad=None
+    ) -> LightEstimate:
+        light = Light(towards, sigma_rad=sigma_rad)
         mask = np.zeros((24, 32), bool)
         mask[4:12, 8:16] = True
         if not with_light:
             return LightEstimate("fake", frame_index, Illumination(), "no shadow found beside the object")
-        return LightEstimate("fake", frame_index, Illumination((light,)), None, mask, ~mask, {"total": 12.0})
+        times = {"total": 12.0}
+        views = frame_index, *others
+        return LightEstimate("fake", frame_index, Illumination((light,)), None, mask, ~mask, times, views, span_rad)
 
 
 @pytest.fixture(scope="session")

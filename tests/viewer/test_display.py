@@ -17,7 +17,7 @@ def session(fakes) -> Session:
     session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
     session.take(fakes.tracked(), 0.0)
     session.request_estimate(0.0)
-    session._worker.answer = fakes.estimate()
+    session.watch._worker.answer = fakes.estimate()
     session.poll(0.0)
     return session
 

@@ -16,6 +16,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.light.live.key_views import KeyViews
 from ashe_live.quality import FAST
 from ashe_live.render.offscreen import graphics_failures_told
 from ashe_live.tracking.steadiness import Steadiness
@@ -34,11 +35,11 @@ PATIENCE_S = 20.0
 class ScriptedPipeline:
     """Frames that the test puts in."""
 
-    is_clip, is_photo, duration_s, has_ended = True, False, 2.0, False
+    is_clip, is_photo, is_camera, duration_s, has_ended = True, False, False, 2.0, False
     fps, status, stall, name = 100.0, None, None, "table.mp4"
 
     def __init__(self) -> None:
-        self.frames = LatestMailbox()
+        self.frames, self.key_views = LatestMailbox(), KeyViews()
         self.paused, self.restarts = [], 0
         self.may_follow_others, self.followed = False, []
 
@@ -127,7 +128,7 @@ def test_the_estimate_is_printed(stage, capfd):
     stage.put(0)
 
     def answer() -> None:
-        stage.session._worker.answer = stage.fakes.estimate()
+        stage.session.watch._worker.answer = stage.fakes.estimate()
 
     stage.run(Command.ESTIMATE, answer, None)
     assert capfd.readouterr().out == "light: azimuth 0°, elevation 45° ± 2.9°\n"
@@ -305,7 +306,7 @@ def test_a_dropped_clip_replaces_source_tracker_and_light_and_ends_the_recording
     stage.dropped.frames.put(stage.fakes.tracked(0))
 
     def answer() -> None:
-        stage.session._worker.answer = stage.fakes.estimate()
+        stage.session.watch._worker.answer = stage.fakes.estimate()
 
     def is_there() -> bool:
         return stage.window.title == "ashe-live: sun.mp4"
@@ -428,7 +429,7 @@ def test_no_other_is_looked_for_while_the_marker_is_there(stage):
 
 def test_the_light_is_saved_for_other_programs(stage, tmp_path):
     stage.put(0)
-    stage.session._worker.answer = stage.fakes.estimate()
+    stage.session.watch._worker.answer = stage.fakes.estimate()
     stage.run(None, Command.KEEP_LIGHT, Command.ESTIMATE, None, Command.KEEP_LIGHT, None)
     (sky,), (record,) = tmp_path.glob("*.hdr"), tmp_path.glob("*.json")
     assert sky.read_bytes().startswith(b"#?RADIANCE")

@@ -15,7 +15,8 @@ from ashe_live.models.placement import UNMOVED
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.display import bare_scene
-from ashe_live.viewer.session import ANSWER_ALONE, AUTO_EVERY_S, AUTO_SETTLED_EVERY_S, NOTICE_S, EstimatePolicy, Session
+from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, EstimatePolicy, Session
+from ashe_live.viewer.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
 from ashe_live.viewer.status import camera_line, guidance, light_line, marker_line, source_lines, status_lines
 
 
@@ -37,32 +38,32 @@ def test_the_first_steady_frame_is_estimated_once(make, fakes):
     assert session.awaits_steady
     session.take(fakes.tracked(2), 0.0)
     assert session.is_estimating
-    session._worker.answer = fakes.estimate(2)
+    session.watch._worker.answer = fakes.estimate(2)
     assert session.poll(0.0) is session.estimate
     for index in range(3, 20):
         session.take(fakes.tracked(index), 0.0)
-    assert [frozen.frame.index for frozen in session._worker.requested] == [2]
+    assert [frozen.frame.index for frozen in session.watch._worker.requested] == [2]
 
 
 def test_a_chosen_frame_is_estimated_and_no_other(make, fakes):
     session = make(EstimatePolicy(on_first_steady=True, at_frame=7))
     for index in range(20):
         session.take(fakes.tracked(index), 0.0)
-    assert [frozen.frame.index for frozen in session._worker.requested] == [7]
+    assert [frozen.frame.index for frozen in session.watch._worker.requested] == [7]
 
 
 def test_when_the_chosen_frame_came_too_late_the_next_one_is_taken(make, fakes):
     session = make(EstimatePolicy(at_frame=7))
     for index in (5, 6, 9, 10):
         session.take(fakes.tracked(index), 0.0)
-    assert [frozen.frame.index for frozen in session._worker.requested] == [9]
+    assert [frozen.frame.index for frozen in session.watch._worker.requested] == [9]
 
 
 def test_the_estimate_holds_wherever_the_clip_goes(make, fakes):
     session = make(EstimatePolicy(on_first_steady=True))
     session.take(fakes.tracked(40), 0.0)
     assert session.request_estimate(0.0)
-    session._worker.answer = fakes.estimate(40)
+    session.watch._worker.answer = fakes.estimate(40)
     held = session.poll(0.0)
     for index in (41, 3, 2, 1, 90, 0, 1):  # on, sought back, stepped back, sought on, started again
         session.take(fakes.tracked(index), 1.0)
@@ -86,7 +87,7 @@ def test_the_estimate_goes_with_the_frame_it_was_made_from(make, fakes):
     session.take(fakes.tracked(4), 0.0)
     session.request_estimate(0.0)
     session.take(fakes.tracked(5), 0.0)
-    session._worker.answer = fakes.estimate(4)
+    session.watch._worker.answer = fakes.estimate(4)
     session.poll(0.0)
     assert session.estimated_from.frame.index == session.estimate.frame_index == 4
 
@@ -98,7 +99,7 @@ def test_a_second_request_meanwhile_is_refused_and_said(make, fakes):
     session.take(fakes.tracked(2), 0.0)
     assert not session.request_estimate(0.0)
     assert "still" in session.notice(0.0)
-    session._worker.answer = fakes.estimate(1)
+    session.watch._worker.answer = fakes.estimate(1)
     session.poll(0.0)
     assert session.estimated_from.frame.index == 1
 
@@ -117,10 +118,10 @@ def test_a_failure_is_said_and_keeps_the_last_light(make, fakes):
     session = make()
     session.take(fakes.tracked(), 0.0)
     session.request_estimate(0.0)
-    session._worker.answer = good = fakes.estimate()
+    session.watch._worker.answer = good = fakes.estimate()
     session.poll(0.0)
     session.request_estimate(1.0)
-    session._worker.answer = WorkerFailure(0, "the light estimator's process has died")
+    session.watch._worker.answer = WorkerFailure(0, "the light estimator's process has died")
     assert session.poll(1.0) is None
     assert session.estimate is good
     assert "has died" in session.notice(1.0)
@@ -176,7 +177,7 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
 
     def estimated(now_s: float) -> Image | None:
         session.request_estimate(now_s)
-        session._worker.answer, session._worker.picture = fakes.estimate(), picture
+        session.watch._worker.answer, session.watch._worker.picture = fakes.estimate(), picture
         session.poll(now_s)
         return session.steps_bgr
 
@@ -208,25 +209,41 @@ def run_steadily(session, fakes, answers, until_s: float, has_marker=lambda _s: 
     """Thirty frames a second, each request answered by the frame after it."""
     for index in range(round(until_s * 30)):
         now_s = index / 30
-        session._worker.answer = answers(now_s) if session.is_estimating else None
+        session.watch._worker.answer = answers(now_s) if session.is_estimating else None
         session.poll(now_s)
         session.take(fakes.tracked(index, has_marker(now_s)), now_s)
 
 
-def test_automatically_it_estimates_again_and_again_and_less_often_once_the_light_is_known(make, fakes):
+def test_automatically_it_estimates_until_that_gains_nothing_and_then_only_what_has_changed(make, fakes):
     session = make(EstimatePolicy(automatic=True))
+    session.watch.key_views = fakes.KeyViews(fakes.tracked(1000))
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 20.0)
-    asked_s = np.array([frozen.frame.time_s for frozen in session._worker.requested])
-    gaps_s = np.diff(asked_s)
-    assert gaps_s[:5] == pytest.approx(AUTO_EVERY_S, abs=0.1)
-    assert gaps_s[-5:] == pytest.approx(AUTO_SETTLED_EVERY_S, abs=0.1)
-    assert "of 8 estimates" in light_line(session)
+    worker = session.watch._worker
+    gaps_s = np.diff([frozen.frame.time_s for frozen in worker.requested])
+    assert worker.only_if_changed[: FUTILE + 1] == [False] * (FUTILE + 1)
+    assert gaps_s[:FUTILE] == pytest.approx(EVERY_S, abs=0.1)
+    assert all(worker.only_if_changed[FUTILE + 1 :])
+    assert gaps_s[FUTILE:] == pytest.approx(CHECKED_EVERY_S, abs=0.1)
+
+
+def test_a_changed_scene_is_estimated_anew_and_its_views_are_dropped(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    session.watch.key_views = fakes.KeyViews(fakes.tracked(1000))
+    run_steadily(session, fakes, lambda _s: fakes.estimate(), 10.0)
+    assert session.watch.sharpening.is_settled
+    lamp = fakes.estimate(7, towards=(0.0, -1.0, 1.0))
+    session.take(fakes.tracked(7), 30.0)
+    session.watch._worker.outdated, session.watch._worker.answer = (0,), lamp
+    assert session.poll(30.0) is lamp
+    assert session.estimate is lamp
+    assert session.watch.key_views.views == ()
+    assert not session.watch.sharpening.is_settled
 
 
 def test_automatically_nothing_is_asked_without_a_steady_marker(make, fakes):
     session = make(EstimatePolicy(automatic=True))
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0, lambda now_s: round(now_s * 30) % 3 > 0)
-    assert session._worker.requested == []
+    assert session.watch._worker.requested == []
     assert session.last_notice is None
 
 
@@ -235,11 +252,102 @@ def test_an_outlier_changes_neither_light_nor_masks_and_a_changed_light_does(mak
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0)
     before = session.estimate, session.estimated_from
     for answers in range(3):
-        session.request_estimate(9.0)
-        session._worker.answer = fakes.estimate(with_light=False)
+        session.take(fakes.tracked(1000 + answers), 9.0 + 2 * answers)
+        assert session.is_estimating
+        session.watch._worker.answer = fakes.estimate(with_light=False)
         assert (session.poll(9.0) is None) is (answers < 2)
         assert ((session.estimate, session.estimated_from) == before) is (answers < 2)
     assert session.estimate.light is None
+
+
+def test_what_a_person_asks_for_is_shown_whatever_was_held(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    for now_s, towards in ((0.0, (1.0, 0.0, 1.0)), (1.0, (0.0, -1.0, 1.0))):
+        session.request_estimate(now_s)
+        session.watch._worker.answer = fakes.estimate(towards=towards)
+        assert session.poll(now_s) is session.estimate
+        assert session.estimate.light.to_light_marker == pytest.approx(np.array(towards) / np.sqrt(2))
+    session.request_estimate(2.0)
+    session.watch._worker.answer = fakes.estimate(with_light=False)
+    session.poll(2.0)
+    assert session.estimate.light is None
+
+
+def orbit(fakes, count: int, step_deg: float = 2.0, first: int = 100):
+    return [fakes.tracked(first + at, tilt_deg=step_deg * at) for at in range(count)]
+
+
+def test_an_answer_rests_on_the_frozen_frame_and_the_key_views_at_hand(make, fakes):
+    session = make()
+    views = orbit(fakes, 4)
+    session.watch.key_views = fakes.KeyViews(*views)
+    frozen = fakes.tracked(102)  # one of them, before it was scaled
+    session.take(frozen, 0.0)
+    session.request_estimate(0.0)
+    assert session.watch._worker.requested == [frozen]
+    assert [view.frame.index for view in session.watch._worker.others] == [100, 101, 103]
+
+
+def test_while_the_camera_moves_the_answer_is_sharpened_until_that_gains_nothing(make, fakes):
+    session = make()
+    session.take(fakes.tracked(0), 0.0)
+    session.request_estimate(0.0)
+    session.watch._worker.answer = fakes.estimate(0, sigma_rad=0.07)
+    session.poll(0.0)
+    sigmas = [0.06, 0.04, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02, 0.02]
+    for at in range(60):
+        now_s = 1.0 + at
+        session.watch.key_views = fakes.KeyViews(*orbit(fakes, 2 + at // 2))
+        session.take(fakes.tracked(at), now_s)
+        if session.is_estimating:
+            assert not session.watch.is_awaited
+            frozen = session.watch._worker.requested[-1]
+            assert frozen is session.watch.key_views.views[-1]
+            others = [view.frame.index for view in session.watch._worker.others]
+            session.watch._worker.answer = fakes.estimate(
+                frozen.frame.index, sigma_rad=sigmas.pop(0), others=others, span_rad=0.1
+            )
+            session.poll(now_s)
+    assert session.estimate.light.sigma_rad == 0.02
+    assert session.watch.sharpening.is_settled
+    assert len(sigmas) == 3  # the first three gained, the next three did not
+    assert "views over 6°" in light_line(session)
+
+
+def test_nobody_moves_nothing_is_sharpened(make, fakes):
+    session = make()
+    session.watch.key_views = fakes.KeyViews(fakes.tracked(0))
+    for index in range(60):
+        session.take(fakes.tracked(index), index / 10)
+        if index == 0:
+            session.request_estimate(0.0)
+            session.watch._worker.answer = fakes.estimate(0)
+        session.poll(index / 10)
+    assert len(session.watch._worker.requested) == 1
+
+
+def test_a_light_by_hand_is_not_sharpened(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    estimated(session, fakes, 0.0)
+    by_hand(session, 1.0)
+    session.watch.key_views = fakes.KeyViews(*orbit(fakes, 6))
+    session.take(fakes.tracked(1), 5.0)
+    assert not session.is_estimating
+
+
+def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move_the_camera(make, fakes):
+    session = make()
+    session.take(fakes.tracked(), 0.0)
+    estimated(session, fakes, 0.0)
+    assert "move" not in light_line(session)  # a clip moves by itself
+    session.watch.camera_may_move = True
+    assert light_line(session) == "light: azimuth 0°, elevation 45° ± 2.9°, move the camera a little"
+    session.request_estimate(1.0)
+    session.watch._worker.answer = fakes.estimate(sigma_rad=0.01)
+    session.poll(1.0)
+    assert "move" not in light_line(session)
 
 
 def test_a_key_switches_it_on_and_holds_the_light_when_it_is_switched_off(make, fakes):
@@ -247,11 +355,11 @@ def test_a_key_switches_it_on_and_holds_the_light_when_it_is_switched_off(make, 
     session.handle(Request(Command.AUTOMATIC), 0.0)
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 3.0)
     session.handle(Request(Command.AUTOMATIC), 3.0)
-    held, asked = session.estimate, len(session._worker.requested)
+    held, asked = session.estimate, len(session.watch._worker.requested)
     assert held is not None
     for index in range(100):
         session.take(fakes.tracked(index), 4.0 + index)
-    assert (session.estimate, len(session._worker.requested)) == (held, asked)
+    assert (session.estimate, len(session.watch._worker.requested)) == (held, asked)
 
 
 def test_until_a_marker_was_seen_it_says_how_to_get_one(make, fakes):
@@ -267,7 +375,7 @@ def test_after_no_light_it_says_what_to_change(make, fakes):
     session = make()
     session.take(fakes.tracked(), 0.0)
     session.request_estimate(0.0)
-    session._worker.answer = fakes.estimate(with_light=False)
+    session.watch._worker.answer = fakes.estimate(with_light=False)
     session.poll(0.0)
     line, by_hand = guidance(session)
     assert line.startswith("what helps")
@@ -282,12 +390,12 @@ def test_the_light_line_tells_every_state(make, fakes):
     lines = [light_line(session)]
     session.request_estimate(0.0)
     lines.append(light_line(session))
-    session._worker.answer = fakes.estimate()
+    session.watch._worker.answer = fakes.estimate()
     session.poll(0.0)
     lines.append(light_line(session))
     session.request_estimate(0.0)
     lines.append(light_line(session))
-    session._worker.answer = fakes.estimate(with_light=False)
+    session.watch._worker.answer = fakes.estimate(with_light=False)
     session.poll(0.0)
     lines.append(light_line(session))
     assert "Space" in lines[0]
@@ -334,7 +442,7 @@ def by_hand(session, now_s: float) -> None:
 
 def estimated(session, fakes, asked_s: float, with_light: bool = True) -> None:
     session.request_estimate(asked_s)
-    session._worker.answer = fakes.estimate(with_light=with_light)
+    session.watch._worker.answer = fakes.estimate(with_light=with_light)
     session.poll(asked_s + 0.1)
 
 
@@ -354,7 +462,7 @@ def test_a_new_estimate_ends_the_light_by_hand_and_one_asked_for_before_does_not
     session.take(fakes.tracked(), 0.0)
     session.request_estimate(1.0)
     by_hand(session, 2.0)
-    session._worker.answer = fakes.estimate()
+    session.watch._worker.answer = fakes.estimate()
     session.poll(3.0)
     assert session.estimate is not None
     assert session.lit_by is session.hand.light is not None
@@ -376,7 +484,7 @@ def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(make, fakes
     session = make(EstimatePolicy(on_first_steady=True, automatic=True))
     session.take(fakes.tracked(), 0.0)
     by_hand(session, 0.0)
-    assert session.fusion is None
+    assert not session.automatic
     for index in range(1, 30):
         session.take(fakes.tracked(index), index / 10)
     assert not session.is_estimating
@@ -417,17 +525,18 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
     session.handle(Request(Command.SCALE_MODEL, 2), 1.0)
     session.request_estimate(1.0)
     session.begin_anew(Steadiness(1))
-    session._worker.answer = None
+    session.watch._worker.answer = None
     assert not session.is_estimating
     assert session.estimate is session.estimated_from is None
     assert session.lit_by == session.shown == Illumination()
     assert session.true_to_light_marker is None
     assert bare_scene(session).placement == UNMOVED
-    assert session.fusion is not None
-    assert session.fusion.count == 0
+    assert session.automatic
+    assert session.watch.held.estimate is None
+    assert session.watch.key_views.views == ()
     session.take(fakes.tracked(9), 2.0)  # a photo is steady at once
     assert session.is_estimating
-    assert session._worker.requested[-1].frame.index == 9
+    assert session.watch._worker.requested[-1].frame.index == 9
 
 
 def test_a_models_file_is_shown_by_its_name(make, tmp_path):
@@ -441,7 +550,7 @@ def test_the_last_frame_of_a_short_clip_is_estimated(make, fakes):
     session.take(fakes.tracked(0), 0.0)
     assert session.settle_for_last(0.0)
     assert not session.settle_for_last(0.0)
-    assert [frozen.frame.index for frozen in session._worker.requested] == [0]
+    assert [frozen.frame.index for frozen in session.watch._worker.requested] == [0]
 
 
 @pytest.mark.parametrize("policy", [EstimatePolicy(), EstimatePolicy(on_first_steady=True, at_frame=9)])
@@ -459,17 +568,17 @@ def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
     urgent = []
     now_s = 0.0
     for index in range(12):
-        now_s += AUTO_SETTLED_EVERY_S
+        now_s += CHECKED_EVERY_S
         session.take(fakes.tracked(index), now_s)
         if session.is_estimating:
-            urgent.append(session._worker.is_awaited)
-            session._worker.answer = fakes.estimate(index)
+            urgent.append(session.watch._worker.is_awaited)
+            session.watch._worker.answer = fakes.estimate(index)
             session.poll(now_s)
     assert urgent[0]  # there is no light yet
     assert len(urgent) > 2
     assert not any(urgent[1:])
     session.request_estimate(now_s)
-    assert session._worker.is_awaited
+    assert session.watch._worker.is_awaited
 
 
 def test_what_is_left_out_of_a_model_is_told_in_the_window_and_the_terminal(make, capsys):

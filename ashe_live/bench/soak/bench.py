@@ -92,7 +92,7 @@ class SoakBench(Bench):
             stack.callback(ctx.release)
             worker = stack.enter_context(LightWorker(self.estimator))
             session = Session(Shelf(MODEL, clip.marker_side_m), worker, EstimatePolicy(), Steadiness())
-            session.light_preset = self.quality.light
+            session.watch.preset = self.quality.light
             renderer = SceneRenderer(ctx, self.quality.render, camera.size, switches_at_once=False)
             stack.callback(renderer.release)
             tracker = SoakTracker(

@@ -9,14 +9,12 @@ import math
 import threading
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import combinations
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
-from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 
 MOST_VIEWS = 12
@@ -28,6 +26,8 @@ MOST_PIXELS = MOST_BYTES / MOST_VIEWS / 3
 LEAST_COSINE = math.cos(math.radians(1.0))
 # A full set takes in what makes its narrowest gap wider by this factor: without it, noise would renew the set for ever.
 GAIN = 1.25
+# Views that span less are as good as one: a hand's trembling.
+LEAST_SPAN_RAD = math.radians(1.5)
 # The sun moves by a degree in four minutes, and clouds come: an older view gives way to a new one from its side.
 RENEWED_AFTER_S, OLDEST_S = 30.0, 120.0
 # Standard deviation of the pose's rotation: 30 cm beside the marker it moves the ground by 2.6 mm.
@@ -47,8 +47,8 @@ def direction_of_view(marker: MarkerPose) -> Float:
 
 def span_of(views: Sequence[TrackedFrame]) -> float:
     """The largest angle between two views' directions, seen from the marker, in radians; 0 for fewer than two."""
-    directions = [direction_of_view(view.marker) for view in views if view.marker is not None]
-    return max((angle_between(a, b) for a, b in combinations(directions, 2)), default=0.0)
+    directions = np.array([direction_of_view(view.marker) for view in views if view.marker is not None])
+    return 0.0 if len(directions) < 2 else float(np.arccos(np.clip(directions @ directions.T, -1.0, 1.0).min()))
 
 
 class KeyViews:

@@ -6,20 +6,20 @@ A thread would share the interpreter's lock and its full priority with the loop;
 import multiprocessing
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from multiprocessing.connection import Connection
 from types import TracebackType
-from typing import Self
+from typing import Any, Self
 
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_estimator
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.live import worker_process
-from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
+from ashe_live.light.live.worker_process import Answer, Draw, Request, WorkerFailure
 from ashe_live.process import children
 from ashe_live.process.pipes import receive_value, send_value
 
@@ -59,12 +59,16 @@ class LightWorker:
         preset: ProxySteps = BALANCED,
         draw: Draw | None = None,
         is_awaited: bool = False,
+        others: Sequence[TrackedFrame] = (),
+        only_if_changed: bool = False,
     ) -> bool:
         """Requests an estimate of `tracked` with a preset; returns False, and does nothing, while busy.
 
         `draw`, a function of a module, draws what led to the estimate in the process, where the estimator keeps a
         trace of it; the picture comes with the answer. What `is_awaited` by a person is made at normal priority, else
-        at the lowest. Raises ValueError when closed.
+        at the lowest. `others` are views, with markers, that may be of the same scene; those that are not are left out
+        and named in the answer. With `only_if_changed` there is no estimate unless none of them is. A frame that was
+        in the request before is not sent again. Raises ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -74,7 +78,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
-        self._process.send(tracked, preset, draw, is_awaited)
+        self._process.send((tracked, *others), preset, draw, is_awaited, only_if_changed)
         return True
 
     def poll(self) -> Outcome | None:
@@ -132,13 +136,24 @@ class _Process:
         self._connection, far_end = multiprocessing.Pipe()
         self._process = children.started(worker_process.run, (make,), "ashe-live light worker", LIMITS, far_end)
         self._threads = [self._thread(_receive, self._connection, self.outcomes)]
+        self._held: dict[int, TrackedFrame] = {}  # the frames that the process has, by their numbers
+        self._next_number = 0
 
     @property
     def has_ended(self) -> bool:
         return self.outcomes.is_closed or not self._process.is_alive()
 
-    def send(self, *request: object) -> None:
-        """Sends the frame from a thread, as writing to the pipe blocks until the process reads."""
+    def send(self, views: Sequence[TrackedFrame], *how: Any) -> None:
+        """`how` as the fields of Request. Sent from a thread, as writing to the pipe blocks until the process reads."""
+        numbers = {id(view): number for number, view in self._held.items()}
+        before, self._held = self._held, {}
+        for view in views:
+            if id(view) not in numbers:
+                numbers[id(view)] = self._next_number
+                self._next_number += 1
+            self._held[numbers[id(view)]] = view
+        new = {number: view for number, view in self._held.items() if number not in before}
+        request = Request(tuple(numbers[id(view)] for view in views), new, *how)
         self._threads[1:] = [self._thread(_send, self._connection, request)]
 
     def kill(self) -> None:
@@ -157,7 +172,7 @@ class _Process:
         return thread
 
 
-def _send(connection: Connection, request: tuple[object, ...]) -> None:
+def _send(connection: Connection, request: Request) -> None:
     # The receiving thread meets a broken pipe too, and reports it.
     with suppress(OSError):
         send_value(connection, request)
@@ -167,7 +182,7 @@ def _receive(connection: Connection, outcomes: LatestMailbox[Outcome]) -> None:
     try:
         while True:
             outcome: Outcome = receive_value(connection)
-            if isinstance(outcome, Answer):
+            if isinstance(outcome, Answer) and outcome.estimate is not None:
                 outcome = replace(outcome, estimate=_refrozen(outcome.estimate))
             outcomes.put(outcome)
     except (EOFError, OSError):

@@ -3,7 +3,7 @@
 import os
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ashe_live.light.estimators.estimator import Estimator
     from ashe_live.light.estimators.steps import ProxySteps
     from ashe_live.light.estimators.trace import Trace
+    from ashe_live.light.live.same_scene import PlanePicture
 
 Draw = Callable[["TrackedFrame", "LightEstimate", "Trace"], "Image"]  # a picture (h, w, 3), BGR, of an estimate's trace
 
@@ -27,11 +28,24 @@ LOWEST_PRIORITY = 19
 
 
 @dataclass(frozen=True, slots=True)
+class Request:
+    """What the process is asked, with the frames that it has not been sent before."""
+
+    numbers: tuple[int, ...]  # of the frozen frame, then of the other views; it keeps these until the next request
+    new: "Mapping[int, TrackedFrame]"
+    preset: "ProxySteps"
+    draw: Draw | None = None  # what draws the trace
+    is_awaited: bool = False  # by a person
+    only_if_changed: bool = False  # else nothing is estimated where the frame shows what the other views show
+
+
+@dataclass(frozen=True, slots=True)
 class Answer:
     """What came of a request."""
 
-    estimate: "LightEstimate"
+    estimate: "LightEstimate | None"  # None: it was asked for only if the scene had changed, and it has not
     picture_bgr: "Image | None" = None  # of the trace; None where none was asked for, or the estimator keeps no trace
+    outdated: tuple[int, ...] = ()  # places among the other views of those of another scene, which were left out
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,26 +57,59 @@ class WorkerFailure:
 
 
 def run(connection: Connection, make: "Callable[[ProxySteps], Estimator]") -> None:
-    """Answers each request with an Answer or a WorkerFailure.
-
-    A request is a tracked frame, a preset, what to draw its trace by, and whether a person waits for it.
-
-    Returns when the connection is closed.
-    """
+    """Answers each Request with an Answer or a WorkerFailure; returns when the connection is closed."""
     import cv2
 
     # The other cores are left to the viewer's loop.
     cv2.setNumThreads(1)
     estimators: dict[ProxySteps, Estimator] = {}
+    held = HeldViews()
     patient = ThreadPoolExecutor(1, "patient", initializer=_give_way)
     # EOFError and BrokenPipeError: the viewer has gone, and no answer is needed.
     with suppress(EOFError, OSError):
         while True:
-            tracked, preset, draw, is_awaited = receive_value(connection)
-            if preset not in estimators:
-                estimators[preset] = make(preset)
-            work = partial(_answer, estimators[preset], tracked, draw)
-            send_value(connection, work() if is_awaited else patient.submit(work).result())
+            request = receive_value(connection)
+            held.take(request)
+            if request.preset not in estimators:
+                estimators[request.preset] = make(request.preset)
+            work = partial(_answer, estimators[request.preset], held, request)
+            send_value(connection, work() if request.is_awaited else patient.submit(work).result())
+
+
+class HeldViews:
+    """The frames of the last request, so that no view is sent twice, and what was made of them."""
+
+    def __init__(self) -> None:
+        self._views: dict[int, TrackedFrame] = {}
+        self._planes: dict[int, PlanePicture] = {}
+        self._numbers: tuple[int, ...] = ()
+
+    def take(self, request: Request) -> None:
+        """Forgets what is not in the request."""
+        self._numbers = request.numbers
+        known = {**self._views, **request.new}
+        self._views = {number: known[number] for number in request.numbers}
+        self._planes = {number: plane for number, plane in self._planes.items() if number in self._views}
+
+    @property
+    def frozen(self) -> "TrackedFrame":
+        return self._views[self._numbers[0]]
+
+    @property
+    def others(self) -> "list[TrackedFrame]":
+        return [self._views[number] for number in self._numbers[1:]]
+
+    def outdated(self) -> list[int]:
+        """Places among the others of those that show another scene than the frozen frame."""
+        from ashe_live.light.live.same_scene import PlanePicture, outdated
+
+        if len(self._numbers) < 2:
+            return []
+        for number, view in self._views.items():
+            if number not in self._planes:
+                self._planes[number] = PlanePicture.of(view)
+        now, *before = (self._planes[number] for number in self._numbers)
+        return outdated(now, before)
 
 
 def _give_way() -> None:
@@ -71,15 +118,23 @@ def _give_way() -> None:
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), LOWEST_PRIORITY)
 
 
-def _answer(estimator: "Estimator", tracked: "TrackedFrame", draw: Draw | None) -> Answer | WorkerFailure:
+def _answer(estimator: "Estimator", held: HeldViews, request: Request) -> Answer | WorkerFailure:
     """The estimate, or a failure for any exception, so that the process goes on."""
     from ashe_live.light.estimators.estimator import TracingEstimator
+    from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
 
+    frozen, others = held.frozen, held.others
     try:
-        if draw is not None and isinstance(estimator, TracingEstimator):
-            estimate, trace = estimator.traced(tracked)
-            return Answer(estimate, draw(tracked, estimate, trace))
-        return Answer(estimator.estimate(tracked))
+        gone = tuple(held.outdated())
+        if request.only_if_changed and len(gone) < len(others):
+            return Answer(None, None, gone)
+        others = [view for place, view in enumerate(others) if place not in gone]
+        if span_of([frozen, *others]) < LEAST_SPAN_RAD:
+            others = []
+        if request.draw is not None and isinstance(estimator, TracingEstimator):
+            estimate, trace = estimator.traced(frozen, others)
+            return Answer(estimate, request.draw(frozen, estimate, trace), gone)
+        return Answer(estimator.estimate(frozen, others), None, gone)
     except Exception as error:
         first_line = (str(error).strip() or "no message").splitlines()[0]
-        return WorkerFailure(tracked.frame.index, f"{type(error).__name__}: {first_line}")
+        return WorkerFailure(frozen.frame.index, f"{type(error).__name__}: {first_line}")

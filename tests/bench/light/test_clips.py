@@ -25,7 +25,7 @@ class Wavering:
 
     name = "wavering"
 
-    def estimate(self, tracked):
+    def estimate(self, tracked, others=()):  # noqa: ARG002
         if (turn := tracked.frame.index % 3) == 2:
             return LightEstimate(self.name, tracked.frame.index, Illumination(), "tired")
         light = direction_from_angles(0.4, 0.6 + math.radians((2, -2)[turn]))

@@ -20,7 +20,7 @@ class Guess:
 
     name = "guess"
 
-    def estimate(self, tracked):
+    def estimate(self, tracked, others=()):  # noqa: ARG002
         return LightEstimate(
             self.name, tracked.frame.index, Illumination((Light((0, 0, 1)),)), timing_ms={"total": 7.0}
         )

@@ -30,7 +30,7 @@ class BlindEstimator:
 
     def __init__(self, _preset: ProxySteps) -> None: ...
 
-    def estimate(self, tracked):
+    def estimate(self, tracked, others=()):  # noqa: ARG002
         return LightEstimate("blind", tracked.frame.index, Illumination(), "blind", timing_ms={"total": 1.0})
 
 

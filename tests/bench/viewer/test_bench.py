@@ -34,7 +34,7 @@ class BlindEstimator:
 
     def __init__(self, _preset: ProxySteps) -> None: ...
 
-    def estimate(self, tracked):
+    def estimate(self, tracked, others=()):  # noqa: ARG002
         return LightEstimate(
             self.name, tracked.frame.index, Illumination(), "blind", timing_ms={"total": self.takes_ms}
         )

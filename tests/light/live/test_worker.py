@@ -1,15 +1,16 @@
 """The light worker's process: answers, failures, its death and its end."""
 
+import dataclasses
 import multiprocessing
 import os
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pytest
 
-from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator
@@ -18,6 +19,9 @@ from ashe_live.light.live import worker as worker_module
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.light.live.worker_process import Answer, WorkerFailure
 from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
+from tests.light.painted_scenes import BOX
+from tests.light.painted_scenes import paint as painted
+from tests.light.synthetic_masks import camera_towards
 
 PATIENCE_S = 60.0
 
@@ -195,3 +199,74 @@ def test_an_unknown_estimator_is_refused_before_a_process_starts():
     with pytest.raises(UserError, match="paper"):
         LightWorker("no such")
     assert not children()
+
+
+class Telling:
+    """Answers with the indices of the frames that it was given."""
+
+    name = "telling"
+
+    def __init__(self, _preset: ProxySteps) -> None: ...
+
+    def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:
+        views = tracked.frame.index, *(other.frame.index for other in others)
+        return LightEstimate(self.name, views[0], Illumination(), "it only tells", views=views)
+
+
+def view(index: int, turned_deg: float = 0.0, light_deg: float = 200.0) -> TrackedFrame:
+    towards = camera_towards((0.02, 0.0), 0.6, 45.0, turned_deg)
+    scene = painted(BOX, azimuth_deg=light_deg, T_cam_marker=towards, size=(320, 240)).tracked
+    return dataclasses.replace(scene, frame=Frame(scene.frame.image_bgr, index, 0.0))
+
+
+def answered(worker: LightWorker, frozen: TrackedFrame, others: Sequence[TrackedFrame], **how: bool) -> Answer:
+    assert worker.request(frozen, others=others, **how)
+    answer = worker.wait(PATIENCE_S)
+    assert isinstance(answer, Answer)
+    return answer
+
+
+def test_other_views_reach_the_estimator_and_those_of_another_scene_do_not():
+    with LightWorker(Telling) as worker:
+        here = [view(index, 4.0 * index) for index in range(4)]
+        assert answered(worker, here[0], here[1:]).estimate.views == (0, 1, 2, 3)
+        other = view(4, 2.0, light_deg=20.0)
+        answer = answered(worker, here[0], [here[1], other, *here[2:]])
+        assert answer.estimate.views == (0, 1, 2, 3)
+        assert answer.outdated == (1,)
+        answer = answered(worker, other, here[:3])
+        assert answer.estimate.views == (4,)
+        assert answer.outdated == (0, 1, 2)
+
+
+def test_views_from_one_side_are_left_out_as_they_tell_no_more():
+    with LightWorker(Telling) as worker:
+        answer = answered(worker, view(0), [view(1, 0.5)])
+    assert answer.estimate.views == (0,)
+    assert answer.outdated == ()
+
+
+def test_asked_for_only_if_the_scene_has_changed_it_estimates_nothing_else():
+    with LightWorker(Telling) as worker:
+        here = [view(index, 4.0 * index) for index in range(3)]
+        assert answered(worker, here[0], here[1:], only_if_changed=True).estimate is None
+        now = view(5, light_deg=20.0)
+        assert answered(worker, now, here, only_if_changed=True).estimate.views == (5,)
+        assert answered(worker, now, (), only_if_changed=True).estimate.views == (5,)
+
+
+def test_a_view_is_sent_once_and_kept_while_requests_name_it(monkeypatch):
+    sent: list[tuple[int, int]] = []
+    send_value = worker_module.send_value
+
+    def counted(connection, request) -> None:
+        sent.append((len(request.numbers), len(request.new)))
+        send_value(connection, request)
+
+    monkeypatch.setattr(worker_module, "send_value", counted)
+    here = [view(index, 4.0 * index) for index in range(4)]
+    with LightWorker(Telling) as worker:
+        for frozen, *others in ((0, 1, 2), (0, 1, 2), (3, 1, 2), (0, 3, 1)):
+            answer = answered(worker, here[frozen], [here[each] for each in others])
+            assert answer.estimate.views == (frozen, *others)
+    assert sent == [(3, 3), (3, 0), (3, 1), (3, 1)]

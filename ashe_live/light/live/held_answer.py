@@ -1,0 +1,125 @@
+"""The answer that is held while others come: a better one replaces it, an outlier does not, a changed light does.
+
+Answers about one scene share most of their evidence, so that no mean of them is surer than the best of them. Evidence
+is added within the estimator, by more views; here is only decided which answer stands.
+"""
+
+import math
+from collections.abc import Sequence
+from itertools import permutations
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import tangent_basis
+from ashe_live.core.types import Light, LightEstimate
+
+CHANGED_AFTER = 3  # consecutive answers that contradict the one held, and agree among themselves, to replace it
+# 99th percentile of the chi-squared distribution with two degrees of freedom.
+GATE = 9.21
+# Errors of masks change in steps from frame to frame, even where each fit's covariance is small.
+TOLERANCE_RAD = math.radians(2.5)
+# Two lights whose shadow ratios differ by this factor are different, even from one direction: the sun, then a cloud.
+OTHER_DEPTH = 1.5
+UNKNOWN_SIGMA_RAD = math.radians(10)
+# A first answer that is less sure than this gives way to any surer one.
+DOUBTFUL = 0.5
+# What an estimator that rates nothing is taken for, and an answer without a light.
+UNKNOWN_CONFIDENCE, NONE_CONFIDENCE = 0.3, 0.2
+# So much less uncertain, or surer, an answer must be to count as sharper.
+SHARPER, SURER = 0.95, 0.02
+# An answer about as sure is newer, and the sun moves; so much worse than the one held it may be.
+AS_SHARP, AS_SURE = 1.1, 0.02
+
+
+class HeldAnswer:
+    """One scene's answer, offered every estimate in the order of time."""
+
+    def __init__(self) -> None:
+        self.estimate: LightEstimate | None = None
+        self.is_news = False  # the last one offered was taken, and is another light than the one before, or the first
+        self._dissent: list[LightEstimate] = []
+
+    @property
+    def is_disputed(self) -> bool:
+        """Whether the last answers contradict the one held."""
+        return bool(self._dissent)
+
+    def offer(self, new: LightEstimate, is_of_changed_scene: bool = False) -> bool:
+        """Takes `new` as the answer, or not; returns whether it is sharper than what was known before.
+
+        `is_of_changed_scene`: the views show that what was held is of another scene.
+        """
+        held = self.estimate
+        self.is_news = False
+        if held is None or (is_of_changed_scene and (new.lights or not held.lights)):
+            return self._take(new, is_news=True)
+        if agree(held, new):
+            self._dissent.clear()
+            if _is_as_good(new, held):
+                self._take(new, is_news=False)
+            return _is_sharper(new, held)
+        self._dissent = [*(other for other in self._dissent if agree(other, new)), new]
+        if len(self._dissent) < CHANGED_AFTER and not _outweighs(new, held):
+            return False
+        return self._take(new, is_news=True)
+
+    def _take(self, new: LightEstimate, is_news: bool) -> bool:
+        self.estimate, self.is_news, self._dissent = new, is_news, []
+        return True
+
+
+def agree(a: LightEstimate, b: LightEstimate) -> bool:
+    """Whether both may be of the same light or lights, by their number, Mahalanobis distance and shadow ratios."""
+    return len(a.lights) == len(b.lights) and any(_same_lights(a.lights, order) for order in permutations(b.lights))
+
+
+def _is_as_good(new: LightEstimate, held: LightEstimate) -> bool:
+    return _sigma(new) <= AS_SHARP * _sigma(held) and _confidence(new) >= _confidence(held) - AS_SURE
+
+
+def _is_sharper(new: LightEstimate, held: LightEstimate) -> bool:
+    return _is_as_good(new, held) and (
+        _sigma(new) < SHARPER * _sigma(held) or _confidence(new) > _confidence(held) + SURER
+    )
+
+
+def _outweighs(new: LightEstimate, held: LightEstimate) -> bool:
+    """Whether one answer alone disproves the one held: that was doubtful, or rests on fewer views, and is less sure."""
+    rests_on_more = len(new.views) > len(held.views) and (new.span_rad or 0.0) > (held.span_rad or 0.0)
+    return (_confidence(held) < DOUBTFUL or rests_on_more) and _confidence(new) > _confidence(held)
+
+
+def _same_lights(a: Sequence[Light], b: Sequence[Light]) -> bool:
+    return all(_same_light(one, other) for one, other in zip(a, b, strict=True))
+
+
+def _same_light(a: Light, b: Light) -> bool:
+    if a.shadow_rgb_ratio is not None and b.shadow_rgb_ratio is not None:
+        factor = (float(a.shadow_rgb_ratio.mean()) + 1e-3) / (float(b.shadow_rgb_ratio.mean()) + 1e-3)
+        if not 1 / OTHER_DEPTH <= factor <= OTHER_DEPTH:
+            return False
+    if a.to_light_marker @ b.to_light_marker <= 0:
+        return False
+    basis = tangent_basis(a.to_light_marker + b.to_light_marker)
+    offset = basis @ (a.to_light_marker - b.to_light_marker)
+    spread = basis @ (_covariance(a) + _covariance(b)) @ basis.T + TOLERANCE_RAD**2 * np.eye(2)
+    return float(offset @ np.linalg.solve(spread, offset)) <= GATE
+
+
+def _covariance(light: Light) -> Float:
+    """(3, 3) rad^2 in the marker frame, 0 along the direction: regular at the zenith, unlike azimuth and elevation."""
+    basis = tangent_basis(light.to_light_marker)
+    covariance = UNKNOWN_SIGMA_RAD**2 * np.eye(2) if light.covariance_rad2 is None else light.covariance_rad2
+    return np.asarray(basis.T @ covariance @ basis)
+
+
+def _sigma(estimate: LightEstimate) -> float:
+    sigma = None if estimate.light is None else estimate.light.sigma_rad
+    return UNKNOWN_SIGMA_RAD if sigma is None else sigma
+
+
+def _confidence(estimate: LightEstimate) -> float:
+    if estimate.light is None:
+        return NONE_CONFIDENCE
+    return UNKNOWN_CONFIDENCE if estimate.light.confidence is None else estimate.light.confidence

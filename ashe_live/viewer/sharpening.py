@@ -1,0 +1,65 @@
+"""When another estimate is worth its work: while the key views have more to tell than at the last one."""
+
+import math
+from collections.abc import Sequence
+
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.live.key_views import RENEWED_AFTER_S, span_of
+
+EVERY_S = 0.4  # at most so often
+CHECKED_EVERY_S = 1.5  # automatically, whether the scene is still the same
+FUTILE = 3  # estimates in a row that were no sharper, after which no more are made until something changes
+# The views tell more when they span more by this factor, and at least by so much...
+WIDER, WIDER_BY_RAD = 1.25, math.radians(0.5)
+# ...or when a third of them, and more than one, are new, over nearly the same span.
+NEW_SHARE, AS_WIDE = 1 / 3, 0.8
+
+
+class Sharpening:
+    """What has been asked of one scene, and whether it has gained anything."""
+
+    def __init__(self) -> None:
+        self.span_rad = 0.0  # of the views of the last request
+        self._views: Sequence[TrackedFrame] = ()
+        self._looked_at: Sequence[TrackedFrame] = ()
+        self._tells_more = False
+        self._futile = 0
+        self._asked_s = self._estimated_s = -math.inf
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether the last estimates have gained nothing."""
+        return self._futile >= FUTILE
+
+    def asked(self, views: Sequence[TrackedFrame], now_s: float) -> None:
+        """An estimate of these views, the frozen frame among them, has been requested."""
+        self._views, self._looked_at, self._tells_more = views, views, False
+        self.span_rad, self._asked_s = span_of(views), now_s
+
+    def answered(self, is_sharper: bool) -> None:
+        """It has been made, and has told more than was known before, or has not."""
+        self._estimated_s = self._asked_s
+        self._futile = 0 if is_sharper else self._futile + 1
+
+    def is_due_for(self, views: Sequence[TrackedFrame], now_s: float) -> bool:
+        """Whether the key views tell so much more than those of the last request that it is worth another."""
+        if self.is_settled or now_s - self._asked_s < EVERY_S:
+            return False
+        if views is not self._looked_at:
+            self._looked_at, self._tells_more = views, self._tell_more(views)
+        return self._tells_more
+
+    def is_due_again(self, now_s: float) -> bool:
+        """Whether it is time for another look at a scene that is watched, though the camera stands still."""
+        return now_s - self._asked_s >= (CHECKED_EVERY_S if self.is_settled else EVERY_S)
+
+    def is_up_to_date(self, now_s: float) -> bool:
+        """Whether a watched scene needs another estimate only if it has changed."""
+        return self.is_settled and now_s - self._estimated_s < RENEWED_AFTER_S
+
+    def _tell_more(self, views: Sequence[TrackedFrame]) -> bool:
+        span_rad = span_of(views)
+        if len(views) > 1 and span_rad >= WIDER * self.span_rad + WIDER_BY_RAD:
+            return True
+        new = sum(not any(view is other for other in self._views) for view in views)
+        return new >= max(2, NEW_SHARE * len(views)) and span_rad >= AS_WIDE * self.span_rad

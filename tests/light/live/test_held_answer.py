@@ -1,0 +1,143 @@
+"""Which of several answers stands: the sharpest about one light, the new one once the light has changed."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, tangent_basis
+from ashe_live.core.types import Illumination, Light, LightEstimate
+from ashe_live.light.live.held_answer import CHANGED_AFTER, HeldAnswer, agree
+
+SUN = direction_from_angles(0.7, 0.8)
+LAMP = direction_from_angles(3.0, 0.6)
+NONE = LightEstimate("test", 0, Illumination(), "no shadow found")
+
+
+def turned(direction, east_deg: float, up_deg: float):
+    return direction + np.radians([east_deg, up_deg]) @ tangent_basis(direction)
+
+
+def light(direction, sigma_deg=2.0, confidence=0.8, depth: float = 0.4) -> Light:
+    covariance = np.radians(sigma_deg) ** 2 * np.eye(2)
+    sigma_rad = radius_of_68_percent(covariance)
+    return Light(direction, covariance, sigma_rad, confidence, shadow_rgb_ratio=np.full(3, depth))
+
+
+def estimate(*lights: Light, views: int = 1) -> LightEstimate:
+    span_rad = None if views == 1 else 0.05 * views
+    return LightEstimate("test", 0, Illumination(lights), views=tuple(range(views)), span_rad=span_rad)
+
+
+def held(*offered: LightEstimate) -> HeldAnswer:
+    answer = HeldAnswer()
+    for each in offered:
+        answer.offer(each)
+    return answer
+
+
+def error_deg(answer: HeldAnswer, truth) -> float:
+    return math.degrees(angle_between(answer.estimate.light.to_light_marker, truth))
+
+
+def test_a_sharper_answer_replaces_the_one_held_and_is_said_to_gain() -> None:
+    answer = held(estimate(light(turned(SUN, 2, 0), 4.0)))
+    assert answer.offer(estimate(light(SUN, 1.0), views=7))
+    assert error_deg(answer, SUN) < 1e-6
+    assert not answer.is_news
+
+
+def test_a_vaguer_or_more_doubtful_answer_about_the_same_light_takes_nothing_away() -> None:
+    answer = held(estimate(light(SUN, 1.0, 0.9)))
+    for vague in (light(turned(SUN, 1, 0), 4.0, 0.95), light(turned(SUN, 1, 0), 1.0, 0.6)):
+        assert not answer.offer(estimate(vague))
+        assert answer.estimate.light.sigma_rad < math.radians(1.6)
+        assert answer.estimate.light.confidence == 0.9
+
+
+def test_watching_on_never_makes_anybody_less_sure_of_an_unchanged_light() -> None:
+    rng = np.random.default_rng(5)
+    answer, sure, sharp = HeldAnswer(), [], []
+    for _ in range(60):
+        near = light(turned(SUN, *rng.normal(0, 1, 2)), rng.uniform(1, 5), rng.uniform(0.5, 0.95))
+        answer.offer(estimate(near))
+        sure.append(answer.estimate.light.confidence)
+        sharp.append(answer.estimate.light.sigma_rad)
+    assert sure[-1] >= max(sure) - 0.1
+    assert sharp[-1] <= 1.5 * min(sharp)
+
+
+def test_an_answer_as_good_is_taken_as_it_is_newer_but_gains_nothing() -> None:
+    answer = held(estimate(light(SUN)))
+    newer = estimate(light(turned(SUN, 1, 0)))
+    assert not answer.offer(newer)
+    assert answer.estimate is newer
+    assert not answer.is_news
+
+
+def test_an_outlier_changes_nothing() -> None:
+    answer = held(estimate(light(SUN)))
+    before = answer.estimate
+    for outlier in (estimate(light(LAMP, confidence=0.95)), NONE):
+        assert not answer.offer(outlier)
+        assert answer.estimate is before
+        assert answer.is_disputed
+    assert not answer.offer(estimate(light(SUN)))
+    assert not answer.is_disputed
+    assert error_deg(answer, SUN) < 1e-6
+
+
+def test_a_doubtful_first_answer_gives_way_at_once_to_a_surer_one() -> None:
+    assert error_deg(held(estimate(light(LAMP, confidence=0.3)), estimate(light(SUN))), SUN) < 1e-6
+    assert error_deg(held(NONE, estimate(light(SUN, confidence=0.3))), SUN) < 1e-6
+
+
+def test_more_views_disprove_a_less_sure_answer_from_one_at_once() -> None:
+    alone = estimate(light(LAMP, confidence=0.7))
+    assert error_deg(held(alone, estimate(light(SUN, confidence=0.9), views=5)), SUN) < 1e-6
+    assert error_deg(held(alone, estimate(light(SUN, confidence=0.6), views=5)), LAMP) < 1e-6
+
+
+OTHERS = [estimate(light(LAMP)), estimate(light(SUN), light(LAMP)), estimate(light(SUN, depth=0.75)), NONE]
+
+
+@pytest.mark.parametrize("other", OTHERS, ids=["another lamp", "a second lamp", "a thin cloud", "a thick cloud"])
+def test_another_light_is_believed_after_a_few_answers(other) -> None:
+    answer = held(*[estimate(light(SUN))] * 5)
+    assert [answer.offer(other) for _ in range(CHANGED_AFTER)] == [False] * (CHANGED_AFTER - 1) + [True]
+    assert answer.estimate is other
+    assert answer.is_news
+
+
+def test_where_the_views_show_that_the_scene_has_changed_a_light_is_believed_at_once_but_no_light_is_not() -> None:
+    """A hand before the camera changes the scene as well."""
+    answer = held(estimate(light(SUN)))
+    answer.offer(NONE, is_of_changed_scene=True)
+    assert answer.estimate.light is not None
+    assert answer.offer(estimate(light(LAMP, confidence=0.6)), is_of_changed_scene=True)
+    assert error_deg(answer, LAMP) < 1e-6
+
+
+def test_outliers_that_contradict_each_other_are_never_believed() -> None:
+    answer = held(estimate(light(SUN)))
+    for azimuth in range(6):
+        answer.offer(estimate(light(direction_from_angles(float(azimuth) + 2, 0.3))))
+    assert error_deg(answer, SUN) < 1e-6
+
+
+def test_two_lights_are_the_same_whichever_seems_stronger() -> None:
+    assert agree(estimate(light(SUN), light(LAMP)), estimate(light(LAMP), light(SUN)))
+    assert not agree(estimate(light(SUN), light(LAMP)), estimate(light(SUN), light(turned(LAMP, 30, 0))))
+
+
+def test_azimuths_on_both_sides_of_the_zenith_are_near_each_other() -> None:
+    around = [estimate(light(direction_from_angles(azimuth, math.radians(88)))) for azimuth in (0, 1.57, 3.14, 4.71)]
+    assert all(agree(around[0], each) for each in around)
+
+
+def test_a_slow_sun_is_followed() -> None:
+    answer = HeldAnswer()
+    for step in range(60):
+        now = direction_from_angles(0.7 + math.radians(step), 0.8)
+        answer.offer(estimate(light(now)))
+        assert error_deg(answer, now) < 4
