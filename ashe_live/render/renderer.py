@@ -1,4 +1,4 @@
-"""Draws a scene: the video, the model and its shadow on the video, the light's arrow, and overlays."""
+"""Draws a scene: the video, the model and its shadow on the video, the lights' signs, and overlays."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,6 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
 from ashe_live.core.proxy import Proxy
 from ashe_live.models.placement import PlacedModel
-from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.camera_match import CameraMatch
 from ashe_live.render.environment import Environment
 from ashe_live.render.framing import Framing, Rectangle, framing, letterbox
@@ -17,6 +16,7 @@ from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lens import Lens
+from ashe_live.render.light_sign import LightSign, LightSigns, light_sign
 from ashe_live.render.lighting import RGB, Lighting
 from ashe_live.render.model_pass import LookedUp, ModelPass, ShadingInputs
 from ashe_live.render.offscreen import check_graphics
@@ -47,7 +47,7 @@ class SceneRenderer:
         self._preset = preset
         self.video = Video(ctx)
         self.overlays = OverlayPass(ctx)
-        self._arrow = LightArrow(ctx)
+        self._light_signs = LightSigns(ctx)
         self._camera_match = CameraMatch(ctx)
         self._lens = Lens(ctx)
         self._programs = Programs(ctx)
@@ -171,7 +171,7 @@ class SceneRenderer:
         for held in (
             self.video,
             self.overlays,
-            self._arrow,
+            self._light_signs,
             self._camera_match,
             self._lens,
             self._shadows,
@@ -190,24 +190,23 @@ class SceneRenderer:
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting)
         self._ground_shadows.render(self._shadows, lighting)
         self._catcher.fit(model, lighting, self._shadows)
-        arrows = []
-        if scene.shows_light:
-            arrows = [arrow_placement(model.corners, light.to_light_marker) for light in scene.illumination.lights]
+        T_cam_marker = scene.tracked.marker.T_cam_marker
+        signed = scene.illumination.lights if scene.shows_light else ()
+        signs = [light_sign(model.corners, light, camera, T_cam_marker) for light in signed]
         viewport = letterbox(scene.tracked.frame.size, self.size)
-        points = self._drawn_points(model, arrows)
-        frame = framing(camera, scene.tracked.marker.T_cam_marker, points, viewport)
+        frame = framing(camera, T_cam_marker, self._drawn_points(model, signs), viewport)
         if frame is None:
             return NOWHERE
         look = self._photometry.look(scene.tracked)
         if model.model.mirrors:
             self._environment.show(scene.illumination, look.white_rgb)
-        self._draw_framed(model, frame, lighting, look.white_rgb, arrows, scene)
+        self._draw_framed(model, frame, lighting, look.white_rgb, signs, scene)
         part = frame.part(model.corners)
         self._camera_match.draw(self._surface.colour, part, viewport, scene.tracked.frame, look)
         return frame.region
 
     def _draw_framed(
-        self, model: StandingModel, frame: Framing, lighting: Lighting, white: RGB, arrows: list[Float], scene: Scene
+        self, model: StandingModel, frame: Framing, lighting: Lighting, white: RGB, signs: list[LightSign], scene: Scene
     ) -> None:
         """Works within the framing's region only: a software rasteriser pays for every pixel."""
         inputs = ShadingInputs(frame, lighting, self._looked_up, white)
@@ -218,17 +217,17 @@ class SceneRenderer:
             if self._real is not None:
                 self._real.draw(frame, self.video, lighting, self._shadows)
             self._model_pass.draw_opaque(model, inputs)
-            for arrow in arrows:
-                self._arrow.draw(frame, arrow)
+            for sign in signs:
+                self._light_signs.draw(frame, sign)
             casters = 2 if self._shadows.shadows_meet else 1
             ground_rgb = scene.illumination.ground_rgb
             if scene.casts_shadow:
                 self._catcher.draw(frame, self.video, lighting, self._ground_shadows, casters, model, ground_rgb)
             self._model_pass.draw_blended(model, inputs)
 
-    def _drawn_points(self, model: StandingModel, arrows: list[Float]) -> Float:
+    def _drawn_points(self, model: StandingModel, signs: list[LightSign]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""
-        return np.concatenate([model.corners, self._catcher.polygon, *(arrow_extent(arrow) for arrow in arrows)])
+        return np.concatenate([model.corners, self._catcher.polygon, *(sign.corners for sign in signs)])
 
     @property
     def _looked_up(self) -> LookedUp:
