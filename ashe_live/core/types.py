@@ -152,10 +152,22 @@ class Light:
         return np.array([*self.to_light_marker, self.inverse_distance])
 
     def summary(self, decimals: int = 0) -> str:
-        """For a person: "azimuth 30°, elevation 45° ± 4.0°, 90 % sure", angles with that many decimals."""
+        """For a person: "lamp, 62 ± 5 cm, azimuth 30°, elevation 45° ± 4.0°, 90 % sure", to that many decimals."""
         sigma = "" if self.sigma_rad is None else f" ± {math.degrees(self.sigma_rad):.1f}°"
         sure = "" if self.confidence is None else f", {100 * self.confidence:.0f} % sure"
-        return f"azimuth {self.azimuth_deg:.{decimals}f}°, elevation {self.elevation_deg:.{decimals}f}°{sigma}{sure}"
+        angles = f"azimuth {self.azimuth_deg:.{decimals}f}°, elevation {self.elevation_deg:.{decimals}f}°"
+        return f"{self._distance_summary()}{angles}{sigma}{sure}"
+
+    def _distance_summary(self) -> str:
+        """ "lamp, 62 ± 5 cm, " from the marker's centre; nothing for a sun."""
+        if self.inverse_distance == 0:
+            return ""
+        distance_cm = 100 / self.inverse_distance
+        sigma = ""
+        if self.lamp_covariance is not None:
+            # To first order, the relative error of the distance is that of its inverse.
+            sigma = f" ± {distance_cm * math.sqrt(max(self.lamp_covariance[2, 2], 0.0)) / self.inverse_distance:.0f}"
+        return f"lamp, {distance_cm:.0f}{sigma} cm, "
 
 
 @dataclass(frozen=True, slots=True)

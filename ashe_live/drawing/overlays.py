@@ -10,7 +10,6 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Light, LightEstimate
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR
-from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outline, shadow_outline
 
 TINT = 0.6
@@ -32,7 +31,7 @@ def with_body(picture_bgr: Image, camera: Camera, T_cam_marker: Float, body: Pro
     """
     picture, points = picture_bgr.copy(), body.points_marker()
     for light in lights:
-        shadow = shadow_outline(camera, T_cam_marker, points, at_infinity(light.to_light_marker))
+        shadow = shadow_outline(camera, T_cam_marker, points, light.homogeneous)
         draw_outline(picture, shadow, SHADOW_BGR)
     draw_outline(picture, outline(camera, T_cam_marker, points), OBJECT_BGR)
     return picture

@@ -12,7 +12,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import light_view, normalised
-from ashe_live.render.lighting import Sun
+from ashe_live.core.types import Light
+from ashe_live.render.lighting import Sun, lighting_of
 
 # Of a lamp's view: beyond that an even projection has no room, and the lamp is within the casters or touches them.
 WIDEST_HALF_ANGLE_COSINE = 0.17
@@ -76,6 +77,18 @@ def view_of(light: Sun, points: Float) -> LightView | None:
     projection[:, 2] = -shear_x, -shear_y, 1 - middle * k, -k
     projection[:, 3] = shear_x * middle, shear_y * middle, middle * middle * k, 1 + middle * k
     return LightView(projection @ view, light.tan_half_size / distance)
+
+
+def sees(light: Light, points: Float) -> bool:
+    """Whether the shadow of a body whose hull is that of points (n, 3), marker frame, can be drawn."""
+    if light.to_light_marker[2] <= 0:
+        return False
+    centre = points.mean(axis=0)
+    away = np.linalg.norm(light.to_light_marker - light.inverse_distance * centre)
+    # Beyond a ball of twice its radius a body is within a narrow cone.
+    if away > 2 * light.inverse_distance * np.linalg.norm(points - centre, axis=1).max():
+        return True
+    return all(view_of(each, points) is not None for each in lighting_of((light,)).suns)
 
 
 def _enclosing_cone(directions: Float) -> tuple[Float, float]:

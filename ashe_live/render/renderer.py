@@ -1,4 +1,4 @@
-"""Draws a scene: the video, the model and its shadow on the video, the light's arrow, and overlays."""
+"""Draws a scene: the video, the model and its shadow on the video, the lights' signs, and overlays."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,6 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
 from ashe_live.core.proxy import Proxy
 from ashe_live.models.placement import PlacedModel
-from ashe_live.render.arrow import LightArrow, arrow_extent, arrow_placement
 from ashe_live.render.composite import Composite
 from ashe_live.render.environment import Environment
 from ashe_live.render.framing import framing, grown, letterbox
@@ -17,6 +16,7 @@ from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
 from ashe_live.render.lens import Lens
+from ashe_live.render.light_sign import LightSign, LightSigns, light_sign
 from ashe_live.render.model_pass import LookedUp, ModelPass, ShadingInputs
 from ashe_live.render.offscreen import check_graphics
 from ashe_live.render.overlays import OverlayPass
@@ -45,7 +45,7 @@ class SceneRenderer:
         self.video = Video(ctx)
         self._straight_video = Video(ctx)
         self.overlays = OverlayPass(ctx)
-        self._arrow = LightArrow(ctx)
+        self._light_signs = LightSigns(ctx)
         self._lens = Lens(ctx)
         self._programs = Programs(ctx)
         self._composite = Composite(ctx, self._programs)
@@ -163,7 +163,7 @@ class SceneRenderer:
         for held in (
             self.video,
             self.overlays,
-            self._arrow,
+            self._light_signs,
             self._straight_video,
             self._composite,
             self._lens,
@@ -184,12 +184,12 @@ class SceneRenderer:
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting)
         self._ground_shadows.render(self._shadows, lighting)
         self._catcher.fit(model, lighting, self._shadows)
-        arrows = []
-        if scene.shows_light:
-            arrows = [arrow_placement(model.corners, light.to_light_marker) for light in scene.illumination.lights]
         viewport = letterbox(tracked.frame.size, self.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
-        frame = framing(camera, tracked.marker.T_cam_marker, self._drawn_points(model, arrows), viewport)
+        T_cam_marker = tracked.marker.T_cam_marker
+        signed = scene.illumination.lights if scene.shows_light else ()
+        signs = [light_sign(model.corners, light, camera, T_cam_marker) for light in signed]
+        frame = framing(camera, T_cam_marker, self._drawn_points(model, signs), viewport)
         if frame is None:
             return
         look = self._photometry.look(tracked)
@@ -202,12 +202,12 @@ class SceneRenderer:
         reach = self._composite.reach_px(viewport, tracked.frame, look, self._surface.samples)
         with self._surface.drawing(grown(frame.region, 2 * reach + 1, self.size)):
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
-            self._draw_layers(model, inputs, arrows, scene, straight)
+            self._draw_layers(model, inputs, signs, scene, straight)
         lens = self._lens if bends else None
         self._composite.draw(self._surface, frame.region, viewport, self.video, tracked, look, lens)
 
     def _draw_layers(
-        self, model: StandingModel, inputs: ShadingInputs, arrows: list[Float], scene: Scene, video: Video
+        self, model: StandingModel, inputs: ShadingInputs, signs: list[LightSign], scene: Scene, video: Video
     ) -> None:
         """`video`: as the framing's pinhole camera sees it."""
         frame, lighting = inputs.framing, inputs.lighting
@@ -215,17 +215,17 @@ class SceneRenderer:
         if self._real is not None:
             self._real.draw(frame, lighting, self._shadows)
         self._model_pass.draw_opaque(model, inputs)
-        for arrow in arrows:
-            self._arrow.draw(frame, arrow)
+        for sign in signs:
+            self._light_signs.draw(frame, sign)
         casters = 2 if self._shadows.shadows_meet else 1
         ground_rgb = scene.illumination.ground_rgb
         if scene.casts_shadow:
             self._catcher.draw(frame, video, lighting, self._ground_shadows, casters, model, ground_rgb)
         self._model_pass.draw_blended(model, inputs)
 
-    def _drawn_points(self, model: StandingModel, arrows: list[Float]) -> Float:
+    def _drawn_points(self, model: StandingModel, signs: list[LightSign]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""
-        return np.concatenate([model.corners, self._catcher.polygon, *(arrow_extent(arrow) for arrow in arrows)])
+        return np.concatenate([model.corners, self._catcher.polygon, *(sign.corners for sign in signs)])
 
     @property
     def _looked_up(self) -> LookedUp:

@@ -38,7 +38,7 @@ class Scene:
     tracked: TrackedFrame | None = None  # video, camera and pose; None: black
     model: PlacedModel | None = None  # drawn where there is a marker
     illumination: Illumination = UNLIT
-    shows_light: bool = False  # an arrow that comes from each light
+    shows_light: bool = False  # an arrow that comes from each light, or a bulb where it is
     overlays: tuple[Overlay, ...] = ()  # bottom first
     placement: Placement = UNMOVED  # of the model
     casts_shadow: bool = True  # the model, on the ground

@@ -2,8 +2,9 @@
 
 import math
 
-from ashe_live.core.transforms import angle_between
+from ashe_live.core.transforms import angle_between, transform_points
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.light_view import sees
 from ashe_live.viewer.session import Session
 
 FIRST_STEP = "put something that casts a shadow next to the marker, press Space"
@@ -13,6 +14,8 @@ SET_BY_HAND = "or set it by hand: drag in the picture, and the end of the model'
 KEYS = "H: keys"
 # An answer so sharp needs no advice, and where views over so wide an angle gave none, moving on will not.
 SHARP_ENOUGH_RAD, WIDE_ENOUGH_RAD = math.radians(1.5), math.radians(12)
+LAMP_BELOW = "the lamp is below the table: it gives no light"
+LAMP_INSIDE = "the lamp is inside the model or touches it: it throws no shadow"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
@@ -93,8 +96,21 @@ def source_lines(session: Session, source_status: str | None, now_s: float) -> l
     return [text for text in said if text]
 
 
+def lamp_note(session: Session) -> str | None:
+    """Why a lamp is not drawn as others are, if any is not."""
+    lamps = [light for light in session.lit_by.lights if light.kind == "lamp"]
+    if any(lamp.to_light_marker[2] <= 0 for lamp in lamps):
+        return LAMP_BELOW
+    if not lamps:
+        return None
+    points = transform_points(session.hand.placement.marker_from_placed, session.model.outline)
+    return None if all(sees(lamp, points) for lamp in lamps) else LAMP_INSIDE
+
+
 def guidance(session: Session) -> tuple[str, ...]:
-    """What to do when no marker or no light has been found yet."""
+    """What to do when no marker or no light has been found yet, or a lamp stands where no light can come from."""
+    if (note := lamp_note(session)) is not None:
+        return (note,)
     if session.markers_in_view:
         specs = session.markers_in_view
         return (f"{' and '.join(specs)} {'is' if len(specs) == 1 else 'are'} in view: M follows {specs[0]}",)

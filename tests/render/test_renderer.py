@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
-from ashe_live.core.types import Illumination
+from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
@@ -216,6 +216,27 @@ def test_arrow_comes_from_the_light(make_renderer, stage) -> None:
         towards = np.array([columns.mean() - foot[0], foot[1] - rows.mean()])
         bearing_deg = np.degrees(np.arctan2(towards[1], towards[0]))
         assert abs((bearing_deg - azimuth_deg + 180) % 360 - 180) < 8
+
+
+def test_a_lamp_in_view_has_a_bulb_in_its_place(make_renderer, stage) -> None:
+    """Round about the lamp; out of view it is an arrow from where the lamp is, seen from the model."""
+    renderer = make_renderer()
+    model = stage.placed(box((0.03, 0.03, 0.03)))
+    tracked = stage.tracked(90, stage.pose(-90, 60, 0.5, target=(0, 0, 0.05)))
+    for place in ((0.1, 0.05, 0.1), (-0.08, -0.02, 0.12), (0.0, 0.0, 0.1), (2.0, 0.1, 1.0), (-1.0, -0.8, 0.3)):
+        lamp = Light(place, inverse_distance=1 / np.linalg.norm(place), radius_m=0.01)
+        pictures = []
+        for shows_light in (False, True):
+            renderer.render(Scene(tracked, model, Illumination((lamp,)), shows_light))
+            pictures.append(renderer.read_bgr())
+        rows, columns = np.nonzero((pictures[0] != pictures[1]).any(axis=2))
+        assert len(rows) > 50
+        expected = np.array(place)
+        if np.linalg.norm(place) > 1:
+            from_model = expected - (0, 0, 0.015)
+            expected = (0, 0, 0.015) + 0.04 * from_model / np.linalg.norm(from_model)
+        (expected_px,) = project(tracked.camera, tracked.marker.T_cam_marker, [expected])
+        assert np.hypot(*(expected_px - (columns.mean(), rows.mean()))) < 12
 
 
 def test_a_driver_without_memory_left_is_told_once_and_in_one_line(ctx, make_renderer, stage) -> None:

@@ -8,16 +8,27 @@ import pytest
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles
-from ashe_live.core.types import Illumination
+from ashe_live.core.types import Illumination, Light
 from ashe_live.errors import UserError
 from ashe_live.light.live.worker_process import WorkerFailure
-from ashe_live.models.placement import UNMOVED
+from ashe_live.models.mesh import Model
+from ashe_live.models.placement import UNMOVED, placed_on_marker
+from ashe_live.models.primitives import box
 from ashe_live.tracking.steadiness import Steadiness
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, EstimatePolicy, Session
 from ashe_live.viewer.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
-from ashe_live.viewer.status import camera_line, guidance, light_line, marker_line, source_lines, status_lines
+from ashe_live.viewer.status import (
+    LAMP_BELOW,
+    LAMP_INSIDE,
+    camera_line,
+    guidance,
+    light_line,
+    marker_line,
+    source_lines,
+    status_lines,
+)
 
 
 @pytest.fixture
@@ -634,3 +645,23 @@ def test_each_model_stays_where_it_was_put(make, fakes):
     session.handle(Request(Command.PREVIOUS_MODEL), 0.0)
     session.poll(0.0)
     assert session.hand.placement == large
+
+
+@pytest.mark.parametrize(
+    ("place", "told"),
+    [
+        ((0.0, 0.0, 0.02), LAMP_INSIDE),
+        ((0.3, 0.0, -0.2), LAMP_BELOW),
+        ((0.3, 0.2, 0.4), None),
+        ((0.1, 0.0, 0.05), None),
+    ],
+)
+def test_a_lamp_where_no_light_can_come_from_is_told(make, fakes, monkeypatch, place, told):
+    session = make()
+    model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
+    monkeypatch.setattr(session._shelf, "model", lambda: model)
+    session.take(fakes.tracked(), 0.0)
+    lamp = Light(place, inverse_distance=1 / np.linalg.norm(place))
+    session.hand.light = Illumination((lamp,))
+    assert guidance(session) == (() if told is None else (told,))
+    assert f"lamp, {100 * np.linalg.norm(place):.0f} cm, azimuth" in light_line(session)
