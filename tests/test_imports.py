@@ -36,10 +36,11 @@ ROOMS: dict[str, set[str]] = {
         "core", "light.pixels", "light.ground", "light.shape", "light.outline_fit", "light.labels",
         "light.explanation",
     },
+    "light.lamps": {"core", "light.pixels", "light.ground", "light.shape", "light.explanation"},
     "light.paper": {"core"},
     "light.estimators": {
         "core", "errors", "light.pixels", "light.ground", "light.outline_fit", "light.labels", "light.explanation",
-        "light.views", "light.paper",
+        "light.views", "light.lamps", "light.paper",
     },
     "light.live": {"core", "light.pixels", "light.estimators", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},

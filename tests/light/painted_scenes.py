@@ -106,34 +106,40 @@ def paint(
     noise_levels: float = 1.5,
     seed: int = 0,
     other: OtherLight | None = None,
+    lamp_m: Float | None = None,
 ) -> Painted:
     """The casters in one directional light, or two; no casters: the empty ground.
 
-    Focal length: by HFOV_DEG if not given. The shadow of what is returned is the first light's.
+    Focal length: by HFOV_DEG if not given. The shadow of what is returned is the first light's. lamp_m: (3,) place of a
+    lamp, in place of the first light; the shadow ratio is then that at the marker's centre.
     """
     camera = Camera.from_hfov(size, HFOV_DEG) if focal_px is None else Camera.from_focal(size, focal_px)
     fine = camera.resized((size[0] * SUPERSAMPLING, size[1] * SUPERSAMPLING))
-    to_light = direction(azimuth_deg, elevation_deg)
+    to_light = direction(azimuth_deg, elevation_deg) if lamp_m is None else lamp_m / np.linalg.norm(lamp_m)
+    light = np.append(to_light, 0.0 if lamp_m is None else 1 / np.linalg.norm(lamp_m))
     linear = _lit_ground(fine, T_cam_marker, GROUNDS[ground])
     sheet, shadow, body = (np.zeros(linear.shape[:2], np.uint8) for _ in range(3))
     _fill(sheet, fine, T_cam_marker, _square(1.3 * SIDE_M), 1)
     for side, level in ((1.3, 0.8), (1.0, 0.03), (0.4, 0.8)):
         _fill(linear, fine, T_cam_marker, _square(side * SIDE_M), (level,) * 3)
-    _cast(shadow, casters, to_light, fine, T_cam_marker)
+    _cast(shadow, casters, light, fine, T_cam_marker)
     shade = shadow.astype(np.float32)
     if penumbra_px > 0:
         shade = np.asarray(cv2.GaussianBlur(shade, (0, 0), penumbra_px * SUPERSAMPLING), np.float32)
-    left = 1 - shade[..., None] * (1 - SHADOW_RATIO.astype(np.float32))
+    falling = np.ones_like(shade) if lamp_m is None else _fall_of_light(fine, T_cam_marker, lamp_m)
+    left = SHADOW_RATIO.astype(np.float32) + (falling * (1 - shade))[..., None] * (1 - SHADOW_RATIO.astype(np.float32))
     if other is not None:
         second = np.zeros_like(shadow)
-        _cast(second, casters, other.to_light, fine, T_cam_marker)
+        _cast(second, casters, np.append(other.to_light, 0.0), fine, T_cam_marker)
         left -= second[..., None] * np.array(other.blocked_rgb, np.float32)
     linear *= left
     eye = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
     for caster in sorted(casters, key=lambda caster: -float(np.linalg.norm(eye[:2] - caster.at))):
         for corners, normal in caster.faces():
             if normal @ (eye - corners[0]) > 0:
-                lit = np.multiply(caster.rgb, AMBIENT + SUN * max(float(normal @ to_light), 0))
+                aside = light[:3] - light[3] * corners.mean(axis=0)
+                facing = max(float(normal @ aside), 0) / float(np.linalg.norm(aside)) ** 3
+                lit = np.multiply(caster.rgb, AMBIENT + SUN * facing)
                 _fill(linear, fine, T_cam_marker, corners, tuple(map(float, lit)))
                 _fill(body, fine, T_cam_marker, corners, 1)
 
@@ -203,6 +209,17 @@ def _lit_ground(camera: Camera, T_cam_marker: Float, albedo: Albedo) -> Float32:
     return np.where(meets[..., None], lit * slow[..., None], np.float32(0.7)).astype(np.float32)
 
 
+def _fall_of_light(camera: Camera, T_cam_marker: Float, lamp_m: Float) -> Float32:
+    """(h, w) a lamp's irradiance of the plane, over that at the marker's centre."""
+    width, height = camera.size
+    corner, right, below = _plane_by_pixel(camera, T_cam_marker)
+    u, v = np.arange(width, dtype=np.float32), np.arange(height, dtype=np.float32)[:, None]
+    x, y, nearness = (np.float32(corner[i]) + u * np.float32(right[i]) + v * np.float32(below[i]) for i in range(3))
+    depth = np.where(nearness > 1e-4, nearness, 1)
+    squared = (x / depth - lamp_m[0]) ** 2 + (y / depth - lamp_m[1]) ** 2 + lamp_m[2] ** 2
+    return np.asarray((squared / float(lamp_m @ lamp_m)) ** -1.5, np.float32)
+
+
 def _plane_by_pixel(camera: Camera, T_cam_marker: Float) -> Float:
     """(3, 3): homogeneous plane coordinates (x, y, w) of pixel (0, 0), and their change by a column and by a row."""
     plane_to_pixel = camera.K @ T_cam_marker[:3, (0, 1, 3)]
@@ -238,12 +255,13 @@ def _fill(
 
 
 def _cast(
-    picture: NDArray[np.uint8], casters: Sequence[Caster], to_light: Float, camera: Camera, T_cam_marker: Float
+    picture: NDArray[np.uint8], casters: Sequence[Caster], light: Float, camera: Camera, T_cam_marker: Float
 ) -> None:
-    """Paints the casters' shadows."""
+    """Paints the casters' shadows in a light (4,); a lamp that is not above a caster casts a very long one."""
     for caster in casters:
         corners = np.concatenate([caster.base(), caster.top()])
-        cast = corners - corners[:, 2:] * (to_light / to_light[2])
+        height_left = np.maximum(1 - corners[:, 2:] * (light[3] / light[2]), 0.02)
+        cast = (corners - corners[:, 2:] * (light[:3] / light[2])) / height_left
         hull = cv2.convexHull(cast[:, :2].astype(np.float32))[:, 0]
         _fill(picture, camera, T_cam_marker, np.column_stack([hull, np.zeros(len(hull))]), 1)
 

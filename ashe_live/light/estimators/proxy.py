@@ -12,13 +12,13 @@ from functools import cache
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
-from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
+from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.together import explained_together, scene_views, span_of
 from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
-from ashe_live.light.explanation.explain import are_alike, explained, refined, refined_by_tangents
+from ashe_live.light.explanation.explain import are_alike, different, explained, refined, refined_by_tangents
 from ashe_live.light.explanation.judge import Judge, best_direction, fitted_judge, probabilities_of
 from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
@@ -32,7 +32,7 @@ from ashe_live.light.explanation.second_light import is_part_of, with_lights_cou
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
-from ashe_live.light.labels.associate import distinct
+from ashe_live.light.lamps.lamp import stated, with_size
 from ashe_live.light.pixels.view import View
 
 # Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
@@ -99,11 +99,24 @@ class ProxyEstimator:
         if confidence < judge.least_confidence:
             return none(fault_of_scene(best, confidence), *_masks_of(best))
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
+        assert trace.unlit is not None
+        told = stated(
+            best,
+            lambda each: judge.lights_of(each, confidence, tracked),
+            ratios[: len(best.lights)],
+            ground,
+            coarse,
+            trace.unlit,
+            steps.light,
+            len(views),
+        )
+        best = told.explanation
         # With two lights there is a third shift, that where both are blocked.
-        answers = zip(judge.lights_of(best, confidence, tracked), ratios, strict=False)
+        answers = zip(told.lights, ratios, strict=False)
         lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
         if len(lights) == 1:
-            lights = [replace(lights[0], angular_size_rad=_angular_size(best))]
+            lights = [with_size(lights[0], _angular_size(best, lights[0]))]
+        clock.end("judge")
         found = Illumination(tuple(lights), ratios[-1], lit_rgb(ground), best.proxy)
         return answer(found, None, *_masks_of(best)), trace
 
@@ -143,10 +156,10 @@ def _refined_and_others(
     Those are judged as well, as they are what else the picture may show.
     """
     ranked = sorted(rough, key=log_odds, reverse=True)
-    chosen = distinct(ranked, are_alike, steps.refined)
+    chosen = different(ranked, steps.refined)
     found = with_lights_counted(refined(chosen, steps.fine_fit), rough, fine, coarse, ground, steps.region_px, log_odds)
     found = [refined_by_tangents(explanation) for explanation in found]
-    others = distinct((each for each in ranked if not any(each is one for one in chosen)), are_alike)
+    others = different(each for each in ranked if not any(each is one for one in chosen))
     others = [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     return found + [each for each in others if not any(is_part_of(one, each) for one in found)]
 
@@ -168,6 +181,5 @@ def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
     return best.materials.shifts if seen is None else (seen,)
 
 
-def _angular_size(best: Explanation) -> float | None:
-    light = best.lights[0].light
-    return angular_size(best.proxy, light, best.materials.shift_fraction, best.predicted, best.region.view)
+def _angular_size(best: Explanation, light: Light) -> float | None:
+    return angular_size(best.proxy, light.homogeneous, best.materials.shift_fraction, best.predicted, best.region.view)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from ashe_live.light.ground.steps import GroundSteps
+from ashe_live.light.lamps.kinds import AUTO
 from ashe_live.light.outline_fit import preset
 from ashe_live.light.outline_fit.preset import FitPreset
 
@@ -25,6 +26,7 @@ class ProxySteps:
     views: int  # number of views that are used together, the frame's own included
     companions: int  # number of the other views that explanations are looked for in, as in the frame itself
     joint: int  # number of explanations that are aligned in all views, the likeliest
+    light: str = AUTO  # one of `lamps.kinds.KINDS`: what lights are taken for
 
 
 FAST = ProxySteps(

@@ -20,7 +20,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.borders import POINTS_PER_OUTLINE, Borders, OutlinePoints, borders_at, evenly_spaced
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.outline_fit.search import prior_information
+from ashe_live.light.outline_fit.search import information_on_lights, prior_information
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.family import padded, parts_of
 from ashe_live.light.shape.layout import Layout, light_parameters
@@ -38,6 +38,7 @@ DAMPING, LARGEST_STEP = 1e-3, 1.0
 COST_PER_PARAMETER = 250.0
 TURN_RAD = 0.03  # by which a supporting line is rotated to touch one end of a straight edge or the other
 FARTHEST_PX = 5e3
+WIDEST_NEARNESS = 10.0  # one over the body's size: sigma of the prior on what nearness no border tells
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,6 +101,23 @@ def aligned(several: Sequence[Start]) -> list[Alignment | None]:
         for i, alignment in zip(members, _aligned([several[i] for i in members]), strict=True):
             found[i] = alignment
     return found
+
+
+def lights_as_lamps(placed: PlacedBody) -> tuple[Float, Float]:
+    """What the borders tell of the lights if each may be a lamp: (3 l,) offset, (3 l, 3 l) information on it.
+
+    Of every light's displacement s and nearness w / z, in the body frame, the offset from the placed body's lights that
+    the borders ask for, whatever the body: the shape is marginalised out. The body must be in view.
+    """
+    layout = Layout(len(placed.lit.lights), with_nearness=True)
+    pull = normal_equations([placed], SEARCH_RANGES[-1], 1.0, layout.with_nearness)
+    normal = pull.normal[0]
+    nearness = [layout.light(i).stop - 1 for i in range(layout.lights)]
+    normal[nearness, nearness] += 1 / WIDEST_NEARNESS**2
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-12))
+    balanced = normal / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    offset = np.linalg.solve(balanced, pull.gradient[0] / scale) / scale
+    return offset[: layout.split], information_on_lights(normal, layout)
 
 
 def criterion(placed: PlacedBody) -> float:
@@ -166,10 +184,12 @@ def damped_steps(normal: Float, gradient: Float) -> Float:
     return np.asarray(np.clip(np.linalg.solve(damped, gradient[..., None])[..., 0], -LARGEST_STEP, LARGEST_STEP))
 
 
-def normal_equations(several: Sequence[PlacedBody], range_share: float, loss_factor: float) -> NormalEquations:
+def normal_equations(
+    several: Sequence[PlacedBody], range_share: float, loss_factor: float, with_nearness: bool = False
+) -> NormalEquations:
     """Sets up the normal equations of bodies in view, with borders searched within `range_share` of the object's size.
 
-    loss_factor: factor on the scale of Cauchy's loss.
+    loss_factor: factor on the scale of Cauchy's loss. with_nearness: as in the Layout of theta.
     """
     n, outlines = len(several), len(several[0].hulls_px)
     reach_px = np.array([max(range_share * one.object_px, LEAST_RANGE_PX) for one in several])
@@ -181,10 +201,13 @@ def normal_equations(several: Sequence[PlacedBody], range_share: float, loss_fac
     away = borders.offset_px.reshape(n, -1)
     scale_px = np.array([[loss_factor * one.outlier_px] for one in several])
     weight = borders.information.reshape(n, -1) / (1 + (away / scale_px) ** 2)
-    by_theta = _derivatives_by_theta([one.lit for one in several], [one.sight for one in several], points)
+    by_theta = _derivatives_by_theta(
+        [one.lit for one in several], [one.sight for one in several], points, with_nearness
+    )
     normal = (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2)
     diagonal = np.arange(normal.shape[1])
-    normal[:, diagonal, diagonal] += padded([prior_information(one.lit.body.family, one.lit.layout) for one in several])
+    layout = Layout(len(several[0].lit.lights), with_nearness)
+    normal[:, diagonal, diagonal] += padded([prior_information(one.lit.body.family, layout) for one in several])
     return NormalEquations(borders, away, weight, by_theta, normal)
 
 
@@ -229,7 +252,9 @@ def _mean_of_known(values: Float) -> float:
     return float(finite.mean()) if len(finite) > 2 else 0.0
 
 
-def _derivatives_by_theta(several: Sequence[LitBody], sights: Sequence[Sight], points: OutlinePoints) -> Float:
+def _derivatives_by_theta(
+    several: Sequence[LitBody], sights: Sequence[Sight], points: OutlinePoints, with_nearness: bool = False
+) -> Float:
     """(n, split + q, (1 + l) p) derivatives by theta of the outward movement of points on n bodies' outlines.
 
     A point on a straight edge moves by interpolation between the edge's two ends, which may belong to different
@@ -248,7 +273,7 @@ def _derivatives_by_theta(several: Sequence[LitBody], sights: Sequence[Sight], p
     P = np.array([sight.P(body.frame) for sight, body in zip(sights, bodies, strict=True)])
     lights = np.array([lit.lights_in_body_frame for lit in several])
     supports = outline_supports(P, parts, lights, outward, turned)
-    by_theta = supports.by_theta(by_shape)
+    by_theta = supports.by_theta(by_shape, with_nearness)
     ends = by_theta[..., :POINTS_PER_OUTLINE], by_theta[..., POINTS_PER_OUTLINE:]
     return np.asarray(
         ((1 - along_edge)[:, None] * ends[0] + along_edge[:, None] * ends[1]).reshape(n, by_theta.shape[1], -1)

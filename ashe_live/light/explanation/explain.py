@@ -1,15 +1,15 @@
 """Explanations: from a split of a region's pixels into object and shadow to a body and lights that fit the picture."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
+from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion, lights_as_lamps
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import Split
+from ashe_live.light.labels.associate import Split, distinct
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, object_cost
 from ashe_live.light.labels.relabel import relabelled
@@ -26,6 +26,7 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
     with_hemisphere_prior,
 )
+from ashe_live.light.shape.layout import Layout, nearness_of
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import observe_outlines
@@ -38,6 +39,8 @@ FEW_PX = 20
 # misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. What
 # both leave over is fitted as the overdispersion of `uncertainty.Calibration`.
 BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE = 2.3, 0.007
+LEAST_EIGENVALUE = 1e-6  # of a correlation matrix
+HIGHEST_NEARNESS = 0.4  # of a light over half the body's height: a lamp lower than its top casts no finite shadow
 END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
@@ -89,6 +92,25 @@ def aligned_explanations(several: Sequence[tuple[Proposal, Sequence[LitBody], Si
     return [_explanation(each[0], found) for each, found in zip(several, aligned(starts), strict=True)]
 
 
+def realigned(explanation: Explanation, number: int, nearness: float) -> Explanation | None:
+    """The explanation aligned again with its light `number` at another nearness w / z (1/m, marker frame), held.
+
+    The light stays where it was as seen from the body's middle, where a direction is right. None where the body or a
+    shadow is then not in view.
+    """
+    placed = explanation.alignment.placed
+    lit, frame = placed.lit, placed.lit.body.frame
+    middle = 0.5 * float(lit.body.proxy.points_marker()[:, 2].max())
+    nearness = min(nearness, HIGHEST_NEARNESS / max(middle, 1e-9))
+    foot = frame.origin_marker
+    lights = lit.lights / lit.lights[:, 2:3]
+    seen = (lights[number, :2] - lights[number, 3] * foot) / (1 - lights[number, 3] * middle)
+    lights[number] = (*(seen * (1 - nearness * middle) + nearness * foot), 1.0, nearness)
+    proposal = Proposal(explanation.region, explanation.materials, explanation.split, None, explanation.as_object)
+    (found,) = aligned_explanations([(proposal, [replace(lit, lights=lights)], placed.sight)])
+    return None if found is None else refined_by_tangents(found)
+
+
 def refined(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
     """Relabels each explanation's pixels by its own prediction, fits anew, and keeps the cheaper of the two.
 
@@ -128,10 +150,39 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     return replace(explanation, lights=fitted_lights(body.frame.lights_marker(lights), covariance))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class LampBorders:
+    """What an explanation's borders tell of one of its lights as a lamp, whatever the body."""
+
+    nearness: float  # 1/m, w / z that they ask for: 0 for a light at infinity
+    nearness_sigma: float  # 1/m; one unknown body in one view tells next to nothing
+    by_nearness: Float  # (2,) metres: the displacement s at the marker's centre by which a nearer light fits as well
+
+
+def lamp_borders(explanation: Explanation) -> list[LampBorders]:
+    """For each light; all are about the explanation's own lights, whose displacement depends on their nearness."""
+    placed, frame = explanation.alignment.placed, explanation.alignment.placed.lit.body.frame
+    offset, information = lights_as_lamps(placed)
+    covariance = _bounded_inverse(_tempered(information, explanation.alignment))
+    layout = Layout(len(placed.lit.lights), with_nearness=True)
+    found = []
+    for i, held in enumerate(nearness_of(placed.lit.lights)):
+        of_light = layout.light(i)
+        spread, nearness = covariance[of_light, of_light], float(held) + offset[of_light][2] / frame.unit_m
+        at_foot = spread[:2, 2] / spread[2, 2] * frame.unit_m
+        found.append(LampBorders(nearness, float(np.sqrt(spread[2, 2])) / frame.unit_m, at_foot + frame.origin_marker))
+    return found
+
+
 def explanation_criterion(explanation: Explanation) -> float:
     """The explanation's criterion under its own unary costs: those of the region's pixels, and of its parameters."""
     costs = Costs(explanation.region, explanation.materials, explanation.as_object)
     return criterion(replace(explanation.alignment.placed, cost=costs.of(explanation.predicted)))
+
+
+def different(explanations: Iterable[Explanation], count: int | None = None) -> list[Explanation]:
+    """The explanations without those like an earlier one; the first `count` of them."""
+    return distinct(explanations, are_alike, count)
 
 
 def are_alike(one: Explanation, other: Explanation) -> bool:
@@ -194,9 +245,19 @@ def _information(alignment: Alignment) -> Float:
     """(split, split) information on the lights, lowered where the misfit shows that the body is a poor model."""
     lit = alignment.placed.lit
     information = information_on_lights(alignment.normal, lit.layout)
-    return with_hemisphere_prior(
-        information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2)), lit.lights_in_body_frame
-    )
+    return with_hemisphere_prior(_tempered(information, alignment), lit.lights_in_body_frame)
+
+
+def _bounded_inverse(information: Float) -> Float:
+    """The inverse of a symmetric matrix whose smallest eigenvalues rounding may have made zero or negative."""
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-9))
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    return np.asarray((vectors / np.maximum(values, LEAST_EIGENVALUE)) @ vectors.T / np.outer(scale, scale))
+
+
+def _tempered(information: Float, alignment: Alignment) -> Float:
+    """The borders' information, over what their correlation and the body's model error leave of it."""
+    return information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2))
 
 
 def _relative_misfit(alignment: Alignment) -> float:

@@ -100,9 +100,13 @@ def split_features(region: Region, materials: Materials, split: Split) -> Mappin
 
 def explanation_features(explanation: Explanation) -> Mapping[str, float]:
     """The features of an explanation: its `evidence`, and how well it constrains the direction."""
-    radius = max(radius_of_68_percent(covariance_of_outlines(light.covariance_rad2)) for light in explanation.lights)
-    is_good = -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius, 1e-9)) ** 2)
+    is_good = min(probability_of_good(covariance_of_outlines(light.covariance_rad2)) for light in explanation.lights)
     return {**evidence(explanation), "constrained": math.log(max(is_good, LEAST_GOOD))}
+
+
+def probability_of_good(covariance_rad2: Float) -> float:
+    """Probability that a direction of this covariance (2, 2) is within GOOD_RAD of the truth."""
+    return -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius_of_68_percent(covariance_rad2), 1e-9)) ** 2)
 
 
 @cache

@@ -1,0 +1,98 @@
+"""Lamps in painted photos: stated where they are near enough, and where they are; suns and far lamps are directions."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import Light, LightEstimate
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.lamps.kinds import LAMP, SUN
+from tests.light.painted_scenes import BOX, CYLINDER, SHADOW_RATIO, Caster, paint
+from tests.light.synthetic_masks import direction
+
+CASTERS = {"box": BOX, "cylinder": CYLINDER}
+# Azimuth and elevation in degrees, and distance in metres.
+NEAR = [(200.0, 50.0, 0.5), (110.0, 40.0, 0.8), (330.0, 35.0, 1.2)]
+EXTREME = {
+    "above the object": (0.12, 0.0, 0.3),
+    "above the marker": (0.0, 0.0, 0.45),
+    "at 8 cm": (0.0, 0.0, 0.08),
+    "at 20 m": (0.02, 0.03, 20.0),
+    "grazing": (0.4, 0.1, 0.1),
+    "behind the camera": (0.08, -1.0, 0.8),
+    "below the object's top": (0.3, 0.0, 0.05),
+}
+
+
+def at(azimuth_deg: float, elevation_deg: float, distance_m: float) -> Float:
+    return distance_m * direction(azimuth_deg, elevation_deg)
+
+
+def estimated(lamp_m: Float, caster: Caster = BOX, ground: str = "plain", light: str = BALANCED.light) -> LightEstimate:
+    scene = paint(caster, ground=ground, lamp_m=lamp_m)
+    return ProxyEstimator(replace(BALANCED, light=light)).estimate(scene.tracked)
+
+
+def stated(estimate: LightEstimate) -> Light:
+    assert estimate.light is not None, estimate.reason
+    return estimate.light
+
+
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+@pytest.mark.parametrize("caster", CASTERS.values(), ids=CASTERS)
+@pytest.mark.parametrize(("azimuth_deg", "elevation_deg", "distance_m"), NEAR)
+def test_a_lamp_is_stated_where_it_is(
+    azimuth_deg: float, elevation_deg: float, distance_m: float, caster: Caster, ground: str
+) -> None:
+    lamp_m = at(azimuth_deg, elevation_deg, distance_m)
+    light = stated(estimated(lamp_m, caster, ground))
+    assert light.kind == "lamp"
+    assert light.lamp_covariance is not None
+    assert math.degrees(angle_between(light.to_light_marker, lamp_m)) < 2.5
+    assert abs(light.inverse_distance * distance_m - 1) < 0.2
+    assert abs(light.inverse_distance - 1 / distance_m) < 2 * math.sqrt(light.lamp_covariance[2, 2])
+    # The ground's own slow darkening, and the shadow's blur, are in what was measured of it.
+    assert light.intensity_rgb_ratio is not None
+    np.testing.assert_allclose(light.intensity_rgb_ratio, (1 - SHADOW_RATIO) / SHADOW_RATIO, rtol=0.35)
+
+
+@pytest.mark.parametrize("caster", CASTERS.values(), ids=CASTERS)
+def test_what_is_far_away_is_a_direction(caster: Caster) -> None:
+    for distance_m in (20.0, 1000.0):
+        light = stated(estimated(at(200.0, 40.0, distance_m), caster))
+        assert light.kind == "directional"
+        assert light.lamp_covariance is None
+        assert light.radius_m is None
+        assert math.degrees(angle_between(light.to_light_marker, direction(200.0, 40.0))) < 1.0
+
+
+def test_what_a_light_is_taken_for_can_be_chosen() -> None:
+    lamp_m = at(200.0, 50.0, 0.5)
+    as_sun, as_lamp = (stated(estimated(lamp_m, light=kind)) for kind in (SUN, LAMP))
+    assert as_sun.kind == "directional"
+    assert as_lamp.kind == "lamp"
+    # A direction is right at the object, where it was measured: its tip is nearer to the lamp than the marker is.
+    at_object = lamp_m - (*BOX.at, BOX.height_m)
+    assert math.degrees(angle_between(as_sun.to_light_marker, at_object)) < 4
+    assert math.degrees(angle_between(as_sun.to_light_marker, lamp_m)) > 6
+
+
+@pytest.mark.parametrize("lamp_m", EXTREME.values(), ids=EXTREME)
+def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...]) -> None:
+    place = np.array(lamp_m)
+    for kind in (BALANCED.light, LAMP):
+        estimate = estimated(place, light=kind)
+        if estimate.light is None:
+            assert estimate.reason
+            continue
+        light = estimate.light
+        assert light.confidence is not None
+        assert light.covariance_rad2 is not None
+        assert (np.linalg.eigvalsh(light.covariance_rad2) > 0).all()
+        error = math.degrees(angle_between(light.to_light_marker, place))
+        assert error < 20 or light.confidence < 0.75
