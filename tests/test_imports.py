@@ -57,6 +57,7 @@ ROOMS: dict[str, set[str]] = {
         "quality", "core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit",
         "bench",
     },
+    "bench.cube": {"core", "tracking"},
     "bench.judge": {"core", "files", "light.estimators", "light.explanation", "bench"},
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
     "bench.render": {"quality", "core", "files", "models", "capture", "tracking", "render", "viewer", "bench"},

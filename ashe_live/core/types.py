@@ -44,6 +44,9 @@ class MarkerPose:
     noise_covariance: Float | None = None  # (6, 6) the part of it that changes from frame to frame
     unfiltered_T_cam_marker: Float | None = None  # (4, 4) from this frame alone; None: T_cam_marker is
     bridged: bool = False  # the marker could not be read: its corners were followed from an earlier frame
+    # Of a marker that is printed on a body, as the cube: where that stands on the plane z = 0. Then `side_m` is the
+    # body's own measure, and `corners_px` are those of a square so wide on the plane around the origin, hidden or not.
+    body: Proxy | None = None
 
     def __post_init__(self) -> None:
         set_frozen(

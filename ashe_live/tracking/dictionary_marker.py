@@ -1,5 +1,7 @@
 """Markers whose cells spell a number: ArUco and AprilTag, found by OpenCV's detector and read by `cells`."""
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,6 +37,7 @@ class DictionaryMarker:
     def __init__(self, spec: str, dictionary: int, marker_id: int) -> None:
         self.spec = spec
         self.marker_id = marker_id
+        self._number = dictionary
         self._dictionary = cv2.aruco.getPredefinedDictionary(dictionary)
         if marker_id < self.count:
             self._reader = CellReader(self._dictionary, marker_id)
@@ -45,6 +48,10 @@ class DictionaryMarker:
         self._parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_NONE
         self._detector = cv2.aruco.ArucoDetector(self._dictionary, self._parameters)
 
+    def is_of_dictionary(self, other: object) -> bool:
+        """Whether `other` is a marker of the same dictionary."""
+        return isinstance(other, DictionaryMarker) and other._number == self._number
+
     @property
     def count(self) -> int:
         """How many markers its dictionary has."""
@@ -52,19 +59,34 @@ class DictionaryMarker:
 
     def find(self, grey: Image, min_side_px: float = MIN_SIDE_PX, thorough: bool = True) -> list[Float]:
         """See Marker.find; the largest first."""
+        (found,) = self.find_several([self], grey, min_side_px, thorough)
+        return found
+
+    def find_several(
+        self, wanted: Sequence["DictionaryMarker"], grey: Image, min_side_px: float, thorough: bool
+    ) -> list[list[Float]]:
+        """As `find`, for each of some markers of this one's dictionary, for little more than the cost of one."""
         self._parameters.minMarkerPerimeterRate = min(4 * min_side_px / max(grey.shape), 1.0)
         windows = THOROUGH_WINDOWS_PX if thorough else QUICK_WINDOWS_PX
         self._parameters.adaptiveThreshWinSizeMin, self._parameters.adaptiveThreshWinSizeMax = windows
         self._detector.setDetectorParameters(self._parameters)
         quads, ids, rejected = self._detector.detectMarkers(grey)
-        numbers = () if ids is None else ids.ravel()
-        found = [_corners(quad) for quad, number in zip(quads, numbers, strict=True) if number == self.marker_id]
-        if thorough or not found:
+        by_number: dict[int, list[Float]] = {marker.marker_id: [] for marker in wanted}
+        for quad, number in zip(quads, () if ids is None else ids.ravel().astype(int), strict=True):
+            if int(number) in by_number:
+                by_number[int(number)].append(_corners(quad))
+        if thorough or not any(by_number.values()):
             doubtful = [_corners(quad) for quad in rejected]
             if thorough:
                 doubtful += dark_quads(grey, min_side_px)
-            found += [corners for quad in on_lighter(grey, doubtful) if (corners := self._read(grey, quad)) is not None]
-        return without_repeats(sorted(found, key=_area, reverse=True))
+            for quad in on_lighter(grey, doubtful):
+                for marker in wanted:
+                    corners = marker._read(grey, quad)
+                    if corners is not None:
+                        by_number[marker.marker_id].append(corners)
+                        break
+        found = (sorted(by_number[marker.marker_id], key=_area, reverse=True) for marker in wanted)
+        return [without_repeats(each) for each in found]
 
     def bitmap(self, side_px: int) -> Image:
         """See Marker.bitmap; one pixel a cell is the least."""

@@ -103,7 +103,10 @@ def pose_of_squares(
         chosen = refined(chosen)
     # With another focal length than the camera's, the right print fits badly too.
     is_known = camera.source in ("file", "flag")
-    if is_known and chosen.rms_px > max(MOST_RMS_PX, MOST_RMS * mean_side_px(largest.square.corners_px)):
+    largest_px = largest.square.corners_px
+    # Of several, those seen nearly edge-on have corners that are far off along what is foreshortened, and say so.
+    off_px = _rms_px(project(camera, rigid(chosen.R, chosen.t), largest.points) - largest_px)
+    if is_known and not off_px <= max(MOST_RMS_PX, MOST_RMS * mean_side_px(largest_px)):
         return None
     covariances = covariances_of(chosen, points, information, camera.K, noise)
     log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
@@ -111,8 +114,9 @@ def pose_of_squares(
     freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
     understated = (errors.weight + chosen.cost) / (errors.weight + freedom)
     T_cam_marker = rigid(chosen.R, chosen.t)
-    seen_whole = len(sightings) == 1 and largest.square.sides_seen == 4
-    corners_px = pixels if seen_whole else project(camera, T_cam_marker, square_corners(side_m))
+    own = square_corners(side_m)
+    seen_whole = len(sightings) == 1 and largest.square.sides_seen == 4 and np.array_equal(points, own)
+    corners_px = pixels if seen_whole else project(camera, T_cam_marker, own)
     if not np.isfinite(corners_px).all():
         return None
     return MarkerPose(
@@ -124,6 +128,11 @@ def pose_of_squares(
         covariance=understated * covariances.whole + log_focal_sigma**2 * covariances.by_log_focal,
         noise_covariance=covariances.noise,
     )
+
+
+def poses_of_square(sighting: Sighting, camera: Camera) -> list[Float]:
+    """Both poses (4, 4) that explain a single square, or the one that there is, the smaller error first."""
+    return [rigid(R, t) for R, t in _ippe(sighting, camera)]
 
 
 def corners_noise(sightings: Sequence[Sighting]) -> Float:
@@ -166,6 +175,11 @@ def _ippe(sighting: Sighting, camera: Camera) -> list[tuple[Float, Float]]:
     )
     rotations = [cv2.Rodrigues(rvec)[0] @ R_asked_whole for rvec in rvecs]
     return [(R, tvec.reshape(3) - R @ centre) for R, tvec in zip(rotations, tvecs, strict=True)]
+
+
+def _rms_px(offsets_px: Float) -> float:
+    """Of (n, 2) offsets."""
+    return math.sqrt(float((offsets_px**2).sum()) / len(offsets_px))
 
 
 def _unexplained_px(sightings: Sequence[Sighting], information: Float) -> float:

@@ -3,6 +3,8 @@
 Each costs more than the one before, and finds what that one lost.
 """
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 
@@ -19,6 +21,7 @@ from ashe_live.tracking.corners import (
     side_lengths_px,
 )
 from ashe_live.tracking.covered_sides import checked
+from ashe_live.tracking.dictionary_marker import DictionaryMarker
 from ashe_live.tracking.lens import ideal_from_source
 from ashe_live.tracking.markers import Marker
 from ashe_live.tracking.quads import MIN_SIDE_PX
@@ -73,15 +76,18 @@ def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:
     extent = float(np.ptp(last_px, axis=0).max())
     scale = min(LARGEST_PX / extent, 1.0) if extent > SMALLEST_PX else min(SMALLEST_PX / extent, MAX_ENLARGEMENT)
     grey = _grey(image_bgr[top:bottom, left:right])
-    found = _found(marker, grey, scale, SMALLEST_NEAR * float(side_lengths_px(last_px).min()), True)
+    (found,) = _found([marker], grey, scale, SMALLEST_NEAR * float(side_lengths_px(last_px).min()), True)
     return [corners + np.array((left, top)) for corners in found]
 
 
-def anywhere(marker: Marker, image_bgr: Image, width_px: int, thorough: bool) -> list[Float]:
-    """Coarse corners (4, 2), picture pixels, of every such marker in the frame, searched at `width_px`."""
+def anywhere(markers: Sequence[Marker], image_bgr: Image, width_px: int, thorough: bool) -> list[list[Float]]:
+    """For each marker the coarse corners (4, 2), picture pixels, of every such one in a frame searched at `width_px`.
+
+    Markers of one dictionary are looked for together.
+    """
     width = image_bgr.shape[1]
     scale = min(1.0, (THOROUGH_RATIO if thorough else 1) * width_px / width)
-    return _found(marker, _grey(image_bgr), scale, (THOROUGH_SIDE_PX if thorough else MIN_SIDE_PX) / scale, thorough)
+    return _found(markers, _grey(image_bgr), scale, (THOROUGH_SIDE_PX if thorough else MIN_SIDE_PX) / scale, thorough)
 
 
 def refined(marker: Marker, image_bgr: Image, camera: Camera, coarse_px: Float, samples: int) -> FittedSquare | None:
@@ -99,16 +105,28 @@ def refined(marker: Marker, image_bgr: Image, camera: Camera, coarse_px: Float, 
     return None if square is None else checked(square, light, marker.alignment, camera, start, samples)
 
 
-def _found(marker: Marker, grey: Image, scale: float, min_side_px: float, thorough: bool) -> list[Float]:
+def _found(
+    markers: Sequence[Marker], grey: Image, scale: float, min_side_px: float, thorough: bool
+) -> list[list[Float]]:
     """Searched at `scale`; all in pixels of `grey`."""
     if scale == 1:
-        return marker.find(grey, min_side_px, thorough)
+        return _found_in(markers, grey, min_side_px, thorough)
     height, width = grey.shape
     size = max(1, round(width * scale)), max(1, round(height * scale))
     interpolation = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
     scaled = np.asarray(cv2.resize(grey, size, interpolation=interpolation), dtype=np.uint8)
     steps = np.array((width, height)) / size
-    return [(corners + 0.5) * steps - 0.5 for corners in marker.find(scaled, min_side_px * scale, thorough)]
+    found = _found_in(markers, scaled, min_side_px * scale, thorough)
+    return [[(corners + 0.5) * steps - 0.5 for corners in each] for each in found]
+
+
+def _found_in(markers: Sequence[Marker], grey: Image, min_side_px: float, thorough: bool) -> list[list[Float]]:
+    first, *others = markers
+    if isinstance(first, DictionaryMarker):
+        alike = [first, *(other for other in others if isinstance(other, DictionaryMarker))]
+        if len(alike) == len(markers) and all(first.is_of_dictionary(other) for other in alike):
+            return first.find_several(alike, grey, min_side_px, thorough)
+    return [marker.find(grey, min_side_px, thorough) for marker in markers]
 
 
 def _grey(image_bgr: Image) -> Image:

@@ -2,13 +2,14 @@
 
 import dataclasses
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import dataclass
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
@@ -17,7 +18,7 @@ from ashe_live.tracking.flow import flowed_corners
 from ashe_live.tracking.layout import Layout, members_of
 from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.markers import Marker
-from ashe_live.tracking.pose import Sighting, pose_of_squares
+from ashe_live.tracking.pose import Sighting, pose_of_squares, poses_of_square
 from ashe_live.tracking.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import NEAR_PX, along_edges, anywhere, nearby, refined
@@ -29,8 +30,6 @@ BRIDGED_FRAMES = 5
 FLOW_SIGMA_PX = 1.0
 # A lost marker is searched thoroughly in the first of these frames, then in one of so many.
 THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
-# Of a layout, so many of its markers are searched in one frame.
-SEARCHED_A_FRAME = 2
 # How often a frame is searched for a second marker like the one that is followed.
 CENSUS_EVERY_S = 1.0
 
@@ -54,12 +53,15 @@ class MarkerTracker:
     def __init__(
         self, marker: Marker | Layout, camera: Camera | Callable[[Size], Camera], side_m: float, preset: TrackingPreset
     ) -> None:
-        """`camera` is scaled to the frames, or asked for by their size; `side_m` is a black square's side."""
+        """`camera` is scaled to the frames, or asked for by their size; `side_m` is a black square's side, or the
+        measure of the body that the markers are printed on.
+        """
         self.marker = marker
         self.side_m = side_m
         self.preset = preset
         self.filters = True  # holds the pose still while the marker is; off, every frame's pose is its own
         self._members = members_of(marker)
+        self._body = _body_of(marker, side_m) if isinstance(marker, Layout) else None
         self._camera = camera
         self._camera_now: Camera | None = None
         self._filter = PoseFilter()
@@ -139,10 +141,11 @@ class MarkerTracker:
                     if coarse_px is not None:
                         squares[number] = refined(marker, image, camera, coarse_px, samples)
         if not any(squares.values()):
-            squares = self._search(image, camera, last)
+            squares = self._with_others(self._search(image, camera, last), image, camera)
         elif self._census_s is None or not 0 <= frame.time_s - self._census_s < CENSUS_EVERY_S:
             self._census_s = frame.time_s
-            self._count(anywhere(self._members[0].marker, image, self.preset.detection_width_px, thorough=False))
+            (equal,) = anywhere([self._members[0].marker], image, self.preset.detection_width_px, thorough=False)
+            self._count(equal)
         return {number: square for number, square in squares.items() if square is not None}
 
     def _expected(self, camera: Camera, last: _Memory, time_s: float) -> dict[int, Float]:
@@ -151,28 +154,53 @@ class MarkerTracker:
             number: corners_px + (time_s - last.time_s) * last.velocities_px_s.get(number, np.zeros((4, 2)))
             for number, corners_px in last.corners_px.items()
         }
+        return self._projected(camera, last.pose.measured_T_cam_marker, expected) | expected
+
+    def _projected(self, camera: Camera, T_cam_marker: Float, but: Container[int]) -> dict[int, Float]:
+        """Corners (4, 2), picture pixels, of all members `but` some, where a pose has them."""
+        corners = {}
         for number, member in enumerate(self._members):
-            if number not in expected:
-                ideal = project(camera, last.pose.measured_T_cam_marker, self.side_m * member.corners)
+            if number not in but:
+                ideal = project(camera, T_cam_marker, self.side_m * member.corners)
                 if np.isfinite(ideal).all():
-                    expected[number] = source_from_ideal(camera, ideal)
-        return expected
+                    corners[number] = source_from_ideal(camera, ideal)
+        return corners
 
     def _search(self, image: Image, camera: Camera, last: _Memory | None) -> dict[int, FittedSquare | None]:
-        """In the whole frame; of a layout, other markers in every frame."""
+        """In the whole frame: of a layout, the first of its markers that is found."""
         is_thorough = self._lost_frames < THOROUGH_FRAMES or self._lost_frames % THOROUGH_EVERY == 0
-        turn = self._lost_frames * SEARCHED_A_FRAME
+        markers = [member.marker for member in self._members]
         for thorough in (False, True) if is_thorough else (False,):
-            for number in {(turn + next_one) % len(self._members) for next_one in range(SEARCHED_A_FRAME)}:
-                marker = self._members[number].marker
-                found = anywhere(marker, image, self.preset.detection_width_px, thorough)
-                last_px = None if last is None else last.corners_px.get(number)
-                chosen = self._nearest(found, last_px)
+            several = anywhere(markers, image, self.preset.detection_width_px, thorough)
+            for number, (marker, found) in enumerate(zip(markers, several, strict=True)):
+                chosen = self._nearest(found, None if last is None else last.corners_px.get(number))
                 if chosen is not None:
                     square = refined(marker, image, camera, chosen, self.preset.edge_samples)
                     if square is not None:
                         return {number: square}
         return {}
+
+    def _with_others(
+        self, found: dict[int, FittedSquare | None], image: Image, camera: Camera
+    ) -> dict[int, FittedSquare | None]:
+        """The one member that was found, with those that are where its pose has them.
+
+        A square alone has two poses: the right one is that which finds more of the others.
+        """
+        best = found
+        for number, square in found.items() if len(self._members) > 1 else ():
+            assert square is not None
+            for T_cam_marker in poses_of_square(self._sighting(number, square), camera):
+                seen = dict(found)
+                for other, expected_px in self._projected(camera, T_cam_marker, found).items():
+                    marker = self._members[other].marker
+                    seen[other] = along_edges(marker, image, camera, expected_px, self.preset.edge_samples)
+                if sum(one is not None for one in seen.values()) > sum(one is not None for one in best.values()):
+                    best = seen
+        return best
+
+    def _sighting(self, number: int, square: FittedSquare) -> Sighting:
+        return Sighting(self.side_m * self._members[number].corners, square)
 
     def _nearest(self, found: list[Float], last_px: Float | None) -> Float | None:
         """Of several equal markers the one that is tracked already, or else the likeliest."""
@@ -188,9 +216,10 @@ class MarkerTracker:
         self._note = several if len(found) > 1 else None
 
     def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: _Memory | None) -> MarkerPose | None:
-        self._sightings = [Sighting(self.side_m * self._members[number].corners, squares[number]) for number in squares]
+        self._sightings = [self._sighting(number, square) for number, square in squares.items()]
         previous = self._before_jump if last is None else last.pose
-        return pose_of_squares(self._sightings, camera, self.side_m, previous, self.preset.refines_pose)
+        pose = pose_of_squares(self._sightings, camera, self.side_m, previous, self.preset.refines_pose)
+        return pose if pose is None or self._body is None else dataclasses.replace(pose, body=self._body)
 
     def _flowed(self, image: Image, camera: Camera, last: _Memory) -> dict[int, FittedSquare]:
         squares = {}
@@ -232,6 +261,12 @@ class MarkerTracker:
         self._last = _Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, bridged, is_predictable)
         self._lost_frames = 0
         self._before_jump = None
+
+
+def _body_of(layout: Layout, side_m: float) -> Proxy | None:
+    if layout.body is None:
+        return None
+    return Proxy("box", np.column_stack([side_m * layout.body, np.zeros((len(layout.body), 2))]))
 
 
 def _was_expected(velocities: dict[int, Float], last: _Memory, elapsed_s: float) -> bool:

@@ -82,7 +82,7 @@ def fitted(seen: Sequence[Seen | None], start: CornerErrors = FITTED) -> CornerE
 def _seen(marker: Marker, case: Case, preset: TrackingPreset) -> Seen | None:
     image = case.tracked().frame.image_bgr
     for thorough in (False, True):
-        for coarse_px in anywhere(marker, image, preset.detection_width_px, thorough)[:1]:
+        for coarse_px in anywhere([marker], image, preset.detection_width_px, thorough)[0][:1]:
             square = refined(marker, image, case.camera, coarse_px, preset.edge_samples)
             if square is not None:
                 return Seen(square, case.camera, case.marker.side_m, case.marker.T_cam_marker)

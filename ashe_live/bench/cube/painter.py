@@ -1,0 +1,232 @@
+"""Pictures of a paper cube on a table, painted with exactly known pose, folds and lights.
+
+Independent of the renderer, the tracker and the estimator: every face is a print seen by its homography, lit by
+Lambert's law; the shadow on the table is that of the hull of all faces, averaged over each light's disc. All light is
+linear, averaged over a finer grid of pixels, then blurred, encoded, made noisy and rounded.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Float32, Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import srgb_from_linear
+from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
+from ashe_live.tracking.layout import cube_layout
+
+PAPER, INK = 0.78, 0.035  # linear reflectances
+TEXTURE_PX = 300  # of a face: 6 cells of 35 pixels, and 45 pixels of margin on either side
+FINER = 3  # pixels of the finer grid to one of the picture's, in each direction
+DISC = 48  # points of a light's disc
+# The table near the cube's foot sees less of the sky: so much at its side, fading over this part of the edge.
+HIDDEN_SKY, FADING = 0.45, 0.55
+BITS = 6  # of a finer pixel's fractions in OpenCV's polygons
+
+
+@dataclass(frozen=True, slots=True)
+class Folds:
+    """How each of the five faces lies off where a perfect cube has it."""
+
+    turns: Float = field(default_factory=lambda: np.zeros((5, 3)))  # (5, 3) rotation vectors about their centres
+    shifts: Float = field(default_factory=lambda: np.zeros((5, 3)))  # (5, 3) edges
+
+    @classmethod
+    def drawn(cls, rng: np.random.Generator, edge_m: float, most_m: float = 1e-3, most_deg: float = 1.5) -> "Folds":
+        """Evenly up to so much along and about each axis."""
+        shifts = rng.uniform(-most_m, most_m, (5, 3)) / edge_m
+        return cls(np.radians(rng.uniform(-most_deg, most_deg, (5, 3))), shifts)
+
+    def placed(self, number: int, points: Float) -> Float:
+        """(n, 3) points of a face, as they lie."""
+        centre = FACES[number].centre
+        R = cv2.Rodrigues(self.turns[number])[0]
+        return np.asarray((points - centre) @ R.T + centre + self.shifts[number])
+
+
+@dataclass(frozen=True, slots=True)
+class PaintedLight:
+    """A sun, or a lamp near by."""
+
+    point: Float  # (4,) homogeneous, the cube's frame, metres: w = 0 for a sun
+    irradiance_rgb: Float  # (3,) over pi, of what faces it at the origin
+    size_rad: float = math.radians(0.53)  # angular diameter, seen from the origin
+
+
+@dataclass(frozen=True, slots=True)
+class CubeScene:
+    """All that is in a picture."""
+
+    camera: Camera  # without distortion
+    T_cam_cube: Float  # (4, 4)
+    lights: Sequence[PaintedLight]
+    sky_rgb: Float = field(default_factory=lambda: np.full(3, 0.3))  # (3,) irradiance over pi of level ground
+    sky_slope: Float = field(default_factory=lambda: np.zeros(3))  # (3,) how much brighter the sky is along an axis
+    edge_m: float = 0.06
+    folds: Folds = field(default_factory=Folds)
+    table_rgb: Float = field(default_factory=lambda: np.array([0.42, 0.36, 0.3]))  # (3,) reflectance
+    mottled: float = 0.06  # relative deviation of the table's reflectance
+    exposure: float = 0.9  # linear value of a white surface in the light of level ground
+    noise: float = 2.0  # standard deviation, grey levels
+    blur_px: float = 0.7
+    seed: int = 0
+
+
+def painted(scene: CubeScene) -> Image:
+    """(h, w, 3) uint8 BGR picture."""
+    width, height = scene.camera.size
+    fine = scene.camera.resized((width * FINER, height * FINER))
+    light = _table(scene, fine)
+    body = hull_of(scene)
+    whole = _projected(fine, scene.T_cam_cube, body)
+    grey = _irradiance(scene, np.array((0.0, 0.0, 1.0)), np.zeros(3))
+    cv2.fillConvexPoly(
+        light, _fixed(cv2.convexHull(whole.astype(np.float32))[:, 0]), (PAPER * grey).tolist(), shift=BITS
+    )
+    for number, (face, member) in enumerate(zip(FACES, cube_layout().members, strict=True)):
+        corners = scene.edge_m * scene.folds.placed(number, face.corners())
+        normal = np.cross(corners[1] - corners[0], corners[0] - corners[3])
+        normal /= np.linalg.norm(normal)
+        R, t = scene.T_cam_cube[:3, :3], scene.T_cam_cube[:3, 3]
+        if (R @ corners.mean(axis=0) + t) @ (R @ normal) >= 0:
+            continue
+        reflectance = _print(member.marker.bitmap(round(TAG_SHARE * TEXTURE_PX)))
+        pixels = _projected(fine, scene.T_cam_cube, corners).astype(np.float32)
+        size = len(reflectance)
+        ends = np.array([(0, 0), (size, 0), (size, size), (0, size)], np.float32) - np.float32(0.5)
+        H = cv2.getPerspectiveTransform(ends, pixels)
+        seen = cv2.warpPerspective(reflectance, H, fine.size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        inside = np.zeros(seen.shape, np.uint8)
+        cv2.fillConvexPoly(inside, _fixed(pixels), 1, shift=BITS)
+        here = inside > 0
+        light[here] = seen[here, None] * _irradiance(scene, normal, corners.mean(axis=0)).astype(np.float32)
+    averaged = cv2.resize(light, (width, height), interpolation=cv2.INTER_AREA)
+    return _developed(scene, np.asarray(averaged, dtype=np.float32))
+
+
+def hull_of(scene: CubeScene) -> Float:
+    """(20, 3) metres, the cube's frame: the corners of all faces as they lie, whose hull casts the shadow.
+
+    The bottom's are those of the sides' lower edges, on the table.
+    """
+    corners = np.concatenate([scene.folds.placed(number, face.corners()) for number, face in enumerate(FACES)])
+    corners[:, 2] = np.maximum(corners[:, 2], 0.0)
+    return np.asarray(scene.edge_m * corners)
+
+
+def _irradiance(scene: CubeScene, normal: Float, place: Float) -> Float:
+    """(3,) over pi, linear RGB, of a facet: the lights that it faces, the sky, and what the table sends back."""
+    sky = scene.sky_rgb * ((1 + normal[2]) / 2 + 0.5 * float(scene.sky_slope @ (normal - (0, 0, normal[2]))))
+    total = np.maximum(sky, 0)
+    for one in scene.lights:
+        way = one.point[:3] - one.point[3] * place
+        nearer = 1.0 if one.point[3] == 0 else float(np.linalg.norm(one.point[:3]) / np.linalg.norm(way)) ** 2
+        total = total + nearer * one.irradiance_rgb * max(float(normal @ way) / float(np.linalg.norm(way)), 0.0)
+    table = scene.table_rgb * _level(scene)
+    return np.asarray(total + table * (1 - normal[2]) / 2)
+
+
+def _level(scene: CubeScene) -> Float:
+    """(3,) irradiance over pi of the open table."""
+    direct = [one.irradiance_rgb * one.point[2] / np.linalg.norm(one.point[:3]) for one in scene.lights]
+    return np.asarray(scene.sky_rgb + sum(direct, np.zeros(3)))
+
+
+def _table(scene: CubeScene, fine: Camera) -> Float32:
+    """(h, w, 3) linear light of the table with the cube's shadows."""
+    size = scene.camera.size
+    width, height = size
+    rng = np.random.default_rng(scene.seed)
+    grain = np.zeros((height, width), np.float32)
+    for step in (3, 13):
+        coarse = rng.normal(0, 1, (max(2, height // step), max(2, width // step))).astype(np.float32)
+        grain += cv2.resize(coarse, size, interpolation=cv2.INTER_CUBIC)
+    reflectance = (1 + scene.mottled * 0.7 * grain)[..., None] * scene.table_rgb.astype(np.float32)
+    body = hull_of(scene)
+    from_pixel = np.linalg.inv(scene.camera.K @ scene.T_cam_cube[:3, [0, 1, 3]])
+    x, y, w = (a * np.arange(width)[None] + b * np.arange(height)[:, None] + c for a, b, c in from_pixel)
+    half = scene.edge_m / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        beyond = np.hypot(*(np.maximum(np.abs(each / w) - half, 0) for each in (x, y)))
+    hidden = HIDDEN_SKY * np.exp(-np.nan_to_num(beyond, nan=1e3) / (FADING * scene.edge_m))
+
+    def finer(picture: Float) -> Float32:
+        whole = cv2.resize(picture.astype(np.float32), fine.size, interpolation=cv2.INTER_LINEAR)
+        return np.asarray(whole, dtype=np.float32)
+
+    light = finer(reflectance * (1 - hidden)[..., None] * scene.sky_rgb)
+    for one in scene.lights:
+        level = one.irradiance_rgb * one.point[2] / np.linalg.norm(one.point[:3])
+        light += finer(reflectance * level * _falloff(one, x, y, w)) * _seen(scene, fine, body, one)[..., None]
+    return light
+
+
+def _seen(scene: CubeScene, fine: Camera, body: Float, one: PaintedLight) -> Float32:
+    """(h, w) how much of a light's disc each place of the table sees, from 0 to 1."""
+    hidden = np.zeros(fine.size[::-1], np.uint8)
+    for point in _disc(one):
+        pixels = _projected(fine, scene.T_cam_cube, _cast(body, point))
+        shadow = np.zeros_like(hidden)
+        cv2.fillConvexPoly(shadow, _fixed(cv2.convexHull(pixels.astype(np.float32))[:, 0]), 1, shift=BITS)
+        cv2.add(hidden, shadow, hidden)
+    return np.asarray(1 - hidden / np.float32(DISC), dtype=np.float32)
+
+
+def _falloff(one: PaintedLight, x: Float, y: Float, w: Float) -> Float:
+    """(h, w, 1) or (1, 1, 1): irradiance of the table by a lamp over that at the origin; 1 for a sun."""
+    if one.point[3] == 0:
+        return np.ones((1, 1, 1))
+    lamp = one.point[:3] / one.point[3]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        squared = (x / w - lamp[0]) ** 2 + (y / w - lamp[1]) ** 2 + lamp[2] ** 2
+    return np.asarray(np.nan_to_num((float(lamp @ lamp) / squared) ** 1.5, nan=0.0)[..., None])
+
+
+def _disc(one: PaintedLight) -> Float:
+    """(n, 4) points spread evenly over the light's disc."""
+    to_light = one.point[:3] / np.linalg.norm(one.point[:3])
+    aside = np.linalg.svd(to_light[None])[2][1:]
+    number = np.arange(DISC)
+    radius, angle = np.sqrt((number + 0.5) / DISC) * math.tan(one.size_rad / 2), number * math.pi * (3 - math.sqrt(5))
+    spread = radius[:, None] * (np.cos(angle)[:, None] * aside[0] + np.sin(angle)[:, None] * aside[1])
+    points = np.empty((DISC, 4))
+    points[:, :3] = np.linalg.norm(one.point[:3]) * (to_light + spread)
+    points[:, 3] = one.point[3]
+    return points
+
+
+def _cast(points: Float, light: Float) -> Float:
+    """(n, 3) where the table has the points' shadows."""
+    left = light[2] - light[3] * points[:, 2:]
+    return np.asarray((light[2] * points - points[:, 2:] * light[:3]) / left)
+
+
+def _projected(camera: Camera, T_cam_cube: Float, points: Float) -> Float:
+    in_camera = points @ T_cam_cube[:3, :3].T + T_cam_cube[:3, 3]
+    depth = np.maximum(in_camera[:, 2:], 0.01)
+    return np.asarray((in_camera / depth) @ camera.K[:2].T).clip(-3e4, 3e4)
+
+
+def _fixed(pixels: NDArray[Any]) -> NDArray[np.int32]:
+    return np.asarray(np.round(pixels * 2**BITS), dtype=np.int32)
+
+
+def _print(bitmap: Image) -> Float32:
+    margin = (TEXTURE_PX - len(bitmap)) // 2
+    whole = np.pad(bitmap, margin, constant_values=255)
+    return np.where(whole > 127, PAPER, INK).astype(np.float32)
+
+
+def _developed(scene: CubeScene, light: Float32) -> Image:
+    """sRGB of a camera that is exposed for white in the light of the open table, which it takes for white."""
+    rng = np.random.default_rng(scene.seed + 1)
+    level = _level(scene)
+    exposed = scene.exposure * light / level.mean() / (level / level.mean())
+    blurred = cv2.GaussianBlur(exposed.astype(np.float32), (0, 0), scene.blur_px)
+    encoded = 255 * srgb_from_linear(blurred.clip(0, 1)) + rng.normal(0, scene.noise, light.shape)
+    return np.ascontiguousarray((encoded + 0.5).clip(0, 255).astype(np.uint8)[..., ::-1])

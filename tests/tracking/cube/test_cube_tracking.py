@@ -1,0 +1,88 @@
+"""A cube is one marker: its pose comes from all faces that are seen, also where a flat marker would be edge-on."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import Frame, MarkerPose
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.layout import cube_layout
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
+
+
+def tracker() -> MarkerTracker:
+    return MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking)
+
+
+def turn_deg(T_a: Float, T_b: Float) -> float:
+    chord = float(np.linalg.norm(T_a[:3, :3] - T_b[:3, :3]))
+    return math.degrees(2 * math.asin(min(1.0, chord / math.sqrt(8))))
+
+
+def found(frame: Frame) -> MarkerPose:
+    marker = tracker().track(frame).marker
+    assert marker is not None
+    return marker
+
+
+@pytest.mark.parametrize(
+    ("tilt_deg", "azimuth_deg", "most_deg"), [(30, 40, 0.1), (60, 160, 0.1), (75, 250, 0.15), (85, 65, 0.2)]
+)
+def test_a_single_frame_gives_the_pose_of_the_whole_cube(tilt_deg: float, azimuth_deg: float, most_deg: float) -> None:
+    T = looking(0.35, tilt_deg, azimuth_deg)
+    marker = found(frame_of(CubeScene(CAMERA, T, [sun(200, 40)])))
+    assert turn_deg(marker.T_cam_marker, T) < most_deg
+    assert marker.T_cam_marker[:3, 3] == pytest.approx(T[:3, 3], abs=5e-4)
+
+
+def test_the_pose_carries_the_body_that_stands_on_the_table() -> None:
+    marker = found(frame_of(CubeScene(CAMERA, looking(0.4, 50, 70), [sun(200, 40)])))
+    assert marker.side_m == EDGE_M
+    assert marker.body is not None
+    points = marker.body.points_marker()
+    assert points.min(axis=0) == pytest.approx((-EDGE_M / 2, -EDGE_M / 2, 0))
+    assert points.max(axis=0) == pytest.approx((EDGE_M / 2, EDGE_M / 2, EDGE_M))
+    # The square whose corners are stated is the one that it stands on.
+    on_table = np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)]) * EDGE_M / 2
+    in_camera = on_table @ marker.T_cam_marker[:3, :3].T + marker.T_cam_marker[:3, 3]
+    pixels = (in_camera / in_camera[:, 2:]) @ CAMERA.K[:2].T
+    assert marker.corners_px == pytest.approx(pixels, abs=1e-6)
+
+
+def test_all_faces_together_are_surer_than_the_one_that_is_left_uncovered() -> None:
+    T = looking(0.35, 50, 40)
+    frame = frame_of(CubeScene(CAMERA, T, [sun(200, 40)]))
+    whole = found(frame)
+    lower = frame.image_bgr.copy()
+    top_px = CAMERA.K @ (T[:3, :3] @ (0, 0, EDGE_M) + T[:3, 3])
+    beneath = int(top_px[1] / top_px[2]) + 45
+    lower[beneath:] = 90
+    alone = found(dataclasses.replace(frame, image_bgr=lower))
+    assert whole.covariance is not None
+    assert alone.covariance is not None
+    assert np.trace(whole.covariance[:3, :3]) < 0.5 * np.trace(alone.covariance[:3, :3])
+    assert turn_deg(alone.T_cam_marker, T) < 1
+
+
+def test_a_cube_folded_badly_is_found_and_less_sure_of_itself() -> None:
+    T = looking(0.35, 55, 40)
+    folds = Folds.drawn(np.random.default_rng(3), EDGE_M)
+    straight = found(frame_of(CubeScene(CAMERA, T, [sun(200, 40)])))
+    crooked = found(frame_of(CubeScene(CAMERA, T, [sun(200, 40)], folds=folds)))
+    assert straight.covariance is not None
+    assert crooked.covariance is not None
+    assert turn_deg(crooked.T_cam_marker, T) < 2.5
+    assert np.trace(crooked.covariance[:3, :3]) > 3 * np.trace(straight.covariance[:3, :3])
+
+
+def test_it_is_followed_from_above_to_the_table_and_back() -> None:
+    following = tracker()
+    for index, tilt_deg in enumerate([*range(40, 88, 4), *range(88, 40, -4)]):
+        T = looking(0.35, tilt_deg, 30 + 2 * index)
+        marker = following.track(frame_of(CubeScene(CAMERA, T, [sun(200, 40)]), index)).marker
+        assert marker is not None
+        assert turn_deg(marker.measured_T_cam_marker, T) < 0.6
