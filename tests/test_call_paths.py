@@ -63,7 +63,8 @@ def drawn() -> list[str]:
 def test_the_longest_way_of_a_call_is_drawn() -> None:
     longest = ways_from(("estimators.proxy", "ProxyEstimator"))
     assert len(longest) <= MOST_ROOMS
-    assert max((re.findall(r"participant (\w+)", each) for each in drawn()), key=len) == list(longest)
+    # There may be several as long; that what is drawn is called is the next test's.
+    assert max(len(re.findall(r"participant (\w+)", each)) for each in drawn()) == len(longest)
 
 
 @pytest.mark.parametrize("diagram", drawn())
