@@ -17,7 +17,8 @@ from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 from ashe_live.light.views.seen import SceneView, costs_around
 from ashe_live.light.views.which import span_rad, towards_camera, usable
 
-COMPARED = 3  # number of views that the plane in a view other than the first is compared with
+# Number of others that the plane in the first view is compared with, and in a companion: more repeat what these tell.
+COMPARED_WITH_FIRST, COMPARED_WITH_COMPANION = 5, 2
 FIRST_VIEWS = 3  # number of views in which candidates are aligned before the likeliest are in all
 
 
@@ -38,7 +39,7 @@ def scene_views(
         view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), steps)
         if view is not None:
             views.append(view)
-    return views if len(views) == 1 else _with_plane(views)
+    return views if len(views) == 1 else _with_plane(views, steps.companions)
 
 
 def span_of(views: Sequence[SceneView]) -> float | None:
@@ -51,18 +52,17 @@ def _scene_view(index: int, fine: View, coarse: View, steps: ProxySteps) -> Scen
     return None if ground is None else SceneView(index, fine, coarse, ground)
 
 
-def _with_plane(views: Sequence[SceneView]) -> list[SceneView]:
-    """The views with what the others tell about which of their pixels lie on the plane.
-
-    The first view is compared with all others, each of these with COMPARED others, that first one among them.
-    """
-    found = []
-    for number, view in enumerate(views):
-        others = [other for other in views if other is not view][: None if number == 0 else COMPARED]
-        colours = log_opponent(view.coarse.image_bgr)
-        seen = [each for other in others if (each := on_plane(view.coarse, colours, other.coarse)) is not None]
-        ratio = log_likelihood_ratio(seen, view.coarse.is_ground.shape)
-        found.append(replace(view, ground=replace(view.ground, on_plane=ratio)))
+def _with_plane(views: Sequence[SceneView], companions: int) -> list[SceneView]:
+    """The views, the first and so many companions with what others tell about which pixels lie on the plane."""
+    found = list(views)
+    colours = [log_opponent(view.coarse.image_bgr) for view in views[: 1 + COMPARED_WITH_FIRST]]
+    for number in range(min(1 + companions, len(views))):
+        view = views[number]
+        others = [i for i in range(len(colours)) if i != number]
+        others = others[: COMPARED_WITH_COMPANION if number else COMPARED_WITH_FIRST]
+        seen = [on_plane(view.coarse, colours[number], views[i].coarse, colours[i]) for i in others]
+        ratio = log_likelihood_ratio([each for each in seen if each is not None], view.coarse.is_ground.shape)
+        found[number] = replace(view, ground=replace(view.ground, on_plane=ratio))
     return found
 
 
