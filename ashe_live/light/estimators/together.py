@@ -4,13 +4,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 from operator import itemgetter
 
-from ashe_live.core.types import TrackedFrame
+import numpy as np
+
+from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.judge import Judge
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
+from ashe_live.light.views.agreement import WIDTH_PX, agreeing
 from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
 from ashe_live.light.views.joint import JointExplanation, explained_in_views, lit_body_of, own_costs
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
@@ -45,6 +48,21 @@ def scene_views(
 def span_of(views: Sequence[SceneView]) -> float | None:
     """The largest angle between the views' directions to the marker; None for one view."""
     return span_rad([towards_camera(view.coarse.T_cam_marker) for view in views])
+
+
+def contradicting(
+    estimate: LightEstimate, tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps
+) -> list[TrackedFrame]:
+    """Those of the others used with `tracked` that do not show the scene which `estimate` explains in it.
+
+    The object or the print was moved, or another light is on. None are, where the estimate has no light or no body.
+    """
+    body, used = estimate.illumination.real_object, usable(tracked, others, steps.views - 1)
+    if body is None or not estimate.lights or not used:
+        return []
+    lights = np.array([light.homogeneous for light in estimate.lights])
+    agree = agreeing([View.of(each, WIDTH_PX) for each in (tracked, *used)], body, lights)
+    return [other for other, does in zip(used, agree, strict=True) if not does]
 
 
 def _scene_view(index: int, fine: View, coarse: View, steps: ProxySteps) -> SceneView | None:
