@@ -94,7 +94,7 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
         marker, tags = scene["marker"], scene.get("tags", {})
         T_cam_marker = rigid(scene["R"], scene["t"])
         corners_px = _corners_px(camera, T_cam_marker, marker)
-        rms_px = _reprojection_rms_px(camera, T_cam_marker, corners_px, marker["side_m"])
+        rms_px = reprojection_rms_px(camera, T_cam_marker, corners_px, marker["side_m"])
         yield Case(
             scene["id"],
             folder.resolve().name,
@@ -103,7 +103,7 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
             folder / scene["image"],
             camera,
             MarkerPose(T_cam_marker, corners_px, marker["side_m"], rms_px, None),
-            _to_lights_marker(scene),
+            to_lights_marker(scene),
             {name: folder / file for name, file in scene.get("masks", {}).items()},
             {kind: str(tags[kind]) for kind in KINDS if kind in tags},
             _marker_spec(marker),
@@ -132,7 +132,7 @@ def _marker_spec(marker: Mapping[str, Any]) -> str | None:
     return f"aruco:{str(marker['dictionary']).removeprefix('DICT_').lower()}:{marker['id']}"
 
 
-def _to_lights_marker(scene: Mapping[str, Any]) -> Float | None:
+def to_lights_marker(scene: Mapping[str, Any]) -> Float | None:
     """(n, 3) unit vectors, strongest first; None when the scene does not state them."""
     if "lights" not in scene:
         return None if scene.get("directional", True) else np.empty((0, 3))
@@ -153,6 +153,7 @@ def _projected_square(camera: Camera, T_cam_marker: Float, side_m: float) -> Flo
     return np.asarray(pixels, dtype=np.float64).reshape(-1, 2)
 
 
-def _reprojection_rms_px(camera: Camera, T_cam_marker: Float, corners_px: Float, side_m: float) -> float:
+def reprojection_rms_px(camera: Camera, T_cam_marker: Float, corners_px: Float, side_m: float) -> float:
+    """Root mean square distance of corners (4, 2), pixels, from where a pose (4, 4) projects them."""
     offsets = _projected_square(camera, T_cam_marker, side_m) - corners_px
     return float(np.sqrt(np.mean(np.sum(offsets**2, axis=1))))

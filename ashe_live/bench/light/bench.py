@@ -13,7 +13,8 @@ from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.light.clips import ClipResult, estimate_clip, read_clips
 from ashe_live.bench.light.results import CaseResult, Summary, case_result, grouped, stage_times, summarise
-from ashe_live.bench.light.tables import print_clips, print_preset, print_risk
+from ashe_live.bench.light.tables import print_clips, print_preset, print_risk, print_takes
+from ashe_live.bench.light.takes import Take, TakeResult, read_takes, take_results
 from ashe_live.bench.light.targets import Verdict, verdicts
 from ashe_live.bench.light.trade import COST, print_trade, sweep
 from ashe_live.bench.light.truth import error_on_true_labels_deg, mask_overlaps
@@ -36,7 +37,7 @@ FROM_LABELS = {"proxy": PRESETS}
 class LightBench(Bench):
     """The bench of `presets` of `estimator` on the folders `scenes`, which are pooled into one set."""
 
-    SCHEMA: ClassVar[int] = 3
+    SCHEMA: ClassVar[int] = 4
 
     scenes: Sequence[Path]
     estimator: str = "proxy"
@@ -49,7 +50,7 @@ class LightBench(Bench):
         estimators = {preset: make_estimator(self.estimator, PRESETS[preset]) for preset in self.presets}
         yield self._measured(estimators)
         if self.sweeps:
-            points = sweep(thinned(self.cases(), SWEEP_EVERY), estimators, self.console)
+            points = sweep(thinned(self.cases(), SWEEP_EVERY), self.takes()[::SWEEP_EVERY], estimators, self.console)
             print_trade(self.console, points)
             yield {"trade": [asdict(point) for point in points]}
 
@@ -64,6 +65,7 @@ class LightBench(Bench):
     def _measured(self, estimators: Mapping[str, Estimator]) -> Json:
         results = self._results(estimators)
         clips = self._clip_results(estimators)
+        takes = self._take_results(estimators)
         presets: dict[str, Json] = {}
         for preset in estimators:
             of_preset = [result for result in results if result.preset == preset]
@@ -71,11 +73,15 @@ class LightBench(Bench):
             summaries = {group: summarise(members) for group, members in grouped(of_preset).items()}
             stages = stage_times(of_preset)
             met = verdicts(preset, summaries, clips_of_preset)
-            print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, of_preset, met)
+            if of_preset:
+                print_preset(self.console, f"{self.estimator}, {preset}", summaries, stages, of_preset, met)
             presets[preset] = _preset_json(summaries, stages, clips_of_preset, met)
-        print_risk(self.console, results)
+        if results:
+            print_risk(self.console, results)
         if clips:
             print_clips(self.console, clips)
+        if takes:
+            print_takes(self.console, takes)
         return {
             "scenes": [folder.resolve().name for folder in self.scenes],
             "quick": self.quick,
@@ -83,12 +89,18 @@ class LightBench(Bench):
             "estimator": self.estimator,
             "presets": presets,
             "cases": [asdict(result) for result in results],
+            "takes": [asdict(result) for result in takes],
         }
 
     def cases(self) -> list[Case]:
         """The cases with a known light; with `quick`, every fifth of each category."""
         cases = [case for folder in self.scenes for case in _known(read_cases(folder))[: self.limit]]
         return thinned(cases, QUICK_EVERY) if self.quick else cases
+
+    def takes(self) -> list[Take]:
+        """The takes with a known light; with `quick`, every fifth."""
+        takes = [take for folder in self.scenes for take in read_takes(folder)[: self.limit]]
+        return takes[:: QUICK_EVERY if self.quick else 1]
 
     def _results(self, estimators: Mapping[str, Estimator]) -> list[CaseResult]:
         """All presets on each case in turn, so that other load on the machine affects them equally."""
@@ -111,6 +123,13 @@ class LightBench(Bench):
         for clip in track(clips, "clips", console=self.console, transient=True):
             frames = clip.frames(limit)
             results += [estimate_clip(estimator, preset, clip, frames) for preset, estimator in estimators.items()]
+        return results
+
+    def _take_results(self, estimators: Mapping[str, Estimator]) -> list[TakeResult]:
+        """All presets and numbers of views on each take in turn."""
+        results: list[TakeResult] = []
+        for take in track(self.takes(), "takes", console=self.console, transient=True):
+            results += take_results(take, estimators)
         return results
 
 

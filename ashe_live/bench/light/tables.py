@@ -7,7 +7,8 @@ from rich.console import Console
 from rich.table import Table
 
 from ashe_live.bench.light.clips import EVERY, ClipResult
-from ashe_live.bench.light.results import ALL, CONFIDENT_DEG, GOOD_DEG, CaseResult, Summary
+from ashe_live.bench.light.results import ALL, CONFIDENT_DEG, GOOD_DEG, CaseResult, Summary, summarise
+from ashe_live.bench.light.takes import TakeResult, confidence_falls, grouped_by_span, p95_deg
 from ashe_live.bench.light.targets import DEG, MS, Verdict
 from ashe_live.bench.metrics import calibration_error, risk_at, risk_by_coverage, share
 
@@ -50,6 +51,35 @@ def print_risk(console: Console, results: Sequence[CaseResult]) -> None:
             error = calibration_error(confidences, good)
             table.add_row(folder, preset, str(lit), _percent(covered), *cells, _fraction(error))
     console.print(table)
+
+
+def print_takes(console: Console, results: Sequence[TakeResult]) -> None:
+    """Prints, for each preset, errors and confidence by the takes' span and the number of views."""
+    columns = ("lit", "answered", "median", "p95", "within 1 σ", "95 % ellipse", "sure and wrong", "confidence", "ms")
+    for preset in dict.fromkeys(each.result.preset for each in results):
+        table = _table(f"{preset}: takes by span and number of views", ("span", "views"), columns)
+        members = [each for each in results if each.result.preset == preset]
+        for span, of_span in grouped_by_span(members).items():
+            for views in dict.fromkeys(each.views for each in of_span):
+                some = summarise([each.result for each in of_span if each.views == views])
+                answered = [each for each in of_span if each.views == views and each.result.is_lit]
+                p95 = p95_deg([each.result for each in answered])
+                table.add_row(
+                    span,
+                    str(views),
+                    str(len(answered)),
+                    _percent(share([each.result.is_answered for each in answered])),
+                    _degrees(some.median_deg),
+                    _degrees(p95),
+                    *map(_percent, (some.within_1_sigma, some.within_ellipse_95, some.bad_share)),
+                    _fraction(_mean([each.result.confidence for each in answered])),
+                    "-" if some.median_ms is None else f"{some.median_ms:.0f}",
+                )
+        console.print(table)
+        falls = confidence_falls(members)
+        console.print(
+            f"right answers whose confidence falls by more than 0.02 with more views: {falls[0]} of {falls[1]}"
+        )
 
 
 def print_clips(console: Console, clips: Sequence[ClipResult]) -> None:
@@ -166,6 +196,12 @@ def _degrees(value: float | None) -> str:
 
 def _percent(value: float | None) -> str:
     return "-" if value is None else f"{value:.0%}"
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    """Of those that are known."""
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None
 
 
 def _fraction(value: float | None) -> str:

@@ -11,6 +11,7 @@ from rich.progress import track
 
 from ashe_live.bench.cases import Case
 from ashe_live.bench.light.results import GOOD_DEG, CaseResult, case_result
+from ashe_live.bench.light.takes import Take
 from ashe_live.bench.plots import TradePoint, pareto_front
 from ashe_live.bench.tables import figures_table
 from ashe_live.light.estimators.estimator import Estimator
@@ -64,6 +65,9 @@ VARIATIONS = (
     *_varied("splits fitted", "tried", 2, 4, 6, 8, 12, 16),
     *_varied("fits refined", "refined", 1, 2, 3, 4, 6),
     *_fits("fine fit", "fine_fit", "fast", "balanced"),
+    *_varied("views", "views", 1, 2, 4, 8, 12),
+    *_varied("views searched beside the first", "companions", 0, 1, 2),
+    *_varied("explanations aligned in all views", "joint", 2, 4, 6),
 )
 
 
@@ -73,22 +77,26 @@ def replaced(record: Any, path: str, value: Any) -> Any:
     return replace(record, **{name: replaced(getattr(record, name), rest, value) if rest else value})
 
 
-def sweep(cases: Sequence[Case], presets: Mapping[str, Estimator], console: Console) -> list[TradePoint]:
-    """Measures every variation and preset on the lit ones of `cases`; presets come last.
+def sweep(
+    cases: Sequence[Case], takes: Sequence[Take], presets: Mapping[str, Estimator], console: Console
+) -> list[TradePoint]:
+    """Measures every variation and preset on the lit ones of `cases` and `takes`; presets come last.
 
-    All are run on each case in turn, so that other load on the machine affects them equally.
+    All are run on each of them in turn, so that other load on the machine affects them equally.
     """
     tried: list[tuple[str, str, Estimator, bool]] = [
         (variation.series, variation.name, ProxyEstimator(variation.steps()), False) for variation in VARIATIONS
     ]
     tried += [("presets", name, estimator, True) for name, estimator in presets.items()]
     results: list[list[CaseResult]] = [[] for _ in tried]
-    lit = [case for case in cases if case.to_lights_marker is not None and len(case.to_lights_marker)]
-    for case in track(lit, "trade", console=console, transient=True):
-        tracked = case.tracked()
+    pictures: list[tuple[Case, Take | None]] = [(case, None) for case in cases]
+    pictures += [(take.case, take) for take in takes]
+    lit = [(case, take) for case, take in pictures if case.to_lights_marker is not None and len(case.to_lights_marker)]
+    for case, take in track(lit, "trade", console=console, transient=True):
+        tracked, *others = [case.tracked()] if take is None else take.frames_by_spread()
         for of_setting, (_, name, estimator, _) in zip(results, tried, strict=True):
             started_s = time.process_time()
-            estimate = estimator.estimate(tracked)
+            estimate = estimator.estimate(tracked, others)
             of_setting.append(case_result(name, case, estimate, 1e3 * (time.process_time() - started_s)))
     return [
         TradePoint(name, series, float(np.median([one.wall_ms["total"] for one in group])), _errors(group), is_preset)

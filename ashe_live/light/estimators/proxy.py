@@ -15,7 +15,7 @@ from ashe_live.core.stages import StageClock
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
-from ashe_live.light.estimators.together import explained_together, scene_views, span_of
+from ashe_live.light.estimators.together import contradicting, explained_together, scene_views, span_of
 from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
 from ashe_live.light.explanation.explain import are_alike, different, explained, refined, refined_by_tangents
@@ -59,6 +59,19 @@ class ProxyEstimator:
         if tracked.marker is None:
             raise ValueError("a frame without a marker has no marker frame to answer in")
         clock = StageClock()
+        estimate, trace = self._traced(tracked, others, clock)
+        if len(estimate.views) > 1:
+            # Views that contradict each other may leave no answer; one view's answer then tells which of them do.
+            explained = estimate if estimate.light is not None else self._traced(tracked, (), clock)[0]
+            odd = contradicting(explained, tracked, others, self._steps)
+            if odd:
+                agreeing = [other for other in others if not any(other is one for one in odd)]
+                return self._traced(tracked, agreeing, clock)
+        return estimate, trace
+
+    def _traced(
+        self, tracked: TrackedFrame, others: Sequence[TrackedFrame], clock: StageClock
+    ) -> tuple[LightEstimate, Trace]:
         steps, judge = self._steps, self._judge
         fine = View.of(tracked, steps.fine_width_px)
         coarse = fine.scaled(steps.coarse_width_px)

@@ -53,7 +53,7 @@ BALANCED = ProxySteps(
     refined=2,
     ground=GroundSteps(),
     fine_fit=preset.BALANCED,
-    views=6,
+    views=8,
     companions=1,
     joint=4,
 )

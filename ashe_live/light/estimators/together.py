@@ -4,20 +4,24 @@ from collections.abc import Sequence
 from dataclasses import replace
 from operator import itemgetter
 
-from ashe_live.core.types import TrackedFrame
+import numpy as np
+
+from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.judge import Judge
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
+from ashe_live.light.views.agreement import WIDTH_PX, agreeing
 from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
 from ashe_live.light.views.joint import JointExplanation, explained_in_views, lit_body_of, own_costs
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 from ashe_live.light.views.seen import SceneView, costs_around
 from ashe_live.light.views.which import span_rad, towards_camera, usable
 
-COMPARED = 3  # number of views that the plane in a view other than the first is compared with
+# Number of others that the plane in the first view is compared with, and in a companion: more repeat what these tell.
+COMPARED_WITH_FIRST, COMPARED_WITH_COMPANION = 5, 2
 FIRST_VIEWS = 3  # number of views in which candidates are aligned before the likeliest are in all
 
 
@@ -38,7 +42,7 @@ def scene_views(
         view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), steps)
         if view is not None:
             views.append(view)
-    return views if len(views) == 1 else _with_plane(views)
+    return views if len(views) == 1 else _with_plane(views, steps.companions)
 
 
 def span_of(views: Sequence[SceneView]) -> float | None:
@@ -46,23 +50,37 @@ def span_of(views: Sequence[SceneView]) -> float | None:
     return span_rad([towards_camera(view.coarse.T_cam_marker) for view in views])
 
 
+def contradicting(
+    estimate: LightEstimate, tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps
+) -> list[TrackedFrame]:
+    """Those of the others used with `tracked` that do not show the scene which `estimate` explains in it.
+
+    The object or the print was moved, or another light is on. None are, where the estimate has no light or no body.
+    """
+    body, used = estimate.illumination.real_object, usable(tracked, others, steps.views - 1)
+    if body is None or not estimate.lights or not used:
+        return []
+    lights = np.array([light.homogeneous for light in estimate.lights])
+    agree = agreeing([View.of(each, WIDTH_PX) for each in (tracked, *used)], body, lights)
+    return [other for other, does in zip(used, agree, strict=True) if not does]
+
+
 def _scene_view(index: int, fine: View, coarse: View, steps: ProxySteps) -> SceneView | None:
     ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
     return None if ground is None else SceneView(index, fine, coarse, ground)
 
 
-def _with_plane(views: Sequence[SceneView]) -> list[SceneView]:
-    """The views with what the others tell about which of their pixels lie on the plane.
-
-    The first view is compared with all others, each of these with COMPARED others, that first one among them.
-    """
-    found = []
-    for number, view in enumerate(views):
-        others = [other for other in views if other is not view][: None if number == 0 else COMPARED]
-        colours = log_opponent(view.coarse.image_bgr)
-        seen = [each for other in others if (each := on_plane(view.coarse, colours, other.coarse)) is not None]
-        ratio = log_likelihood_ratio(seen, view.coarse.is_ground.shape)
-        found.append(replace(view, ground=replace(view.ground, on_plane=ratio)))
+def _with_plane(views: Sequence[SceneView], companions: int) -> list[SceneView]:
+    """The views, the first and so many companions with what others tell about which pixels lie on the plane."""
+    found = list(views)
+    colours = [log_opponent(view.coarse.image_bgr) for view in views[: 1 + COMPARED_WITH_FIRST]]
+    for number in range(min(1 + companions, len(views))):
+        view = views[number]
+        others = [i for i in range(len(colours)) if i != number]
+        others = others[: COMPARED_WITH_COMPANION if number else COMPARED_WITH_FIRST]
+        seen = [on_plane(view.coarse, colours[number], views[i].coarse, colours[i]) for i in others]
+        ratio = log_likelihood_ratio([each for each in seen if each is not None], view.coarse.is_ground.shape)
+        found[number] = replace(view, ground=replace(view.ground, on_plane=ratio))
     return found
 
 

@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 
+import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Mask
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.judge import Judge, explanation_features
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.views.joint import JointExplanation
@@ -27,9 +29,27 @@ def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
 def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
     """Log odds that the explanation is right rather than none of those tried."""
     joint = explanation.joint
-    return judge.log_odds_of(joint_features(explanation)) + plane_support(
-        joint.region, joint.predicted.body, joint.predicted.shadow
-    )
+    support = plane_support(joint.region, joint.predicted.body, joint.predicted.shadow)
+    # Labels tell of a body only as far as it is seen.
+    seen = float(np.mean([_share_seen(each) for each in explanation.each]))
+    return judge.log_odds_of(joint_features(explanation)) + seen * support
+
+
+def _share_seen(explanation: Explanation) -> float:
+    """The smaller one of the body's and its shadows' fractions, by area, that lie on ground in the region's picture."""
+    body, *shadows = explanation.alignment.placed.hulls_px
+    ground = explanation.region.is_ground
+    return min(_share_on(ground, hull) for hull in (body, *shadows))
+
+
+def _share_on(ground: Mask, hull_px: Float | None) -> float:
+    """The fraction of a convex hull's area (m, 2) that lies on `ground` (h, w); 0 for no hull."""
+    if hull_px is None:
+        return 0.0
+    inside = np.zeros(ground.shape, np.uint8)
+    cv2.fillConvexPoly(inside, np.round(hull_px).astype(np.int32), 1)
+    area = max(cv2.contourArea(hull_px.astype(np.float32)), 1.0)
+    return min(np.count_nonzero(ground & (inside > 0)) / area, 1.0)
 
 
 def plane_support(region: Region, body: Mask, shadow: Mask) -> float:

@@ -61,7 +61,7 @@ def test_every_number_that_the_presets_differ_in_is_varied():
 
 def test_an_abstention_is_worse_than_any_answer(cases, monkeypatch):
     monkeypatch.setattr("ashe_live.bench.light.trade.VARIATIONS", (Variation("size", "same", {}),))
-    same, guess = sweep(cases, {"guess": Guess()}, Console(quiet=True))
+    same, guess = sweep(cases, [], {"guess": Guess()}, Console(quiet=True))
     assert (same.is_preset, guess.is_preset) == (False, True)
     assert same.errors == {MEDIAN_ERROR: 90.0, MISSED: 100.0}
     assert guess.errors == pytest.approx({MEDIAN_ERROR: 45.0, MISSED: 100.0})
@@ -70,5 +70,5 @@ def test_an_abstention_is_worse_than_any_answer(cases, monkeypatch):
 
 def test_the_table_marks_the_front(cases, capsys, monkeypatch):
     monkeypatch.setattr("ashe_live.bench.light.trade.VARIATIONS", ())
-    print_trade(Console(width=100), sweep(cases, {"guess": Guess()}, Console(quiet=True)))
+    print_trade(Console(width=100), sweep(cases, [], {"guess": Guess()}, Console(quiet=True)))
     assert "45.0°*" in capsys.readouterr().out

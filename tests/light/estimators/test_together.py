@@ -16,9 +16,9 @@ from tests.light.synthetic_masks import camera_towards, direction
 STICKER = Caster("cylinder", (0.12, -0.07), 0.07, 1e-4, (0.03, 0.03, 0.035))
 
 
-def seen_from(heading_deg: float, *casters: Caster, ground: str = "plain", index: int = 0) -> TrackedFrame:
+def seen_from(heading_deg: float, *casters: Caster, ground: str = "plain", index: int = 0, **rest) -> TrackedFrame:
     pose = camera_towards((0.06, 0.0), 0.5, 45.0, heading_deg)
-    tracked = paint(*casters, ground=ground, T_cam_marker=pose, size=(480, 360), seed=index).tracked
+    tracked = paint(*casters, ground=ground, T_cam_marker=pose, size=(480, 360), seed=index, **rest).tracked
     return dataclasses.replace(tracked, frame=Frame(tracked.frame.image_bgr, index, 0.0))
 
 
@@ -46,6 +46,18 @@ def test_a_dark_sticker_at_the_foot_is_neither_object_nor_shadow() -> None:
     estimate = ProxyEstimator(FAST).estimate(first, others)
     assert estimate.light is not None, estimate.reason
     assert math.degrees(angle_between(estimate.light.to_light_marker, direction(200, 40))) < 2.0
+
+
+@pytest.mark.parametrize("change", ["light", "object"])
+def test_views_of_another_scene_are_left_out(change: str) -> None:
+    first, other, _ = views_of(BOX)
+    moved = dataclasses.replace(BOX, at=(0.15, 0.01))
+    turned, elsewhere = seen_from(105, BOX, index=2, azimuth_deg=235.0), seen_from(105, moved, index=2)
+    odd = turned if change == "light" else elsewhere
+    estimate = ProxyEstimator(FAST).estimate(first, [other, odd])
+    assert estimate.views == (0, 1)
+    assert estimate.light is not None
+    assert math.degrees(angle_between(estimate.light.to_light_marker, direction(200, 40))) < 1.0
 
 
 def test_views_without_a_marker_count_for_nothing() -> None:

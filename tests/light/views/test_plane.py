@@ -23,7 +23,8 @@ def painted_from(heading_deg: float, *casters: Caster, ground: str = "bricks", *
 def ratio_of(first: TrackedFrame, *others: TrackedFrame) -> np.ndarray:
     reference = View.of(first, WIDTH)
     colours = log_opponent(reference.image_bgr)
-    seen = [on_plane(reference, colours, View.of(other, WIDTH)) for other in others]
+    views = [View.of(other, WIDTH) for other in others]
+    seen = [on_plane(reference, colours, view, log_opponent(view.image_bgr)) for view in views]
     return log_likelihood_ratio([one for one in seen if one is not None], reference.is_ground.shape)
 
 
@@ -80,9 +81,5 @@ def test_from_one_place_nothing_can_be_told() -> None:
 
 def test_views_of_different_grounds_tell_nothing() -> None:
     away = paint(size=(320, 240), T_cam_marker=camera_towards((5.0, 0.0), 0.5, 60.0))
-    assert on_plane(*_reference(), View.of(away.tracked, WIDTH)) is None
-
-
-def _reference() -> tuple[View, np.ndarray]:
-    reference = View.of(painted_from(90, BOX).tracked, WIDTH)
-    return reference, log_opponent(reference.image_bgr)
+    here, there = (View.of(painted.tracked, WIDTH) for painted in (painted_from(90, BOX), away))
+    assert on_plane(here, log_opponent(here.image_bgr), there, log_opponent(there.image_bgr)) is None

@@ -1,0 +1,159 @@
+"""Takes: short clips of an unmoved scene by a hand-held camera, with a known light. How much do more views gain?"""
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ashe_live.bench.cases import EXACT_PX, GROUND_TRUTH, MOST_TRUTH_BYTES, Case, reprojection_rms_px, to_lights_marker
+from ashe_live.bench.light.results import CaseResult, case_result
+from ashe_live.capture.clip import ClipSource
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import rigid
+from ashe_live.core.types import MarkerPose, TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.files.reading import read_json
+from ashe_live.light.estimators.estimator import Estimator
+
+VIEWS = (1, 2, 4, 8, 12)  # numbers of views that are tried, each set holding those before it
+SPANS_DEG = (3.0, 6.0, 12.0, 25.0, 40.0)
+FALL = 0.02  # of a confidence that counts as one
+
+
+@dataclass(frozen=True, slots=True)
+class Take:
+    """A clip with the true pose of the marker in each of its frames, and the true light."""
+
+    case: Case  # its picture is the first frame
+    span_deg: float  # by how much the direction from the marker to the camera turns
+    poses: Mapping[int, MarkerPose]  # by frame; those without a marker are missing
+
+    def frames(self) -> list[TrackedFrame]:
+        """The frames with a marker, in order; raises UserError when the clip cannot be read."""
+        with ClipSource(self.case.image_path) as source:
+            read = iter(source.read, None)
+            return [
+                TrackedFrame(frame, self.case.camera, self.poses[frame.index])
+                for frame in read
+                if frame.index in self.poses
+            ]
+
+    def frames_by_spread(self) -> list[TrackedFrame]:
+        """The frames in the order of `spread_order`, so that the first N are spread over the take."""
+        frames = self.frames()
+        return [frames[i] for i in spread_order(len(frames))]
+
+
+@dataclass(frozen=True, slots=True)
+class TakeResult:
+    """The result of one preset on the first frame of a take, with others of its frames."""
+
+    span_deg: float
+    views: int  # given to the estimator, the first frame included
+    used: int  # that the answer rests on
+    result: CaseResult
+
+
+def read_takes(folder: Path) -> list[Take]:
+    """The takes that a folder's ground_truth.json lists, with a known light and a marker in the first frame.
+
+    Raises UserError when there is no such file, or it is no such list.
+    """
+    path = folder / GROUND_TRUTH
+    try:
+        content = read_json(path, MOST_TRUTH_BYTES)
+        takes = [_take(folder, take) for take in content.get("takes", ())]
+    except OSError as error:
+        raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise UserError(f"{path} is no list of takes ({error})", "it needs `takes` with `frames`") from error
+    return [take for take in takes if take.case.to_lights_marker is not None and 0 in take.poses]
+
+
+def take_results(take: Take, estimators: Mapping[str, Estimator]) -> Iterator[TakeResult]:
+    """The results of each preset with growing numbers of views, which are spread evenly over the take."""
+    first, *others = take.frames_by_spread()
+    counts = [count for count in VIEWS if count <= 1 + len(others)]
+    for views in counts:
+        for preset, estimator in estimators.items():
+            started_s = time.process_time()
+            estimate = estimator.estimate(first, others[: views - 1])
+            cpu_ms = 1e3 * (time.process_time() - started_s)
+            result = case_result(preset, take.case, estimate, cpu_ms)
+            yield TakeResult(take.span_deg, views, len(estimate.views), result)
+
+
+def spread_order(count: int) -> list[int]:
+    """The indices below `count`: the first, the last, then always the middle of the widest gap, the first of equals."""
+    order = [0, count - 1][:count]
+    while len(order) < count:
+        taken = sorted(order)
+        gaps = np.diff(taken)
+        widest = int(gaps.argmax())
+        order.append(taken[widest] + int(gaps[widest]) // 2)
+    return order
+
+
+def confidence_falls(results: Sequence[TakeResult]) -> tuple[int, int]:
+    """Of the right answers with fewer views, how many are less sure (by FALL) or gone with the next number of views.
+
+    Returns that number and the number of such steps. results: of one preset.
+    """
+    falls = steps = 0
+    for case in dict.fromkeys((each.result.folder, each.result.case) for each in results):
+        of_take = [each for each in results if (each.result.folder, each.result.case) == case]
+        for fewer, more in pairwise(sorted(of_take, key=lambda each: each.views)):
+            if fewer.result.is_good:
+                steps += 1
+                falls += (more.result.confidence or 0.0) < (fewer.result.confidence or 0.0) - FALL
+    return falls, steps
+
+
+def p95_deg(results: Sequence[CaseResult]) -> float | None:
+    """The 95th percentile of the errors of what was answered."""
+    errors = [result.error_deg for result in results if result.error_deg is not None]
+    return float(np.percentile(errors, 95)) if errors else None
+
+
+def _take(folder: Path, take: dict[str, Any]) -> Take:
+    width, height = take["size"]
+    dist = np.array(take.get("dist") or np.zeros(5), dtype=np.float64)
+    camera = Camera((width, height), np.array(take["K"], dtype=np.float64), dist, "file", EXACT_PX)
+    side_m = take["marker"]["side_m"]
+    poses = {}
+    for frame in take["frames"]:
+        T_cam_marker, corners_px = rigid(frame["R"], frame["t"]), np.array(frame["marker_corners_px"], np.float64)
+        if frame.get("marker_detected", True):
+            rms_px = reprojection_rms_px(camera, T_cam_marker, corners_px, side_m)
+            poses[int(frame["frame"])] = MarkerPose(T_cam_marker, corners_px, side_m, rms_px, None)
+    case = Case(
+        take["id"],
+        folder.resolve().name,
+        take.get("category", "take"),
+        (take.get("caster") or {}).get("type"),
+        folder / take["video"],
+        camera,
+        next(iter(poses.values())),
+        to_lights_marker(take),
+        {},
+    )
+    return Take(case, float(take["span_deg"]), poses)
+
+
+def grouped_by_span(results: Sequence[TakeResult]) -> dict[str, list[TakeResult]]:
+    """The results by the take's span, each in the nearest of SPANS_DEG on a logarithmic scale; then all together."""
+    groups: dict[str, list[TakeResult]] = {}
+    for span in SPANS_DEG:
+        members = [each for each in results if nearest_span_deg(each.span_deg) == span]
+        if members:
+            groups[f"{span:.0f}°"] = members
+    return {**groups, "all": list(results)}
+
+
+def nearest_span_deg(span_deg: float) -> float:
+    """The one of SPANS_DEG that a take's span counts as."""
+    return min(SPANS_DEG, key=lambda span: abs(np.log(span / max(span_deg, 1e-3))))

@@ -1,0 +1,64 @@
+"""Which views still show the scene of the first: nothing moved, the same light on, the marker where it was.
+
+Around a body and its shadow that explain the first view, the plane must look the same from everywhere, except where the
+body hides it. Where the shadow has gone, the body stands elsewhere, or the print has moved, it does not.
+"""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.views.plane import OnPlane, on_plane, plane_homography
+
+WIDTH_PX = 160  # at which views are compared: displacements that matter are larger than its pixels
+SQUARED_SIGMAS = 21.1  # of a residual in three channels, exceeded once in ten thousand
+AROUND_PX, HIDDEN_PX = 5, 2  # how far around body and shadow the plane is compared; margin of what the body hides
+LEAST_PX = 30  # of the plane to compare
+MOST_AROUND, MOST_OF_SHADOW = 0.08, 0.2  # fractions of the pixels that may differ: body and gloss are not quite known
+
+
+def agreeing(views: Sequence[View], body: Proxy, lights: Float) -> list[bool]:
+    """For each view but the first, whether it shows the scene that `body` and `lights` (l, 4) explain in the first.
+
+    views: WIDTH_PX wide. A view that shows too little of the plane around them contradicts nothing, and agrees.
+    """
+    first, *others = views
+    colours = log_opponent(first.image_bgr)
+    seen = predicted(body, lights, first)
+    found = []
+    for other in others:
+        plane = on_plane(first, colours, other, log_opponent(other.image_bgr))
+        if plane is None:
+            found.append(True)
+            continue
+        hidden = grown(seen.body | _on_first(predicted(body, lights, other).body, first, other), HIDDEN_PX)
+        clear = plane.seen & ~hidden
+        differs = _differs(plane)
+        around = grown(seen.whole, AROUND_PX) & clear
+        shadow = seen.shadow & clear
+        found.append(_share(differs, around) <= MOST_AROUND and _share(differs, shadow) <= MOST_OF_SHADOW)
+    return found
+
+
+def _on_first(mask: Mask, first: View, other: View) -> Mask:
+    """(h, w) of the first view: the pixels whose points of the plane the other view has in `mask`."""
+    flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
+    return cv2.warpPerspective(mask.astype(np.uint8), plane_homography(first, other), first.size, flags=flags) > 0
+
+
+def _differs(plane: OnPlane) -> Mask:
+    """(h, w) where the two views do not show the same."""
+    return np.asarray((plane.residual**2 / plane.variance).sum(axis=2) > SQUARED_SIGMAS)
+
+
+def _share(mask: Mask, within: Mask) -> float:
+    """The fraction of `within` that is in `mask`; 0 where there is too little of it."""
+    count = np.count_nonzero(within)
+    return int(np.count_nonzero(mask & within)) / int(count) if count >= LEAST_PX else 0.0
