@@ -15,9 +15,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.ranges import VIEWS
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 
-MOST_VIEWS = 12
+MOST_VIEWS = int(VIEWS.high)
 # The widest picture that a preset of the estimator works on; halving keeps at least that.
 WORKING_WIDTH_PX = 640
 MOST_BYTES = 40e6  # of all views together
@@ -58,6 +59,9 @@ class KeyViews:
     """
 
     def __init__(self, most: int = MOST_VIEWS) -> None:
+        """Raises ValueError for fewer than two views, which there is nothing to choose of."""
+        if most < 2:
+            raise ValueError(f"{most} views are not several")
         self._most = most
         self._set = _ViewSet(())
         self._camera: Camera | None = None  # of the frames as they came
