@@ -3,6 +3,7 @@
 import os
 import threading
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -38,21 +39,32 @@ def read_photo(path: str | Path) -> Image:
 
 
 def estimate_light(
-    image_bgr: Image,
+    image_bgr: Image | Sequence[Image],
     camera: Camera,
     marker: str = MARKER,
     side_m: float | None = None,
     quality: str = "balanced",
     estimator: str = "proxy",
 ) -> LightEstimate:
-    """Where the light is in one picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
+    """Where the light is in a picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
 
-    `camera` is scaled to the picture; `side_m` is the black square's side (None: 0.08) or the cube's edge (None: 0.06).
-    Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the marker's
-    name or file cannot be used, or the camera is of another shape; ValueError for wrong use.
+    A list or tuple of pictures is of one scene in which nothing has moved, from several sides; the answer is for the
+    first of them that shows the marker. `camera` is scaled to the picture; `side_m` is the black square's side (None:
+    0.08) or the cube's edge (None: 0.06). Without a marker, or without a light, the estimate has no lights and says
+    why. Raises UserError when the marker's name or file cannot be used, or the camera is of another shape; ValueError
+    for wrong use.
     """
-    chosen = make_estimator(estimator, quality)
-    return chosen.estimate(Tracker(camera, marker, side_m, quality).track(image_bgr))
+    chosen, tracker = make_estimator(estimator, quality), Tracker(camera, marker, side_m, quality)
+    pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
+    if not pictures:
+        raise ValueError("there is no picture to look at")
+    views = []
+    for picture in pictures:
+        tracker.reset()
+        views.append(tracker.track(picture))
+    with_marker = [view for view in views if view.marker is not None]
+    first, *others = with_marker or views[:1]
+    return chosen.estimate(first, others)
 
 
 def make_estimator(name: str = "proxy", quality: str = "balanced") -> "LightEstimator":
@@ -74,11 +86,17 @@ class LightEstimator:
     def name(self) -> str:
         return self._estimator.name
 
-    def estimate(self, tracked: TrackedFrame) -> LightEstimate:
-        """In the frame of the marker. Without one, or without a light, there are no lights and `reason` says why."""
+    def estimate(self, tracked: TrackedFrame, others: Sequence[TrackedFrame] = ()) -> LightEstimate:
+        """In the frame of the marker. Without one, or without a light, there are no lights and `reason` says why.
+
+        `others` are views of the same scene from other sides, with nothing moved in between; those without a marker
+        are left out. What the answer rests on is in its `views` and `span_rad`.
+        """
+        for other in others:
+            arguments.instance(other, TrackedFrame, "each of others")
         if arguments.instance(tracked, TrackedFrame, "tracked").marker is None:
             return LightEstimate(self.name, tracked.frame.index, Illumination(), "no marker found")
-        return self._estimator.estimate(tracked)
+        return self._estimator.estimate(tracked, tuple(other for other in others if other.marker is not None))
 
 
 class Tracker:

@@ -220,3 +220,28 @@ def test_importing_loads_nothing_that_is_not_asked_for(code, absent):
     loaded = set(done.stdout.split())
     assert "ashe_live" in loaded
     assert not loaded & absent
+
+
+def test_several_pictures_of_one_scene_have_one_answer_for_the_first_with_a_marker(picture_of_box):
+    camera = al.Camera.from_hfov((640, 480), 55)
+    empty = np.full((480, 640, 3), 140, np.uint8)
+    pictures = [picture_of_box(azimuth) for azimuth in (-100, -90)]
+    alone = al.estimate_light(pictures[0], camera, quality="fast")
+    together = al.estimate_light([empty, *pictures], camera, quality="fast")
+    assert alone.views == (0,)
+    assert together.frame_index == together.views[0] == 1
+    assert set(together.views) <= {1, 2}
+    assert al.estimate_light([empty], camera).reason == "no marker found"
+    with pytest.raises(ValueError, match="no picture"):
+        al.estimate_light([], camera)
+
+
+def test_other_views_are_tracked_frames_and_those_without_a_marker_are_left_out(picture_of_box):
+    camera = al.Camera.from_hfov((640, 480), 55)
+    tracker, estimator = al.Tracker(camera), al.make_estimator("proxy", "fast")
+    first, empty = tracker.track(picture_of_box(-100)), tracker.track(np.full((480, 640, 3), 140, np.uint8))
+    answer = estimator.estimate(first, [empty])
+    assert answer.views == (0,)
+    assert answer.span_rad is None
+    with pytest.raises(TypeError, match="each of others"):
+        estimator.estimate(first, [picture_of_box(-90)])

@@ -104,6 +104,19 @@ def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
     estimate.add_argument("--sheet", type=Path, metavar="FILE.html", help="a page with the light drawn into thumbnails")
     estimate.add_argument("--overwrite", action="store_true", help="replace an existing sheet")
     estimate.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
+    estimate.add_argument(
+        "--together", action="store_true", help="one answer from all files: photos of one table, with nothing moved"
+    )
+    estimate.add_argument(
+        "--views", type=values.views, default=12, metavar="N", help="frames of a clip to answer from (default up to 12)"
+    )
+    estimate.add_argument(
+        "--frames",
+        type=values.frame_range,
+        default=(0, None),
+        metavar="FIRST:LAST",
+        help="frames of a clip to choose them from (default: from the first usable one on, for ten seconds)",
+    )
     _add_scene_options(estimate)
     estimate.set_defaults(no_filter=False)
     _add_quality_options(estimate)

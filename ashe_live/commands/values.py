@@ -13,6 +13,7 @@ from ashe_live.core.ranges import (
     MARKER_SIDE,
     PRINTED_MM,
     SIDE,
+    VIEWS,
     Range,
 )
 
@@ -40,7 +41,7 @@ def _whole_number_in(allowed: Range) -> Callable[[str], int]:
 
 side_m, millimetres = _number_in(MARKER_SIDE), _number_in(PRINTED_MM)
 focal_px, angle_deg = _number_in(FOCAL), _number_in(FIELD_OF_VIEW)
-count, index = _whole_number_in(COUNT), _whole_number_in(INDEX)
+count, index, views = (_whole_number_in(allowed) for allowed in (COUNT, INDEX, VIEWS))
 
 
 def size(text: str) -> tuple[int, int]:
@@ -51,6 +52,18 @@ def size(text: str) -> tuple[int, int]:
     if int(width) * int(height) not in DRAWN:
         raise argparse.ArgumentTypeError(f"{text!r} has more pixels than can be drawn: give at most 4096x4096")
     return int(width), int(height)
+
+
+def frame_range(text: str) -> tuple[int, int | None]:
+    """FIRST:LAST, both included; either may be missing."""
+    first, colon, last = text.partition(":")
+    try:
+        bounds = index(first or "0"), index(last) if last else None
+    except argparse.ArgumentTypeError:
+        bounds = 1, 0
+    if not colon or (bounds[1] is not None and bounds[0] > bounds[1]):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a range of frames like 30:90, 30: or :90")
+    return bounds
 
 
 def camera(text: str) -> str:

@@ -5,7 +5,7 @@ What does not apply or was not measured is null. Additions keep the schema's num
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -72,6 +72,20 @@ def caster_json(caster: Proxy | None) -> Json | None:
     return {"family": caster.family, "spheroids_marker": caster.spheroids_marker.tolist()}
 
 
+def views_json(estimate: LightEstimate | None, files: Sequence[str] = ()) -> Json | None:
+    """What an answer rests on beside its own frame; None where that is alone.
+
+    `files` are those of the views where they are of several; the indices are then those within each file.
+    """
+    if estimate is None or estimate.span_rad is None:
+        return None
+    return {
+        "frames": list(estimate.views),
+        "files": list(files) or None,
+        "span_deg": math.degrees(estimate.span_rad),
+    }
+
+
 def illumination_json(illumination: Illumination, reason: str | None = None) -> Json:
     """The fields of a record about the lights and what they fall on; without a light, `reason` says why."""
     return {
@@ -85,7 +99,7 @@ def illumination_json(illumination: Illumination, reason: str | None = None) -> 
 
 def estimate_json(estimate: LightEstimate) -> Json:
     """The fields of a record that the estimator measured."""
-    return illumination_json(estimate.illumination, estimate.reason)
+    return {**illumination_json(estimate.illumination, estimate.reason), "views": views_json(estimate)}
 
 
 def estimated_light_json(estimate: LightEstimate) -> Json:
@@ -95,7 +109,7 @@ def estimated_light_json(estimate: LightEstimate) -> Json:
 
 def light_by_hand_json(illumination: Illumination, frame_index: int) -> Json:
     """A snapshot's light that a person has set, in the frame of that index."""
-    return {"frame": frame_index, "estimator": BY_HAND, **illumination_json(illumination)}
+    return {"frame": frame_index, "estimator": BY_HAND, **illumination_json(illumination), "views": None}
 
 
 def snapshot_json(tracked: TrackedFrame, model: str, light: Json | None, marker_from_placed: Float) -> Json:
@@ -133,10 +147,14 @@ class FileRecord:
     estimate: LightEstimate | None = None
     timing_ms: Mapping[str, float] | None = None
     in_view: tuple[str, ...] = ()  # other markers, where the one that was looked for is not
+    places: tuple[tuple[str, int], ...] = ()  # file and frame of each of the estimate's views, where of several files
 
     def to_json(self) -> Json:
         reason = self.error or "no marker found"
         estimate = self.estimate or LightEstimate(self.estimator, self.frame or 0, Illumination(), reason)
+        views = views_json(self.estimate, [file for file, _ in self.places])
+        if views is not None and self.places:
+            views["frames"] = [index for _, index in self.places]
         timing = {stage: (self.timing_ms or {}).get(stage) for stage in STAGES}
         return {
             "schema": SCHEMA,
@@ -147,6 +165,7 @@ class FileRecord:
             "marker": marker_json(self.marker) if self.error is None else None,
             "markers_in_view": list(self.in_view),
             **estimate_json(estimate),
+            "views": views,
             "quality": self.quality,
             "estimator": self.estimator,
             "timing_ms": timing if self.timing_ms else None,

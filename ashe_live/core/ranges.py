@@ -42,6 +42,7 @@ ANGLE = Range(0.0, 6.2832, "rad")
 INVERSE_DISTANCE = Range(0.0, 1e3, "1/m")  # of a lamp: no nearer than a millimetre
 LAMP_RADIUS = Range(0.0, 1e3, "m")
 INDEX = Range(0, 1e9)
+VIEWS = Range(1, 12)  # of one scene: what an estimate takes, and what is kept of a video for it
 CAMERA_NUMBER = Range(0, 65535)
 
 

@@ -1,6 +1,8 @@
 """Every kind of record that leaves the program validates against the published schema."""
 
+import dataclasses
 import json
+import math
 from pathlib import Path
 
 import jsonschema
@@ -31,7 +33,12 @@ WHOLE = LightEstimate(
     Illumination((FULL,), np.array([0.2, 0.3, 0.4]), np.array([0.6, 0.5, 0.4]), CONE),
 )
 
+VIEWS = dataclasses.replace(WHOLE, views=(3, 9, 14), span_rad=0.4)
+PLACES = ("a.jpg", 0), ("b.mp4", 4), ("b.mp4", 9)
+
 RECORDS = {
+    "views": FileRecord("a.mp4", "fast", "proxy", None, 3, CAMERA, POSE, VIEWS, TIMING),
+    "together": FileRecord("a.jpg", "fast", "proxy", None, 0, CAMERA, POSE, VIEWS, TIMING, (), PLACES),
     "answered": FileRecord("a.jpg", "fast", "paper", None, 0, CAMERA, POSE, estimate(BARE), TIMING),
     "two lights": FileRecord("a.jpg", "fast", "paper", None, 0, CAMERA, POSE, estimate(FULL, BARE), TIMING),
     "all measured": FileRecord("a.jpg", "fast", "proxy", None, 0, CAMERA, POSE, WHOLE, TIMING),
@@ -51,7 +58,13 @@ def test_a_record_is_one_line_that_validates(kind: str) -> None:
 @pytest.mark.parametrize("pose", [POSE, None])
 @pytest.mark.parametrize(
     "light",
-    [estimated_light_json(WHOLE), estimated_light_json(estimate()), light_by_hand_json(Illumination((BARE,)), 3), None],
+    [
+        estimated_light_json(WHOLE),
+        estimated_light_json(VIEWS),
+        estimated_light_json(estimate()),
+        light_by_hand_json(Illumination((BARE,)), 3),
+        None,
+    ],
 )
 def test_what_a_snapshot_carries_validates(pose: MarkerPose | None, light: Json | None) -> None:
     tracked = TrackedFrame(Frame(np.zeros((480, 640, 3), np.uint8), 9, 0.3), CAMERA, pose)
@@ -60,6 +73,15 @@ def test_what_a_snapshot_carries_validates(pose: MarkerPose | None, light: Json 
     assert record["frame"] == 9
     assert (record["estimate"] is None) is (light is None)
     assert light is None or record["estimate"]["frame"] == 3
+
+
+def test_views_are_frames_of_one_file_or_of_several_and_null_where_there_is_one() -> None:
+    span_deg = pytest.approx(math.degrees(0.4))
+    assert RECORDS["views"].to_json()["views"] == {"frames": [3, 9, 14], "files": None, "span_deg": span_deg}
+    together = {"frames": [0, 4, 9], "files": ["a.jpg", "b.mp4", "b.mp4"], "span_deg": span_deg}
+    assert RECORDS["together"].to_json()["views"] == together
+    assert estimated_light_json(VIEWS)["views"]["frames"] == [3, 9, 14]
+    assert RECORDS["all measured"].to_json()["views"] is None
 
 
 def test_the_strongest_light_comes_first_and_stands_alone() -> None:

@@ -15,9 +15,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.ranges import VIEWS
+from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 
-MOST_VIEWS = 12
+MOST_VIEWS = int(VIEWS.high)
 # The widest picture that a preset of the estimator works on; halving keeps at least that.
 WORKING_WIDTH_PX = 640
 MOST_BYTES = 40e6  # of all views together
@@ -58,6 +60,9 @@ class KeyViews:
     """
 
     def __init__(self, most: int = MOST_VIEWS) -> None:
+        """Raises ValueError for fewer than two views, which there is nothing to choose of."""
+        if most < 2:
+            raise ValueError(f"{most} views are not several")
         self._most = most
         self._set = _ViewSet(())
         self._camera: Camera | None = None  # of the frames as they came
@@ -179,16 +184,21 @@ def blur_px(tracked: TrackedFrame) -> float:
     """Standard deviation of the blur at the marker's corner, in pixels, across the more blurred of its two sides.
 
     A black square on white paper is a step: blurred by a normal distribution of deviation s, its steepest slope is its
-    height over s sqrt(2 pi). A motion along one side blurs the other alone. Infinity where there is nothing to measure.
+    height over s sqrt(2 pi). A motion along one side blurs the other alone. Of a body with prints on its faces, the
+    middle is looked at, along the picture's axes. Infinity where there is nothing to measure.
     """
-    if tracked.marker is None:
+    marker = tracked.marker
+    if marker is None:
         return math.inf
-    image = tracked.frame.image_bgr
-    corners = tracked.marker.corners_px
-    left, top = np.maximum(np.round(corners[0]) - CROP_PX // 2, 0).astype(int)
-    crop = image[top : top + CROP_PX, left : left + CROP_PX]
-    sides = corners[[1, 3]] - corners[0]
-    if min(crop.shape[:2]) < 3 or not sides.any(axis=1).all():
+    place, sides = marker.corners_px[0], marker.corners_px[[1, 3]] - marker.corners_px[0]
+    if marker.body is not None:
+        place = project(tracked.camera, marker.T_cam_marker, [(0.0, 0.0, marker.side_m / 2)])[0]
+        sides = np.eye(2)
+    if not (np.isfinite(place).all() and sides.any(axis=1).all()):
+        return math.inf
+    left, top = np.clip(np.round(place) - CROP_PX // 2, 0, 1e6).astype(int)
+    crop = tracked.frame.image_bgr[top : top + CROP_PX, left : left + CROP_PX]
+    if min(crop.shape[:2]) < 3:
         return math.inf
     grey = cv2.cvtColor(np.asarray(crop), cv2.COLOR_BGR2GRAY)
     across_x, across_y = (

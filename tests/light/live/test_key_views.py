@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, project, rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.live.key_views import (
@@ -128,6 +129,20 @@ def test_a_blurred_frame_is_not_kept() -> None:
 @pytest.mark.parametrize("azimuth_deg", [0, 20, 45])
 def test_blur_is_measured_in_pixels(blur, azimuth_deg) -> None:
     assert blur_px(view(azimuth_deg, blur=blur)) == pytest.approx(blur, rel=0.3)
+
+
+@pytest.mark.parametrize("blur", [1.5, 3.0])
+def test_of_a_printed_body_the_blur_is_measured_on_its_faces(blur) -> None:
+    """Its corners on the plane are hidden, and the ground there is plain."""
+    seen = view(0, blur=0.0)
+    body = Proxy("box", np.array([[x, y, 0.04, 0.02, 0.04] for x in (-0.02, 0.02) for y in (-0.02, 0.02)]))
+    image = np.full_like(seen.frame.image_bgr, 150)
+    u, v = np.round(project(CAMERA, seen.marker.T_cam_marker, [(0.0, 0.0, SIDE_M / 2)])[0]).astype(int)
+    image[v - 12 : v + 12, u - 12 : u + 12] = 20
+    image = cv2.GaussianBlur(image, (0, 0), blur)
+    printed = dataclasses.replace(seen.marker, body=body)
+    tracked = TrackedFrame(Frame(image, 0, 0.0), CAMERA, printed)
+    assert blur_px(tracked) == pytest.approx(blur, rel=0.3)
 
 
 def test_without_a_marker_or_contrast_nothing_is_sharp() -> None:
