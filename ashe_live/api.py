@@ -3,6 +3,7 @@
 import os
 import threading
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -44,31 +45,33 @@ def estimate_light(
     side_m: float | None = None,
     quality: str = "balanced",
     estimator: str = "proxy",
+    light: str = "auto",
 ) -> LightEstimate:
     """Where the light is in one picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
 
     `camera` is scaled to the picture; `side_m` is the black square's side (None: 0.08) or the cube's edge (None: 0.06).
-    Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the marker's
-    name or file cannot be used, or the camera is of another shape; ValueError for wrong use.
+    A `light` that is "auto" is a lamp where the picture tells its distance; "sun" and "lamp" are always the one or the
+    other. Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the
+    marker's name or file cannot be used, or the camera is of another shape; ValueError for wrong use.
     """
-    chosen = make_estimator(estimator, quality)
+    chosen = make_estimator(estimator, quality, light)
     return chosen.estimate(Tracker(camera, marker, side_m, quality).track(image_bgr))
 
 
-def make_estimator(name: str = "proxy", quality: str = "balanced") -> "LightEstimator":
+def make_estimator(name: str = "proxy", quality: str = "balanced", light: str = "auto") -> "LightEstimator":
     """An estimator for one frame after another, which `estimate_light` makes anew each time.
 
-    Raises UserError for an estimator that is not there, ValueError for such a quality.
+    Raises UserError for an estimator that is not there, ValueError for such a quality or light.
     """
-    return LightEstimator(arguments.text(name, "name"), quality)
+    return LightEstimator(arguments.text(name, "name"), quality, light)
 
 
 class LightEstimator:
     """Where the light is in tracked frames. For use by one thread at a time."""
 
-    def __init__(self, name: str, quality: str) -> None:
+    def __init__(self, name: str, quality: str, light: str) -> None:
         """As `make_estimator`."""
-        self._estimator = estimators.make_estimator(name, _quality(quality).light)
+        self._estimator = estimators.make_estimator(name, replace(_quality(quality).light, light=light))
 
     @property
     def name(self) -> str:
