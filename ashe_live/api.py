@@ -4,6 +4,7 @@ import os
 import threading
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -45,16 +46,18 @@ def estimate_light(
     side_m: float | None = None,
     quality: str = "balanced",
     estimator: str = "proxy",
+    light: str = "auto",
 ) -> LightEstimate:
     """Where the light is in a picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
 
     A list or tuple of pictures is of one scene in which nothing has moved, from several sides; the answer is for the
     first of them that shows the marker. `camera` is scaled to the picture; `side_m` is the black square's side (None:
-    0.08) or the cube's edge (None: 0.06). Without a marker, or without a light, the estimate has no lights and says
-    why. Raises UserError when the marker's name or file cannot be used, or the camera is of another shape; ValueError
-    for wrong use.
+    0.08) or the cube's edge (None: 0.06). A `light` that is "auto" is a lamp where the picture tells its distance;
+    "sun" and "lamp" are always the one or the other. Without a marker, or without a light, the estimate has no lights
+    and says why. Raises UserError when the marker's name or file cannot be used, or the camera is of another shape;
+    ValueError for wrong use.
     """
-    chosen, tracker = make_estimator(estimator, quality), Tracker(camera, marker, side_m, quality)
+    chosen, tracker = make_estimator(estimator, quality, light), Tracker(camera, marker, side_m, quality)
     pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
     if not pictures:
         raise ValueError("there is no picture to look at")
@@ -67,20 +70,20 @@ def estimate_light(
     return chosen.estimate(first, others)
 
 
-def make_estimator(name: str = "proxy", quality: str = "balanced") -> "LightEstimator":
+def make_estimator(name: str = "proxy", quality: str = "balanced", light: str = "auto") -> "LightEstimator":
     """An estimator for one frame after another, which `estimate_light` makes anew each time.
 
-    Raises UserError for an estimator that is not there, ValueError for such a quality.
+    Raises UserError for an estimator that is not there, ValueError for such a quality or light.
     """
-    return LightEstimator(arguments.text(name, "name"), quality)
+    return LightEstimator(arguments.text(name, "name"), quality, light)
 
 
 class LightEstimator:
     """Where the light is in tracked frames. For use by one thread at a time."""
 
-    def __init__(self, name: str, quality: str) -> None:
+    def __init__(self, name: str, quality: str, light: str) -> None:
         """As `make_estimator`."""
-        self._estimator = estimators.make_estimator(name, _quality(quality).light)
+        self._estimator = estimators.make_estimator(name, replace(_quality(quality).light, light=light))
 
     @property
     def name(self) -> str:

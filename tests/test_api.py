@@ -115,6 +115,8 @@ WRONG = {
     ),
     ("quality", "Tracker"): (lambda value: al.Tracker(CAMERA, quality=value), NO_QUALITIES),
     ("quality", "make_estimator"): (lambda value: al.make_estimator("proxy", value), NO_QUALITIES),
+    ("light", "make_estimator"): (lambda value: al.make_estimator("proxy", light=value), NO_QUALITIES),
+    ("light", "estimate_light"): (lambda value: al.estimate_light(GREY, CAMERA, light=value), NO_QUALITIES),
     ("name", "make_estimator"): (al.make_estimator, NO_NAMES),
     ("tracked", "estimate"): (lambda value: al.make_estimator().estimate(value), (None, "a", GREY)),
     ("quality", "Renderer"): (lambda value: al.Renderer((64, 48), value), NO_QUALITIES),

@@ -39,10 +39,16 @@ class Case:
     mask_paths: Mapping[str, Path]  # by name: object, shadow, ...; 1-bit pictures
     tags: Mapping[str, str] = field(default_factory=dict)  # the families that the picture belongs to, by kind: KINDS
     marker_spec: str | None = None  # as `parse_marker` reads it; None: not stated, or of a pattern file
+    lamp_m: Float | None = None  # (3,) place of the strongest light, marker frame; None for a sun
+    foot_m: Float | None = None  # (2,) where the object that casts the shadow stands; None: not stated
 
     def __post_init__(self) -> None:
         if self.to_lights_marker is not None:
             set_frozen(self, to_lights_marker=frozen_floats(self.to_lights_marker, (-1, 3), "to_lights_marker"))
+        if self.lamp_m is not None:
+            set_frozen(self, lamp_m=frozen_floats(self.lamp_m, (3,), "lamp_m"))
+        if self.foot_m is not None:
+            set_frozen(self, foot_m=frozen_floats(self.foot_m, (2,), "foot_m"))
 
     def tracked(self, index: int = 0) -> TrackedFrame:
         """The picture as a frame, with the true pose; raises UserError when it cannot be read."""
@@ -107,6 +113,8 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
             {name: folder / file for name, file in scene.get("masks", {}).items()},
             {kind: str(tags[kind]) for kind in KINDS if kind in tags},
             _marker_spec(marker),
+            _lamp_m(scene),
+            (scene.get("caster") or {}).get("base_xy_m"),
         )
 
 
@@ -136,8 +144,18 @@ def to_lights_marker(scene: Mapping[str, Any]) -> Float | None:
     """(n, 3) unit vectors, strongest first; None when the scene does not state them."""
     if "lights" not in scene:
         return None if scene.get("directional", True) else np.empty((0, 3))
-    lights = sorted(scene["lights"], key=lambda light: -light.get("relative_strength", 1.0))
-    return np.array([light["dir_to_light"] for light in lights], dtype=np.float64).reshape(-1, 3)
+    return np.array([light["dir_to_light"] for light in _by_strength(scene)], dtype=np.float64).reshape(-1, 3)
+
+
+def _lamp_m(scene: Mapping[str, Any]) -> Float | None:
+    """(3,) where the strongest light is, if it is a lamp."""
+    strongest = next(iter(_by_strength(scene)), {})
+    return np.array(strongest["lamp"]["position_m"], dtype=np.float64) if "lamp" in strongest else None
+
+
+def _by_strength(scene: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The scene's lights, strongest first."""
+    return sorted(scene.get("lights", []), key=lambda light: -light.get("relative_strength", 1.0))
 
 
 def _corners_px(camera: Camera, T_cam_marker: Float, marker: Mapping[str, Any]) -> Float:

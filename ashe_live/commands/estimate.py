@@ -13,7 +13,7 @@ from ashe_live.commands.file_answers import FileEstimator
 from ashe_live.commands.light_page import LightPage, picture_of
 from ashe_live.commands.marker_choice import others_said
 from ashe_live.commands.named_files import named_files
-from ashe_live.commands.setup import camera_chooser, make_tracker, quality_of
+from ashe_live.commands.setup import camera_chooser, light_steps, make_tracker
 from ashe_live.core.contract import FileRecord
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, make_folder
@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
     _check_frames(options)
     named = named_files(options.files)
     check_outputs([options.sheet], [*named, options.camera_file], options.overwrite)
-    estimator = make_estimator(options.estimator, quality_of(options).light)
+    estimator = make_estimator(options.estimator, light_steps(options))
     camera_for = camera_chooser(options)
     make_tracker(options, camera_for)  # a marker that is none is said before any file is opened
     page = LightPage()

@@ -20,6 +20,8 @@ MARKER_HELP = (
     f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png, "
     f"grid:DICT:COLSxROWS or cube (default: the one in view, or {DEFAULT_MARKER})"
 )
+LIGHTS = ("auto", "sun", "lamp")
+LIGHT_HELP = "what it is taken for: a lamp where the picture tells its distance (auto), or always the one or the other"
 UPS = ("x", "y", "z", "-x", "-y", "-z")
 MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
@@ -248,6 +250,7 @@ def _add_quality_options(parser: argparse.ArgumentParser, default: str = "balanc
     trade = parser.add_argument_group("speed against accuracy")
     trade.add_argument("--quality", choices=("fast", "balanced", "accurate", "auto"), default=default)
     trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=f"(default {DEFAULT_ESTIMATOR})")
+    trade.add_argument("--light", choices=LIGHTS, default=LIGHTS[0], help=LIGHT_HELP)
 
 
 class _Named(argparse.Action):

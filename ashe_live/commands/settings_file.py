@@ -43,6 +43,7 @@ SETTINGS: Mapping[str, Setting] = {
     "size": Setting(TEXT, SHOWN),
     "quality": Setting(TEXT, ("demo", *SEEN)),
     "estimator": Setting(TEXT, ("demo", *SEEN)),
+    "light": Setting(TEXT, ("demo", *SEEN)),
 }
 # Ways to say the same thing: a flag replaces whichever of them the file has.
 ONE_OF = ("camera-file", "focal-px", "hfov")

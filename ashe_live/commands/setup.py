@@ -2,11 +2,13 @@
 
 import argparse
 from collections.abc import Callable
+from dataclasses import replace
 
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
 from ashe_live.errors import UserError
+from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.process.messages import tell
 from ashe_live.quality import BALANCED, QUALITIES, Quality
 from ashe_live.tracking.focal_memory import FocalMemory
@@ -20,6 +22,11 @@ CameraFor = Callable[[Size], Camera]
 def quality_of(options: argparse.Namespace) -> Quality:
     """`auto` starts in the middle."""
     return QUALITIES.get(options.quality, BALANCED)
+
+
+def light_steps(options: argparse.Namespace) -> ProxySteps:
+    """The estimator's preset, with what lights are taken for."""
+    return replace(quality_of(options).light, light=options.light)
 
 
 def camera_chooser(options: argparse.Namespace) -> CameraFor:

@@ -12,7 +12,7 @@ from ashe_live.capture.cut_short import rescue_recordings
 from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.marker_choice import others_said, with_marker, with_marker_in
-from ashe_live.commands.setup import make_tracker, quality_of
+from ashe_live.commands.setup import light_steps, make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size, drawn_size
 from ashe_live.errors import ExitStatus, UserError
@@ -81,7 +81,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker)
         session.show_light = setup.shows_light
-        session.watch.preset = quality_of(options).light
+        session.watch.preset = light_steps(options)
         if options.headless:
             for line in shelf.take_words():
                 tell(line)

@@ -130,3 +130,13 @@ def test_masks_are_read_by_name(tmp_path):
     assert case.mask("clutter") is None
     with pytest.raises(UserError, match=r"gone\.png"):
         case.mask("shadow")
+
+
+def test_a_lamp_has_a_place(tmp_path):
+    lamp = {"dir_to_light": [0, 0.6, 0.8], "lamp": {"position_m": [0, 0.3, 0.4]}, "relative_strength": 0.9}
+    sun = {"dir_to_light": [0, 0, 1], "relative_strength": 0.5}
+    several = [scene(lights=[sun, lamp], caster={"type": "box", "base_xy_m": [0.1, 0.2]}), scene(lights=[sun])]
+    near, far = read_cases(written(tmp_path, {"scenes": several}))
+    np.testing.assert_array_equal(near.lamp_m, [0, 0.3, 0.4])
+    np.testing.assert_array_equal(near.foot_m, [0.1, 0.2])
+    assert (far.lamp_m, far.foot_m) == (None, None)

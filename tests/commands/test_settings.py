@@ -24,13 +24,15 @@ def settle(tmp_path, monkeypatch: pytest.MonkeyPatch):
 
 
 def test_a_setting_holds_until_a_flag_says_otherwise(settle):
-    settle('quality = "fast"\nhfov = 70\nmodel = "mug"\nsize = "320x240"\ncamera = 2\n')
+    settle('quality = "fast"\nhfov = 70\nmodel = "mug"\nsize = "320x240"\ncamera = 2\nlight = "sun"\n')
     for arguments in (["webcam"], ["play", "a.mp4"]):
         options = parsed(arguments)
         assert (options.quality, options.hfov, options.model, options.size) == ("fast", 70.0, "mug", (320, 240))
     assert parsed(["webcam"]).camera == "2"
     assert parsed(["webcam", "--camera", "1"]).camera == "1"
     assert parsed(["play", "a.mp4", "--quality", "accurate"]).quality == "accurate"
+    assert parsed(["estimate", "a.jpg"]).light == "sun"
+    assert parsed(["estimate", "a.jpg", "--light", "lamp"]).light == "lamp"
     assert parsed(["estimate", "a.jpg"]).hfov == 70
 
 
@@ -50,7 +52,12 @@ def test_the_demo_keeps_its_own_camera_and_the_bench_has_no_settings(settle):
 
 @pytest.mark.parametrize(
     ("content", "said"),
-    [("hfov = 200", "hfov: '200'"), ('quality = "best"', "best"), ("hfow = 60", "did you mean hfov?")],
+    [
+        ("hfov = 200", "hfov: '200'"),
+        ('quality = "best"', "best"),
+        ('light = "moon"', "moon"),
+        ("hfow = 60", "did you mean hfov?"),
+    ],
 )
 def test_a_value_that_its_flag_refuses_is_one_line_that_names_the_file(run, settle, content, said):
     path = settle(content)

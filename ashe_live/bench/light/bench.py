@@ -13,7 +13,7 @@ from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.light.clips import ClipResult, estimate_clip, read_clips
 from ashe_live.bench.light.results import CaseResult, Summary, case_result, grouped, stage_times, summarise
-from ashe_live.bench.light.tables import print_clips, print_preset, print_risk, print_takes
+from ashe_live.bench.light.tables import print_clips, print_lamps, print_preset, print_risk, print_takes
 from ashe_live.bench.light.takes import Take, TakeResult, read_takes, take_results
 from ashe_live.bench.light.targets import Verdict, verdicts
 from ashe_live.bench.light.trade import COST, print_trade, sweep
@@ -78,6 +78,7 @@ class LightBench(Bench):
             presets[preset] = _preset_json(summaries, stages, clips_of_preset, met)
         if results:
             print_risk(self.console, results)
+            print_lamps(self.console, results)
         if clips:
             print_clips(self.console, clips)
         if takes:

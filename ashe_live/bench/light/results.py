@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.bench.cases import Case
+from ashe_live.bench.light.lamps import LampFigures, lamp_figures
 from ashe_live.bench.metrics import (
     ELLIPSE_95,
     angular_error_deg,
@@ -46,6 +47,7 @@ class CaseResult:
     true_labels_deg: float | None  # error of the run from true labels
     wall_ms: Mapping[str, float]  # by stage, with "total"
     cpu_ms: float  # of all threads, of all stages
+    lamp: LampFigures | None  # of a case with one light, sun or lamp
 
     @property
     def is_lit(self) -> bool:
@@ -106,6 +108,7 @@ def case_result(
         true_labels_deg,
         dict(estimate.timing_ms),
         cpu_ms,
+        lamp_figures(light, case),
     )
 
 

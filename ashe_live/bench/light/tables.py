@@ -1,18 +1,29 @@
 """The printed tables of `ashe-live bench light`."""
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
 from ashe_live.bench.light.clips import EVERY, ClipResult
+from ashe_live.bench.light.lamps import FAR_M, FARTHEST_M, NEAR_M, summarise_lamps
 from ashe_live.bench.light.results import ALL, CONFIDENT_DEG, GOOD_DEG, CaseResult, Summary, summarise
 from ashe_live.bench.light.takes import TakeResult, confidence_falls, grouped_by_span, p95_deg
 from ashe_live.bench.light.targets import DEG, MS, Verdict
 from ashe_live.bench.metrics import calibration_error, risk_at, risk_by_coverage, share
 
 WORST = 10
+# Distances of lights, above the first and up to the second.
+DISTANCES = {
+    "sun": (FARTHEST_M, math.inf),
+    f"lamp up to {100 * NEAR_M:.0f} cm": (0.0, NEAR_M),
+    f"up to {100 * FAR_M:.0f} cm": (NEAR_M, FAR_M),
+    "farther": (FAR_M, FARTHEST_M),
+    "all lamps": (0.0, FARTHEST_M),
+}
 COVERAGES = (0.5, 0.6, 0.7, 0.8, 0.9)
 
 
@@ -80,6 +91,45 @@ def print_takes(console: Console, results: Sequence[TakeResult]) -> None:
         console.print(
             f"right answers whose confidence falls by more than 0.02 with more views: {falls[0]} of {falls[1]}"
         )
+
+
+def print_lamps(console: Console, results: Sequence[CaseResult]) -> None:
+    """Prints how lamps and suns were told apart, set by set, if there is a lamp in any."""
+    alone = [(result, result.lamp) for result in results if result.lamp is not None]
+    if not any(lamp.true_distance_m for _, lamp in alone):
+        return
+    columns = (
+        "pictures",
+        "answered",
+        "as a lamp",
+        "median",
+        "p90",
+        "beside the object",
+        "distance off",
+        "q within 1 σ",
+    )
+    table = _table("one light, by its distance: error of the direction at the marker, and beside", ("set", ""), columns)
+    for folder, preset in dict.fromkeys((result.folder, result.preset) for result, _ in alone):
+        of_set = [pair for pair in alone if (pair[0].folder, pair[0].preset) == (folder, preset)]
+        for kind, (least_m, most_m) in DISTANCES.items():
+            members = [pair for pair in of_set if least_m < (pair[1].true_distance_m or math.inf) <= most_m]
+            if not members:
+                continue
+            summary = summarise_lamps([lamp for _, lamp in members], [result.is_answered for result, _ in members])
+            errors = [result.error_deg for result, _ in members if result.error_deg is not None]
+            at_marker = [_degrees(float(np.percentile(errors, part)) if errors else None) for part in (50, 90)]
+            table.add_row(
+                f"{folder}, {preset}",
+                kind,
+                str(summary.attempted),
+                _percent(summary.answered),
+                _percent(summary.stated),
+                *at_marker,
+                _degrees(summary.beside_deg),
+                _percent(summary.distance_error),
+                _percent(summary.within_1_sigma),
+            )
+    console.print(table)
 
 
 def print_clips(console: Console, clips: Sequence[ClipResult]) -> None:

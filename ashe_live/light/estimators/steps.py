@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ashe_live.light.ground.steps import GroundSteps
-from ashe_live.light.lamps.kinds import AUTO
+from ashe_live.light.lamps.kinds import AUTO, KINDS
 from ashe_live.light.outline_fit import preset
 from ashe_live.light.outline_fit.preset import FitPreset
 
@@ -26,7 +26,11 @@ class ProxySteps:
     views: int  # number of views that are used together, the frame's own included
     companions: int  # number of the other views that explanations are looked for in, as in the frame itself
     joint: int  # number of explanations that are aligned in all views, the likeliest
-    light: str = AUTO  # one of `lamps.kinds.KINDS`: what lights are taken for
+    light: str = AUTO  # one of KINDS: what lights are taken for
+
+    def __post_init__(self) -> None:
+        if self.light not in KINDS:
+            raise ValueError(f"light {self.light!r} is not one of {', '.join(KINDS)}")
 
 
 FAST = ProxySteps(

@@ -6,12 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.commands.parser import LIGHTS, build_parser
+from ashe_live.commands.setup import light_steps
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Light, LightEstimate
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.lamps.kinds import LAMP, SUN
+from ashe_live.light.lamps.kinds import KINDS, LAMP, SUN
 from tests.light.painted_scenes import BOX, CYLINDER, SHADOW_RATIO, Caster, paint
 from tests.light.synthetic_masks import direction
 
@@ -96,3 +98,11 @@ def test_extreme_lamps_end_in_an_answer_or_a_reason(lamp_m: tuple[float, ...]) -
         assert (np.linalg.eigvalsh(light.covariance_rad2) > 0).all()
         error = math.degrees(angle_between(light.to_light_marker, place))
         assert error < 20 or light.confidence < 0.75
+
+
+def test_what_a_command_or_a_program_asks_for_reaches_the_estimator() -> None:
+    options = build_parser().parse_args(["estimate", "a.jpg", "--light", "sun"])
+    assert light_steps(options) == replace(BALANCED, light=SUN)
+    assert {choice: light_steps(build_parser().parse_args(["demo", "--light", choice])).light for choice in LIGHTS} == {
+        kind: kind for kind in KINDS
+    }

@@ -1,0 +1,84 @@
+"""Lamps and suns told apart: how answers stand to the true places of lights."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.bench.cases import Case
+from ashe_live.bench.metrics import angular_error_deg, share
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import Light
+
+BESIDE_M = 0.2  # from the object: where a model may stand
+NEAR_M, FAR_M, FARTHEST_M = 0.6, 1.1, 1e6  # distances up to which lamps are summarised by themselves
+
+
+@dataclass(frozen=True, slots=True)
+class LampFigures:
+    """How one answer stands to the true place of its light."""
+
+    true_distance_m: float | None  # of the strongest light from the marker's centre; None for a sun
+    is_stated: bool  # whether the answer is a lamp
+    beside_deg: float | None  # mean error of the direction at four points BESIDE_M from the object, along x and y
+    distance_error: float | None  # of a lamp stated as such: error of its distance over that distance
+    sigmas: float | None  # of the same: error of its inverse distance, in standard deviations
+
+
+def lamp_figures(light: Light | None, case: Case) -> LampFigures | None:
+    """None for a case without a light, or with several; `light` is the answer's, None for no answer."""
+    if case.to_lights_marker is None or len(case.to_lights_marker) != 1:
+        return None
+    lamp_m = case.lamp_m
+    distance_m = None if lamp_m is None else float(np.linalg.norm(lamp_m))
+    if light is None:
+        return LampFigures(distance_m, False, None, None, None)
+    true = np.append(case.to_lights_marker[0], 0.0 if distance_m is None else 1 / distance_m)
+    beside = None if case.foot_m is None else _beside_deg(light.homogeneous, true, case.foot_m)
+    if light.inverse_distance == 0 or distance_m is None:
+        return LampFigures(distance_m, light.inverse_distance > 0, beside, None, None)
+    sigmas = None
+    if light.lamp_covariance is not None:
+        sigmas = (light.inverse_distance - 1 / distance_m) / math.sqrt(light.lamp_covariance[2, 2])
+    return LampFigures(distance_m, True, beside, abs(1 / light.inverse_distance / distance_m - 1), sigmas)
+
+
+def _beside_deg(answer: Float, truth: Float, foot_m: Float) -> float:
+    """Mean error in degrees of a light (4,) for another (4,), beside an object at foot_m (2,)."""
+    errors = []
+    for offset in BESIDE_M * np.array([(1, 0), (-1, 0), (0, 1), (0, -1)]):
+        point = np.append(foot_m + offset, 0.0)
+        errors.append(angular_error_deg(*(light[:3] - light[3] * point for light in (answer, truth))))
+    return float(np.mean(errors))
+
+
+@dataclass(frozen=True, slots=True)
+class LampSummary:
+    """Statistics of pictures with one light; None where none contributes."""
+
+    attempted: int
+    answered: float | None  # fractions
+    stated: float | None  # of the answered, as lamps
+    beside_deg: float | None  # medians
+    distance_error: float | None
+    within_1_sigma: float | None  # of the inverse distances of those stated
+
+
+def summarise_lamps(figures: Sequence[LampFigures], answered: Sequence[bool]) -> LampSummary:
+    """Of pictures with or without an answer, which `answered` tells."""
+    given = [each for each, is_answered in zip(figures, answered, strict=True) if is_answered]
+    sigmas = [each.sigmas for each in given if each.sigmas is not None]
+    return LampSummary(
+        len(figures),
+        share(list(answered)),
+        share([each.is_stated for each in given]),
+        _median([each.beside_deg for each in given]),
+        _median([each.distance_error for each in given]),
+        share([abs(each) <= 1 for each in sigmas]),
+    )
+
+
+def _median(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return float(np.median(known)) if known else None

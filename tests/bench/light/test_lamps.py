@@ -1,0 +1,61 @@
+"""Lamps and suns told apart, as the bench counts it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ashe_live.bench.cases import Case
+from ashe_live.bench.light.lamps import BESIDE_M, lamp_figures, summarise_lamps
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import rigid
+from ashe_live.core.types import Light, MarkerPose
+
+POSE = MarkerPose(rigid(np.diag((1.0, -1.0, -1.0)), (0, 0, 1)), np.zeros((4, 2)), 0.1, 0.0, None)
+CAMERA = Camera.from_hfov((64, 48), 60)
+LAMP_M = np.array([0.0, 0.0, 0.5])
+NEAR = Case(
+    "a", "set", "near", "box", Path("a.png"), CAMERA, POSE, np.array([[0, 0, 1.0]]), {}, {}, None, LAMP_M, np.zeros(2)
+)
+SUN = replace(NEAR, lamp_m=None)
+
+
+def lamp(inverse_distance: float, sigma: float = 0.2) -> Light:
+    covariance = np.diag([1e-3, 1e-3, sigma**2])
+    return Light(np.array([0, 0, 1.0]), inverse_distance=inverse_distance, lamp_covariance=covariance)
+
+
+def test_a_true_lamp_has_no_error_anywhere() -> None:
+    figures = lamp_figures(lamp(2.0), NEAR)
+    assert figures is not None
+    assert figures.is_stated
+    assert figures.true_distance_m == pytest.approx(0.5)
+    assert (figures.beside_deg, figures.distance_error, figures.sigmas) == pytest.approx((0, 0, 0))
+
+
+def test_a_direction_is_wrong_beside_a_lamps_object() -> None:
+    figures = lamp_figures(Light(np.array([0, 0, 1.0])), NEAR)
+    assert figures is not None
+    assert not figures.is_stated
+    assert figures.beside_deg == pytest.approx(np.degrees(np.arctan2(BESIDE_M, 0.5)))
+    assert figures.distance_error is None
+
+
+def test_an_error_of_the_distance_is_relative_and_counted_in_sigmas_of_its_inverse() -> None:
+    figures = lamp_figures(lamp(2.5), NEAR)
+    assert figures is not None
+    assert figures.distance_error == pytest.approx(0.2)
+    assert figures.sigmas == pytest.approx(2.5)
+
+
+def test_several_lights_are_not_counted() -> None:
+    assert lamp_figures(lamp(2.0), replace(NEAR, to_lights_marker=np.eye(3)[:2])) is None
+
+
+def test_summaries_count_answers_and_lamps_among_them() -> None:
+    found = [lamp_figures(light, SUN) for light in (lamp(2.0), Light(np.array([0, 0, 1.0])), None)]
+    summary = summarise_lamps([each for each in found if each is not None], [True, True, False])
+    assert (summary.attempted, summary.stated) == (3, 0.5)
+    assert summary.answered == pytest.approx(2 / 3)
+    assert summary.within_1_sigma is None
