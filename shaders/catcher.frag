@@ -8,9 +8,6 @@
 uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform vec3 sky;  // its fraction of the light on level ground at the marker, linear RGB; the lights' are the rest
-#if LIGHTS > 0
-uniform vec3 sun_on_ground[LIGHTS];
-#endif
 #if LIGHTS > 0 && CASTERS > 1
 uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video, linear; 0 if it is not known
 const float RIM_PX = 2.5;  // largest error of the real shadow's outline
@@ -43,11 +40,9 @@ float lit_past_real(int light) {
     }
     float lit_ground = dot(ground_rgb, LUMINANCE);
     if (least == most || lit_ground <= 0.0) return known;
-    vec3 whole = sky;
-    for (int each = 0; each < LIGHTS; ++each) whole += sun_on_ground[each] * ground_falloff(each, ground);
     float share = dot(sun_on_ground[light], LUMINANCE) * ground_falloff(light, ground);
     float seen = dot(video_here(), LUMINANCE) / lit_ground;
-    float gone = clamp((dot(whole, LUMINANCE) - seen) / max(share, 1e-3), 0.0, 1.0);
+    float gone = clamp((dot(level_at(ground), LUMINANCE) - seen) / max(share, 1e-3), 0.0, 1.0);
     return mix(known, 1.0 - gone, most - least);
 }
 #endif

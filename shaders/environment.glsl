@@ -5,21 +5,15 @@ uniform sampler2D ground_map;  // linear RGB of the picture
 uniform sampler2D sky_map;  // relative to the mean sky
 uniform float half_radius_m;
 uniform float environment_size;  // texels a side
-#if LIGHTS > 0
-uniform vec3 sun_on_ground[LIGHTS];  // fraction of the light on level ground at the marker
-#endif
 
 // Fraction of the light on the ground that the model's shadows leave.
 vec3 ground_light(vec2 at) {
 #if LIGHTS > 0
-    vec3 whole = sky;
     vec3 gone = vec3(0.0);
     for (int light = 0; light < LIGHTS; ++light) {
-        vec3 own = sun_on_ground[light] * ground_falloff(light, at);
-        whole += own;
-        gone += own * (1.0 - lit_on_ground(0, light, at));
+        gone += sun_on_ground[light] * ground_falloff(light, at) * (1.0 - lit_on_ground(0, light, at));
     }
-    return 1.0 - gone / max(whole, 1e-3);
+    return 1.0 - gone / max(level_at(at), 1e-3);
 #else
     return vec3(1.0);
 #endif

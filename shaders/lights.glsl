@@ -1,5 +1,6 @@
 // The lights as homogeneous points, LIGHTS of them; LAMPS is 1 where any is near by.
 #if LIGHTS > 0
+uniform vec3 sun_on_ground[LIGHTS];  // fraction of the light on level ground at the marker's centre, linear RGB
 uniform vec4 light_point[LIGHTS];  // unit vector from the marker's centre, and one over the distance in 1/m: 0 for a sun
 
 #if LAMPS
@@ -30,4 +31,25 @@ float ground_falloff(int light, vec2 ground) {
 #endif
     return falloff;
 }
+
+// The light on level ground, which nothing shades, over that at the marker's centre.
+vec3 level_at(vec2 ground) {
+    vec3 level = vec3(1.0);
+#if LAMPS
+    for (int light = 0; light < LIGHTS; ++light) {
+        level += sun_on_ground[light] * (ground_falloff(light, ground) - 1.0);
+    }
 #endif
+    return level;
+}
+#endif
+
+// What the ground throws onto a surface with that normal, over what it does under suns.
+vec3 bounce_at(vec3 position, vec3 normal) {
+#if LIGHTS > 0 && LAMPS
+    // Half of the ground's light on a wall comes from farther away than 1.7 times its height.
+    return level_at(position.xy + 1.7 * max(position.z, 0.0) * normal.xy);
+#else
+    return vec3(1.0);
+#endif
+}

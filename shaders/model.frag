@@ -75,7 +75,7 @@ vec3 surface_normal() {
 // Light from all around, over pi, on a surface or from a direction: the sky above, the ground below.
 vec3 ambient(vec3 direction) {
     float upward = 0.5 + 0.5 * direction.z;
-    return sky * upward + ground_bounce * (1.0 - upward);
+    return sky * upward + ground_bounce * bounce_at(position, direction) * (1.0 - upward);
 }
 
 void main() {

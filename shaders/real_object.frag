@@ -16,7 +16,7 @@ layout(location = 1) out vec4 removed;
 void main() {
     vec3 normal = normalize(cross(dFdx(position), dFdy(position)));
     float upward = 0.5 + 0.5 * normal.z;
-    vec3 before = sky * upward + ground_bounce * (1.0 - upward);
+    vec3 before = sky * upward + ground_bounce * bounce_at(position, normal) * (1.0 - upward);
     vec3 after = before;
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {

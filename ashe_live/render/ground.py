@@ -1,13 +1,11 @@
 """The shadow catcher: the part of the marker plane that the model's shadow can darken."""
 
-import math
-
 import cv2
 import moderngl
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import light_view
+from ashe_live.render.cast_shadows import LEAST_DISTANCE, MAX_SHADOW_HEIGHTS, shadow_hull
 from ashe_live.render.contact import FADE
 from ashe_live.render.framing import Framing
 from ashe_live.render.ground_shadows import GroundShadows
@@ -16,10 +14,6 @@ from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
 from ashe_live.render.standing import StandingModel
 from ashe_live.render.video import Video
-
-MAX_SHADOW_HEIGHTS = 30.0  # a shadow is drawn this many heights of the model long at most
-RIM_POINTS = 8  # that stand for a light's disc
-LEAST_DISTANCE = 1e-9  # of a lamp from what it shines on, over that from the marker's centre
 
 
 class ShadowCatcher:
@@ -100,8 +94,7 @@ class ShadowCatcher:
 
 def _shadow_points(points: Float, sun: Sun, blur_m: float) -> Float:
     """(n, 2) hull of the shadows that points (n, 3) cast, widened by the penumbra and by the filter's blur."""
-    hull = np.concatenate([_cast(points, part) for part in _around(sun)])
-    hull = cv2.convexHull(hull.astype(np.float32)).reshape(-1, 2)
+    hull = shadow_hull(points, sun)
     # A texel grows with its distance from a lamp, relative to the caster's, and with the slant of the light.
     towards = sun.towards(np.column_stack([hull, np.zeros(len(hull))]))
     distance = np.linalg.norm(towards, axis=1)
@@ -110,23 +103,3 @@ def _shadow_points(points: Float, sun: Sun, blur_m: float) -> Float:
     blur = (blur_m * distance / np.maximum(nearest, LEAST_DISTANCE) / sine)[:, None, None]
     corners = blur * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     return np.asarray(hull[:, None] + corners).reshape(-1, 2)
-
-
-def _around(sun: Sun) -> Float:
-    """(RIM_POINTS, 4) homogeneous points around the light, between which it lies."""
-    across, along = light_view(sun.to_light)[:2, :3]
-    angles = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
-    radius = sun.tan_half_size / math.cos(math.pi / RIM_POINTS)
-    rim = sun.to_light + radius * (np.outer(np.cos(angles), across) + np.outer(np.sin(angles), along))
-    return np.column_stack([rim, np.full(RIM_POINTS, sun.inverse_distance)])
-
-
-def _cast(points: Float, light: Float) -> Float:
-    """(n, 2) where the light (4,) casts the shadows of points (n, 3), or in that direction as far as they are drawn."""
-    height = points[:, 2:]
-    away = light[3] * points[:, :2] - light[:2]  # from the light, over its distance
-    above = light[2] - light[3] * height
-    farthest = MAX_SHADOW_HEIGHTS * np.maximum(height, 0.0)
-    length = np.linalg.norm(away, axis=1, keepdims=True)
-    cast = np.divide(height * length, above, out=np.full_like(height, np.inf), where=above > 0)
-    return np.asarray(points[:, :2] + np.minimum(cast, farthest) * away / np.maximum(length, LEAST_DISTANCE))

@@ -76,20 +76,23 @@ class Lighting:
     bounce: RGB  # from the ground at the marker's centre, on a surface that faces it
 
     @property
+    def has_lamps(self) -> bool:
+        return any(sun.inverse_distance > 0 for sun in self.suns)
+
+    @property
     def constants(self) -> dict[str, int]:
         """What a shader that includes lights.glsl is built with."""
-        return {"lights": len(self.suns), "lamps": int(any(sun.inverse_distance > 0 for sun in self.suns))}
+        return {"lights": len(self.suns), "lamps": int(self.has_lamps)}
 
     @property
     def light_points(self) -> Float:
         """(n, 4) the suns as homogeneous points, marker frame, metres."""
         return np.array([sun.homogeneous for sun in self.suns])
 
-    def bounce_at(self, ground: Float) -> RGB:
-        """From the ground at a point (2,), on a surface that faces it: more of it near a lamp."""
-        shares = self.ground_shares.reshape(-1, 3)
-        falloff = np.array([sun.ground_falloff(ground[None])[0] for sun in self.suns])
-        return _rgb(np.array(self.bounce) * (self.sky + falloff @ shares) / (self.sky + shares.sum(axis=0)))
+    def level_at(self, ground: Float) -> Float:
+        """(n, 3) the light on level ground at points (n, 2), which nothing shades, over that at the marker's centre."""
+        falloff = np.array([sun.ground_falloff(ground) for sun in self.suns]).reshape(-1, len(ground))
+        return np.asarray(1 + (falloff - 1).T @ self.ground_shares.reshape(-1, 3))
 
     @property
     def irradiances(self) -> Float:

@@ -100,7 +100,7 @@ class ModelPass:
             emissive=material.emissive,
             alpha_cutoff=material.alpha_cutoff,
             sky=inputs.lighting.sky,
-            ground_bounce=inputs.lighting.bounce_at(standing.points[:, :2].mean(axis=0)),
+            ground_bounce=inputs.lighting.bounce,
             sun=inputs.lighting.irradiances,
             sun_on_ground=inputs.lighting.ground_shares,
         )

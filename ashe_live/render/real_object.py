@@ -41,7 +41,8 @@ class RealObject:
             set_uniforms(
                 program,
                 sky=lighting.sky,
-                ground_bounce=lighting.bounce_at(self.proxy.foot_marker[:2]),
+                ground_bounce=lighting.bounce,
+                sun_on_ground=lighting.ground_shares,
                 sun=lighting.irradiances,
             )
         set_uniforms(program, clip_from_marker=framing.clip_from_marker)

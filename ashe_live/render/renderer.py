@@ -192,7 +192,7 @@ class SceneRenderer:
         frame = framing(camera, T_cam_marker, self._drawn_points(model, signs), viewport)
         if frame is None:
             return
-        look = self._photometry.look(tracked)
+        look = self._photometry.look(tracked, scene.illumination)
         if model.model.mirrors:
             self._environment.show(scene.illumination, look.white_rgb)
         straight = self.video

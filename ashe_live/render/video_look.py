@@ -4,21 +4,26 @@ Everything is measured at the printed marker, of one frame: white paper around a
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
-from ashe_live.render.lighting import RGB
+from ashe_live.render.cast_shadows import lit_past
+from ashe_live.render.lighting import RGB, Lighting
 
 PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
 # Where nothing can be measured: paper comes out a little below the display's white, as in a well exposed photo.
 ASSUMED_WHITE = 0.8
 MIN_CONTRAST = 1.6  # of paper over black ink
 RING_SIDES = (0.57, 0.62)  # from the marker's centre, in sides: on the paper's margin
+LEAST_LEVEL = 0.05  # of the light in a shadow: black says nothing about white
 MIN_PAPER = 0.02  # its linear brightness in the picture: darker is no white
 AROUND = 12  # places along each of the square's edges
 REACH_PX, STEP_PX = 7.0, 0.25  # of a profile across an edge, to both sides
@@ -41,14 +46,18 @@ class VideoLook:
     has_coarse_chroma: bool = False  # colour at half the resolution, as most encodings of video and photos have it
 
 
-def white_of(tracked: TrackedFrame) -> RGB:
-    """Linear RGB that white, fully lit, has in a frame with a marker; grey where the paper cannot be told."""
+def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_object: Proxy | None = None) -> RGB:
+    """Linear RGB that white, fully lit at the marker's centre, has in a frame with a marker; grey without any paper.
+
+    `lighting`: with lamps in it the paper is brighter towards them, and all of it may be in the real object's shadow.
+    """
     assert tracked.marker is not None
     half = tracked.marker.side_m
     along = np.linspace(-0.5, 0.5, AROUND)
     ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in RING_SIDES for x in along])
     inside = np.concatenate([[(0.45 * s, 0.9 * x), (0.9 * x, 0.45 * s)] for s in (-1, 1) for x in along])
-    paper, ink = (_linear_at(tracked, half * points) for points in (ring, inside))
+    level = partial(_level, lighting, real_object)
+    paper, ink = (_linear_at(tracked, half * points, level) for points in (ring, inside))
     grey = (ASSUMED_WHITE, ASSUMED_WHITE, ASSUMED_WHITE)
     if len(paper) < AROUND or len(ink) < AROUND:
         return grey
@@ -61,10 +70,16 @@ def white_of(tracked: TrackedFrame) -> RGB:
     return red, green, blue
 
 
-def look_of(tracked: TrackedFrame, blur: bool = True, noise: bool = True) -> VideoLook:
-    """White, blur and noise of a frame with a marker; None or 0 for what is not asked for."""
+def look_of(
+    tracked: TrackedFrame,
+    blur: bool = True,
+    noise: bool = True,
+    lighting: Lighting | None = None,
+    real_object: Proxy | None = None,
+) -> VideoLook:
+    """White (as `white_of`), blur and noise of a frame with a marker; None or 0 for what is not asked for."""
     assert tracked.marker is not None
-    white = white_of(tracked)
+    white = white_of(tracked, lighting, real_object)
     if not blur and not noise:
         return VideoLook(white, None, 0.0)
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
@@ -142,8 +157,23 @@ def has_coarse_chroma(image_bgr: Image) -> bool:
     return beyond > LEAST_CHROMA_DETAIL and beside < COARSE_CHROMA * beyond
 
 
-def _linear_at(tracked: TrackedFrame, ground: Float) -> Float:
-    """(m, 3) linear RGB of those places (n, 2) of the marker plane that the frame shows."""
+def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) -> Float:
+    """(n, 3) the light at places (n, 2) of the plane if a shadow covers all of them; else as if there were no shadow.
+
+    Where light and shadow meet, the picture tells them apart better than an estimated light does.
+    """
+    if lighting is None:
+        return np.ones((len(ground), 3))
+    level = lighting.level_at(ground)
+    if real_object is not None:
+        for sun in lighting.suns:
+            if not np.nan_to_num(lit_past(real_object, sun, ground), nan=1.0).any():
+                level = level - np.outer(sun.ground_falloff(ground), sun.ground_share)
+    return np.maximum(level, LEAST_LEVEL)
+
+
+def _linear_at(tracked: TrackedFrame, ground: Float, level: Callable[[Float], Float]) -> Float:
+    """(m, 3) linear RGB of those places (n, 2) of the plane in view, over the light's `level` (n, 3) there."""
     assert tracked.marker is not None
     camera = tracked.camera
     T = tracked.marker.T_cam_marker
@@ -155,7 +185,7 @@ def _linear_at(tracked: TrackedFrame, ground: Float) -> Float:
     width, height = tracked.frame.size
     seen = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     bgr = tracked.frame.image_bgr[row[seen].astype(int), column[seen].astype(int)]
-    return LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]]
+    return np.asarray(LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]] / level(ground)[seen])
 
 
 def _window(grey: Image, centre: Float) -> Image:

@@ -12,7 +12,16 @@ from ashe_live.bench.bench import Bench
 from ashe_live.bench.loops import time_blit, time_unpaced
 from ashe_live.bench.machine import measured_with
 from ashe_live.bench.plots import SUFFIXES
-from ashe_live.bench.render.cost import cost_of, lights_around, memory_growth, orbit, round_model, sweeps
+from ashe_live.bench.render.cost import (
+    cost_of,
+    costs_by_turns,
+    lamps_around,
+    lights_around,
+    memory_growth,
+    orbit,
+    round_model,
+    sweeps,
+)
 from ashe_live.bench.render.drawing import COSTS, ERRORS, draw_errors, draw_sweeps
 from ashe_live.bench.render.error import picture_error, read_references
 from ashe_live.bench.render.tables import print_render_figures
@@ -55,6 +64,7 @@ class RenderBench(Bench):
             "loop": [self._loop(ctx, size) for size in LOOP_SIZES],
             "large": _large(ctx, self.frames),
             "sweeps": _sweeps(ctx, max(5, self.frames // 10)),
+            "lamps": _lamps(ctx, self.frames),
             "errors": _errors(ctx, max(5, self.frames // 10)),
             "memory": self._memory(ctx),
         }
@@ -121,6 +131,16 @@ def _sweeps(ctx: Context, frames: int) -> Json:
     return found
 
 
+def _lamps(ctx: Context, frames: int) -> Json:
+    """What a lamp costs beside a sun, preset by preset."""
+    found: Json = {}
+    for quality in QUALITIES.values():
+        scenes = [orbit(LOOP_SIZES[0], round_model(10_000), lights) for lights in (lights_around(1), lamps_around(1))]
+        sun, lamp = costs_by_turns(ctx, quality.render, LOOP_SIZES[0], scenes, frames)
+        found[quality.name] = {"sun": sun, "lamp": lamp}
+    return found
+
+
 def _errors(ctx: Context, frames: int) -> list[Json]:
     """Errors of the presets and of variations of `balanced`; empty in an installed package, which has no references."""
     try:
@@ -137,7 +157,10 @@ def _errors(ctx: Context, frames: int) -> list[Json]:
                 "name": name,
                 "series": series,
                 "ms": cost.p50,
-                "scenes": {reference.name: asdict(error) for reference, error in zip(references, errors, strict=True)},
+                "scenes": {
+                    reference.name: {"kind": reference.kind, **asdict(error)}
+                    for reference, error in zip(references, errors, strict=True)
+                },
                 "shadow_iou_mean": float(np.mean([error.shadow_iou for error in errors])),
                 "shadow_iou_least": min(error.shadow_iou for error in errors),
                 "shadow_de": float(np.mean([error.shadow_de for error in errors])),

@@ -51,6 +51,23 @@ def cost_of(ctx: Context, preset: RenderPreset, size: Size, scenes: Sequence[Sce
     return Cost(float(p50), float(p99), float(gpu_p50) if has_timer else None, float(gpu_p99) if has_timer else None)
 
 
+def costs_by_turns(
+    ctx: Context, preset: RenderPreset, size: Size, several: Sequence[Sequence[Scene]], frames: int
+) -> list[float]:
+    """Median milliseconds a picture of each of several lists of scenes, which take turns: other programs meet all."""
+    renderers = [SceneRenderer(ctx, preset, size) for _ in several]
+    wall_ms: list[list[float]] = [[] for _ in several]
+    for number in range(WARM_UP_FRAMES + frames):
+        for renderer, scenes, spent in zip(renderers, several, wall_ms, strict=True):
+            begun_s = time.perf_counter()
+            renderer.render(scenes[number % len(scenes)])
+            renderer.finish()
+            spent.append((time.perf_counter() - begun_s) * 1e3)
+    for renderer in renderers:
+        renderer.release()
+    return [float(np.median(spent[WARM_UP_FRAMES:])) for spent in wall_ms]
+
+
 def orbit(size: Size, model: PlacedModel | None, lights: tuple[Light, ...], views: int = 8) -> list[Scene]:
     """Scenes with a camera that orbits the marker on grey ground, each with a frame of its own."""
     camera = Camera.from_hfov(size, 55.0)
@@ -73,6 +90,11 @@ def lights_around(count: int) -> tuple[Light, ...]:
         Light(direction_from_angles(0.3 + 1.3 * number, 0.8), shadow_rgb_ratio=np.full(3, 1 - share))
         for number in range(count)
     )
+
+
+def lamps_around(count: int) -> tuple[Light, ...]:
+    """The same lights, but half a metre away."""
+    return tuple(replace(light, inverse_distance=2.0, radius_m=0.01) for light in lights_around(count))
 
 
 def round_model(triangles: int) -> PlacedModel:

@@ -18,6 +18,7 @@ from ashe_live.core.transforms import direction_from_angles, project, raycast_to
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
+from ashe_live.render.cast_shadows import lit_past
 from ashe_live.render.lighting import lighting_of
 from ashe_live.render.offscreen import Context
 from ashe_live.render.preset import RenderPreset
@@ -38,12 +39,20 @@ class Reference:
     scene: Scene  # the picture without the model, and the true light, as a perfect estimate would give it
     expected: Image  # (h, w, 3) BGR, with the model
     is_model: Mask  # (h, w)
-    shadow_brightness: Float  # (h, w) luminance of shadowed over lit ground; NaN where no ground is
+    shadow_brightness: Float  # (h, w) luminance of shadowed over lit ground; NaN where no lit ground is
+    is_ground: Mask  # (h, w) lit ground, without the real object and its shadow
+
+    @property
+    def kind(self) -> str:
+        """Of its light, as in the contract."""
+        assert self.scene.illumination.light is not None
+        return self.scene.illumination.light.kind
 
 
 @dataclass(frozen=True, slots=True)
 class PictureError:
-    shadow_iou: float  # of the masks of pixels outside the model that lost more than half of the light's light
+    # Of the masks of pixels outside the model, and of the real shadow, that lost more than half of the light.
+    shadow_iou: float
     shadow_de: float  # mean CIE 1976 colour difference where the path tracer's shadow is
     model_de: float  # mean CIE 1976 colour difference on the model
     ground: float  # largest relative error of the ground's luminance, of GROUND_POINTS places deep in the shadow
@@ -70,7 +79,7 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
     ours, truth = (beside & (_darkening(image, bare) < threshold) for image in (picture, reference.expected))
     difference = _colour_difference(picture, reference.expected)
     smooth = (cv2.blur(_luminance(image), (PATCH_PX, PATCH_PX)) for image in (picture, reference.expected))
-    found, expected = (np.array([image[at] for at in _deepest(truth)]) for image in smooth)
+    found, expected = (np.array([image[at] for at in _deepest(truth & reference.is_ground)]) for image in smooth)
     return PictureError(
         overlap(ours, truth),
         float(difference[truth].mean()),
@@ -90,31 +99,33 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
     light = _light(view)
     pixels = np.stack(np.meshgrid(*map(np.arange, camera.size)), axis=-1).reshape(-1, 2)
     ground = raycast_to_plane(camera, T_cam_marker, pixels)[:, :2]
-    (lit,) = lighting_of((light,)).suns
-    # Of all pixels, over that at the marker's centre.
-    falloff = lit.ground_falloff(ground)
-    level = 1 - np.outer(1 - falloff, lit.ground_share)
+    lighting = lighting_of((light,))
     linear = LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3)
     x, y = view["caster"]["base_xy_m"]
     discs = [(x, y, height, radius, 0.0) for radius, height in view["caster"]["profile_m"]]
+    proxy = Proxy("lathe", np.array(discs))
+    outline = cv2.convexHull(project(camera, T_cam_marker, proxy.points_marker()).astype(np.float32))
+    silhouette = cv2.fillConvexPoly(np.zeros(bare.shape[:2], np.uint8), np.round(outline).astype(np.int32), 1) > 0
+    is_object = silhouette.ravel()
+    # What is seen on the real object is about as far from the light as its foot.
+    level = np.where(is_object[:, None], lighting.level_at(proxy.foot_marker[None, :2]), lighting.level_at(ground))
+    is_lit = is_object | (lit_past(proxy, lighting.suns[0], ground) == 1)
     tracked = TrackedFrame(Frame(bare, 0, 0.0), camera, marker)
     scene = Scene(
         tracked,
         placed_on_marker(load_model(model), side_m),
         Illumination(
             (light,),
-            real_object=Proxy("lathe", np.array(discs)),
+            real_object=proxy,
             ground_rgb=np.nanmedian(linear / level, axis=0),
             seen_in=tracked,
         ),
     )
     is_model = _read(folder / f"{name}_{model}_mask.png")[..., 0] > 127
-    brightness = ((np.array(view["shadow_ratio"]) @ REC709_LUMINANCE) / (level @ REC709_LUMINANCE)).reshape(
-        bare.shape[:2]
-    )
-    return Reference(
-        f"{name}, {model}", scene, _read(folder / f"{name}_{model}.png"), is_model, brightness.reshape(is_model.shape)
-    )
+    brightness = np.where(is_lit, np.dot(view["shadow_ratio"], REC709_LUMINANCE) / (level @ REC709_LUMINANCE), np.nan)
+    expected = _read(folder / f"{name}_{model}.png")
+    is_ground = (is_lit & ~is_object).reshape(is_model.shape)
+    return Reference(f"{name}, {model}", scene, expected, is_model, brightness.reshape(is_model.shape), is_ground)
 
 
 def _light(view: Json) -> Light:

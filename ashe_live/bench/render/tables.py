@@ -1,9 +1,11 @@
 """The printed tables of `ashe-live bench render`."""
 
 from rich.console import Console
+from rich.table import Table
 
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.contract import Json
+from ashe_live.quality import BALANCED
 
 
 def print_render_figures(console: Console, record: Json) -> None:
@@ -26,7 +28,10 @@ def print_render_figures(console: Console, record: Json) -> None:
         colours = (row["shadow_de"], row["model_de"])
         cells = (f"{row['ms']:.1f}", *(f"{n:.3f}" for n in numbers), *(f"{n:.1f}" for n in colours))
         errors.add_row(f"{row['series']}: {row['name']}", *cells)
-    for table in (loop, costs, errors):
+    lamps = figures_table("one light, 640x480, ms a picture", "", "sun", "lamp", "ratio")
+    for name, row in record["lamps"].items():
+        lamps.add_row(name, f"{row['sun']:.2f}", f"{row['lamp']:.2f}", f"{row['lamp'] / row['sun']:.2f}")
+    for table in (loop, costs, lamps, errors, _scene_table(record["errors"])):
         console.print(table)
     memory = record["memory"]
     console.print(
@@ -34,6 +39,26 @@ def print_render_figures(console: Console, record: Json) -> None:
         f"{memory['start_mib']:.1f} to {memory['end_mib']:.1f} MiB, "
         f"{memory['start_gl_objects']:.0f} to {memory['end_gl_objects']:.0f} OpenGL objects"
     )
+
+
+def _scene_table(rows: list[Json]) -> Table:
+    """The preset `balanced`, scene by scene, and the means by kind of light."""
+    table = figures_table("balanced, by scene", "", "shadow IoU", "dE in shadow", "dE on model", "ground, worst of 5")
+    scenes: Json = next((row["scenes"] for row in rows if row["name"] == BALANCED.name), {})
+    for kind in ("directional", "lamp"):
+        of_kind = {name: error for name, error in scenes.items() if error["kind"] == kind}
+        for name, error in of_kind.items():
+            table.add_row(name, *_error_cells([error]))
+        if of_kind:
+            table.add_row(f"mean, {kind}", *_error_cells(list(of_kind.values())))
+    return table
+
+
+def _error_cells(errors: list[Json]) -> list[str]:
+    iou, shadow, model, ground = (
+        sum(error[key] for error in errors) / len(errors) for key in ("shadow_iou", "shadow_de", "model_de", "ground")
+    )
+    return [f"{iou:.3f}", f"{shadow:.1f}", f"{model:.1f}", f"{100 * ground:.1f} %"]
 
 
 def _costs(row: Json) -> list[str]:
