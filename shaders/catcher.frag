@@ -15,9 +15,16 @@ const float RIM_PX = 2.5;  // largest error of the real shadow's outline
 uniform sampler2D contact;  // fraction of the sky that the model hides
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
 
+#ifdef COVERS
+uniform sampler2D cover;  // of the marker's sheet: the ground that it hides; straight alpha
+uniform float cover_half_m;
+uniform vec3 cover_gain;  // exposure of this frame over that of the cover's
+#endif
+uniform float strength;  // 0: the model darkens nothing
+
 in vec2 ground;
 in vec2 ground_placed;
-layout(location = 0) out vec4 added_light;  // none
+layout(location = 0) out vec4 added_light;  // the cover's, if any
 layout(location = 1) out vec4 removed;
 
 vec3 video_here() {
@@ -29,7 +36,7 @@ const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 // Fraction of a light that the real object lets through. Near its shadow's outline it is measured in the video, as an
 // outline that is off by a pixel would leave a seam where the ground is darkened twice, or not at all.
-float lit_past_real(int light) {
+float lit_past_real(int light, float covered) {
     float known = lit_on_ground(1, light, ground);
     vec2 across = RIM_PX * dFdx(ground), along = RIM_PX * dFdy(ground);
     float least = known, most = known;
@@ -39,7 +46,7 @@ float lit_past_real(int light) {
         most = max(most, max(beside.x, beside.y));
     }
     float lit_ground = dot(ground_rgb, LUMINANCE);
-    if (least == most || lit_ground <= 0.0) return known;
+    if (least == most || lit_ground <= 0.0 || covered > 0.0) return known;
     float share = dot(sun_on_ground[light], LUMINANCE) * ground_falloff(light, ground);
     float seen = dot(video_here(), LUMINANCE) / lit_ground;
     float gone = clamp((dot(level_at(ground), LUMINANCE) - seen) / max(share, 1e-3), 0.0, 1.0);
@@ -51,20 +58,28 @@ void main() {
     vec2 at = (ground_placed - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
     // Fades out at the patch's border, so that the video beyond it is unchanged.
     vec2 inside = smoothstep(0.0, CONTACT_FADE, 0.5 - abs(at - 0.5));
+    float covered = 0.0;
+#ifdef COVERS
+    vec4 covering = texture(cover, 0.5 + 0.5 * ground / cover_half_m);
+    covered = covering.a;
+#endif
     vec3 before = sky;
     vec3 after = sky * (1.0 - texture(contact, at).r * inside.x * inside.y);
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
         vec3 seen = sun_on_ground[light] * ground_falloff(light, ground);
 #if CASTERS > 1
-        seen *= lit_past_real(light);
+        seen *= lit_past_real(light, covered);
 #endif
         before += seen;
         after += seen * lit_on_ground(0, light, ground);
     }
 #endif
-    vec3 ratio = after / max(before, 1e-3);
-    if (min(ratio.r, min(ratio.g, ratio.b)) > 0.9995) discard;
+    vec3 ratio = mix(vec3(1.0), after / max(before, 1e-3), strength);
+    if (covered == 0.0 && min(ratio.r, min(ratio.g, ratio.b)) > 0.9995) discard;
     added_light = vec4(0.0);
-    removed = vec4(1.0 - ratio, 0.0);
+    removed = vec4(1.0 - (1.0 - covered) * ratio, 0.0);
+#ifdef COVERS
+    added_light = covered * vec4(linear_from_srgb(covering.rgb) * cover_gain * ratio, 1.0);
+#endif
 }

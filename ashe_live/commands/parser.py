@@ -234,6 +234,9 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     view.add_argument(
         "--auto", action="store_true", help="watch the light, and estimate it anew when it changes (key A)"
     )
+    view.add_argument(
+        "--hide-marker", action="store_true", help="cover the marker's sheet with ground like that around it (key C)"
+    )
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
     output = parser.add_argument_group("without a window")
     output.add_argument("--headless", action="store_true", help="render every frame offscreen")

@@ -9,6 +9,7 @@ from ashe_live.render.cast_shadows import LEAST_DISTANCE, MAX_SHADOW_HEIGHTS, sh
 from ashe_live.render.contact import FADE
 from ashe_live.render.framing import Framing
 from ashe_live.render.ground_shadows import GroundShadows
+from ashe_live.render.hidden_marker import HiddenMarker
 from ashe_live.render.lighting import Lighting, Sun
 from ashe_live.render.programs import Programs, set_uniforms
 from ashe_live.render.shadow_maps import ShadowMaps
@@ -22,23 +23,27 @@ class ShadowCatcher:
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
         self._programs = programs
-        self._outline: tuple[StandingModel, Lighting] | None = None
+        self._outline: tuple[StandingModel, Lighting, bytes] | None = None
         self._buffer: moderngl.Buffer | None = None
         self._fan: tuple[moderngl.Program, moderngl.VertexArray] | None = None
         self.polygon: Float = np.zeros((0, 3))  # (n, 3) convex, metres, marker frame
 
-    def fit(self, model: StandingModel, lighting: Lighting, shadows: ShadowMaps) -> None:
-        """Computes the convex polygon of the plane that can be darkened, unless nothing has changed."""
-        if self._outline is not None and self._outline[0] is model and self._outline[1] is lighting:
+    def fit(self, model: StandingModel, lighting: Lighting, shadows: ShadowMaps, covered: Float) -> None:
+        """Computes the convex polygon of the plane that can be darkened, unless nothing has changed.
+
+        `covered`: (n, 2) metres, corners of what else is drawn there.
+        """
+        key = covered.tobytes()
+        if self._outline is not None and self._outline[0] is model and self._outline[1:] == (lighting, key):
             return
         blur_m = shadows.blur_texels * shadows.texel_m
         shadows_of_suns = (_shadow_points(model.points, sun, blur_m) for sun in lighting.suns)
-        points = np.concatenate([model.contact_corners, *shadows_of_suns])
+        points = np.concatenate([model.contact_corners, covered, *shadows_of_suns])
         hull = cv2.convexHull(points.astype(np.float32)).reshape(-1, 2)
         self.polygon = np.column_stack([hull, np.zeros(len(hull))]).astype(np.float64)
         self.forget()
         self._buffer = self._ctx.buffer(np.ascontiguousarray(hull))
-        self._outline = (model, lighting)
+        self._outline = (model, lighting, key)
 
     def draw(
         self,
@@ -49,20 +54,26 @@ class ShadowCatcher:
         casters: int,
         model: StandingModel,
         ground_rgb: Float | None,
+        hidden: HiddenMarker | None,
+        darkens: bool,
     ) -> None:
         """Draws behind the model's depth; nothing where the camera is below the plane.
 
-        `ground_rgb`: (3,) linear RGB of the lit ground in the video, where that is known.
+        `ground_rgb`: (3,) linear RGB of the lit ground in the video, where that is known. `hidden`: what covers the
+        marker's sheet. `darkens`: whether the model takes light away.
         """
         if framing.eye_marker[2] <= 0 or self._buffer is None:
             return
-        program = self._programs.get("catcher", contact_fade=FADE, casters=casters, **lighting.constants)
+        constants = lighting.constants | ({} if hidden is None else {"covers": 1})
+        program = self._programs.get("catcher", contact_fade=FADE, casters=casters, **constants)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         # Behind a model that is flat on the ground.
         self._ctx.polygon_offset = 1.0, 1.0
         video.bind()
         shadows.bind(program)
         model.contact.bind(program)
+        if hidden is not None:
+            hidden.bind(program)
         set_uniforms(
             program,
             clip_from_marker=framing.clip_from_marker,
@@ -70,6 +81,7 @@ class ShadowCatcher:
             viewport=tuple(float(value) for value in framing.viewport),
             ground_rgb=(0.0, 0.0, 0.0) if ground_rgb is None else tuple(float(value) for value in ground_rgb),
             sky=lighting.sky,
+            strength=1.0 if darkens else 0.0,
             sun_on_ground=lighting.ground_shares,
         )
         self._fan_of(program).render(moderngl.TRIANGLE_FAN)

@@ -15,6 +15,7 @@ from ashe_live.render.framing import framing, grown, letterbox
 from ashe_live.render.geometry import GpuModel
 from ashe_live.render.ground import ShadowCatcher
 from ashe_live.render.ground_shadows import GroundShadows
+from ashe_live.render.hidden_marker import HiddenMarker
 from ashe_live.render.lens import Lens
 from ashe_live.render.light_sign import LightSign, LightSigns, light_sign
 from ashe_live.render.model_pass import LookedUp, ModelPass, ShadingInputs
@@ -52,6 +53,7 @@ class SceneRenderer:
         self._environment = Environment(ctx, preset.environment_size)
         self._model_pass = ModelPass(ctx, self._programs)
         self._catcher = ShadowCatcher(ctx, self._programs)
+        self._hidden_marker = HiddenMarker(ctx)
         self._shadows = ShadowMaps(ctx, preset)
         self._ground_shadows = GroundShadows(ctx, self._programs, preset)
         self._models = ModelSwitch(ctx, self._programs, self._build_shaders, switches_at_once)
@@ -91,8 +93,8 @@ class SceneRenderer:
 
     @property
     def is_settled(self) -> bool:
-        """Whether the same scene would be the same picture again: no model is being prepared for the next ones."""
-        return self._models.is_settled
+        """Whether the same scene would be the same picture again: nothing is being prepared for the next ones."""
+        return self._models.is_settled and self._hidden_marker.is_settled
 
     @property
     def preset(self) -> RenderPreset:
@@ -166,6 +168,7 @@ class SceneRenderer:
             self._light_signs,
             self._straight_video,
             self._composite,
+            self._hidden_marker,
             self._lens,
             self._shadows,
             self._ground_shadows,
@@ -183,7 +186,14 @@ class SceneRenderer:
         lighting = self._photometry.lighting(scene.illumination)
         self._shadows.render((model,) if self._real is None else (model, self._real), lighting)
         self._ground_shadows.render(self._shadows, lighting)
-        self._catcher.fit(model, lighting, self._shadows)
+        hidden = None
+        if scene.hides_marker:
+            self._hidden_marker.follow(tracked, scene.illumination, self.switches_at_once)
+            hidden = self._hidden_marker if len(self._hidden_marker.corners) else None
+        else:
+            self._hidden_marker.forget()
+        covered = np.zeros((0, 2)) if hidden is None else hidden.corners
+        self._catcher.fit(model, lighting, self._shadows, covered)
         viewport = letterbox(tracked.frame.size, self.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         T_cam_marker = tracked.marker.T_cam_marker
@@ -202,12 +212,18 @@ class SceneRenderer:
         reach = self._composite.reach_px(viewport, tracked.frame, look, self._surface.samples)
         with self._surface.drawing(grown(frame.region, 2 * reach + 1, self.size)):
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
-            self._draw_layers(model, inputs, signs, scene, straight)
+            self._draw_layers(model, inputs, signs, scene, straight, hidden)
         lens = self._lens if bends else None
         self._composite.draw(self._surface, frame.region, viewport, self.video, tracked, look, lens)
 
     def _draw_layers(
-        self, model: StandingModel, inputs: ShadingInputs, signs: list[LightSign], scene: Scene, video: Video
+        self,
+        model: StandingModel,
+        inputs: ShadingInputs,
+        signs: list[LightSign],
+        scene: Scene,
+        video: Video,
+        hidden: HiddenMarker | None,
     ) -> None:
         """`video`: as the framing's pinhole camera sees it."""
         frame, lighting = inputs.framing, inputs.lighting
@@ -219,8 +235,10 @@ class SceneRenderer:
             self._light_signs.draw(frame, sign)
         casters = 2 if self._shadows.shadows_meet else 1
         ground_rgb = scene.illumination.ground_rgb
-        if scene.casts_shadow:
-            self._catcher.draw(frame, video, lighting, self._ground_shadows, casters, model, ground_rgb)
+        if scene.casts_shadow or hidden is not None:
+            self._catcher.draw(
+                frame, video, lighting, self._ground_shadows, casters, model, ground_rgb, hidden, scene.casts_shadow
+            )
         self._model_pass.draw_blended(model, inputs)
 
     def _drawn_points(self, model: StandingModel, signs: list[LightSign]) -> Float:

@@ -42,3 +42,4 @@ class Scene:
     overlays: tuple[Overlay, ...] = ()  # bottom first
     placement: Placement = UNMOVED  # of the model
     casts_shadow: bool = True  # the model, on the ground
+    hides_marker: bool = False  # the sheet is covered by ground like that around it, where there is a model

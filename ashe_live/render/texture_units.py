@@ -20,6 +20,7 @@ UNIT_OF = {
     "sky_map": 9,
     "contact": 10,
     "video": 11,
+    "cover": 15,
     # Full-screen passes.
     "picture": 12,
     "added_light": 13,

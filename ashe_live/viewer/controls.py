@@ -14,6 +14,7 @@ class Command(Enum):
     AUTOMATIC = auto()
     TOGGLE_LIGHT = auto()
     TOGGLE_MASKS = auto()
+    HIDE_MARKER = auto()
     PAUSE = auto()
     RESTART = auto()
     STEP = auto()
@@ -143,6 +144,7 @@ BINDINGS = (
     Binding(("A",), Command.AUTOMATIC, "A", "watch for a changed light"),
     Binding(("L",), Command.TOGGLE_LIGHT, "L", "show where the light is"),
     Binding(("D",), Command.TOGGLE_MASKS, "D", "show what was found"),
+    Binding(("C",), Command.HIDE_MARKER, "C", "cover or show the marker"),
     Binding(
         tuple(CTRL + arrow for arrow in ARROWS),
         Command.MOVE_LIGHT,

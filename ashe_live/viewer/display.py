@@ -27,6 +27,7 @@ def bare_scene(session: Session) -> Scene:
         session.show_light,
         placement=session.hand.placement,
         casts_shadow=session.parts_shown == WHOLE,
+        hides_marker=session.hides_marker,
     )
 
 

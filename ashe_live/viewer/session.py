@@ -66,6 +66,7 @@ class Session:
         self.watch = LightWatch(worker)
         self.show_light = False
         self.show_masks = False
+        self.hides_marker = False
         self.show_help = False
         self.show_hud = True
         self.parts_shown = PARTS[0]
@@ -255,6 +256,8 @@ class Session:
                     self.say("nothing has been estimated yet: Space does it", now_s)
                 elif self.show_masks and self.steps_bgr is None:
                     self.say(ANSWER_ALONE, now_s)
+            case Command.HIDE_MARKER:
+                self.hides_marker = not self.hides_marker
             case Command.BEFORE_AFTER:
                 self.parts_shown = PARTS[(PARTS.index(self.parts_shown) + 1) % len(PARTS)]
                 self.say(f"{self.parts_shown}: B goes on", now_s)

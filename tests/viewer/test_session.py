@@ -173,6 +173,7 @@ def test_switches_toggle(make):
     for command, switch in (
         (Command.TOGGLE_LIGHT, "show_light"),
         (Command.TOGGLE_MASKS, "show_masks"),
+        (Command.HIDE_MARKER, "hides_marker"),
         (Command.HELP, "show_help"),
         (Command.TOGGLE_HUD, "show_hud"),
     ):

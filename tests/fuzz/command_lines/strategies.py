@@ -84,6 +84,7 @@ def _view(words: Words) -> None:
     words.maybe("--size", st.sampled_from(SIZES), 4)
     words.maybe("--estimate-at", integers, 8)
     words.maybe("--no-filter", None, 8)
+    words.maybe("--hide-marker", None, 8)
     words.maybe("--loop", None, 8)
     words.written("--out", ".mp4")
     words.written("--report", ".json", 4)

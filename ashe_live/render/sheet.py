@@ -1,0 +1,68 @@
+"""Where the marker's sheet lies in the plane: the paper around the square, whatever its size, and what it throws."""
+
+from typing import Any
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float32, Mask
+from ashe_live.core.colour import REC709_LUMINANCE
+
+LEAST_HALF_SIDES = 0.5 + 0.1  # the square and a margin, in sides of the marker: what is taken where paper is not told
+MOST_HALF_SIDES = 1.6
+RING_SIDES = (0.55, 0.6)  # from the marker's middle: paper
+SAME_LOG = 0.35  # of paper: largest difference of a logarithm of linear RGB from the ring's
+CONVEX = 0.85  # a sheet's least fraction of its convex hull
+LINE_SIDES = 0.04  # a printed line that parts the paper
+EDGE_SIDES = 0.05  # what a sheet's rim, its curl and the picture's blur take beside the paper
+THROWN_SIDES = 0.22  # how far a curled sheet's own shadow reaches
+DARKER = 0.75  # than the ground around, in that shadow
+
+
+def sheet_mask(lit: Float32, is_ground: Mask, side_px: float) -> Mask:
+    """(n, n) of a rectified picture (n, n, 3) of the plane, linear RGB: the sheet with its rim and its own shadow.
+
+    is_ground: (n, n) seen, lit alike. side_px: the marker's side; the marker is in the middle. Where the paper cannot
+    be told from the ground, only the square with a margin is meant.
+    """
+    size = len(lit)
+    x, y = np.meshgrid(*[np.abs(np.arange(size) + 0.5 - size / 2) / side_px] * 2)
+    away = np.maximum(x, y)
+    least = away < LEAST_HALF_SIDES
+    ring = (away > RING_SIDES[0]) & (away < RING_SIDES[1])
+    paper = np.median(lit[ring], axis=0)
+    logs = np.log(np.maximum(lit, 1e-3)) - np.log(np.maximum(paper, 1e-3))
+    alike = (np.abs(logs).max(axis=2) < SAME_LOG) & (away < MOST_HALF_SIDES) | least
+    opened = cv2.morphologyEx(alike.astype(np.uint8), cv2.MORPH_OPEN, np.ones((2, 2)))
+    paper_there = _joined(cv2.morphologyEx(opened, cv2.MORPH_CLOSE, _disc(LINE_SIDES * side_px)) > 0, least)
+    sheet = _hull(paper_there)
+    if sheet[away > MOST_HALF_SIDES - 2 / side_px].any() or paper_there.sum() < CONVEX * sheet.sum():
+        sheet = least
+    grown = cv2.dilate(sheet.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
+    near = cv2.dilate(sheet.astype(np.uint8), _disc(THROWN_SIDES * side_px)) > 0
+    brightness = lit @ REC709_LUMINANCE.astype(np.float32)
+    beside = near & ~grown & is_ground
+    if beside.any():
+        dark = near & ~sheet & (brightness < DARKER * np.median(brightness[beside]))
+        thrown = cv2.morphologyEx((dark | grown).astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3))) > 0
+        thrown = _joined(thrown, sheet)
+        grown |= cv2.dilate(thrown.astype(np.uint8), _disc(EDGE_SIDES * side_px)) > 0
+    return grown
+
+
+def _joined(mask: Mask, seed: Mask) -> Mask:
+    """The parts of `mask` that touch `seed`, which is part of it as a rule."""
+    _, labels = cv2.connectedComponents((mask | seed).astype(np.uint8))
+    return np.isin(labels, np.unique(labels[seed])) & (mask | seed)
+
+
+def _hull(mask: Mask) -> Mask:
+    hull = cv2.convexHull(cv2.findNonZero(mask.astype(np.uint8)))
+    filled = np.zeros(mask.shape, np.uint8)
+    cv2.fillConvexPoly(filled, hull, 1)
+    return filled > 0
+
+
+def _disc(radius: float) -> Any:  # (k, k) uint8, as OpenCV types it
+    reach = max(1, round(radius))
+    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))

@@ -1,0 +1,168 @@
+"""Path-traces scenes with and without a shipped model on the marker, and without the sheet: truth for the renderer.
+
+    env/bin/python -m scenes.pairs specify --out PAIRS
+    bpyenv/bin/python -m scenes.pairs render --out PAIRS          # three pictures a scene; stop and start as you like
+    env/bin/python -m scenes.pairs develop --out PAIRS            # then: ashe-live bench render --pairs PAIRS
+
+Twelve scenes of the development set: grounds, suns of 0.5 to 7 degrees, plain cameras, phones and webcams.
+The sheet lies flat on the ground, as a model stands on the marker's plane.
+"""
+
+import argparse
+import json
+import math
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+Params = dict[str, Any]
+# Scene of the development set, and which of its pictures.
+CHOSEN = (
+    (6, 2), (43, 2), (19, 2), (53, 2), (52, 1), (23, 2), (57, 0), (10, 0), (50, 1), (18, 0), (58, 1), (66, 0),
+)  # fmt: skip
+VERSIONS = ("bare", "model", "open")  # as it is, with the model, and without the sheet
+MODEL = "cube"
+MODEL_INDEX = 9  # of the object index pass
+LEAST_LIFT_M = 0.0002  # of the sheet over the ground
+SAMPLES = 32
+FOOTPRINT_SIDES, HEIGHT_SIDES = 1.0, 1.2  # as ashe_live/models/placement.py
+
+
+def specify(out: Path) -> None:
+    from scenes.specify import specification
+
+    out.mkdir(parents=True, exist_ok=True)
+    scenes = []
+    for index, number in CHOSEN:
+        spec = specification("development", index)
+        picture = spec["pictures"][number]
+        spec["pictures"] = [picture]
+        spec["ground"]["z_m"] = -LEAST_LIFT_M
+        spec["marker"]["card_m"] = spec["marker"]["curl_m"] = 0.0
+        scenes.append(spec)
+    (out / "specifications.json").write_text(json.dumps({"set": "pairs", "model": MODEL, "scenes": scenes}))
+
+
+def render(out: Path, count: int | None, samples: int) -> None:
+    import bpy
+
+    from scenes.geometry.index import SHEET
+    from scenes.render import LAYERS, layer, set_up
+    from scenes.tracing import assembly
+
+    content = json.loads((out / "specifications.json").read_text())
+    with tempfile.TemporaryDirectory() as work:
+        folder = Path(work)
+        set_up(samples, 1, folder)
+        for spec in content["scenes"][:count]:
+            for version in VERSIONS:
+                path = out / f"{spec['id']}_{version}.npz"
+                if path.exists():
+                    continue
+                start = time.perf_counter()
+                assembly.clear()
+                assembly.assemble(spec)
+                if version == "model":
+                    for obj in placed_model(content["model"], spec["marker"]["side_m"]):
+                        obj.pass_index = MODEL_INDEX
+                if version == "open":
+                    for obj in [each for each in bpy.data.objects if each.pass_index == SHEET]:
+                        bpy.data.objects.remove(obj)
+                scene = bpy.context.scene
+                scene.render.resolution_x, scene.render.resolution_y = spec["size"]
+                scene.cycles.seed = spec["render_seed"]
+                for stale in folder.glob("*.exr"):
+                    stale.unlink()
+                bpy.ops.render.render()
+                shot = {name: layer(folder, name, spec["size"]).clip(0, 60000).astype(np.float16) for name in LAYERS}
+                index = np.round(layer(folder, "index", spec["size"])[..., 0]).astype(np.uint8)
+                np.savez_compressed(path, **shot, index=index)
+                print(f"{path.name} {time.perf_counter() - start:.1f} s", flush=True)
+
+
+def placed_model(name: str, side_m: float) -> list[Any]:
+    """The objects of a shipped model, as the viewer places it on a marker with that side."""
+    import bpy
+    from mathutils import Matrix, Vector
+
+    before = set(bpy.data.objects)
+    models = Path(__file__).resolve().parents[2] / "models"
+    bpy.ops.import_scene.gltf(filepath=str(models / f"{name}.glb"))
+    made = [obj for obj in bpy.data.objects if obj not in before]
+    bpy.context.view_layer.update()
+    points = np.array([obj.matrix_world @ v.co for obj in made if obj.type == "MESH" for v in obj.data.vertices])
+    lower, upper = points.min(axis=0), points.max(axis=0)
+    width, depth, height = upper - lower
+    scale = side_m / max(width / FOOTPRINT_SIDES, depth / FOOTPRINT_SIDES, height / HEIGHT_SIDES)
+    foot = Vector(((lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2, lower[2]))
+    move = Matrix.Scale(scale, 4) @ Matrix.Translation(-foot)
+    for obj in made:
+        if obj.parent is None:
+            obj.matrix_world = move @ obj.matrix_world
+    return made
+
+
+def develop(out: Path) -> None:
+    """Writes ID_VERSION.jpg, ID_model_mask.png and pairs.json; exposure is that of the picture without the model."""
+    import cv2
+
+    from scenes.develop import mixed
+    from scenes.geometry.poses import direction
+    from scenes.geometry.surroundings import LUMINANCE, irradiance, radiance
+    from scenes.photo.camera import photographed
+
+    content = json.loads((out / "specifications.json").read_text())
+    entries = []
+    for spec in content["scenes"]:
+        paths = {version: out / f"{spec['id']}_{version}.npz" for version in VERSIONS}
+        if not all(path.exists() for path in paths.values()):
+            continue
+        (picture,) = spec["pictures"]
+        gains = None
+        settings = picture["camera"]
+        for number, (version, path) in enumerate(paths.items()):
+            raw = dict(np.load(path))
+            light, on_ground = mixed(spec, picture, raw)
+            image, used = photographed(light, on_ground, settings | {"seed": settings["seed"] + number}, gains)
+            gains = used
+            quality = [cv2.IMWRITE_JPEG_QUALITY, settings["jpeg_quality"]]
+            cv2.imwrite(str(out / f"{spec['id']}_{version}.jpg"), image, quality)
+            if version == "model":
+                cv2.imwrite(str(out / f"{spec['id']}_mask.png"), np.uint8(raw["index"] == MODEL_INDEX) * 255)
+        (number,) = picture["lights"]
+        light = spec["lights"][number]
+        colour = np.asarray(light["colour"])
+        sun = picture["gains"][0] * light["strength"] * colour / (colour @ LUMINANCE)
+        sky = np.asarray(irradiance(radiance(spec["surroundings"])))
+        entries.append({
+            "id": spec["id"], "ground": spec["ground"]["family"], "camera": settings["family"], "size": spec["size"],
+            "K": spec["camera"]["K"], "R": spec["camera"]["R"], "t": spec["camera"]["t"],
+            "marker_side_m": spec["marker"]["side_m"], "paper_side_m": spec["marker"]["paper_side_m"],
+            "to_light": np.round(direction(light["azimuth_deg"], light["elevation_deg"]), 8).tolist(),
+            "angular_diameter_deg": light["angular_diameter_deg"],
+            "shadow_ratio": np.round(sky / (sky + sun), 4).tolist(),
+        })  # fmt: skip
+        assert math.isclose(float(np.linalg.norm(entries[-1]["to_light"])), 1, abs_tol=1e-6)
+    (out / "pairs.json").write_text(json.dumps({"model": content["model"], "pairs": entries}, indent=1) + "\n")
+
+
+def main() -> None:
+    ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    ask.add_argument("stage", choices=("specify", "render", "develop"))
+    ask.add_argument("--out", type=Path, required=True)
+    ask.add_argument("--count", type=int, help="only the first so many scenes")
+    ask.add_argument("--samples", type=int, default=SAMPLES)
+    asked = ask.parse_args()
+    if asked.stage == "specify":
+        specify(asked.out)
+    elif asked.stage == "render":
+        render(asked.out, asked.count, asked.samples)
+    else:
+        develop(asked.out)
+
+
+if __name__ == "__main__":
+    main()
