@@ -18,9 +18,9 @@ PAPER, FARTHEST = (0.555, 0.605), 1.1
 USUAL = 0.725  # where no end is seen, as on a white table
 STEP = 0.02  # between samples
 ALONG = np.linspace(-0.45, 0.45, 16)  # lines of samples across a side
-# Log-opponent distance from the margin's colour that ends the paper: at least, and as a fraction of the largest.
-LEAST_CHANGE, CHANGED = 0.2, 0.4
-LASTING = 3  # samples in a row beyond which the change is no speck
+LEAST_CHANGE = 0.2  # log-opponent distance from the margin's colour beyond which the paper has ended
+LASTING = 4  # samples in a row for which it has, or else it is a speck; the last of them is past the blurred edge
+HALF_WAY = 0.5
 ADDED = 0.04  # sides: a card's thickness, and paper that curls
 
 
@@ -71,6 +71,10 @@ def measured_sheet(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m
 
 def _end(outwards: Float, change: Float) -> float | None:
     """Where the change of colour (n,) begins to last; None where it does not."""
-    is_other = change > max(LEAST_CHANGE, CHANGED * float(change.max()))
+    is_other = change > LEAST_CHANGE
     lasts = np.logical_and.reduce([is_other[i : len(is_other) - LASTING + 1 + i] for i in range(LASTING)])
-    return float(outwards[int(lasts.argmax())]) if lasts.any() else None
+    if not lasts.any():
+        return None
+    begin = int(lasts.argmax())
+    beyond = change[begin + LASTING - 1]
+    return float(outwards[begin + int((change[begin:] > HALF_WAY * beyond).argmax())])
