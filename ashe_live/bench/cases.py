@@ -14,7 +14,10 @@ from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes, read_json
+from ashe_live.tracking import preset
+from ashe_live.tracking.markers import parse_marker
 from ashe_live.tracking.pose import estimate_pose, square_corners
+from ashe_live.tracking.tracker import MarkerTracker
 
 GROUND_TRUTH = "ground_truth.json"
 MOST_TRUTH_BYTES, MOST_PICTURE_BYTES = 100_000_000, 200_000_000
@@ -56,6 +59,15 @@ class Case:
         if image is None:
             raise UserError(f"cannot read the picture {self.image_path}", "is it there, and a PNG or JPEG?")
         return TrackedFrame(Frame(np.asarray(image, dtype=np.uint8), index, 0.0), self.camera, self.marker)
+
+    def followed(self, index: int = 0) -> TrackedFrame:
+        """As `tracked`, but with the tracker's own pose, as users have it, where it finds the marker."""
+        given = self.tracked(index)
+        if self.marker_spec is None:
+            return given
+        tracker = MarkerTracker(parse_marker(self.marker_spec), self.camera, self.marker.side_m, preset.BALANCED)
+        found = tracker.track(given.frame)
+        return given if found.marker is None else found
 
     def mask(self, name: str) -> Mask | None:
         """(h, w), or None when there is none of that name; raises UserError when it cannot be read."""

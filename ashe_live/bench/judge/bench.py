@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import ClassVar
@@ -13,20 +13,23 @@ from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.judge.calibration import fitted_calibration
 from ashe_live.bench.judge.logit import fitted_score
-from ashe_live.bench.judge.samples import Sample, sample_of
+from ashe_live.bench.judge.samples import Sample, of_one_view, sample_of
 from ashe_live.bench.judge.tables import calibration_table, error_of, families_table, risk_table, score_table
 from ashe_live.bench.judge.validation import (
+    Judged,
+    Pictures,
     by_families_left_out,
-    judged,
+    fitted_confidence,
+    held_out,
     least_confidence,
     risk_curve,
 )
 from ashe_live.core.contract import Json
 from ashe_live.files.writing import write_json
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import PRESETS
+from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.light.explanation.evidence import SIGNS
-from ashe_live.light.explanation.judge import Judge
+from ashe_live.light.explanation.judge import Judge, recalibrated
 from ashe_live.light.explanation.judge_tables import Curve, Score, Tables
 from ashe_live.light.explanation.uncertainty import Calibration
 
@@ -49,15 +52,17 @@ FIRST_RANGES = {
     "border": (0.0, 1.0),
     "second": (0.0, 1.0),
     "constrained": (-2.0, 0.0),
+    "agreeing": (0.0, 1.0),
 }
 OF_SPLITS = ("hue", "brightness", "short", "long", "lit side", "missed", "edge", "border", "second")
-WEIGHT = 1 / len(PRESETS)  # all presets look at the same pictures, which are to count once
+LOOKS = tuple(dict.fromkeys(of_one_view(look) for steps in PRESETS.values() for look in steps.looks))
+WEIGHT = 1 / len(LOOKS)  # all look at the same pictures, which are to count once
 ROUNDS = (3, 1)  # of which every so many-th picture is explained: the first only finds which features matter
 
 
 @dataclass(frozen=True, slots=True)
 class JudgeBench(Bench):
-    """Fits the judge to the folders `scenes`, with all presets' explanations of each picture.
+    """Fits the judge to the folders `scenes`, with the explanations of each picture by all presets' looks.
 
     In the first round all features count alike; in the next, the explanations are those that its judge refines.
     The same pictures give the same tables.
@@ -75,23 +80,26 @@ class JudgeBench(Bench):
         judge = Judge(first_tables())
         for every in ROUNDS:
             chosen = cases[::every]
-            samples = self._samples(chosen, judge, f"{len(chosen)} of {len(cases)} pictures")
-            judge = Judge(self._fitted(chosen, samples))
-        answers = [judged(judge.tables.explanation, sample) for sample in samples]
-        held_out = list(by_families_left_out(samples, explanation_score))
-        self.console.print(score_table("explanations", judge.tables.explanation))
-        self.console.print(score_table("splits", judge.tables.split))
-        self.console.print(families_table(held_out))
-        self.console.print(risk_table("fitted to these pictures", answers))
-        self.console.print(calibration_table(judge.tables.calibration, answers))
+            pictures = self._pictures(chosen, judge, f"{len(chosen)} of {len(cases)} pictures")
+            answers, tables = self._fitted(chosen, pictures)
+            judge = Judge(tables)
+        families = list(
+            by_families_left_out(pictures, explanation_score, PRESETS["balanced"], lambda p: judge.confidence(p, 1))
+        )
+        judged = [each for several in answers.values() for each in several]
+        self.console.print(score_table("explanations", tables.explanation))
+        self.console.print(score_table("splits", tables.split))
+        self.console.print(families_table(families))
+        self.console.print(risk_table("by fits to other scenes", answers))
+        self.console.print(calibration_table(tables.calibration, judged))
         yield {
             "scenes": [folder.resolve().name for folder in self.scenes],
-            "tables": judge.tables.as_json(),
+            "tables": tables.as_json(),
             "left_out": [
                 {"kind": kind, "family": family, "answers": len(each), "calibration_error": error_of(each)}
-                for kind, family, each in held_out
+                for kind, family, each in families
             ],
-            "risk_by_coverage": risk_curve(answers),
+            "risk_by_coverage": {preset: risk_curve(each) for preset, each in answers.items()},
         }
 
     def plots(self) -> Sequence[str]:
@@ -107,20 +115,30 @@ class JudgeBench(Bench):
         every = "" if self.every == 1 else f" --every {self.every}"
         return f"ashe-live bench fit-judge --scenes {folders}{limit}{every}"
 
-    def _samples(self, cases: Sequence[Case], judge: Judge, what: str) -> list[Sample]:
-        estimators = {preset: ProxyEstimator(steps, judge) for preset, steps in PRESETS.items()}
+    def _pictures(self, cases: Sequence[Case], judge: Judge, what: str) -> list[dict[ProxySteps, Sample]]:
+        estimators = {steps: ProxyEstimator(steps, judge) for steps in LOOKS}
         return [
-            sample_of(case, preset, estimator)
+            {steps: sample_of(case, estimator) for steps, estimator in estimators.items()}
             for case in track(cases, what, console=self.console, transient=True)
-            for preset, estimator in estimators.items()
         ]
 
-    def _fitted(self, cases: Sequence[Case], samples: Sequence[Sample]) -> Tables:
-        explanation = explanation_score(samples)
-        split = fitted_score([sample.splits for sample in samples if sample.splits], WEIGHT)
-        answers = [judged(explanation, sample) for sample in samples]
-        least = least_confidence(answers)
-        given = [each.answer for each in answers if each.confidence >= least]
+    def _fitted(self, cases: Sequence[Case], pictures: Pictures) -> tuple[dict[str, list[Judged]], Tables]:
+        """The answers by fits to other scenes, by preset; and the tables, of which confidences are fitted to these."""
+        explanation = explanation_score(pictures)
+        splits = [sample.splits for picture in pictures for sample in picture.values() if sample.splits]
+        answers = held_out(pictures, explanation_score, PRESETS)
+        confidence = {}
+        for looks in sorted({len(steps.looks) for steps in PRESETS.values()}):
+            alike = [preset for preset, steps in PRESETS.items() if len(steps.looks) == looks]
+            confidence[looks] = fitted_confidence([each for preset in alike for each in answers[preset]])
+            for preset in alike:
+                answers[preset] = [
+                    replace(each, confidence=recalibrated(each.confidence, *confidence[looks]))
+                    for each in answers[preset]
+                ]
+        every = [each for several in answers.values() for each in several]
+        least = least_confidence(every)
+        given = [each.answer for each in every if each.confidence >= least]
         origin = {
             "command": self._command(),
             "scenes": [folder.resolve().name for folder in self.scenes],
@@ -129,10 +147,12 @@ class JudgeBench(Bench):
             "date": datetime.now(UTC).date().isoformat(),
         }
         calibration = fitted_calibration([each for each in given if each is not None])
-        return Tables(split, explanation, least, calibration, origin)
+        return answers, Tables(fitted_score(splits, WEIGHT), explanation, confidence, least, calibration, origin)
 
 
-def explanation_score(samples: Sequence[Sample]) -> Score:
+def explanation_score(pictures: Pictures) -> Score:
+    """The explanations' score, fitted to all looks at these pictures."""
+    samples = [sample for picture in pictures for sample in picture.values()]
     return fitted_score([sample.judged for sample in samples if sample.judged], WEIGHT)
 
 
@@ -142,4 +162,4 @@ def first_tables() -> Tables:
     def score(names: Sequence[str]) -> Score:
         return Score(0.0, {name: Curve(FIRST_RANGES[name], (0.0, float(SIGNS[name]))) for name in names})
 
-    return Tables(score(OF_SPLITS), score(list(FIRST_RANGES)), 0.5, Calibration(1.0, 0.5, 2.0), {})
+    return Tables(score(OF_SPLITS), score(list(FIRST_RANGES)), {}, 0.5, Calibration(1.0, 0.5, 2.0), {})

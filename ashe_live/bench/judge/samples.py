@@ -1,7 +1,7 @@
 """What the judge is fitted to: the explanations that the estimator tries on pictures with known lights."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,6 +9,8 @@ from ashe_live.bench.cases import Case
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, tangent_basis
 from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.explanation.company import Company
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.judge import GOOD_RAD, explanation_features, split_features
 
@@ -27,9 +29,8 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """All explanations of one picture by one preset."""
+    """All explanations of one picture by one look at it."""
 
-    preset: str
     case: str
     tags: Mapping[str, str]  # the families that the picture belongs to, by kind
     lights: int  # true ones
@@ -37,14 +38,23 @@ class Sample:
     splits: Sequence[Candidate]
 
 
-def sample_of(case: Case, preset: str, estimator: ProxyEstimator) -> Sample:
-    """Runs the estimator on a picture whose lights are known, and compares all its explanations with them."""
-    _, trace = estimator.traced(case.tracked())
+def of_one_view(steps: ProxySteps) -> ProxySteps:
+    """The steps without what they do with several views, of which presets differ where they look alike at one."""
+    return replace(steps, views=1, companions=0, joint=1)
+
+
+def sample_of(case: Case, estimator: ProxyEstimator) -> Sample:
+    """Looks at a picture whose lights are known, from the tracker's own pose, and compares all explanations with them.
+
+    estimator: with steps for a single look.
+    """
+    _, trace = estimator.traced(case.followed())
     truths = case.to_lights_marker
     assert truths is not None
-    judged = [_candidate(each, explanation_features(each), truths) for each in trace.judged]
+    company = Company(trace.judged, None if trace.glint is None else trace.glint.to_light_marker)
+    judged = [_candidate(each, explanation_features(each, company), truths) for each in trace.judged]
     splits = [_candidate(each, split_features(each.region, each.materials, each.split), truths) for each in trace.rough]
-    return Sample(preset, f"{case.folder}/{case.id}", case.tags, len(truths), judged, splits)
+    return Sample(f"{case.folder}/{case.id}", case.tags, len(truths), judged, splits)
 
 
 def _candidate(explanation: Explanation, features: Mapping[str, float], truths: Float) -> Candidate:

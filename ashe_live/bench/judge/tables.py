@@ -1,6 +1,6 @@
 """The printed tables of `ashe-live bench fit-judge`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -13,7 +13,7 @@ from ashe_live.bench.tables import figures_table
 from ashe_live.light.explanation.judge_tables import Score
 from ashe_live.light.explanation.uncertainty import Calibration
 
-COVERAGES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95)
+COVERAGES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 
 
 def score_table(name: str, score: Score) -> Table:
@@ -42,11 +42,10 @@ def error_of(answers: Sequence[Judged]) -> float:
     return calibration_error(confidences, good, bins=5) or 0.0
 
 
-def risk_table(name: str, answers: Sequence[Judged]) -> Table:
+def risk_table(name: str, answers: Mapping[str, Sequence[Judged]]) -> Table:
     """For each preset, the share of answers that are over 10° off, as more of the lit pictures are answered."""
-    presets = list(dict.fromkeys(each.sample.preset for each in answers))
-    table = figures_table(f"{name}: risk (over 10° off) by coverage", "coverage", *presets)
-    curves = [risk_curve([each for each in answers if each.sample.preset == preset]) for preset in presets]
+    table = figures_table(f"{name}: risk (over 10° off) by coverage", "coverage", *answers)
+    curves = [risk_curve(each) for each in answers.values()]
     for coverage in COVERAGES:
         cells = []
         for curve in curves:

@@ -1,16 +1,23 @@
 """How the judge carries over: each picture judged by tables that were fitted without its families; risk by coverage."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ashe_live.bench.cases import KINDS
 from ashe_live.bench.judge.calibration import Answer
-from ashe_live.bench.judge.samples import Candidate, Sample
+from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
 from ashe_live.bench.metrics import risk_by_coverage
 from ashe_live.core.arrays import Float
-from ashe_live.light.explanation.judge import GOOD_RAD, MOST_LOG_ODDS, best_direction, probabilities_of
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.explanation.judge import (
+    GOOD_RAD,
+    LEAST_PROBABILITY,
+    MOST_LOG_ODDS,
+    best_direction,
+    probabilities_of,
+)
 from ashe_live.light.explanation.judge_tables import Score
 
 FEWEST_PICTURES = 12  # of a family that is left out
@@ -19,11 +26,20 @@ LEAST_GOOD = 0.4
 BAD_RAD, BAD_CONFIDENCE = np.radians(15.0), 0.5
 
 
+FOLDS = 5
+NEWTON_STEPS = 30
+# Prior information on how confidence is recalibrated: as much as so many answers of even odds have.
+PRIOR_ANSWERS = 4.0
+
+Confidence = Callable[[float], float]  # from the average probability of the looks
+Pictures = Sequence[Mapping[ProxySteps, Sample]]  # each by every look at it
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Judged:
     """One picture's likeliest answer."""
 
-    sample: Sample
+    sample: Sample  # of the first look
     best: Candidate | None  # None where nothing was tried
     confidence: float
 
@@ -48,27 +64,77 @@ class Judged:
         return Answer(self.confidence, self.best.error_by_axis, self.best.covariance_rad2)
 
 
-def judged(score: Score, sample: Sample) -> Judged:
-    """The answer to a picture by the explanations' score, as the estimator would give it."""
-    if not sample.judged:
-        return Judged(sample, None, 0.0)
-    log_odds = [score.log_odds(candidate.features) for candidate in sample.judged]
-    probabilities = probabilities_of(np.clip(log_odds, -MOST_LOG_ODDS, MOST_LOG_ODDS).tolist())
-    index, confidence = best_direction(probabilities, [each.to_light_marker for each in sample.judged])
-    return Judged(sample, sample.judged[index], confidence)
+def judged(score: Score, looks: Sequence[Sample], confidence: Confidence = float) -> Judged:
+    """The answer to a picture by the explanations' score, as the estimator would give it after these looks."""
+    candidates: list[Candidate] = []
+    probabilities: list[float] = []
+    for sample in looks:
+        log_odds = [score.log_odds(candidate.features) for candidate in sample.judged]
+        found = probabilities_of(np.clip(log_odds, -MOST_LOG_ODDS, MOST_LOG_ODDS).tolist())
+        candidates += sample.judged
+        probabilities += (found / len(looks)).tolist()
+    if not candidates:
+        return Judged(looks[0], None, 0.0)
+    index, share = best_direction(np.array(probabilities), [each.to_light_marker for each in candidates])
+    return Judged(looks[0], candidates[index], confidence(share))
 
 
 def by_families_left_out(
-    samples: Sequence[Sample], fit: Callable[[Sequence[Sample]], Score]
+    pictures: Pictures, fit: Callable[[Pictures], Score], steps: ProxySteps, confidence: Confidence
 ) -> Iterator[tuple[str, str, list[Judged]]]:
-    """For every kind of family and each family of it: the answers to its pictures by a fit to all the others."""
+    """For every kind of family and each family of it: the answers to its pictures, by a fit to all the others.
+
+    steps: by which they are answered.
+    """
+
+    def family_of(picture: Mapping[ProxySteps, Sample], kind: str) -> str:
+        return next(iter(picture.values())).tags.get(kind, "")
+
     for kind in KINDS:
-        for family in sorted({sample.tags.get(kind, "") for sample in samples} - {""}):
-            held = [sample for sample in samples if sample.tags.get(kind) == family]
-            rest = [sample for sample in samples if sample.tags.get(kind) != family]
-            if len({sample.case for sample in held}) >= FEWEST_PICTURES and rest:
+        for family in sorted({family_of(picture, kind) for picture in pictures} - {""}):
+            held = [picture for picture in pictures if family_of(picture, kind) == family]
+            rest = [picture for picture in pictures if family_of(picture, kind) != family]
+            if len(held) >= FEWEST_PICTURES and rest:
                 score = fit(rest)
-                yield kind, family, [judged(score, sample) for sample in held]
+                yield kind, family, [judged(score, _by(picture, steps), confidence) for picture in held]
+
+
+def held_out(
+    pictures: Pictures, fit: Callable[[Pictures], Score], presets: Mapping[str, ProxySteps]
+) -> dict[str, list[Judged]]:
+    """By preset, the answers to all pictures, each by a fit to four fifths of them without it or its neighbours.
+
+    The pictures of one scene follow each other, and are left out together. Confidences are average probabilities.
+    """
+    answers: dict[str, list[Judged]] = {preset: [] for preset in presets}
+    for part in np.array_split(np.arange(len(pictures)), FOLDS):
+        rest = [picture for i, picture in enumerate(pictures) if i not in part]
+        score = fit(rest or pictures)
+        for preset, steps in presets.items():
+            answers[preset] += [judged(score, _by(pictures[i], steps)) for i in part]
+    return answers
+
+
+def fitted_confidence(answers: Sequence[Judged]) -> tuple[float, float]:
+    """Offset and slope of `judge.recalibrated` by which the answers are right as often as their confidences say.
+
+    Logistic regression with a prior about no change, by Newton's method (Platt, 1999).
+    """
+    inside = np.clip([each.confidence for each in answers], LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
+    design = np.column_stack([np.ones(len(answers)), np.log(inside / (1 - inside))])
+    good = np.array([each.is_good for each in answers], dtype=np.float64)
+    prior = np.array([0.0, 1.0])
+    values = prior.copy()
+    for _ in range(NEWTON_STEPS):
+        probability = 1 / (1 + np.exp(-design @ values))
+        gradient = design.T @ (good - probability) - PRIOR_ANSWERS / 4 * (values - prior)
+        information = (design.T * (probability * (1 - probability))) @ design + PRIOR_ANSWERS / 4 * np.eye(2)
+        values = values + np.linalg.solve(information, gradient)
+    return round(float(values[0]), 3), round(float(max(values[1], 0.0)), 3)
+
+
+def _by(picture: Mapping[ProxySteps, Sample], steps: ProxySteps) -> list[Sample]:
+    return [picture[of_one_view(look)] for look in steps.looks]
 
 
 def risk_curve(answers: Sequence[Judged]) -> list[tuple[float, float, float]]:

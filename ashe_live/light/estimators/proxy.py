@@ -10,16 +10,27 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
+import numpy as np
+
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
+from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.together import contradicting, explained_together, scene_views, span_of
-from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.estimators.trace import Look, Trace
+from ashe_live.light.explanation.company import Company, company_features
 from ashe_live.light.explanation.evidence import Explanation, shadow_core
 from ashe_live.light.explanation.explain import are_alike, different, explained, refined, refined_by_tangents
-from ashe_live.light.explanation.judge import Judge, best_direction, fitted_judge, probabilities_of
+from ashe_live.light.explanation.judge import (
+    GOOD_RAD,
+    Judge,
+    best_direction,
+    explanation_features,
+    fitted_judge,
+    probabilities_of,
+)
 from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
     NOTHING_THERE,
@@ -29,6 +40,7 @@ from ashe_live.light.explanation.no_answer import (
 )
 from ashe_live.light.explanation.penumbra import angular_size
 from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
+from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
@@ -72,16 +84,14 @@ class ProxyEstimator:
     def _traced(
         self, tracked: TrackedFrame, others: Sequence[TrackedFrame], clock: StageClock
     ) -> tuple[LightEstimate, Trace]:
-        steps, judge = self._steps, self._judge
-        fine = View.of(tracked, steps.fine_width_px)
-        coarse = fine.scaled(steps.coarse_width_px)
-        trace = Trace(coarse)
-        views = scene_views(tracked, fine, coarse, others, steps)
-        clock.end("segment")
+        judge, (steps, *further) = self._judge, self._steps.looks
+        first = self._looked(tracked, others, steps, clock)
+        views = first.views
+        looks = [first, *(self._looked(tracked, (), each, clock) for each in further if len(views) == 1)]
 
         def none(reason: str, body: Mask | None = None, shadow: Mask | None = None) -> tuple[LightEstimate, Trace]:
-            reason = fault_of_exposure(coarse) or reason
-            return answer(Illumination(), reason, body, shadow), trace
+            reason = fault_of_exposure(first.trace.view) or reason
+            return answer(Illumination(), reason, body, shadow), first.trace
 
         def answer(found: Illumination, reason: str | None, body: Mask | None, shadow: Mask | None) -> LightEstimate:
             index, timing_ms = tracked.frame.index, clock.timing_ms()
@@ -90,24 +100,16 @@ class ProxyEstimator:
 
         if not views:
             return none(TOO_LITTLE_GROUND)
-        trace.ground = ground = views[0].ground
-        candidates = self._explanations(fine, coarse, ground, trace, clock)
-        if len(views) == 1:
-            odds = [judge.log_odds(each) for each in candidates]
-        else:
-            others_found = [
-                (view, self._explanations(view.fine, view.coarse, view.ground, Trace(view.coarse), clock))
-                for view in views[1:][: steps.companions]
-            ]
-            together = explained_together([(views[0], candidates), *others_found], views, steps, judge)
-            candidates, odds = [each for each, _ in together], [log_odds for _, log_odds in together]
-            clock.end("views")
-        if not candidates:
-            return none(NO_SHADOW if trace.regions else NOTHING_THERE)
-        probabilities = probabilities_of(odds)
-        trace.judged, trace.probabilities = candidates, probabilities.tolist()
-        index, confidence = best_direction(probabilities, [each.lights[0].to_light_marker for each in candidates])
-        best = candidates[index]
+        several = [
+            (look, *each) for look in looks for each in zip(look.trace.judged, look.trace.probabilities, strict=True)
+        ]
+        if not several:
+            return none(NO_SHADOW if first.trace.regions else NOTHING_THERE)
+        probabilities = np.array([probability for *_, probability in several]) / len(looks)
+        index, share = best_direction(probabilities, [each.lights[0].to_light_marker for _, each, _ in several])
+        look, best, _ = several[index]
+        trace, ground = look.trace, look.views[0].ground
+        confidence = judge.confidence(share, len(looks))
         clock.end("judge")
         if confidence < judge.least_confidence:
             return none(fault_of_scene(best, confidence), *_masks_of(best))
@@ -118,7 +120,7 @@ class ProxyEstimator:
             lambda each: judge.lights_of(each, confidence, tracked),
             ratios[: len(best.lights)],
             ground,
-            coarse,
+            trace.view,
             trace.unlit,
             steps.light,
             len(views),
@@ -133,17 +135,44 @@ class ProxyEstimator:
         found = Illumination(tuple(lights), ratios[-1], lit_rgb(ground), best.proxy)
         return answer(found, None, *_masks_of(best)), trace
 
+    def _looked(
+        self, tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps, clock: StageClock
+    ) -> Look:
+        """One look at the picture, and with it at the others that show the same scene."""
+        fine = View.of(tracked, steps.fine_width_px)
+        coarse = fine.scaled(steps.coarse_width_px)
+        trace = Trace(coarse)
+        views = scene_views(tracked, fine, coarse, others, steps)
+        clock.end("segment")
+        if not views:
+            return Look(trace, views)
+        trace.ground = views[0].ground
+        candidates, log_odds = self._explanations(fine, coarse, views[0].ground, trace, steps, clock)
+        if len(views) > 1:
+            others_found = []
+            for view in views[1:][: steps.companions]:
+                other = Trace(view.coarse)
+                found, _ = self._explanations(view.fine, view.coarse, view.ground, other, steps, clock)
+                others_found.append((view, found))
+            together = explained_together([(views[0], candidates), *others_found], views, steps, self._judge)
+            candidates, log_odds = [each for each, _ in together], [odds for _, odds in together]
+            clock.end("views")
+        trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
+        return Look(trace, views)
+
     def _explanations(
-        self, fine: View, coarse: View, ground: LitGround, trace: Trace, clock: StageClock
-    ) -> list[Explanation]:
-        """What one view may show: its explanations, the likeliest refined; none where nothing stands out."""
-        steps, judge = self._steps, self._judge
+        self, fine: View, coarse: View, ground: LitGround, trace: Trace, steps: ProxySteps, clock: StageClock
+    ) -> tuple[list[Explanation], list[float]]:
+        """What one view may show, the likeliest refined, and its log odds; nothing where nothing stands out."""
+        judge = self._judge
         unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
-        trace.unlit = unlit = with_unlit_on_average(unlit, coarse)
+        unlit = with_unlit_on_average(unlit, coarse)
+        trace.glint = glint = glint_in(coarse, ground)
+        trace.unlit = unlit = unlit if glint is None else unlit & ~glint.halo
         trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
         clock.end("segment")
         if not regions:
-            return []
+            return [], []
 
         shifts = shadow_shifts(ground, unlit, steps.shifts)
         paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
@@ -151,9 +180,18 @@ class ProxyEstimator:
         clock.end("associate")
         trace.proposals = selected_for_fit(proposals, steps.tried, judge)
         trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
-        found = _refined_and_others(rough, fine, coarse, ground, steps, cache(judge.log_odds))
+        to_glint = None if glint is None else glint.to_light_marker
+        alone = cache(explanation_features)
+
+        def log_odds_among(several: Sequence[Explanation]) -> Callable[[Explanation], float]:
+            company = Company(several, to_glint)
+            return cache(lambda each: judge.log_odds_of({**alone(each), **company_features(each, company)}))
+
+        found = _refined_and_others(rough, fine, coarse, ground, steps, log_odds_among(rough))
         clock.end("fit")
-        return found
+        log_odds = list(map(log_odds_among(found), found))
+        clock.end("judge")
+        return found, log_odds
 
 
 def _refined_and_others(
@@ -166,15 +204,23 @@ def _refined_and_others(
 ) -> list[Explanation]:
     """The likeliest different explanations, refined and with their lights counted; then the others as they are.
 
-    Those are judged as well, as they are what else the picture may show.
+    Those are judged as well, as they are what else the picture may show; so is what refinement has turned into another
+    answer, or could not fit.
     """
     ranked = sorted(rough, key=log_odds, reverse=True)
     chosen = different(ranked, steps.refined)
-    found = with_lights_counted(refined(chosen, steps.fine_fit), rough, fine, coarse, ground, steps.region_px, log_odds)
-    found = [refined_by_tangents(explanation) for explanation in found]
+    fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, steps.fine_fit)]
+    turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
+    sharp = [fine for fine in fines if fine is not None]
+    found = with_lights_counted(sharp, rough, fine, coarse, ground, steps.region_px, log_odds)
     others = different(each for each in ranked if not any(each is one for one in chosen))
-    others = [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
+    others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     return found + [each for each in others if not any(is_part_of(one, each) for one in found)]
+
+
+def _differ(one: Explanation, other: Explanation) -> bool:
+    """Whether the answers by two explanations could not both be good."""
+    return angle_between(one.lights[0].to_light_marker, other.lights[0].to_light_marker) > GOOD_RAD
 
 
 def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:

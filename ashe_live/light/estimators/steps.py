@@ -1,6 +1,6 @@
 """The presets of the estimator `proxy`: how much work it spends."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.lamps.kinds import AUTO, KINDS
@@ -27,10 +27,17 @@ class ProxySteps:
     companions: int  # number of the other views that explanations are looked for in, as in the frame itself
     joint: int  # number of explanations that are aligned in all views, the likeliest
     light: str = AUTO  # one of KINDS: what lights are taken for
+    second_look: "ProxySteps | None" = None  # at the same picture at another scale, where it is the only view
 
     def __post_init__(self) -> None:
         if self.light not in KINDS:
             raise ValueError(f"light {self.light!r} is not one of {', '.join(KINDS)}")
+
+    @property
+    def looks(self) -> tuple["ProxySteps", ...]:
+        """The looks at a single picture, each with steps of its own, whose probabilities are averaged."""
+        further = self.second_look.looks if self.second_look else ()
+        return replace(self, second_look=None), *further
 
 
 FAST = ProxySteps(
@@ -61,20 +68,9 @@ BALANCED = ProxySteps(
     companions=1,
     joint=4,
 )
-ACCURATE = ProxySteps(
-    coarse_width_px=320,
-    fine_width_px=640,
-    region_px=100,
-    regions=4,
-    shifts=12,
-    tried=16,
-    refined=4,
-    ground=GroundSteps(),
-    fine_fit=preset.BALANCED,
-    views=12,
-    companions=2,
-    joint=6,
-)
+# Two looks find the right explanation in the same place, but wrong ones in different places: a second opinion is worth
+# more than a longer search, which finds more wrong explanations too.
+ACCURATE = replace(BALANCED, views=12, companions=2, joint=6, second_look=FAST)
 
 
 PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}

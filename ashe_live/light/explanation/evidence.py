@@ -66,6 +66,7 @@ SIGNS: Mapping[str, int] = {
     "border": -1,
     "second": -1,
     "constrained": 1,
+    "agreeing": 1,
 }
 
 

@@ -111,14 +111,15 @@ def realigned(explanation: Explanation, number: int, nearness: float) -> Explana
     return None if found is None else refined_by_tangents(found)
 
 
-def refined(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
+def refined(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation | None]:
     """Relabels each explanation's pixels by its own prediction, fits anew, and keeps the cheaper of the two.
 
-    A right explanation survives its own relabelling; one whose labels no longer allow a fit is dropped.
+    A right explanation survives its own relabelling; None for one whose labels no longer allow a fit.
     """
-    pairs = [(rough, proposal) for rough in roughs if (proposal := _relabelled(rough)) is not None]
-    fines = explained([proposal for _, proposal in pairs], preset)
-    return [_better(rough, fine) for (rough, _), fine in zip(pairs, fines, strict=True) if fine is not None]
+    proposals = [_relabelled(rough) for rough in roughs]
+    fits = iter(explained([proposal for proposal in proposals if proposal is not None], preset))
+    fines = [None if proposal is None else next(fits) for proposal in proposals]
+    return [None if fine is None else _better(rough, fine) for rough, fine in zip(roughs, fines, strict=True)]
 
 
 def refined_by_tangents(explanation: Explanation) -> Explanation:

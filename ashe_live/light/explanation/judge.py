@@ -16,6 +16,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.light.explanation.company import ALONE, Company, company_features
 from ashe_live.light.explanation.evidence import Explanation, appearance, evidence
 from ashe_live.light.explanation.judge_tables import Tables, read_tables
 from ashe_live.light.explanation.uncertainty import Calibration, covariance_of_outlines
@@ -29,6 +30,7 @@ GOOD_RAD = math.radians(10)
 # exp(RAYLEIGH_68 r^2): the radius has a Rayleigh distribution.
 RAYLEIGH_68 = math.log(1 - 0.68)
 LEAST_GOOD = 1e-6
+LEAST_PROBABILITY = 1e-9
 # Log odds beyond which nothing changes: products of odds must not overflow.
 MOST_LOG_ODDS = 50.0
 
@@ -52,14 +54,21 @@ class Judge:
         """Log odds, before any fit, that the right light follows from a split; larger is likelier."""
         return self.tables.split.log_odds(split_features(region, materials, split))
 
-    def log_odds(self, explanation: Explanation) -> float:
+    def log_odds(self, explanation: Explanation, company: Company = ALONE) -> float:
         """Log odds that the explanation is right, its direction within GOOD_RAD, rather than none of those tried."""
-        return self.log_odds_of(explanation_features(explanation))
+        return self.log_odds_of(explanation_features(explanation, company))
 
     def log_odds_of(self, features: Mapping[str, float]) -> float:
         """As `log_odds`, of an explanation with these features."""
-        score = self.tables.explanation.log_odds(features)
-        return float(np.clip(score, -MOST_LOG_ODDS, MOST_LOG_ODDS))
+        return float(np.clip(self.tables.explanation.log_odds(features), -MOST_LOG_ODDS, MOST_LOG_ODDS))
+
+    def confidence(self, probability: float, looks: int) -> float:
+        """The probability of being right where that of so many looks is `probability` on average.
+
+        An average of forecasts is less sure than forecasts that agree deserve (Ranjan and Gneiting, 2010).
+        """
+        offset, slope = self.tables.confidence.get(looks, (0.0, 1.0))
+        return recalibrated(probability, offset, slope)
 
     def lights_of(self, explanation: Explanation, confidence: float, tracked: TrackedFrame) -> tuple[Light, ...]:
         """The lights of an explanation with covariance, sigma and confidence, the strongest first as in its shifts."""
@@ -71,6 +80,12 @@ class Judge:
             sigma_rad = radius_of_68_percent(covariance)
             lights.append(Light(fitted.to_light_marker, covariance, sigma_rad, confidence))
         return tuple(lights)
+
+
+def recalibrated(probability: float, offset: float, slope: float) -> float:
+    """The probability whose log odds are `offset` and `slope` times those of `probability` (Platt, 1999)."""
+    inside = min(max(probability, LEAST_PROBABILITY), 1 - LEAST_PROBABILITY)
+    return 1 / (1 + math.exp(-offset - slope * math.log(inside / (1 - inside))))
 
 
 def probabilities_of(log_odds: Sequence[float]) -> Float:
@@ -98,10 +113,11 @@ def split_features(region: Region, materials: Materials, split: Split) -> Mappin
     return appearance(region, materials, Predicted(split.object_mask, doubtful))
 
 
-def explanation_features(explanation: Explanation) -> Mapping[str, float]:
-    """The features of an explanation: its `evidence`, and how well it constrains the direction."""
+def explanation_features(explanation: Explanation, company: Company = ALONE) -> Mapping[str, float]:
+    """The features of an explanation: its `evidence`, how well it constrains the direction, and its company's."""
     is_good = min(probability_of_good(covariance_of_outlines(light.covariance_rad2)) for light in explanation.lights)
-    return {**evidence(explanation), "constrained": math.log(max(is_good, LEAST_GOOD))}
+    constrained = math.log(max(is_good, LEAST_GOOD))
+    return {**evidence(explanation), "constrained": constrained, **company_features(explanation, company)}
 
 
 def probability_of_good(covariance_rad2: Float) -> float:

@@ -47,6 +47,8 @@ class Tables:
 
     split: Score
     explanation: Score
+    # By the number of looks: offset and slope of the log odds of being right over those of the average probability.
+    confidence: Mapping[int, tuple[float, float]]
     least_confidence: float
     calibration: Calibration
     origin: Mapping[str, Any]  # sets, seeds, counts, date, scores
@@ -54,6 +56,7 @@ class Tables:
     def as_json(self) -> dict[str, Any]:
         return {
             "origin": dict(self.origin),
+            "confidence": {str(looks): [offset, slope] for looks, (offset, slope) in self.confidence.items()},
             "least_confidence": self.least_confidence,
             "calibration": {name: getattr(self.calibration, name) for name in Calibration.__slots__},
             "split": _score_json(self.split),
@@ -67,6 +70,7 @@ def read_tables(text: str) -> Tables:
     return Tables(
         _score(content["split"]),
         _score(content["explanation"]),
+        MappingProxyType({int(looks): (float(o), float(s)) for looks, (o, s) in content["confidence"].items()}),
         float(content["least_confidence"]),
         Calibration(**content["calibration"]),
         MappingProxyType(content["origin"]),

@@ -5,18 +5,24 @@ import dataclasses
 import numpy as np
 import pytest
 
-from ashe_live.bench.judge.samples import Candidate, Sample
+from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
 from ashe_live.bench.judge.validation import (
     LEAST_GOOD,
     Judged,
+    Pictures,
     by_families_left_out,
+    fitted_confidence,
+    held_out,
     isotonic,
     judged,
     least_confidence,
     risk_curve,
 )
+from ashe_live.light.estimators import steps
+from ashe_live.light.explanation.judge import recalibrated
 from ashe_live.light.explanation.judge_tables import Curve, Score
 
+FAST = of_one_view(steps.FAST)
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -26,7 +32,7 @@ def candidate(error_deg: float, edge: float = 1.0) -> Candidate:
 
 def answer(confidence: float, error_deg: float = 1.0, lights: int = 1, **tags: str) -> Judged:
     best = candidate(error_deg)
-    return Judged(Sample("fast", f"{confidence}{tags}", tags, lights, [best], []), best, confidence)
+    return Judged(Sample(f"{confidence}{tags}", tags, lights, [best], []), best, confidence)
 
 
 def drawn(count: int, bias: float = 0.0) -> list[Judged]:
@@ -63,23 +69,63 @@ def test_isotonic_values_rise_and_keep_their_mean() -> None:
 
 def test_the_likeliest_candidate_answers_and_nothing_tried_is_no_answer() -> None:
     score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
-    tried = Sample("fast", "a", {}, 1, [candidate(40.0, 0.0), candidate(2.0, 1.0)], [])
-    best = judged(score, tried)
+    tried = Sample("a", {}, 1, [candidate(40.0, 0.0), candidate(2.0, 1.0)], [])
+    best = judged(score, [tried])
     assert best.best is tried.judged[1]
     assert best.confidence == pytest.approx((1 + np.exp(2)) / (2 + np.exp(2)))
-    nothing = judged(score, dataclasses.replace(tried, judged=[]))
+    nothing = judged(score, [dataclasses.replace(tried, judged=[])])
     assert (nothing.best, nothing.confidence, nothing.answer) == (None, 0.0, None)
+
+
+def test_looks_that_agree_are_surer_than_looks_that_do_not() -> None:
+    score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
+    here = Sample("a", {}, 1, [candidate(2.0)], [])
+    elsewhere = Sample("a", {}, 1, [dataclasses.replace(candidate(90.0), to_light_marker=np.array([1.0, 0, 0]))], [])
+    nothing = Sample("a", {}, 1, [], [])
+    once = judged(score, [here]).confidence
+    assert judged(score, [here, here]).confidence == pytest.approx(once)
+    assert judged(score, [here, elsewhere]).confidence == pytest.approx(once / 2)
+    assert judged(score, [here, nothing]).confidence == pytest.approx(once / 2)
+
+
+def test_recalibrated_answers_are_right_as_often_as_they_say() -> None:
+    """Confidences whose log odds are half of what they should be are doubled, and right ones stay."""
+    timid = drawn(6000)
+    assert fitted_confidence(timid) == pytest.approx((0.0, 1.0), abs=0.1)
+    halved = [dataclasses.replace(each, confidence=recalibrated(each.confidence, 0.0, 0.5)) for each in timid]
+    assert fitted_confidence(halved) == pytest.approx((0.0, 2.0), abs=0.2)
+
+
+def test_few_answers_hardly_change_confidence() -> None:
+    offset, slope = fitted_confidence([answer(0.9), answer(0.8)])
+    assert abs(offset) < 0.5
+    assert 0.5 < slope < 1.6
+
+
+def test_a_picture_is_judged_by_fits_that_have_not_seen_its_neighbours() -> None:
+    pictures = [{FAST: Sample(str(i), {}, 1, [candidate(2.0)], [])} for i in range(20)]
+    seen = []
+
+    def fit(several: Pictures) -> Score:
+        seen.append({picture[FAST].case for picture in several})
+        return Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
+
+    answers = held_out(pictures, fit, {"fast": FAST})["fast"]
+    assert [each.sample.case for each in answers] == [str(i) for i in range(20)]
+    for part, others in zip(np.array_split(np.arange(20), 5), seen, strict=True):
+        assert others == {str(i) for i in range(20)} - {str(i) for i in part}
 
 
 def test_a_family_is_judged_by_a_fit_that_has_not_seen_it() -> None:
     grounds = ["brick"] * 20 + ["wood"] * 20 + ["rare"] * 3
-    several = [Sample("fast", str(i), {"ground": ground}, 1, [candidate(2.0)], []) for i, ground in enumerate(grounds)]
+    pictures = [{FAST: Sample(str(i), {"ground": ground}, 1, [candidate(2.0)], [])} for i, ground in enumerate(grounds)]
     seen = []
 
-    def fit(samples: object) -> Score:
-        seen.append({sample.tags["ground"] for sample in samples})  # type: ignore[attr-defined]
+    def fit(several: Pictures) -> Score:
+        seen.append({picture[FAST].tags["ground"] for picture in several})
         return Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
 
-    found = [(kind, family, len(answers)) for kind, family, answers in by_families_left_out(several, fit)]
+    families = by_families_left_out(pictures, fit, FAST, float)
+    found = [(kind, family, len(answers)) for kind, family, answers in families]
     assert found == [("ground", "brick", 20), ("ground", "wood", 20)]
     assert seen == [{"wood", "rare"}, {"brick", "rare"}]

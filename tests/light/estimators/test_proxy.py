@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import cv2
@@ -16,6 +17,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, rigid
 from ashe_live.core.types import Light, LightEstimate, MarkerPose, TrackedFrame
 from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import ACCURATE, BALANCED, FAST
 from tests.light import painted_scenes
 from tests.light.painted_scenes import (
     BOX,
@@ -131,6 +133,23 @@ def test_what_it_shows_is_what_was_painted() -> None:
     total = stages.pop("total")
     assert set(stages) == {"segment", "associate", "fit", "judge"}
     assert sum(stages.values()) <= total + 1e-6
+
+
+def test_looking_twice_in_the_same_way_tells_the_same() -> None:
+    tracked = paint(CYLINDER, ground="checkered").tracked
+    once, _ = ProxyEstimator(FAST).traced(tracked)
+    twice, trace = ProxyEstimator(replace(FAST, second_look=FAST)).traced(tracked)
+    assert once.light is not None
+    assert twice.light is not None
+    np.testing.assert_array_equal(twice.light.to_light_marker, once.light.to_light_marker)
+    assert sum(trace.probabilities) <= 1
+
+
+def test_a_second_look_finds_nothing_where_nothing_is() -> None:
+    bare = paint().tracked
+    once, twice = (ProxyEstimator(steps).estimate(bare) for steps in (BALANCED, ACCURATE))
+    assert once.light is twice.light is None
+    assert twice.reason == once.reason
 
 
 def test_soft_edges_cost_little() -> None:

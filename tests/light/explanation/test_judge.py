@@ -10,7 +10,14 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.evidence import SIGNS, Explanation
-from ashe_live.light.explanation.judge import GOOD_RAD, Judge, best_direction, fitted_judge, probabilities_of
+from ashe_live.light.explanation.judge import (
+    GOOD_RAD,
+    Judge,
+    best_direction,
+    fitted_judge,
+    probabilities_of,
+    recalibrated,
+)
 from ashe_live.light.explanation.judge_tables import Curve, read_tables
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import materials_of
@@ -177,6 +184,18 @@ def test_the_best_explanation_wins_and_a_strong_rival_makes_it_less_believed() -
     assert best_of([rival, good])[1] < alone[1]
     assert best_of([rival, good])[1] < best_of([ally, good])[1]
     assert best_of([worse])[1] < alone[1]
+
+
+@pytest.mark.parametrize("looks", [1, 2])
+def test_confidence_rises_with_the_looks_average_probability(looks: int) -> None:
+    confidences = [JUDGE.confidence(probability, looks) for probability in (0.0, 0.01, 0.3, 0.5, 0.9, 0.999, 1.0)]
+    assert (np.diff(confidences) > 0).all()
+    assert 0 <= confidences[0] < confidences[-1] <= 1
+
+
+def test_no_recalibration_leaves_a_probability_as_it_is() -> None:
+    assert recalibrated(0.3, 0.0, 1.0) == pytest.approx(0.3)
+    assert recalibrated(0.3, 1.0, 0.0) == pytest.approx(1 / (1 + np.exp(-1)))
 
 
 # The tables

@@ -1,0 +1,57 @@
+"""An explanation in company: what else the picture shows that speaks for its light.
+
+All objects of a picture stand in one light. Two of them whose shadows were found each by itself agree by accident only
+where both are wrong in the same way; so does the mirror image of a light in glossy ground.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.explanation.evidence import Explanation
+
+AGREEING_RAD = math.radians(10)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Company:
+    """What an explanation is judged beside."""
+
+    others: Sequence[Explanation] = ()  # all that were tried on the picture, itself among them or not
+    to_glint_marker: Float | None = (
+        None  # (3,) unit, marker frame: towards the light whose mirror image the ground shows
+    )
+
+
+ALONE = Company()
+
+
+def company_features(explanation: Explanation, company: Company) -> dict[str, float]:
+    """The features of an explanation that depend on the others (docs/maths.md, "Evidence")."""
+    towards = explanation.lights[0].to_light_marker
+    agreeing = [
+        min(other.alignment.clear_body, other.alignment.clear_shadow)
+        for other in company.others
+        if angle_between(towards, other.lights[0].to_light_marker) < AGREEING_RAD
+        and _are_apart(explanation.proxy, other.proxy)
+    ]
+    if company.to_glint_marker is not None and angle_between(towards, company.to_glint_marker) < AGREEING_RAD:
+        agreeing.append(1.0)
+    return {"agreeing": max(agreeing, default=0.0)}
+
+
+def _are_apart(one: Proxy, other: Proxy) -> bool:
+    """Whether two bodies stand on different ground."""
+    distance = float(np.linalg.norm(one.foot_marker - other.foot_marker))
+    return distance > _reach(one) + _reach(other)
+
+
+def _reach(proxy: Proxy) -> float:
+    """The body's reach from its foot along the ground, metres."""
+    away = np.linalg.norm(proxy.spheroids_marker[:, :2] - proxy.foot_marker[:2], axis=1)
+    return float((away + proxy.spheroids_marker[:, 3]).max())

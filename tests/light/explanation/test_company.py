@@ -1,0 +1,47 @@
+"""What else a picture shows speaks for an explanation only where it is of another body, and of the same light."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.light.explanation.company import AGREEING_RAD, ALONE, Company, company_features
+from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.shape.body import LitBody
+from tests.light.explanation.test_judge import explanation
+from tests.light.synthetic_masks import direction
+
+NEAR, FAR = direction(204.0, 43.0), direction(240.0, 40.0)
+
+
+def elsewhere(one: Explanation, by_m: float) -> Explanation:
+    """The same explanation of a body that stands so far aside."""
+    placed = one.alignment.placed
+    frame = replace(placed.lit.body.frame, origin_marker=placed.lit.body.frame.origin_marker + np.array([by_m, 0.0]))
+    moved = LitBody(replace(placed.lit.body, frame=frame), placed.lit.lights)
+    return replace(one, alignment=replace(one.alignment, placed=replace(placed, lit=moved)))
+
+
+def agreeing(one: Explanation, company: Company) -> float:
+    return company_features(one, company)["agreeing"]
+
+
+def test_another_body_in_the_same_light_agrees() -> None:
+    one, other = explanation(), elsewhere(explanation(to_light=NEAR), 0.5)
+    least = min(other.alignment.clear_body, other.alignment.clear_shadow)
+    assert agreeing(one, Company([one, other])) == least > 0
+
+
+def test_the_same_body_does_not_nor_one_in_another_light() -> None:
+    one = explanation()
+    assert agreeing(one, Company([one, explanation(to_light=NEAR)])) == 0
+    assert agreeing(one, Company([one, elsewhere(explanation(to_light=FAR), 0.5)])) == 0
+    assert agreeing(one, ALONE) == 0
+
+
+def test_a_glint_agrees_as_far_as_an_answer_is_good() -> None:
+    one = explanation()
+    assert agreeing(one, Company([one], NEAR)) == 1
+    assert agreeing(one, Company([one], FAR)) == 0
+    assert math.degrees(AGREEING_RAD) == pytest.approx(10)
