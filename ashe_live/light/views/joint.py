@@ -34,8 +34,8 @@ from ashe_live.light.shape.sight import Sight
 
 EARLY_LOSS_FACTOR = 3.0  # times the scale of Cauchy's loss, in all rounds but the last
 FAMILIES = 4  # number of other families, the likeliest by one view's labels, that are aligned in all views
-# Correlation between views of a border's errors: the ground's texture along it, the body's model and the pose's systematic
-# errors are the same in all of them.
+# Correlation between views of a border's errors: the ground's texture along it, the body's model and the systematic
+# errors of poses are the same in all of them.
 SHARED = 0.3
 RANGES = SEARCH_RANGES[1:]  # a body that was aligned in one view is nearly right in the others
 
