@@ -69,7 +69,9 @@ def contradicting(
     if body is None or not estimate.lights or not used:
         return []
     lights = np.array([light.homogeneous for light in estimate.lights])
-    agree = agreeing([View.of(each, WIDTH_PX) for each in (tracked, *used)], body, lights)
+    ratio = estimate.lights[0].shadow_rgb_ratio
+    depth = 0.0 if ratio is None else -float(np.log(np.maximum(ratio, 1e-3)).mean())
+    agree = agreeing([View.of(each, WIDTH_PX) for each in (tracked, *used)], body, lights, depth)
     return [other for other, does in zip(used, agree, strict=True) if not does]
 
 

@@ -12,7 +12,8 @@ from ashe_live.light.ground.regions import Region
 from ashe_live.light.views.joint import JointExplanation
 
 PIXELS_PER_SAMPLE = 40.0  # of the region: colours, their edges and the errors of poses are alike over patches
-MOST_SUPPORT = 2.0  # the bodies of explanations differ in much that labels of object and shadow do not tell
+# Labels of object and shadow may be right where the body is not, and under a sky without a sun as well.
+MOST_SUPPORT = 1.0
 ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
 
