@@ -45,7 +45,7 @@ FAST = ProxySteps(
     fine_fit=preset.FAST,
     views=4,
     companions=0,
-    joint=3,
+    joint=2,
 )
 BALANCED = ProxySteps(
     coarse_width_px=320,
@@ -59,7 +59,7 @@ BALANCED = ProxySteps(
     fine_fit=preset.BALANCED,
     views=8,
     companions=1,
-    joint=4,
+    joint=3,
 )
 ACCURATE = ProxySteps(
     coarse_width_px=320,
@@ -73,7 +73,7 @@ ACCURATE = ProxySteps(
     fine_fit=preset.BALANCED,
     views=12,
     companions=2,
-    joint=6,
+    joint=4,
 )
 
 

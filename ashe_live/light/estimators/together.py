@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.judge import Judge
 from ashe_live.light.ground.lit_ground import fit_lit_ground, with_on_plane
+from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
@@ -28,9 +30,11 @@ from ashe_live.light.views.seen import SceneView, costs_around
 from ashe_live.light.views.which import span_rad, towards_camera, usable
 
 # Number of others that the plane in the first view is compared with, and in another: more repeat what these tell.
-COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 5, 2
-REFITTED = 2  # number of explanations, the likeliest, whose body's family is chosen anew by all views
+COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
+REFITTED = 1  # number of explanations, the likeliest, whose body's family is chosen anew by all views
 FIRST_VIEWS = 3  # number of views in which candidates are aligned before the likeliest are in all
+MORE = 2  # number of candidates that are aligned in those beside the ones that are aligned in all
+GROUND_OF_OTHERS = GroundSteps(12, 8, 1)  # how finely the ground is modelled in views in which nothing is looked for
 
 
 def scene_views(
@@ -41,13 +45,14 @@ def scene_views(
     fine, coarse: views of `tracked`. Another view with too little lit ground is left out; if there is too little in
     `tracked`, there are no views.
     """
-    first = _scene_view(tracked.frame.index, fine, coarse, steps)
+    first = _scene_view(tracked.frame.index, fine, coarse, steps.ground)
     if first is None:
         return []
     views = [first]
-    for other in usable(tracked, others, steps.views - 1):
+    for number, other in enumerate(usable(tracked, others, steps.views - 1)):
         fine = View.of(other, steps.fine_width_px)
-        view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), steps)
+        ground_steps = steps.ground if number < steps.companions else GROUND_OF_OTHERS
+        view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), ground_steps)
         if view is not None:
             views.append(view)
     return views if len(views) == 1 else _with_plane(views)
@@ -75,8 +80,8 @@ def contradicting(
     return [other for other, does in zip(used, agree, strict=True) if not does]
 
 
-def _scene_view(index: int, fine: View, coarse: View, steps: ProxySteps) -> SceneView | None:
-    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
+def _scene_view(index: int, fine: View, coarse: View, steps: GroundSteps) -> SceneView | None:
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps)
     return None if ground is None else SceneView(index, fine, coarse, ground)
 
 
@@ -110,12 +115,13 @@ def explained_together(
 
     candidates.sort(key=in_one_view, reverse=True)
 
+    @cache
     def log_odds(one: JointExplanation) -> float:
         return joint_log_odds(one, judge)
 
     few, rest = views[:FIRST_VIEWS], views[FIRST_VIEWS:]
     starts = []
-    for home, one in candidates[: 2 * steps.joint]:
+    for home, one in candidates[: steps.joint + MORE]:
         lit, shifts = lit_body_of(one)
         costs = [own_costs(one) if view is home else costs_around(lit, shifts, view, steps.region_px) for view in few]
         # Masks and body are to be those of the first view.

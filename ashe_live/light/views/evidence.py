@@ -1,5 +1,6 @@
 """What several views together say for or against an explanation."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import cv2
@@ -11,6 +12,7 @@ from ashe_live.light.explanation.judge import Judge, explanation_features
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.views.joint import JointExplanation
 
+JUDGED = 4  # number of views whose appearance is judged: more repeat what these show
 PIXELS_PER_SAMPLE = 40.0  # of the region: colours, their edges and the errors of poses are alike over patches
 # Labels of object and shadow may be right where the body is not, and under a sky without a sun as well.
 MOST_SUPPORT = 1.0
@@ -19,12 +21,15 @@ ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their ligh
 
 
 def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
-    """The features of an explanation of several views: the mean over the views of what each shows.
+    """The features of an explanation of several views: the mean over the first JUDGED views of what each shows.
 
-    What the views have in common (how well the lights are determined) is that of all together.
+    How well borders agree and lights are determined is that of all views together.
     """
-    of_views = [explanation_features(each) for each in explanation.each]
-    return {name: float(np.mean([features[name] for features in of_views])) for name in of_views[0]}
+    of_views = [explanation_features(each) for each in explanation.each[:JUDGED]]
+    means = {name: float(np.mean([features[name] for features in of_views])) for name in of_views[0]}
+    joint = explanation.joint.alignment
+    misfit = math.log(max(joint.misfit_px, 0.05) / joint.placed.object_px)
+    return {**means, "misfit": misfit, "clear body": joint.clear_body, "clear shadow": joint.clear_shadow}
 
 
 def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
