@@ -79,6 +79,14 @@ def test_a_take_has_its_frames_with_their_poses(folder: Path) -> None:
     assert frames[0].marker.reprojection_rms_px == pytest.approx(0, abs=0.01)
 
 
+def test_a_take_whose_marker_is_never_seen_is_left_out(folder: Path) -> None:
+    truth = json.loads((folder / "ground_truth.json").read_text())
+    for frame in truth["takes"][0]["frames"]:
+        frame["marker_detected"] = False
+    (folder / "ground_truth.json").write_text(json.dumps(truth))
+    assert read_takes(folder) == []
+
+
 def test_each_number_of_views_holds_those_before_it(folder: Path) -> None:
     (take,) = read_takes(folder)
     estimator = Counting()
