@@ -14,8 +14,8 @@ from ashe_live.light.views.joint import JointExplanation
 
 JUDGED = 4  # number of views whose appearance is judged: more repeat what these show
 PIXELS_PER_SAMPLE = 40.0  # of the region: colours, their edges and the errors of poses are alike over patches
-# Labels of object and shadow may be right where the body is not, and under a sky without a sun as well.
-MOST_SUPPORT = 1.0
+# Right labels are no right body, and under a sky without a sun they are found as well; but wrong ones are surely wrong.
+MOST_FOR, MOST_AGAINST = 0.5, 3.0
 ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
 
@@ -65,9 +65,11 @@ def plane_support(region: Region, body: Mask, shadow: Mask) -> float:
     """
     if region.on_plane is None:
         return 0.0
-    seen = region.is_ground
-    difference = region.on_plane[shadow & seen].sum() - region.on_plane[body & seen].sum()
-    return float(np.clip(difference / PIXELS_PER_SAMPLE, -MOST_SUPPORT, MOST_SUPPORT))
+    of_shadow, of_body = (
+        float(region.on_plane[mask & region.is_ground].sum()) / PIXELS_PER_SAMPLE for mask in (shadow, body)
+    )
+    # Each for itself: an object that surely stands there makes no shadow of another object that does.
+    return float(np.clip(of_shadow, -MOST_AGAINST, MOST_FOR) + np.clip(-of_body, -MOST_AGAINST, MOST_FOR))
 
 
 def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:
