@@ -28,7 +28,7 @@ FALL = 0.02  # of a confidence that counts as one
 class Take:
     """A clip with the true pose of the marker in each of its frames, and the true light."""
 
-    case: Case  # its picture is the first frame
+    case: Case  # its picture is the clip, its marker the first one in view
     span_deg: float  # by how much the direction from the marker to the camera turns
     poses: Mapping[int, MarkerPose]  # by frame; those without a marker are missing
 
@@ -59,19 +59,19 @@ class TakeResult:
 
 
 def read_takes(folder: Path) -> list[Take]:
-    """The takes that a folder's ground_truth.json lists, with a known light and a marker in the first frame.
+    """The takes that a folder's ground_truth.json lists, with a known light and a marker in view.
 
     Raises UserError when there is no such file, or it is no such list.
     """
     path = folder / GROUND_TRUTH
     try:
         content = read_json(path, MOST_TRUTH_BYTES)
-        takes = [_take(folder, take) for take in content.get("takes", ())]
+        takes = [found for take in content.get("takes", ()) if (found := _take(folder, take)) is not None]
     except OSError as error:
         raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise UserError(f"{path} is no list of takes ({error})", "it needs `takes` with `frames`") from error
-    return [take for take in takes if take.case.to_lights_marker is not None and 0 in take.poses]
+    return [take for take in takes if take.case.to_lights_marker is not None]
 
 
 def take_results(take: Take, estimators: Mapping[str, Estimator]) -> Iterator[TakeResult]:
@@ -119,7 +119,8 @@ def p95_deg(results: Sequence[CaseResult]) -> float | None:
     return float(np.percentile(errors, 95)) if errors else None
 
 
-def _take(folder: Path, take: dict[str, Any]) -> Take:
+def _take(folder: Path, take: dict[str, Any]) -> Take | None:
+    """The take, or None where no frame shows the marker."""
     width, height = take["size"]
     dist = np.array(take.get("dist") or np.zeros(5), dtype=np.float64)
     camera = Camera((width, height), np.array(take["K"], dtype=np.float64), dist, "file", EXACT_PX)
@@ -130,6 +131,8 @@ def _take(folder: Path, take: dict[str, Any]) -> Take:
         if frame.get("marker_detected", True):
             rms_px = reprojection_rms_px(camera, T_cam_marker, corners_px, side_m)
             poses[int(frame["frame"])] = MarkerPose(T_cam_marker, corners_px, side_m, rms_px, None)
+    if not poses:
+        return None
     case = Case(
         take["id"],
         folder.resolve().name,

@@ -67,7 +67,7 @@ VARIATIONS = (
     *_fits("fine fit", "fine_fit", "fast", "balanced"),
     *_varied("views", "views", 1, 2, 4, 8, 12),
     *_varied("views searched beside the first", "companions", 0, 1, 2),
-    *_varied("explanations aligned in all views", "joint", 2, 4, 6),
+    *_varied("explanations aligned in all views", "joint", 2, 3, 4, 6),
 )
 
 

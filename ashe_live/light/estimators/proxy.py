@@ -76,7 +76,9 @@ class ProxyEstimator:
             # Views that contradict each other may leave no answer; one view's answer then tells which of them do.
             explained = estimate if estimate.light is not None else self._traced(tracked, (), clock)[0]
             odd = contradicting(explained, tracked, others, self._steps)
-            if odd:
+            # Where all of several views contradict one view's answer, that is wrong rather than all of them.
+            is_doubtful = explained is not estimate and len(odd) == len(estimate.views) - 1 > 1
+            if odd and not is_doubtful:
                 agreeing = [other for other in others if not any(other is one for one in odd)]
                 return self._traced(tracked, agreeing, clock)
         return estimate, trace

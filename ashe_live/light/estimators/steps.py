@@ -52,7 +52,7 @@ FAST = ProxySteps(
     fine_fit=preset.FAST,
     views=4,
     companions=0,
-    joint=3,
+    joint=2,
 )
 BALANCED = ProxySteps(
     coarse_width_px=320,
@@ -66,11 +66,11 @@ BALANCED = ProxySteps(
     fine_fit=preset.BALANCED,
     views=8,
     companions=1,
-    joint=4,
+    joint=3,
 )
 # Two looks find the right explanation in the same place, but wrong ones in different places: a second opinion is worth
 # more than a longer search, which finds more wrong explanations too.
-ACCURATE = replace(BALANCED, views=12, companions=2, joint=6, second_look=FAST)
+ACCURATE = replace(BALANCED, views=12, companions=2, joint=4, second_look=FAST)
 
 
 PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from operator import itemgetter
+from functools import cache
 
 import numpy as np
 
@@ -10,19 +10,31 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.judge import Judge
-from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.ground.lit_ground import fit_lit_ground, with_on_plane
+from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
 from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
-from ashe_live.light.views.joint import JointExplanation, explained_in_views, lit_body_of, own_costs
+from ashe_live.light.views.joint import (
+    JointExplanation,
+    JointStart,
+    explained_in_views,
+    lit_body_of,
+    own_costs,
+    refined_by_all_tangents,
+    with_likeliest_family,
+)
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 from ashe_live.light.views.seen import SceneView, costs_around
 from ashe_live.light.views.which import span_rad, towards_camera, usable
 
-# Number of others that the plane in the first view is compared with, and in a companion: more repeat what these tell.
-COMPARED_WITH_FIRST, COMPARED_WITH_COMPANION = 5, 2
+# Number of others that the plane in the first view is compared with, and in another: more repeat what these tell.
+COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
+REFITTED = 1  # number of explanations, the likeliest, whose body's family is chosen anew by all views
 FIRST_VIEWS = 3  # number of views in which candidates are aligned before the likeliest are in all
+MORE = 2  # number of candidates that are aligned in those beside the ones that are aligned in all
+GROUND_OF_OTHERS = GroundSteps(12, 8, 1)  # how finely the ground is modelled in views in which nothing is looked for
 
 
 def scene_views(
@@ -33,16 +45,17 @@ def scene_views(
     fine, coarse: views of `tracked`. Another view with too little lit ground is left out; if there is too little in
     `tracked`, there are no views.
     """
-    first = _scene_view(tracked.frame.index, fine, coarse, steps)
+    first = _scene_view(tracked.frame.index, fine, coarse, steps.ground)
     if first is None:
         return []
     views = [first]
-    for other in usable(tracked, others, steps.views - 1):
+    for number, other in enumerate(usable(tracked, others, steps.views - 1)):
         fine = View.of(other, steps.fine_width_px)
-        view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), steps)
+        ground_steps = steps.ground if number < steps.companions else GROUND_OF_OTHERS
+        view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), ground_steps)
         if view is not None:
             views.append(view)
-    return views if len(views) == 1 else _with_plane(views, steps.companions)
+    return views if len(views) == 1 else _with_plane(views)
 
 
 def span_of(views: Sequence[SceneView]) -> float | None:
@@ -61,26 +74,26 @@ def contradicting(
     if body is None or not estimate.lights or not used:
         return []
     lights = np.array([light.homogeneous for light in estimate.lights])
-    agree = agreeing([View.of(each, WIDTH_PX) for each in (tracked, *used)], body, lights)
+    ratio = estimate.lights[0].shadow_rgb_ratio
+    depth = 0.0 if ratio is None else -float(np.log(np.maximum(ratio, 1e-3)).mean())
+    agree = agreeing([View.of(each, WIDTH_PX) for each in (tracked, *used)], body, lights, depth)
     return [other for other, does in zip(used, agree, strict=True) if not does]
 
 
-def _scene_view(index: int, fine: View, coarse: View, steps: ProxySteps) -> SceneView | None:
-    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps.ground)
+def _scene_view(index: int, fine: View, coarse: View, steps: GroundSteps) -> SceneView | None:
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps)
     return None if ground is None else SceneView(index, fine, coarse, ground)
 
 
-def _with_plane(views: Sequence[SceneView], companions: int) -> list[SceneView]:
-    """The views, the first and so many companions with what others tell about which pixels lie on the plane."""
-    found = list(views)
-    colours = [log_opponent(view.coarse.image_bgr) for view in views[: 1 + COMPARED_WITH_FIRST]]
-    for number in range(min(1 + companions, len(views))):
-        view = views[number]
-        others = [i for i in range(len(colours)) if i != number]
-        others = others[: COMPARED_WITH_COMPANION if number else COMPARED_WITH_FIRST]
+def _with_plane(views: Sequence[SceneView]) -> list[SceneView]:
+    """The views with what others tell about which of their pixels lie on the plane."""
+    found, colours = [], [log_opponent(view.coarse.image_bgr) for view in views]
+    for number, view in enumerate(views):
+        others = [i for i in range(len(views)) if i != number]
+        others = others[: COMPARED_WITH_ANOTHER if number else COMPARED_WITH_FIRST]
         seen = [on_plane(view.coarse, colours[number], views[i].coarse, colours[i]) for i in others]
         ratio = log_likelihood_ratio([each for each in seen if each is not None], view.coarse.is_ground.shape)
-        found[number] = replace(view, ground=replace(view.ground, on_plane=ratio))
+        found.append(replace(view, ground=with_on_plane(view.ground, ratio)))
     return found
 
 
@@ -102,26 +115,30 @@ def explained_together(
 
     candidates.sort(key=in_one_view, reverse=True)
 
+    @cache
     def log_odds(one: JointExplanation) -> float:
         return joint_log_odds(one, judge)
 
     few, rest = views[:FIRST_VIEWS], views[FIRST_VIEWS:]
-    tried = []
-    for home, one in candidates[: 2 * steps.joint]:
+    starts = []
+    for home, one in candidates[: steps.joint + MORE]:
         lit, shifts = lit_body_of(one)
         costs = [own_costs(one) if view is home else costs_around(lit, shifts, view, steps.region_px) for view in few]
         # Masks and body are to be those of the first view.
         if costs[0] is not None:
-            tried.append((lit, [each for each in costs if each is not None]))
-    likely = sorted((each for each in explained_in_views(tried) if each is not None), key=log_odds, reverse=True)
+            starts.append(JointStart(one, lit, [each for each in costs if each is not None]))
+    likely = sorted((each for each in explained_in_views(starts) if each is not None), key=log_odds, reverse=True)
     likely = distinct_explanations(likely)[: steps.joint]
+    likely[:REFITTED] = [with_likeliest_family(each, steps.fine_fit) for each in likely[:REFITTED]]
     if rest:
-        more = []
+        starts = []
         for each in likely:
             lit, shifts = lit_body_of(each.joint)
-            costs = [costs_around(lit, shifts, view, steps.region_px) for view in rest]
+            more = [costs_around(lit, shifts, view, steps.region_px) for view in rest]
             seen = [own_costs(one) for one in each.each]
-            more.append((lit, [*seen, *(one for one in costs if one is not None)]))
-        likely = distinct_explanations([each for each in explained_in_views(more) if each is not None])
-    judged = [(each.joint, log_odds(each)) for each in likely]
-    return sorted(judged, key=itemgetter(1), reverse=True)
+            starts.append(JointStart(each.origin, lit, [*seen, *(one for one in more if one is not None)]))
+        likely = distinct_explanations([each for each in explained_in_views(starts) if each is not None])
+    likely.sort(key=log_odds, reverse=True)
+    odds = [log_odds(each) for each in likely]
+    likely[:REFITTED] = [refined_by_all_tangents(each) for each in likely[:REFITTED]]
+    return [(each.joint, each_odds) for each, each_odds in zip(likely, odds, strict=True)]

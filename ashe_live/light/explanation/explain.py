@@ -63,24 +63,21 @@ class Proposal:
 
 def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanation | None]:
     """Fits and aligns each proposal; None where no light can be fitted."""
-    masks = [
-        Masks(
-            proposal.split.object_mask,
-            proposal.split.shadows,
-            Sight.of(proposal.region.view),
-            proposal.region.unreliable,
-            EDGE_SIGMA_PX,
-            proposal.split.undecided,
-            proposal.start,
-        )
-        for proposal in proposals
-    ]
+    masks = [_masks(proposal) for proposal in proposals]
     fits = fit_bodies(masks, preset)
     pairs = zip(proposals, fits, strict=True)
     found = iter(
         aligned_explanations([(one, fit.bodies, fit.sight) for one, fit in pairs if not isinstance(fit, FitFailure)])
     )
     return [None if isinstance(fit, FitFailure) else next(found) for fit in fits]
+
+
+def refitted_bodies(explanation: Explanation, preset: FitPreset) -> list[LitBody]:
+    """The best body of every family for an explanation's labels, the likeliest first; none if they allow no fit."""
+    start = explanation.alignment.placed.lit.lights
+    proposal = Proposal(explanation.region, explanation.materials, explanation.split, start)
+    (fit,) = fit_bodies([_masks(proposal)], preset)
+    return [] if isinstance(fit, FitFailure) else fit.bodies
 
 
 def aligned_explanations(several: Sequence[tuple[Proposal, Sequence[LitBody], Sight]]) -> list[Explanation | None]:
@@ -193,6 +190,19 @@ def are_alike(one: Explanation, other: Explanation) -> bool:
     a, b = one.predicted, other.predicted
     differing = np.count_nonzero((a.body != b.body) | (a.shadow != b.shadow))
     return bool(differing < DIFFERING_SHARE * np.count_nonzero(a.whole | b.whole))
+
+
+def _masks(proposal: Proposal) -> Masks:
+    region, split = proposal.region, proposal.split
+    return Masks(
+        split.object_mask,
+        split.shadows,
+        Sight.of(region.view),
+        region.unreliable,
+        EDGE_SIGMA_PX,
+        split.undecided,
+        proposal.start,
+    )
 
 
 def _better(rough: Explanation, fine: Explanation) -> Explanation:

@@ -5,7 +5,7 @@ colours are classified by their spatial spread over the frame, whatever their br
 in which a shadow is one shift, the same for every colour of the ground (docs/maths.md, "The lit ground").
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import cv2
@@ -36,6 +36,9 @@ AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
 AVERAGED_STEPS = GroundSteps(12, 8, 1)  # averages have few colours
 # Log odds of lying on the plane below which a pixel is something that stands there, whatever its colour.
 OFF_PLANE = -1.5
+# Log odds from which on it is surely on the plane; what is brighter there, by so much in log brightness than the
+# brightest of the palette's colours with a share of COMMON, is a glow.
+ON_PLANE, BRIGHTER, COMMON = 0.5, 0.1, 0.03
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
 
 
@@ -99,6 +102,17 @@ def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float
 def lit_rgb(ground: LitGround) -> Float:
     """(3,) mean linear RGB of the lit ground."""
     return np.asarray(np.average(linear_rgb(ground.palette.centres), axis=0, weights=ground.palette.weights))
+
+
+def with_on_plane(ground: LitGround, on_plane: Float32) -> LitGround:
+    """The ground with what other views tell of it: log odds (h, w) that a pixel lies on the plane.
+
+    What does, and is brighter than the palette, is light that something sends onto it, and counts as sheen.
+    """
+    centres = ground.palette.centres
+    brightest = float(centres[ground.palette.weights > COMMON, 0].max(initial=float(centres[:, 0].min())))
+    glow = (on_plane > ON_PLANE) & (ground.colours[..., 0] > brightest + BRIGHTER)
+    return replace(ground, on_plane=on_plane, sheen=ground.sheen | cleaned(glow))
 
 
 def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:

@@ -24,10 +24,11 @@ LEAST_PX = 30  # of the plane to compare
 MOST_AROUND, MOST_OF_SHADOW = 0.08, 0.2  # fractions of the pixels that may differ: body and gloss are not quite known
 
 
-def agreeing(views: Sequence[View], body: Proxy, lights: Float) -> list[bool]:
+def agreeing(views: Sequence[View], body: Proxy, lights: Float, depth: float = 0.0) -> list[bool]:
     """For each view but the first, whether it shows the scene that `body` and `lights` (l, 4) explain in the first.
 
-    views: WIDTH_PX wide. A view that shows too little of the plane around them contradicts nothing, and agrees.
+    views: WIDTH_PX wide. depth: of the shadow, in log brightness; what differs by less than half of it is gloss. A view
+    that shows too little of the plane around them contradicts nothing, and agrees.
     """
     first, *others = views
     colours = log_opponent(first.image_bgr)
@@ -40,7 +41,7 @@ def agreeing(views: Sequence[View], body: Proxy, lights: Float) -> list[bool]:
             continue
         hidden = grown(seen.body | _on_first(predicted(body, lights, other).body, first, other), HIDDEN_PX)
         clear = plane.seen & ~hidden
-        differs = _differs(plane)
+        differs = _differs(plane, 0.5 * depth)
         around = grown(seen.whole, AROUND_PX) & clear
         shadow = seen.shadow & clear
         found.append(_share(differs, around) <= MOST_AROUND and _share(differs, shadow) <= MOST_OF_SHADOW)
@@ -53,9 +54,10 @@ def _on_first(mask: Mask, first: View, other: View) -> Mask:
     return cv2.warpPerspective(mask.astype(np.uint8), plane_homography(first, other), first.size, flags=flags) > 0
 
 
-def _differs(plane: OnPlane) -> Mask:
-    """(h, w) where the two views do not show the same."""
-    return np.asarray((plane.residual**2 / plane.variance).sum(axis=2) > SQUARED_SIGMAS)
+def _differs(plane: OnPlane, least: float) -> Mask:
+    """(h, w) where the two views do not show the same, and differ in log brightness by `least`."""
+    are_sure = (plane.residual**2 / plane.variance).sum(axis=2) > SQUARED_SIGMAS
+    return np.asarray(are_sure & (np.abs(plane.residual[..., 0]) >= least))
 
 
 def _share(mask: Mask, within: Mask) -> float:

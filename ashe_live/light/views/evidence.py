@@ -1,5 +1,6 @@
 """What several views together say for or against an explanation."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import cv2
@@ -9,27 +10,36 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.judge import Judge, explanation_features
 from ashe_live.light.ground.regions import Region
+from ashe_live.light.pixels.areas import grown
 from ashe_live.light.views.joint import JointExplanation
+from ashe_live.light.views.plane import plane_homography
 
+JUDGED = 4  # number of views whose appearance is judged: more repeat what these show
 PIXELS_PER_SAMPLE = 40.0  # of the region: colours, their edges and the errors of poses are alike over patches
-MOST_SUPPORT = 2.0  # the bodies of explanations differ in much that labels of object and shadow do not tell
+# Right labels are no right body, and under a sky without a sun they are found as well; but wrong ones are surely wrong.
+MOST_FOR, MOST_AGAINST = 0.5, 3.0
+BESIDE_PX = 1  # next to what a body hides, colours are mixed
 ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
 
 
 def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
-    """The features of an explanation of several views: the mean over the views of what each shows.
+    """The features of an explanation of several views: the mean over the first JUDGED views of what each shows.
 
-    What the views have in common (how well the lights are determined) is that of all together.
+    How well borders agree and lights are determined is that of all views together.
     """
-    of_views = [explanation_features(each) for each in explanation.each]
-    return {name: float(np.mean([features[name] for features in of_views])) for name in of_views[0]}
+    of_views = [explanation_features(each) for each in explanation.each[:JUDGED]]
+    means = {name: float(np.mean([features[name] for features in of_views])) for name in of_views[0]}
+    joint = explanation.joint.alignment
+    misfit = math.log(max(joint.misfit_px, 0.05) / joint.placed.object_px)
+    return {**means, "misfit": misfit, "clear body": joint.clear_body, "clear shadow": joint.clear_shadow}
 
 
 def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
     """Log odds that the explanation is right rather than none of those tried."""
     joint = explanation.joint
-    support = plane_support(joint.region, joint.predicted.body, joint.predicted.shadow)
+    shadow = joint.predicted.shadow & ~_hidden_elsewhere(explanation)
+    support = plane_support(joint.region, joint.predicted.body, shadow, MOST_AGAINST)
     # Labels tell of a body only as far as it is seen.
     seen = float(np.mean([_share_seen(each) for each in explanation.each]))
     return judge.log_odds_of(joint_features(explanation)) + seen * support
@@ -52,16 +62,31 @@ def _share_on(ground: Mask, hull_px: Float | None) -> float:
     return min(np.count_nonzero(ground & (inside > 0)) / area, 1.0)
 
 
-def plane_support(region: Region, body: Mask, shadow: Mask) -> float:
+def _hidden_elsewhere(explanation: JointExplanation) -> Mask:
+    """(h, w) of the first view's region: what the body hides in the others, where these show nothing of the plane."""
+    first, *others = explanation.each
+    hidden = np.zeros(first.predicted.body.shape, np.bool_)
+    flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
+    for other in others:
+        H = plane_homography(first.region.view, other.region.view)
+        body = grown(other.predicted.body, BESIDE_PX).astype(np.uint8)
+        hidden |= cv2.warpPerspective(body, H, first.region.view.size, flags=flags) > 0
+    return hidden
+
+
+def plane_support(region: Region, body: Mask, shadow: Mask, most_against: float = 2 * MOST_FOR) -> float:
     """Log odds by which other views confirm that the shadow (h, w) lies on the plane and the body (h, w) does not.
 
-    0 where there are no other views, or they tell nothing.
+    most_against: that a shadow which shears, or a body which does not, counts against it; little, where it is not known
+    what of the shadow the body hides in other views. 0 where there are no other views, or they tell nothing.
     """
     if region.on_plane is None:
         return 0.0
-    seen = region.is_ground
-    difference = region.on_plane[shadow & seen].sum() - region.on_plane[body & seen].sum()
-    return float(np.clip(difference / PIXELS_PER_SAMPLE, -MOST_SUPPORT, MOST_SUPPORT))
+    of_shadow, of_body = (
+        float(region.on_plane[mask & region.is_ground].sum()) / PIXELS_PER_SAMPLE for mask in (shadow, body)
+    )
+    # Each for itself: an object that surely stands there makes no shadow of another object that does.
+    return float(np.clip(of_shadow, -most_against, MOST_FOR) + np.clip(-of_body, -most_against, MOST_FOR))
 
 
 def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:

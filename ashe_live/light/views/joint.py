@@ -16,20 +16,27 @@ from ashe_live.light.explanation.alignment import (
     SEARCH_RANGES,
     Alignment,
     PlacedBody,
+    criterion,
     damped_steps,
     measured,
     normal_equations,
     placed_in,
 )
 from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.explain import lights_of
+from ashe_live.light.explanation.explain import lights_of, refined_by_tangents, refitted_bodies
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
+from ashe_live.light.labels.relabel import relabelled
+from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.outline_fit.search import prior_information
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.sight import Sight
 
 EARLY_LOSS_FACTOR = 3.0  # times the scale of Cauchy's loss, in all rounds but the last
+FAMILIES = 4  # number of other families, the likeliest by one view's labels, that are aligned in all views
+# Correlation between views of a border's errors: the ground's texture along it, the body's model and the systematic
+# errors of poses are the same in all of them.
+SHARED = 0.3
 RANGES = SEARCH_RANGES[1:]  # a body that was aligned in one view is nearly right in the others
 
 
@@ -39,6 +46,16 @@ class JointExplanation:
 
     joint: Explanation  # in the first view, with the misfit, the clarity and the information of all
     each: tuple[Explanation, ...]  # in each view, the first one included
+    origin: Explanation  # of one view, with the labels from which it began
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class JointStart:
+    """A body with its lights, to be aligned in several views."""
+
+    origin: Explanation  # of one view, whose labels they were found from
+    lit: LitBody
+    costs: Sequence[Costs]  # of the pixels around it in each view, the first one first
 
 
 def lit_body_of(explanation: Explanation) -> tuple[LitBody, Sequence[Float]]:
@@ -51,21 +68,51 @@ def own_costs(explanation: Explanation) -> Costs:
     return Costs(explanation.region, explanation.materials, explanation.as_object)
 
 
-def explained_in_views(several: Sequence[tuple[LitBody, Sequence[Costs]]]) -> list[JointExplanation | None]:
-    """Each body aligned with the borders in all its views; None where it is not in the first view.
-
-    several: a body with its lights, and the costs of the pixels around it in each view, the first one first.
-    """
+def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation | None]:
+    """Each body aligned with the borders in all its views; None where it is not in the first view."""
     found: list[JointExplanation | None] = [None] * len(several)
-    counts = [len(lit.lights) for lit, _ in several]
+    counts = [len(start.lit.lights) for start in several]
     for count in set(counts):
         members = [i for i, each in enumerate(counts) if each == count]
         for i, lit in zip(members, _aligned([several[i] for i in members]), strict=True):
-            found[i] = _explained(lit, several[i][1])
+            found[i] = _explained(replace(several[i], lit=lit))
     return found
 
 
-def _aligned(several: Sequence[tuple[LitBody, Sequence[Costs]]]) -> list[LitBody]:
+def with_likeliest_family(explanation: JointExplanation, preset: FitPreset) -> JointExplanation:
+    """The explanation with the body of the family that explains all views best.
+
+    One view's labels are fitted alike by several families.
+    """
+    costs = [own_costs(each) for each in explanation.each]
+    own = explanation.joint.alignment.placed.lit.body.family.name
+    bodies = [lit for lit in refitted_bodies(explanation.origin, preset) if lit.body.family.name != own]
+    others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:FAMILIES]])
+    return min([explanation, *(each for each in others if each is not None)], key=joint_criterion)
+
+
+def refined_by_all_tangents(explanation: JointExplanation) -> JointExplanation:
+    """The explanation with its light refined by the common tangents in each view in turn, which hold for any body.
+
+    One view's tangents leave the light free within a plane through the camera; planes of different views intersect. The
+    first view's pixels are labelled anew.
+    """
+    lights, splits = explanation.joint.lights, []
+    for each in explanation.each:
+        split = relabelled(each.region, each.materials, each.as_object, each.predicted)
+        splits.append(split)
+        if split.is_large_enough:
+            lights = refined_by_tangents(replace(each, split=split, lights=lights)).lights
+    return replace(explanation, joint=replace(explanation.joint, split=splits[0], lights=lights))
+
+
+def joint_criterion(explanation: JointExplanation) -> float:
+    """As `alignment.criterion`, over all views: their unary costs, and one penalty per shape parameter."""
+    first, *others = (each.alignment.placed for each in explanation.each)
+    return criterion(first) + sum(one.cost for one in others)
+
+
+def _aligned(several: Sequence[JointStart]) -> list[LitBody]:
     """The cheapest state of each body along Gauss-Newton steps of its views' normal equations, added up."""
     here = _placed(several)
     best, least = list(here), [_cost(placed) for placed in here]
@@ -76,13 +123,13 @@ def _aligned(several: Sequence[tuple[LitBody, Sequence[Costs]]]) -> list[LitBody
         loss_factor = 1.0 if number == len(RANGES) - 1 else EARLY_LOSS_FACTOR
         pull = normal_equations(flat, share, loss_factor)
         gradient, at, moved = pull.gradient, 0, []
-        for placed, (_, costs) in zip(here, several, strict=True):
+        for placed, start in zip(here, several, strict=True):
             end = at + sum(one.is_in_view for one in placed)
             lit = placed[0].lit
             if end > at:
                 normal = _summed(pull.normal[at:end], lit)
                 lit = lit.moved(damped_steps(normal[None], gradient[None, at:end].sum(axis=1))[0])
-            moved.append((lit, costs))
+            moved.append(replace(start, lit=lit))
             at = end
         here = _placed(moved)
         for i, placed in enumerate(here):
@@ -91,9 +138,9 @@ def _aligned(several: Sequence[tuple[LitBody, Sequence[Costs]]]) -> list[LitBody
     return [placed[0].lit for placed in best]
 
 
-def _placed(several: Sequence[tuple[LitBody, Sequence[Costs]]]) -> list[list[PlacedBody]]:
-    flat = iter(placed_in([(lit, _sight(lit, costs), costs) for lit, each in several for costs in each]))
-    return [[next(flat) for _ in each] for _, each in several]
+def _placed(several: Sequence[JointStart]) -> list[list[PlacedBody]]:
+    flat = iter(placed_in([(one.lit, _sight(one.lit, costs), costs) for one in several for costs in one.costs]))
+    return [[next(flat) for _ in one.costs] for one in several]
 
 
 def _sight(lit: LitBody, costs: Costs) -> Sight:
@@ -116,8 +163,8 @@ def _summed(normals: Float, lit: LitBody) -> Float:
     return np.asarray(total)
 
 
-def _explained(lit: LitBody, several: Sequence[Costs]) -> JointExplanation | None:
-    placed = placed_in([(lit, _sight(lit, costs), costs) for costs in several])
+def _explained(start: JointStart) -> JointExplanation | None:
+    placed = placed_in([(start.lit, _sight(start.lit, costs), costs) for costs in start.costs])
     if not placed[0].is_in_view:
         return None
     alignments = measured([one for one in placed if one.is_in_view])
@@ -129,7 +176,7 @@ def _explained(lit: LitBody, several: Sequence[Costs]) -> JointExplanation | Non
         ground = costs.region.is_ground
         split = Split(seen.body & ground, seen.shadow & ground, None, seen.parts)
         each.append(Explanation(costs.region, costs.materials, split, alignment, lights, costs.as_object))
-    return JointExplanation(each[0], tuple(each[1:]))
+    return JointExplanation(each[0], tuple(each[1:]), start.origin)
 
 
 def _together(alignments: Sequence[Alignment]) -> Alignment:
@@ -143,7 +190,8 @@ def _together(alignments: Sequence[Alignment]) -> Alignment:
     ends = np.max([one.ends_in_view for one in alignments], axis=0)
     return replace(
         first,
-        normal=_summed(np.array([one.normal for one in alignments]), first.placed.lit),
+        normal=_summed(np.array([one.normal for one in alignments]), first.placed.lit)
+        / (1 + SHARED * (len(alignments) - 1)),
         misfit_px=math.sqrt(float(np.mean(relative))) * first.placed.object_px,
         clear_body=float(np.mean([one.clear_body for one in alignments])),
         clear_shadow=float(np.mean([one.clear_shadow for one in alignments])),

@@ -79,6 +79,14 @@ def test_a_take_has_its_frames_with_their_poses(folder: Path) -> None:
     assert frames[0].marker.reprojection_rms_px == pytest.approx(0, abs=0.01)
 
 
+def test_a_take_whose_marker_is_never_seen_is_left_out(folder: Path) -> None:
+    truth = json.loads((folder / "ground_truth.json").read_text())
+    for frame in truth["takes"][0]["frames"]:
+        frame["marker_detected"] = False
+    (folder / "ground_truth.json").write_text(json.dumps(truth))
+    assert read_takes(folder) == []
+
+
 def test_each_number_of_views_holds_those_before_it(folder: Path) -> None:
     (take,) = read_takes(folder)
     estimator = Counting()
@@ -109,7 +117,7 @@ def test_confidence_that_falls_for_a_right_answer_is_counted() -> None:
     def result(views: int, confidence: float | None, error_deg: float | None) -> TakeResult:
         answer = CaseResult(
             "fast", "set", "take", "clean", None, 1, ({},) if confidence else (), None, error_deg, None, None, None,
-            confidence, None, None, None, {"total": 1.0}, 1.0,
+            confidence, None, None, None, {"total": 1.0}, 1.0, None,
         )  # fmt: skip
         return TakeResult(6.0, views, views, answer)
 

@@ -1,0 +1,77 @@
+"""Following: a known body's light, verified and followed in a single frame by alignment alone."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.explanation.alignment import Alignment, Start, aligned
+from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.ground.shadow_shift import shift_of_ratio
+from ashe_live.light.ground.steps import GroundSteps
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.body import Body, BodyFrame, LitBody
+from ashe_live.light.shape.family import Family, Parts
+from ashe_live.light.shape.sight import Sight
+from ashe_live.light.views.seen import SceneView, costs_around
+
+WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 240, 480, 90  # sizes of the frame for its ground and at its finest, of the region
+STEPS = GroundSteps(12, 8, 1)
+# Mean clarity of the borders of body and shadow, and misfit over the object's size, that a light is followed with.
+LEAST_CLARITY, MOST_MISFIT = 0.3, 0.06
+
+
+def follow(estimate: LightEstimate, tracked: TrackedFrame) -> LightEstimate | None:
+    """The light of `estimate` as the frame `tracked` shows it; None where that does not show the body and its shadows.
+
+    The body stays as it is, the lights' directions move until the shadows lie on their borders in the picture. What is
+    uncertain of them is mostly the body's, and stays too. An estimate without a light or a body, or a frame without a
+    marker, gives None. The masks are left out.
+    """
+    body, lights = estimate.illumination.real_object, estimate.lights
+    if tracked.marker is None or body is None or not lights:
+        return None
+    fine = View.of(tracked, FINE_WIDTH_PX)
+    coarse = fine.scaled(WIDTH_PX)
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, STEPS)
+    ratios = [light.shadow_rgb_ratio for light in lights]
+    if ground is None or any(ratio is None for ratio in ratios):
+        return None
+    lit = LitBody(_given(body), np.array([light.homogeneous for light in lights]))
+    shifts = [shift_of_ratio(ground, ratio) for ratio in ratios if ratio is not None]
+    costs = costs_around(lit, shifts, SceneView(tracked.frame.index, fine, coarse, ground), REGION_PX)
+    if costs is None:
+        return None
+    (found,) = aligned([Start([lit], Sight.of(costs.region.view), costs)])
+    if found is None or not _is_clear(found):
+        return None
+    moved = [
+        replace(light, to_light_marker=now[:3]) for light, now in zip(lights, found.placed.lit.lights, strict=True)
+    ]
+    index = tracked.frame.index
+    illumination = replace(estimate.illumination, lights=tuple(moved))
+    return LightEstimate(
+        estimate.estimator, index, illumination, None, views=(index, *estimate.views[1:]), span_rad=estimate.span_rad
+    )
+
+
+def _is_clear(found: Alignment) -> bool:
+    clear = min(found.clear_body, *found.clear_shadows)
+    return clear >= LEAST_CLARITY and found.misfit_px <= MOST_MISFIT * found.placed.object_px
+
+
+def _given(proxy: Proxy) -> Body:
+    """The proxy as the only member of a family without parameters."""
+    spheroids, foot = proxy.spheroids_marker, proxy.foot_marker[:2]
+    size_m = float(np.ptp(spheroids[:, :3], axis=0).max() + 2 * spheroids[:, 3:].max())
+    frame = BodyFrame(foot, max(size_m, np.finfo(np.float64).tiny))
+    within = np.array(spheroids)
+    within[:, :2] -= foot
+    within /= frame.unit_m
+
+    def parts(shapes: Float) -> Parts:
+        return np.repeat(within[None], len(shapes), axis=0), np.zeros((len(shapes), *within.shape, 0))
+
+    return Body(frame, Family(proxy.family, None, parts, lambda shape: shape[None], ()), np.empty(0))

@@ -1,0 +1,56 @@
+"""Following a light with a known body, in pictures painted with a known light."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.light.views.following import follow
+from tests.light.painted_scenes import BOX, SHADOW_RATIO, Caster, paint
+from tests.light.synthetic_masks import camera_towards, direction
+
+
+def painted_from(heading_deg: float, *casters: Caster, **rest) -> TrackedFrame:
+    pose = camera_towards((0.06, 0.0), 0.5, 45.0, heading_deg)
+    return paint(*casters, T_cam_marker=pose, size=(480, 360), **rest).tracked
+
+
+def known(azimuth_deg: float = 200, elevation_deg: float = 40) -> LightEstimate:
+    corners = np.concatenate([BOX.base(), BOX.top()])
+    body = Proxy("box", np.column_stack([corners, np.zeros((len(corners), 2))]))
+    light = Light(direction(azimuth_deg, elevation_deg), 0.001 * np.eye(2), 0.04, 0.9, shadow_rgb_ratio=SHADOW_RATIO)
+    return LightEstimate("proxy", 3, Illumination((light,), real_object=body))
+
+
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+@pytest.mark.parametrize("heading_deg", [90, 120])
+@pytest.mark.parametrize("turned_deg", [0, 6, -6])
+def test_the_light_is_followed(ground: str, heading_deg: float, turned_deg: float) -> None:
+    tracked = painted_from(heading_deg, BOX, ground=ground, azimuth_deg=200 + turned_deg)
+    found = follow(known(), tracked)
+    assert found is not None
+    assert found.light is not None
+    truth = direction(200 + turned_deg, 40)
+    assert math.degrees(angle_between(found.light.to_light_marker, truth)) < 1.0
+    assert found.frame_index == found.views[0] == tracked.frame.index
+    np.testing.assert_array_equal(found.light.covariance_rad2, known().light.covariance_rad2)
+
+
+def test_a_light_that_is_elsewhere_is_not_followed() -> None:
+    assert follow(known(), painted_from(90, BOX, azimuth_deg=300)) is None
+
+
+def test_an_object_that_is_gone_is_not_followed() -> None:
+    assert follow(known(), painted_from(90)) is None
+
+
+def test_nothing_to_follow_is_nothing() -> None:
+    tracked = painted_from(90, BOX)
+    assert follow(known(), dataclasses.replace(tracked, marker=None)) is None
+    assert follow(LightEstimate("proxy", 0, Illumination(), "no shadow found"), tracked) is None
+    bodiless = dataclasses.replace(known(), illumination=dataclasses.replace(known().illumination, real_object=None))
+    assert follow(bodiless, tracked) is None
