@@ -45,6 +45,10 @@ class Sharpening:
         self._estimated_s = self._asked_s
         self._futile = 0 if is_sharper else self._futile + 1
 
+    def verified(self) -> None:
+        """The light was seen as it is known, which is as good as a new estimate."""
+        self._estimated_s = self._asked_s
+
     def is_due_for(self, views: Sequence[TrackedFrame], now_s: float) -> bool:
         """Whether the key views tell so much more than those of the last request that it is worth another."""
         if now_s - self._asked_s < EVERY_S:

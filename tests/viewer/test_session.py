@@ -232,10 +232,26 @@ def test_automatically_it_estimates_until_that_gains_nothing_and_then_only_what_
     run_steadily(session, fakes, lambda _s: fakes.estimate(), 20.0)
     worker = session.watch._worker
     gaps_s = np.diff([frozen.frame.time_s for frozen in worker.requested])
-    assert worker.only_if_changed[: FUTILE + 1] == [False] * (FUTILE + 1)
+    assert worker.known[: FUTILE + 1] == [None] * (FUTILE + 1)
     assert gaps_s[:FUTILE] == pytest.approx(EVERY_S, abs=0.1)
-    assert all(worker.only_if_changed[FUTILE + 1 :])
+    assert all(known is not None for known in worker.known[FUTILE + 1 :])
     assert gaps_s[FUTILE:] == pytest.approx(CHECKED_EVERY_S, abs=0.1)
+
+
+def test_a_known_light_is_followed_and_shown_elsewhere_only_once_it_has_moved(make, fakes):
+    session = make(EstimatePolicy(automatic=True))
+    session.watch.key_views = fakes.KeyViews(fakes.tracked(1000))
+    run_steadily(session, fakes, lambda _s: fakes.estimate(sigma_rad=0.01), 10.0)
+    worker, held = session.watch._worker, session.estimate
+    worker.follows, worker.answer = True, None
+    for now_s, degrees, is_taken in ((20.0, 1.0, False), (40.0, 2.0, False), (60.0, 4.0, True)):
+        session.take(fakes.tracked(int(now_s)), now_s)
+        assert worker.known[-1].light is held.light
+        towards = direction_from_angles(np.radians(degrees) / np.cos(np.radians(45)), np.radians(45))
+        worker.answer = fakes.estimate(int(now_s), towards=towards, sigma_rad=0.01)
+        assert (session.poll(now_s) is not None) is is_taken
+        assert (session.estimate is not held) is is_taken
+    assert session.estimated_from.frame.index == 60
 
 
 def test_a_changed_scene_is_estimated_anew_and_its_views_are_dropped(make, fakes):

@@ -11,7 +11,7 @@ from itertools import permutations
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import tangent_basis
+from ashe_live.core.transforms import angle_between, tangent_basis
 from ashe_live.core.types import Light, LightEstimate
 
 CHANGED_AFTER = 3  # consecutive answers that contradict the one held, and agree among themselves, to replace it
@@ -28,6 +28,8 @@ DOUBTFUL = 0.5
 UNKNOWN_CONFIDENCE, NONE_CONFIDENCE = 0.3, 0.2
 # So much less uncertain, or surer, an answer must be to count as sharper.
 SHARPER, SURER = 0.95, 0.02
+# A light that is followed in single frames has moved when it is this much farther than twice its sigma.
+MOVED_RAD = math.radians(1.0)
 # An answer about as good is newer, and the sun moves. So much vaguer than the one held it may be, and so much less sure
 # than the surest that agreed with it: from one view to the next the rated confidence varies by that.
 AS_SHARP, AS_SURE = 1.1, 0.06
@@ -70,6 +72,17 @@ class HeldAnswer:
             return False
         return self._take(new, is_news=True)
 
+    def follow(self, seen: LightEstimate) -> bool:
+        """Takes the light that is held as a later frame shows it, if it has moved; returns whether it has.
+
+        A single frame shows it less sharply than the views that it was estimated from: what it has moved by must be
+        more than both leave open.
+        """
+        self._dissent.clear()
+        self.is_news = self.estimate is not None and _moved_rad(self.estimate, seen) > MOVED_RAD
+        self.estimate = seen if self.is_news else self.estimate
+        return self.is_news
+
     def _take(self, new: LightEstimate, is_news: bool) -> bool:
         self.estimate, self.is_news, self._dissent = new, is_news, []
         self._surest = _confidence(new) if is_news else self._surest
@@ -79,6 +92,14 @@ class HeldAnswer:
 def agree(a: LightEstimate, b: LightEstimate) -> bool:
     """Whether both may be of the same light or lights, by their number, Mahalanobis distance and shadow ratios."""
     return len(a.lights) == len(b.lights) and any(_same_lights(a.lights, order) for order in permutations(b.lights))
+
+
+def _moved_rad(before: LightEstimate, now: LightEstimate) -> float:
+    """The largest angle that a light has moved by, beyond twice its sigma; 0 or less for none."""
+    return max(
+        angle_between(a.to_light_marker, b.to_light_marker) - 2 * (a.sigma_rad or 0.0)
+        for a, b in zip(before.lights, now.lights, strict=True)
+    )
 
 
 def _outweighs(new: LightEstimate, held: LightEstimate) -> bool:
