@@ -42,7 +42,7 @@ ROOMS: dict[str, set[str]] = {
         "core", "errors", "light.pixels", "light.ground", "light.outline_fit", "light.labels", "light.explanation",
         "light.views", "light.lamps", "light.paper",
     },
-    "light.live": {"core", "light.pixels", "light.estimators", "process"},
+    "light.live": {"core", "light.pixels", "light.estimators", "light.views", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},
     "render": {"core", "errors", "files", "models", "process"},
     "quality": {"tracking", "light.estimators", "render"},

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import BALANCED
@@ -49,15 +50,15 @@ class LightWatch:
         now_s: float,
         draw: Draw | None = None,
         is_awaited: bool = True,
-        only_if_changed: bool = False,
+        known: LightEstimate | None = None,
     ) -> bool:
         """Asks for an estimate of a frame with the key views at hand; False, and nothing happens, while one is made.
 
-        What `is_awaited` by a person replaces whatever stands.
+        What `is_awaited` by a person replaces whatever stands. Of what is `known` only a change is estimated.
         """
         views = self.key_views.views
         others = tuple(view for view in views if view.frame.index != frozen.frame.index)
-        if not self._worker.request(frozen, self.preset, draw, is_awaited, others, only_if_changed):
+        if not self._worker.request(frozen, self.preset, draw, is_awaited, others, known):
             return False
         self.frozen, self._others, self.asked_s, self._is_awaited = frozen, others, now_s, is_awaited
         if is_awaited:
@@ -73,12 +74,14 @@ class LightWatch:
         return self.ask(views[-1], now_s, draw, is_awaited=False)
 
     def look_again(self, steady: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
-        """Asks for an estimate of a steady frame, if the last one is old, or else if the scene has changed."""
+        """Asks for an estimate of a steady frame, or, if the last one is not old, for its light to be followed."""
         if self.is_estimating or not self.sharpening.is_due_again(now_s):
             return False
-        is_known = self.held.estimate is not None
-        only_if_changed = is_known and self.sharpening.is_up_to_date(now_s)
-        return self.ask(steady, now_s, draw, not is_known, only_if_changed)
+        held = self.held.estimate
+        known = None
+        if held is not None and self.sharpening.is_up_to_date(now_s):
+            known = replace(held, object_mask=None, shadow_mask=None)  # which nobody needs there
+        return self.ask(steady, now_s, draw, held is None, known)
 
     def poll(self) -> Outcome | None:
         """The worker's outcome, once."""
@@ -102,7 +105,10 @@ class LightWatch:
         has_changed = len(outcome.outdated) == len(self._others) > 0
         if has_changed:
             self.sharpening = Sharpening()
-        if outcome.estimate is not None:
+        if outcome.is_followed and outcome.estimate is not None:
+            self.held.follow(outcome.estimate)
+            self.sharpening.verified()
+        elif outcome.estimate is not None:
             if self._is_awaited:
                 self.held = HeldAnswer()
             is_sharper = self.held.offer(outcome.estimate, has_changed)

@@ -8,7 +8,9 @@ from ashe_live.light.live.key_views import RENEWED_AFTER_S, span_of
 
 EVERY_S = 0.4  # at most so often
 CHECKED_EVERY_S = 1.5  # automatically, whether the scene is still the same
-FUTILE = 3  # estimates in a row that were no sharper, after which no more are made until something changes
+# Estimates in a row that were no sharper, after which no more are made, until the views span as much more as this.
+FUTILE = 3
+MUCH_WIDER, MUCH_WIDER_BY_RAD = 1.5, math.radians(2)
 # The views tell more when they span more by this factor, and at least by so much...
 WIDER, WIDER_BY_RAD = 1.25, math.radians(0.5)
 # ...or when a third of them, and more than one, are new, over nearly the same span.
@@ -23,6 +25,7 @@ class Sharpening:
         self._views: Sequence[TrackedFrame] = ()
         self._looked_at: Sequence[TrackedFrame] = ()
         self._tells_more = False
+        self._widest_rad = 0.0
         self._futile = 0
         self._asked_s = self._estimated_s = -math.inf
 
@@ -35,15 +38,20 @@ class Sharpening:
         """An estimate of these views, the frozen frame among them, has been requested."""
         self._views, self._looked_at, self._tells_more = views, views, False
         self.span_rad, self._asked_s = span_of(views), now_s
+        self._widest_rad = max(self._widest_rad, self.span_rad)
 
     def answered(self, is_sharper: bool) -> None:
         """It has been made, and has told more than was known before, or has not."""
         self._estimated_s = self._asked_s
         self._futile = 0 if is_sharper else self._futile + 1
 
+    def verified(self) -> None:
+        """The light was seen as it is known, which is as good as a new estimate."""
+        self._estimated_s = self._asked_s
+
     def is_due_for(self, views: Sequence[TrackedFrame], now_s: float) -> bool:
         """Whether the key views tell so much more than those of the last request that it is worth another."""
-        if self.is_settled or now_s - self._asked_s < EVERY_S:
+        if now_s - self._asked_s < EVERY_S:
             return False
         if views is not self._looked_at:
             self._looked_at, self._tells_more = views, self._tell_more(views)
@@ -59,6 +67,8 @@ class Sharpening:
 
     def _tell_more(self, views: Sequence[TrackedFrame]) -> bool:
         span_rad = span_of(views)
+        if self.is_settled:
+            return span_rad >= MUCH_WIDER * self._widest_rad + MUCH_WIDER_BY_RAD
         if len(views) > 1 and span_rad >= WIDER * self.span_rad + WIDER_BY_RAD:
             return True
         new = sum(not any(view is other for other in self._views) for view in views)

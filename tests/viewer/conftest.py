@@ -112,7 +112,8 @@ class FakeWorker:
         self.answer: LightEstimate | WorkerFailure | None = None
         self.picture: Image | None = None  # goes with an answer that it was asked for with
         self.outdated: tuple[int, ...] = ()  # goes with the next answer
-        self.only_if_changed: list[bool] = []  # of the requests
+        self.known: list[LightEstimate | None] = []  # of the requests
+        self.follows = False  # what is known is answered with `answer`
         self.busy = self.draws = False
 
     def request(
@@ -122,14 +123,14 @@ class FakeWorker:
         draw: Draw | None,
         is_awaited: bool,
         others: tuple[TrackedFrame, ...],
-        only_if_changed: bool,
+        known: LightEstimate | None,
     ) -> bool:
         if self.busy:
             return False
         self.busy, self.draws, self.is_awaited = True, draw is not None, is_awaited
         self.requested.append(frozen)
         self.others = others
-        self.only_if_changed.append(only_if_changed)
+        self.known.append(known)
         return True
 
     def poll(self) -> Outcome | None:
@@ -140,8 +141,8 @@ class FakeWorker:
         if isinstance(answer, WorkerFailure):
             return answer
         outdated, self.outdated = self.outdated, ()
-        if self.only_if_changed[-1] and len(outdated) < len(self.others):
-            return Answer(None)
+        if self.known[-1] is not None and len(outdated) < len(self.others):
+            return Answer(answer, None, outdated, is_followed=True) if self.follows else Answer(None)
         return Answer(answer, self.picture if self.draws else None, outdated)
 
     def give_up(self) -> None:

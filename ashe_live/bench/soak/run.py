@@ -49,6 +49,7 @@ class SoakRun:
         # Written at once, so that pages that are first touched later do not look like a leak.
         self._times_ms = np.full((frames, len(TIMES)), np.nan)
         self._held = Held()
+        self._most_view_bytes = 0
         self._count = 0
         self._shown: TrackedFrame | None = None
         self._estimates = 0
@@ -69,6 +70,7 @@ class SoakRun:
             self._window.requests.append(Request(Command.NEXT_MODEL))
         if self._count % ESTIMATE_EVERY == 0:
             self._window.requests.append(Request(Command.ESTIMATE))
+        self._most_view_bytes = max(self._most_view_bytes, self._session.watch.key_views.nbytes)
         if self._count % self._sample_every == 0:
             with self._tracker.at_rest:
                 self._held.sample(self._count)
@@ -83,6 +85,7 @@ class SoakRun:
             "seconds": time.monotonic() - self._begun_s,
             "model_switches": self._count // SWITCH_EVERY,
             "estimates": self._estimates,
+            "key_views_mib": self._most_view_bytes / 2**20,
             "drift": drift_json(self._times_ms[: self._count], round_frames),
             "held": self._held.to_json(max(2 * round_frames, self._count // 10)),
         }

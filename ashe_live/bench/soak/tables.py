@@ -37,7 +37,7 @@ def print_soak_figures(console: Console, record: Json) -> None:
     soak = record["soak"]
     console.print(
         f"{soak['frames']} frames in {soak['seconds']:.0f} s, {soak['model_switches']} switches of the model, "
-        f"{soak['estimates']} estimates"
+        f"{soak['estimates']} estimates, key views of at most {soak['key_views_mib']:.1f} MiB"
     )
     held = figures_table("held after the warm-up", "", "first", "last", "in 1000 frames", "")
     for name, label in HELD.items():

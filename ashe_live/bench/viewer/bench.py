@@ -1,25 +1,29 @@
-"""`ashe-live bench viewer`: frames per second, times by stage, and how much a running estimate slows frames down."""
+"""`ashe-live bench viewer`: frames per second, times by stage, and how much running estimates slow frames down."""
 
 import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from enum import Enum
 from typing import ClassVar
 
 import numpy as np
 
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.loops import PacedTimes, StageTimes, time_blit, time_paced, time_unpaced
+from ashe_live.bench.viewer.key_view_times import time_key_views
 from ashe_live.bench.viewer.starts import time_start
 from ashe_live.bench.viewer.tables import print_viewer_figures
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.live.held_answer import HeldAnswer
+from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.quality import Quality
 from ashe_live.render.offscreen import offscreen_context
@@ -75,6 +79,7 @@ class ViewerBench(Bench):
             scene = BenchScene(session, clip, size, self.quality.name)
             scene.wait_for_first_estimate(source, tracker)
             unpaced = self._unpaced(source, tracker, renderer, scene)
+            key_views = time_key_views(source, tracker, self.frames)
             paced = self._paced(source, tracker, renderer, scene)
         return {
             "clip": clip.path.name,
@@ -84,6 +89,11 @@ class ViewerBench(Bench):
             "frames": self.frames,
             "first_picture": self._first_picture(),
             "unpaced": unpaced,
+            "key_views": {
+                "mean_ms": float(np.mean(key_views.add_ms)),
+                **(frame_time_percentiles(key_views.add_ms) or {}),
+                "mib": key_views.mib,
+            },
             "paced": paced,
         }
 
@@ -108,31 +118,44 @@ class ViewerBench(Bench):
         tracker.reset()
         pipeline = Pipeline(source, tracker, loop=True)
         pipeline.start()
-        idle, estimating = PacedTimes(), PacedTimes()
+        scene.watch(pipeline.key_views)
+        times = {task: PacedTimes() for task in Task}
         frames = max(2, math.ceil(self.frames / ROUNDS))
         try:
             time_paced(pipeline, renderer, scene, int(DISPLAY_HZ), DISPLAY_HZ)
             for _ in range(ROUNDS):
-                idle.add(time_paced(pipeline, renderer, scene, frames, DISPLAY_HZ))
-                scene.estimates_on = True
-                estimating.add(time_paced(pipeline, renderer, scene, frames, DISPLAY_HZ))
-                scene.end_estimates()
+                for task in Task:
+                    scene.task = task
+                    times[task].add(time_paced(pipeline, renderer, scene, frames, DISPLAY_HZ))
+                    scene.end_estimates()
         finally:
             pipeline.close()
-        return {
-            "rate_hz": DISPLAY_HZ,
-            "idle": _paced_json(idle),
-            "estimating": {**_paced_json(estimating), "estimates_ms": scene.estimates_ms},
-            "p99_ratio": float(np.percentile(estimating.work_ms, 99) / np.percentile(idle.work_ms, 99)),
+        p99 = {task: float(np.percentile(times[task].work_ms, 99)) for task in Task}
+        busy = {
+            task.value: {
+                **_paced_json(times[task]),
+                "estimates_ms": scene.estimates_ms[task],
+                "p99_ratio": p99[task] / p99[Task.IDLE],
+            }
+            for task in (Task.ESTIMATING, Task.SHARPENING)
         }
+        return {"rate_hz": DISPLAY_HZ, "idle": _paced_json(times[Task.IDLE]), **busy}
+
+
+class Task(Enum):
+    """What the light worker does meanwhile."""
+
+    IDLE = "idle"
+    ESTIMATING = "estimating"  # one estimate after the other, as if a person waited for each
+    SHARPENING = "sharpening"  # one after the other, in the background, from the key views
 
 
 class BenchScene:
     """The viewer's scene for each frame of the clip, under the true light, so that every frame costs the same."""
 
     def __init__(self, session: Session, clip: KnownClip, size: Size, quality: str) -> None:
-        self.estimates_on = False
-        self.estimates_ms: list[float] = []  # how long each of them took
+        self.task = Task.IDLE
+        self.estimates_ms: dict[Task, list[float]] = {task: [] for task in Task}  # how long each of them took
         self._session = session
         self._true = Illumination((Light(clip.to_light_marker),))
         self._size = size
@@ -140,24 +163,36 @@ class BenchScene:
         self._display = Display()
 
     def __call__(self, tracked: TrackedFrame) -> Scene:
-        """As LiveViewer composes it; with `estimates_on`, a new estimate is requested whenever one has ended."""
+        """As LiveViewer composes it; unless it is idle, a new estimate is requested whenever one has ended."""
         now_s = time.monotonic()
         if tracked is not self._session.tracked:
             self._session.take(tracked, now_s)
-        estimate = self._session.poll(now_s)
-        if estimate is not None:
-            self.estimates_ms.append(estimate.timing_ms["total"])
+        if not self._session.is_estimating and tracked.marker is not None:
+            self._request(now_s)
+        self._note(self._session.poll(now_s))
         self._session.hand.light = self._session.shown = self._true
-        if self.estimates_on and not self._session.is_estimating and tracked.marker is not None:
-            self._session.request_estimate(now_s)
         return self._display.scene(self._session, self._size, self._quality, now_s, fps=DISPLAY_HZ)
 
+    def watch(self, key_views: KeyViews) -> None:
+        """Takes these key views from now on."""
+        self._session.watch.key_views = key_views
+
     def end_estimates(self) -> None:
-        """Waits for the estimate under way and requests no more."""
-        self.estimates_on = False
-        estimate = self._session.wait_for_estimate(LONGEST_ESTIMATE_S, time.monotonic())
+        """Waits for the estimate under way."""
+        self._note(self._session.wait_for_estimate(LONGEST_ESTIMATE_S, time.monotonic()))
+
+    def _request(self, now_s: float) -> None:
+        watch = self._session.watch
+        if self.task is Task.ESTIMATING:
+            self._session.request_estimate(now_s)
+        elif self.task is Task.SHARPENING and (views := watch.key_views.views):
+            # A fresh look at each: that it gains nothing is no reason to end here.
+            watch.held = HeldAnswer()
+            watch.ask(views[-1], now_s, is_awaited=False)
+
+    def _note(self, estimate: LightEstimate | None) -> None:
         if estimate is not None:
-            self.estimates_ms.append(estimate.timing_ms["total"])
+            self.estimates_ms[self.task].append(estimate.timing_ms["total"])
 
     def wait_for_first_estimate(self, source: ClipSource, tracker: MarkerTracker) -> None:
         """Returns when the estimator's process has started up, and is idle."""

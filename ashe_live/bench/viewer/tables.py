@@ -25,10 +25,14 @@ def print_viewer_figures(console: Console, record: Json) -> None:
     console.print(f"{unpaced['fps']:.0f} fps\n")
 
     frames = figures_table(f"paced at {paced['rate_hz']:.0f} Hz, ms a frame", "", "median", "p95", "p99")
-    for state in ("idle", "estimating"):
+    for state in ("idle", "estimating", "sharpening"):
         for kind in ("work", "interval"):
             ms = paced[state][f"{kind}_ms"]
             frames.add_row(f"{state}, {kind}", *(f"{ms[key]:.2f}" for key in ("p50", "p95", "p99")))
     console.print(frames)
-    ended = len(paced["estimating"]["estimates_ms"])
-    console.print(f"p99 of the work while estimating is {paced['p99_ratio']:.2f} times idle; {ended} estimates ended")
+    for state in ("estimating", "sharpening"):
+        ended = len(paced[state]["estimates_ms"])
+        ratio = paced[state]["p99_ratio"]
+        console.print(f"p99 of the work while {state} is {ratio:.2f} times idle; {ended} estimates ended")
+    key_views = record["key_views"]
+    console.print(f"key views: {key_views['mean_ms']:.3f} ms a frame to choose them, {key_views['mib']:.1f} MiB")

@@ -11,7 +11,7 @@ from itertools import permutations
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import tangent_basis
+from ashe_live.core.transforms import angle_between, tangent_basis
 from ashe_live.core.types import Light, LightEstimate
 
 CHANGED_AFTER = 3  # consecutive answers that contradict the one held, and agree among themselves, to replace it
@@ -28,8 +28,11 @@ DOUBTFUL = 0.5
 UNKNOWN_CONFIDENCE, NONE_CONFIDENCE = 0.3, 0.2
 # So much less uncertain, or surer, an answer must be to count as sharper.
 SHARPER, SURER = 0.95, 0.02
-# An answer about as sure is newer, and the sun moves; so much worse than the one held it may be.
-AS_SHARP, AS_SURE = 1.1, 0.02
+# A light that is followed in single frames has moved when it is this much farther than twice its sigma.
+MOVED_RAD = math.radians(1.0)
+# An answer about as good is newer, and the sun moves. So much vaguer than the one held it may be, and so much less sure
+# than the surest that agreed with it: from one view to the next the rated confidence varies by that.
+AS_SHARP, AS_SURE = 1.1, 0.06
 
 
 class HeldAnswer:
@@ -39,6 +42,7 @@ class HeldAnswer:
         self.estimate: LightEstimate | None = None
         self.is_news = False  # the last one offered was taken, and is another light than the one before, or the first
         self._dissent: list[LightEstimate] = []
+        self._surest = 0.0  # confidence of those that agreed
 
     @property
     def is_disputed(self) -> bool:
@@ -56,16 +60,32 @@ class HeldAnswer:
             return self._take(new, is_news=True)
         if agree(held, new):
             self._dissent.clear()
-            if _is_as_good(new, held):
-                self._take(new, is_news=False)
-            return _is_sharper(new, held)
+            is_sure = _confidence(new) >= self._surest - AS_SURE
+            is_surer = _confidence(new) > self._surest + SURER
+            self._surest = max(self._surest, _confidence(new))
+            if not is_sure or _sigma(new) > AS_SHARP * _sigma(held):
+                return False
+            self._take(new, is_news=False)
+            return is_surer or _sigma(new) < SHARPER * _sigma(held)
         self._dissent = [*(other for other in self._dissent if agree(other, new)), new]
         if len(self._dissent) < CHANGED_AFTER and not _outweighs(new, held):
             return False
         return self._take(new, is_news=True)
 
+    def follow(self, seen: LightEstimate) -> bool:
+        """Takes the light that is held as a later frame shows it, if it has moved; returns whether it has.
+
+        A single frame shows it less sharply than the views that it was estimated from: what it has moved by must be
+        more than both leave open.
+        """
+        self._dissent.clear()
+        self.is_news = self.estimate is not None and _moved_rad(self.estimate, seen) > MOVED_RAD
+        self.estimate = seen if self.is_news else self.estimate
+        return self.is_news
+
     def _take(self, new: LightEstimate, is_news: bool) -> bool:
         self.estimate, self.is_news, self._dissent = new, is_news, []
+        self._surest = _confidence(new) if is_news else self._surest
         return True
 
 
@@ -74,13 +94,11 @@ def agree(a: LightEstimate, b: LightEstimate) -> bool:
     return len(a.lights) == len(b.lights) and any(_same_lights(a.lights, order) for order in permutations(b.lights))
 
 
-def _is_as_good(new: LightEstimate, held: LightEstimate) -> bool:
-    return _sigma(new) <= AS_SHARP * _sigma(held) and _confidence(new) >= _confidence(held) - AS_SURE
-
-
-def _is_sharper(new: LightEstimate, held: LightEstimate) -> bool:
-    return _is_as_good(new, held) and (
-        _sigma(new) < SHARPER * _sigma(held) or _confidence(new) > _confidence(held) + SURER
+def _moved_rad(before: LightEstimate, now: LightEstimate) -> float:
+    """The largest angle that a light has moved by, beyond twice its sigma; 0 or less for none."""
+    return max(
+        angle_between(a.to_light_marker, b.to_light_marker) - 2 * (a.sigma_rad or 0.0)
+        for a, b in zip(before.lights, now.lights, strict=True)
     )
 
 

@@ -32,7 +32,8 @@ GAIN = 1.25
 LEAST_SPAN_RAD = math.radians(1.5)
 # The sun moves by a degree in four minutes, and clouds come: an older view gives way to a new one from its side.
 RENEWED_AFTER_S, OLDEST_S = 30.0, 120.0
-# Standard deviation of the pose's rotation: 30 cm beside the marker it moves the ground by 2.6 mm.
+# Standard deviation of the pose's rotation by noise: 30 cm beside the marker it moves the ground by 2.6 mm. What the
+# poses of one camera have in common, as the error of its focal length, is no reason to leave one of them out.
 MOST_ROTATION_SIGMA_RAD = math.radians(0.5)
 # Standard deviation of the blur across the marker's borders, in pixels of the picture that is kept: a sharp border,
 # averaged over pixels as a camera does, has 0.4 to 1.
@@ -138,7 +139,7 @@ class _ViewSet:
 def _is_well_posed(marker: MarkerPose) -> bool:
     if marker.bridged:
         return False
-    covariance = marker.covariance
+    covariance = marker.covariance if marker.noise_covariance is None else marker.noise_covariance
     return covariance is None or max(covariance[0, 0], covariance[1, 1]) <= MOST_ROTATION_SIGMA_RAD**2
 
 

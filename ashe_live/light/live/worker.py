@@ -60,15 +60,16 @@ class LightWorker:
         draw: Draw | None = None,
         is_awaited: bool = False,
         others: Sequence[TrackedFrame] = (),
-        only_if_changed: bool = False,
+        known: LightEstimate | None = None,
     ) -> bool:
         """Requests an estimate of `tracked` with a preset; returns False, and does nothing, while busy.
 
         `draw`, a function of a module, draws what led to the estimate in the process, where the estimator keeps a
         trace of it; the picture comes with the answer. What `is_awaited` by a person is made at normal priority, else
         at the lowest. `others` are views, with markers, that may be of the same scene; those that are not are left out
-        and named in the answer. With `only_if_changed` there is no estimate unless none of them is. A frame that was
-        in the request before is not sent again. Raises ValueError when closed.
+        and named in the answer. With `known` an estimate is made only if the frame shows another scene than the others,
+        or not the light of that estimate; else the answer is that light as the frame shows it. A frame that was in the
+        request before is not sent again. Raises ValueError when closed.
         """
         if self._closed:
             raise ValueError("the light worker is closed")
@@ -78,7 +79,7 @@ class LightWorker:
             self._discard()
             self._process = _Process(self._make)
         self._asked_index, self._asked_s = tracked.frame.index, time.monotonic()
-        self._process.send((tracked, *others), preset, draw, is_awaited, only_if_changed)
+        self._process.send((tracked, *others), preset, draw, is_awaited, known)
         return True
 
     def poll(self) -> Outcome | None:

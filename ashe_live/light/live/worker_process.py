@@ -36,16 +36,18 @@ class Request:
     preset: "ProxySteps"
     draw: Draw | None = None  # what draws the trace
     is_awaited: bool = False  # by a person
-    only_if_changed: bool = False  # else nothing is estimated where the frame shows what the other views show
+    # Of a scene that is watched: nothing is estimated where the frame shows what the other views show, and this light.
+    known: "LightEstimate | None" = None
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
     """What came of a request."""
 
-    estimate: "LightEstimate | None"  # None: it was asked for only if the scene had changed, and it has not
+    estimate: "LightEstimate | None"  # None: what was known still holds
     picture_bgr: "Image | None" = None  # of the trace; None where none was asked for, or the estimator keeps no trace
     outdated: tuple[int, ...] = ()  # places among the other views of those of another scene, which were left out
+    is_followed: bool = False  # the estimate is what was known, its lights as the frame shows them
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,12 +124,16 @@ def _answer(estimator: "Estimator", held: HeldViews, request: Request) -> Answer
     """The estimate, or a failure for any exception, so that the process goes on."""
     from ashe_live.light.estimators.estimator import TracingEstimator
     from ashe_live.light.live.key_views import LEAST_SPAN_RAD, span_of
+    from ashe_live.light.views.following import follow
 
     frozen, others = held.frozen, held.others
     try:
         gone = tuple(held.outdated())
-        if request.only_if_changed and len(gone) < len(others):
-            return Answer(None, None, gone)
+        if request.known is not None and len(gone) < len(others):
+            if request.known.illumination.real_object is None:  # no body whose shadow could be looked for
+                return Answer(None, None, gone)
+            if (followed := follow(request.known, frozen)) is not None:
+                return Answer(followed, None, gone, is_followed=True)
         others = [view for place, view in enumerate(others) if place not in gone]
         if span_of([frozen, *others]) < LEAST_SPAN_RAD:
             others = []

@@ -48,6 +48,7 @@ def test_it_runs_to_its_end_and_leaves_nothing_running(clip, tmp_path, monkeypat
     assert json.loads(out.read_text()) == record
     assert (record["soak"]["frames"], record["soak"]["model_switches"]) == (FRAMES, FRAMES // 6)
     assert record["soak"]["left_running"] == []
+    assert 0 < record["soak"]["key_views_mib"] < 40
     assert len(record["soak"]["held"]["frames"]) == FRAMES
     (age,) = record["age"]
     assert 0 < age["pictures"] <= FRAMES

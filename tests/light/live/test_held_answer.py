@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.core.transforms import angle_between, direction_from_angles, radius_of_68_percent, tangent_basis
 from ashe_live.core.types import Illumination, Light, LightEstimate
-from ashe_live.light.live.held_answer import CHANGED_AFTER, HeldAnswer, agree
+from ashe_live.light.live.held_answer import AS_SURE, CHANGED_AFTER, HeldAnswer, agree
 
 SUN = direction_from_angles(0.7, 0.8)
 LAMP = direction_from_angles(3.0, 0.6)
@@ -63,8 +63,16 @@ def test_watching_on_never_makes_anybody_less_sure_of_an_unchanged_light() -> No
         answer.offer(estimate(near))
         sure.append(answer.estimate.light.confidence)
         sharp.append(answer.estimate.light.sigma_rad)
-    assert sure[-1] >= max(sure) - 0.1
+    assert sure[-1] >= max(sure) - AS_SURE
     assert sharp[-1] <= 1.5 * min(sharp)
+
+
+def test_from_more_views_a_much_sharper_answer_is_taken_though_it_is_rated_a_little_less_sure() -> None:
+    answer = held(estimate(light(SUN, 3.6, 0.91), views=4))
+    assert answer.offer(estimate(light(SUN, 2.8, 0.88), views=6))
+    assert answer.offer(estimate(light(SUN, 2.0, 0.86), views=8))
+    assert not answer.offer(estimate(light(SUN, 1.0, 0.80), views=12)), "not step by step to any confidence"
+    assert answer.estimate.light.confidence == 0.86
 
 
 def test_an_answer_as_good_is_taken_as_it_is_newer_but_gains_nothing() -> None:

@@ -116,6 +116,13 @@ def test_what_is_badly_posed_is_not_kept(bad) -> None:
     assert kept.add(view(0))
 
 
+def test_an_uncertain_focal_length_keeps_no_view_out() -> None:
+    """It makes all poses uncertain alike."""
+    seen = view(0)
+    uncertain = dataclasses.replace(seen.marker, covariance=1e3 * SURE, noise_covariance=SURE)
+    assert KeyViews().add(dataclasses.replace(seen, marker=uncertain))
+
+
 def test_a_blurred_frame_is_not_kept() -> None:
     kept = KeyViews()
     assert not kept.add(view(0, blur=2 * MOST_BLUR_PX))

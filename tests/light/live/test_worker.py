@@ -1,16 +1,17 @@
 """The light worker's process: answers, failures, its death and its end."""
 
-import dataclasses
 import multiprocessing
 import os
 import signal
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import make_estimator
@@ -216,10 +217,10 @@ class Telling:
 def view(index: int, turned_deg: float = 0.0, light_deg: float = 200.0) -> TrackedFrame:
     towards = camera_towards((0.02, 0.0), 0.6, 45.0, turned_deg)
     scene = painted(BOX, azimuth_deg=light_deg, T_cam_marker=towards, size=(320, 240)).tracked
-    return dataclasses.replace(scene, frame=Frame(scene.frame.image_bgr, index, 0.0))
+    return replace(scene, frame=Frame(scene.frame.image_bgr, index, 0.0))
 
 
-def answered(worker: LightWorker, frozen: TrackedFrame, others: Sequence[TrackedFrame], **how: bool) -> Answer:
+def answered(worker: LightWorker, frozen: TrackedFrame, others: Sequence[TrackedFrame], **how: object) -> Answer:
     assert worker.request(frozen, others=others, **how)
     answer = worker.wait(PATIENCE_S)
     assert isinstance(answer, Answer)
@@ -246,13 +247,29 @@ def test_views_from_one_side_are_left_out_as_they_tell_no_more():
     assert answer.outdated == ()
 
 
-def test_asked_for_only_if_the_scene_has_changed_it_estimates_nothing_else():
+def test_what_is_known_of_an_unchanged_scene_still_holds():
+    known = LightEstimate("telling", 0, Illumination((Light((0.0, 0.3, 1.0)),)))
     with LightWorker(Telling) as worker:
         here = [view(index, 4.0 * index) for index in range(3)]
-        assert answered(worker, here[0], here[1:], only_if_changed=True).estimate is None
+        assert answered(worker, here[0], here[1:], known=known).estimate is None
         now = view(5, light_deg=20.0)
-        assert answered(worker, now, here, only_if_changed=True).estimate.views == (5,)
-        assert answered(worker, now, (), only_if_changed=True).estimate.views == (5,)
+        assert answered(worker, now, here, known=known).estimate.views == (5,)
+        assert answered(worker, now, (), known=known).estimate.views == (5,)
+
+
+def test_a_known_bodys_light_is_followed_and_where_it_is_not_seen_estimated_anew(scene):
+    known = make_estimator("proxy", FAST).estimate(scene.tracked)
+    assert known.illumination.real_object is not None
+    elsewhere = replace(known.light, to_light_marker=-known.light.to_light_marker * (1, 1, -1))
+    gone = replace(known, illumination=replace(known.illumination, lights=(elsewhere,)))
+    beside = replace(scene.tracked, frame=Frame(scene.tracked.frame.image_bgr, 8, 0.1))
+    with LightWorker(Telling) as worker:
+        answer = answered(worker, scene.tracked, [beside], known=known)
+        assert answer.is_followed
+        assert angle_between(answer.estimate.light.to_light_marker, known.light.to_light_marker) < np.radians(3)
+        answer = answered(worker, scene.tracked, [beside], known=gone)
+        assert not answer.is_followed
+        assert answer.estimate.estimator == "telling"
 
 
 def test_a_view_is_sent_once_and_kept_while_requests_name_it(monkeypatch):
