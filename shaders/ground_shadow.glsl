@@ -11,11 +11,11 @@ uniform vec2 ground_shadow_upper[MAPS];
 float lit_on_ground(int caster, int light, vec2 ground) {
     int map = caster * LIGHTS + light;
     vec4 at = ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0);
-    float lit = texture(ground_shadows, clamp(at.xy / at.w, ground_shadow_lower[map], ground_shadow_upper[map])).r;
 #if LAMPS
-    // The ground that is behind a lamp which sees its caster beside it.
-    lit = at.w > 1e-3 ? lit : 1.0;
+    // Nothing is shaded on the ground behind a lamp that sees its caster beside it.
+    if (at.w < 1e-3) return 1.0;
+    at.xy /= at.w;
 #endif
-    return lit;
+    return texture(ground_shadows, clamp(at.xy, ground_shadow_lower[map], ground_shadow_upper[map])).r;
 }
 #endif

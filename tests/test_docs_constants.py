@@ -16,7 +16,7 @@ from ashe_live.light.explanation.evidence import SIGNS
 from ashe_live.light.explanation.explain import BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
 from ashe_live.quality import BALANCED, FAST
-from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD
+from ashe_live.render.lighting import LAMP_RADIUS_M, SUN_ANGULAR_SIZE_RAD
 from ashe_live.render.photometry import LOOK_HELD_S
 from ashe_live.render.surroundings import HALF_RADIUS_SIDES, PATTERN_SIZE
 from ashe_live.render.video_look import ASSUMED_WHITE, PAPER_ALBEDO
@@ -62,8 +62,8 @@ STATED = {
     "what a parameter costs": ("docs/maths.md", "(15) + {:g} q", (COST_PER_PARAMETER,)),
     "the sun": (
         "docs/rendering.md",
-        "half the light's angular diameter; {:g} degrees unless it was measured",
-        (round(math.degrees(SUN_ANGULAR_SIZE_RAD), 6),),
+        "of a sun {:g} degrees unless it was measured, of a lamp by its radius, or else by that of a bulb, {:g} cm",
+        (round(math.degrees(SUN_ANGULAR_SIZE_RAD), 6), 100 * LAMP_RADIUS_M),
     ),
     "exposure": (
         "docs/rendering.md",

@@ -18,19 +18,20 @@ LEAST_DISTANCE = 1e-9  # of a lamp from what it shines on, over that from the ma
 
 def shadow_hull(points: Float, sun: Sun) -> Float:
     """(n, 2) convex: the shadow on the ground, penumbra and all, of a body whose hull is that of points (m, 3)."""
-    return _hull(np.concatenate([_cast(points, part) for part in _around(sun)]))
+    return _hull(_cast(points, _around(sun)))
 
 
 def lit_past(body: Proxy, sun: Sun, ground: Float) -> Float:
     """(n,) 1 where all of a light reaches points (n, 2) of the ground past a body, 0 where none does, NaN between."""
     points = body.points_marker()
-    inside = np.array([_is_inside(_hull(_cast(points, part)), ground) for part in _around(sun)])
+    inside = np.array([_is_inside(_hull(shadow), ground) for shadow in _cast(points, _around(sun))])
     shaded, lit = inside.all(axis=0), ~_is_inside(shadow_hull(points, sun), ground)
     return np.where(lit, 1.0, np.where(shaded, 0.0, np.nan))
 
 
 def _hull(points: Float) -> Float:
-    return np.asarray(cv2.convexHull(points.astype(np.float32)).reshape(-1, 2), dtype=np.float64)
+    """(n, 2) corners of the convex hull of points (..., 2)."""
+    return np.asarray(cv2.convexHull(points.reshape(-1, 2).astype(np.float32)).reshape(-1, 2), dtype=np.float64)
 
 
 def _is_inside(hull: Float, points: Float) -> NDArray[np.bool_]:
@@ -50,12 +51,14 @@ def _around(sun: Sun) -> Float:
     return np.column_stack([rim, np.full(RIM_POINTS, sun.inverse_distance)])
 
 
-def _cast(points: Float, light: Float) -> Float:
-    """(n, 2) where the light (4,) casts the shadows of points (n, 3), or in that direction as far as they are drawn."""
-    height = points[:, 2:]
-    away = light[3] * points[:, :2] - light[:2]  # from the light, over its distance
-    above = light[2] - light[3] * height
+def _cast(points: Float, lights: Float) -> Float:
+    """(k, n, 2) where lights (k, 4) cast the shadows of points (n, 3), or that way as far as they are drawn."""
+    height = points[:, 2]
+    towards, inverse = lights[:, None, :3], lights[:, None, 3:]
+    away = inverse * points[:, :2] - towards[..., :2]  # from the light, over its distance
+    length = np.sqrt(away[..., 0] ** 2 + away[..., 1] ** 2)
+    above = towards[..., 2] - inverse[..., 0] * height
+    cast = np.divide(height * length, above, out=np.full_like(above, np.inf), where=above > 0)
     farthest = MAX_SHADOW_HEIGHTS * np.maximum(height, 0.0)
-    length = np.linalg.norm(away, axis=1, keepdims=True)
-    cast = np.divide(height * length, above, out=np.full_like(height, np.inf), where=above > 0)
-    return np.asarray(points[:, :2] + np.minimum(cast, farthest) * away / np.maximum(length, LEAST_DISTANCE))
+    stretch = np.minimum(cast, farthest) / np.maximum(length, LEAST_DISTANCE)
+    return np.asarray(points[:, :2] + stretch[..., None] * away)

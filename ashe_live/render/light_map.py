@@ -20,7 +20,8 @@ def light_map(illumination: Illumination, height_px: int = HEIGHT_PX) -> NDArray
     """(h, 2 h, 3) linear RGB radiance from all around, in units in which lit level white ground has radiance 1.
 
     In the marker's frame, as Blender lays out an equirectangular world: z up, x in the middle, y a quarter from the
-    left. The upper half is the sky, with each light's disc in it; the lower half is black, where the ground is.
+    left. The upper half is the sky, with each light's disc in it, a lamp's as seen from the marker's centre; the lower
+    half is black, where the ground is.
     """
     lighting = lighting_of(illumination.lights, illumination.ambient_rgb_ratio)
     elevations = math.pi * (0.5 - (np.arange(height_px) + 0.5) / height_px)

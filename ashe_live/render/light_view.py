@@ -18,7 +18,7 @@ from ashe_live.render.lighting import Sun, lighting_of
 # Of a lamp's view: beyond that an even projection has no room, and the lamp is within the casters or touches them.
 WIDEST_HALF_ANGLE_COSINE = 0.17
 NEAREST_RATIO = 1e-3  # of the nearest of the casters over the farthest: a depth map has 24 bits
-CONE_STEPS = 64
+CONE_STEPS = 24
 LEAST_NEARER = 0.4  # of the light's elevation above its own radius; lower lights' penumbrae are cut off
 LEVEL: Float = np.array([0.0, 0.0, 1.0, 0.0])  # the plane z = 0, homogeneous
 

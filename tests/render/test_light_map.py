@@ -50,6 +50,20 @@ def test_it_gives_level_ground_the_light_that_it_was_made_from(size_deg, azimuth
     assert sun.angular_size_rad == pytest.approx(math.radians(size_deg))
 
 
+@pytest.mark.parametrize("distance_m", [0.3, 2.0])
+def test_a_lamp_is_as_large_as_it_is_seen_from_the_marker(distance_m: float) -> None:
+    """And gives level ground at the marker's centre what it does in the picture."""
+    towards = direction_from_angles(0.5, 0.8)
+    lamp = Light(towards, shadow_rgb_ratio=RATIO, inverse_distance=1 / distance_m, radius_m=0.03)
+    radiance = light_map(Illumination((lamp,)))
+    np.testing.assert_allclose(level_over_pi(radiance), 1.0, rtol=0.03)
+    around, solid = directions(radiance.shape[0])
+    disc = radiance[..., 0] > 2 * RATIO[0]
+    half = math.atan(0.03 / distance_m)
+    assert np.degrees(np.arccos(np.clip(around[disc] @ towards, -1, 1))).max() < math.degrees(half) + 0.4
+    assert solid[disc].sum() == pytest.approx(2 * math.pi * (1 - math.cos(half)), rel=0.2)
+
+
 def test_without_a_light_the_sky_gives_all() -> None:
     radiance = light_map(Illumination())
     np.testing.assert_allclose(level_over_pi(radiance), 1.0, rtol=0.01)

@@ -31,7 +31,7 @@ def print_render_figures(console: Console, record: Json) -> None:
     lamps = figures_table("one light, 640x480, ms a picture", "", "sun", "lamp", "ratio")
     for name, row in record["lamps"].items():
         lamps.add_row(name, f"{row['sun']:.2f}", f"{row['lamp']:.2f}", f"{row['lamp'] / row['sun']:.2f}")
-    for table in (loop, costs, lamps, errors, _scene_table(record["errors"])):
+    for table in (loop, costs, lamps, errors, scene_table(record["errors"])):
         console.print(table)
     memory = record["memory"]
     console.print(
@@ -41,7 +41,7 @@ def print_render_figures(console: Console, record: Json) -> None:
     )
 
 
-def _scene_table(rows: list[Json]) -> Table:
+def scene_table(rows: list[Json]) -> Table:
     """The preset `balanced`, scene by scene, and the means by kind of light."""
     table = figures_table("balanced, by scene", "", "shadow IoU", "dE in shadow", "dE on model", "ground, worst of 5")
     scenes: Json = next((row["scenes"] for row in rows if row["name"] == BALANCED.name), {})

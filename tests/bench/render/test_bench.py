@@ -1,9 +1,20 @@
 """`bench render`: its parts, small; its figures are the machine's and not held here."""
 
+import numpy as np
 import pytest
 
 from ashe_live.bench.render.bench import RenderBench
-from ashe_live.bench.render.cost import cost_of, lights_around, memory_growth, orbit, round_model, sweeps
+from ashe_live.bench.render.cost import (
+    cost_of,
+    costs_by_turns,
+    lamps_around,
+    lights_around,
+    memory_growth,
+    orbit,
+    round_model,
+    sweeps,
+)
+from ashe_live.bench.render.tables import scene_table
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.errors import UserError
 from ashe_live.models.mesh import Model
@@ -32,6 +43,26 @@ def test_costs_are_ordered_and_the_pictures_show_the_model() -> None:
         "depth map": 4,
         "samples": 4,
     }
+
+
+def test_a_lamp_and_a_sun_take_turns_and_are_not_the_same_picture() -> None:
+    ctx = offscreen_context()
+    suns, lamps = (orbit(SIZE, round_model(1_000), lights(1), views=2) for lights in (lights_around, lamps_around))
+    assert [scene.illumination.light.kind for scene in (suns[0], lamps[0])] == ["directional", "lamp"]
+    np.testing.assert_array_equal(*(scene.illumination.light.to_light_marker for scene in (suns[0], lamps[0])))
+    assert all(ms > 0 for ms in costs_by_turns(ctx, FAST.render, SIZE, [suns, lamps], frames=3))
+
+
+def test_scenes_are_listed_by_their_light_with_a_mean() -> None:
+    errors = {
+        name: {"kind": kind, "shadow_iou": iou, "shadow_de": 1.0, "model_de": 2.0, "ground": 0.05}
+        for name, kind, iou in (("a", "lamp", 0.9), ("b", "directional", 0.7), ("c", "lamp", 0.8))
+    }
+    table = scene_table([{"name": "fast", "scenes": {}}, {"name": "balanced", "scenes": errors}])
+    columns = [list(column.cells) for column in table.columns]
+    assert columns[0] == ["b", "mean, directional", "a", "c", "mean, lamp"]
+    assert columns[1] == ["0.700", "0.700", "0.900", "0.800", "0.850"]
+    assert columns[-1][-1] == "5.0 %"
 
 
 def test_nothing_stays_behind_over_many_pictures_and_model_switches() -> None:
