@@ -14,6 +14,9 @@ from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.borders import PIXELS_PER_SAMPLE
 from ashe_live.light.explanation.evidence import SIGNS
 from ashe_live.light.explanation.explain import BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE
+from ashe_live.light.lamps import fall_off
+from ashe_live.light.lamps.companions import LEAST_PROBABILITY
+from ashe_live.light.lamps.lamp import LAMPS_NEARNESS, UNTOLD_NEARNESS
 from ashe_live.models.material import MATT_ROUGHNESS, MIRROR_ROUGHNESS
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.lighting import LAMP_RADIUS_M, SUN_ANGULAR_SIZE_RAD
@@ -52,6 +55,20 @@ STATED = {
         "F0 = mix({:g}, c, m)",
         (in_shader(r"mix\(vec3\((0\.\d+)\), base", "model.frag"),),
     ),
+    "worst unevenness": (
+        "docs/maths.md",
+        "worst unevenness with deviations D ({:g} / m, {:g} / m², and {:g} for the contrast)",
+        (fall_off.WORST_GRADIENT, fall_off.WORST_CURVATURE, fall_off.WORST_CONTRAST),
+    ),
+    "what is fitted beside a lamp": (
+        "docs/maths.md",
+        "vignetting v ({:g}; rho = 1 in the corners), a gradient b ({:g} / m) and a curvature C ({:g} / m²)",
+        (fall_off.VIGNETTING, fall_off.GRADIENT, fall_off.CURVATURE),
+    ),
+    "cells of texture": ("docs/maths.md", "the design effect of {} x {} cells", fall_off.CELLS),
+    "another object's odds": ("docs/maths.md", "From {:g} on it counts", (LEAST_PROBABILITY,)),
+    "the nearness of lamps": ("docs/maths.md", "with a nearness of lamps of 0 ± {:g} / m", (LAMPS_NEARNESS,)),
+    "where it is looked for": ("docs/maths.md", "or known to less than {:g} / m", (UNTOLD_NEARNESS,)),
     "a picture's effective sample size": ("docs/maths.md", "the {:g} px (`PIXELS_PER_SAMPLE`)", (PIXELS_PER_SAMPLE,)),
     "borders' effective sample size": ("docs/maths.md", "{:g} of them (`BORDERS_PER_SAMPLE`)", (BORDERS_PER_SAMPLE,)),
     "a wrong body": (

@@ -16,6 +16,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.light.estimators.other_objects import other_objects
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.together import contradicting, explained_together, scene_views, span_of
@@ -44,7 +45,7 @@ from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
-from ashe_live.light.lamps.lamp import stated, with_size
+from ashe_live.light.lamps.lamp import Scene, stated, with_size
 from ashe_live.light.pixels.view import View
 
 # Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
@@ -117,13 +118,18 @@ class ProxyEstimator:
             return none(fault_of_scene(best, confidence), *_masks_of(best))
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
         assert trace.unlit is not None
+        chosen = best
         told = stated(
-            best,
-            lambda each: judge.lights_of(each, confidence, tracked),
-            ratios[: len(best.lights)],
-            ground,
-            trace.view,
-            trace.unlit,
+            chosen,
+            confidence,
+            lambda each, probability: judge.lights_of(each, probability, tracked),
+            ratios[: len(chosen.lights)],
+            Scene(
+                trace.view,
+                ground,
+                trace.unlit,
+                lambda: other_objects(chosen, trace.judged, trace.regions, ground, judge),
+            ),
             steps.light,
             len(views),
         )

@@ -18,24 +18,22 @@ from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import lamp_borders, realigned
 from ashe_live.light.explanation.judge import probability_of_good
 from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.fall_off import FallOff
-from ashe_live.light.lamps.kinds import AUTO, SUN
-from ashe_live.light.lamps.place import Place, place_by_borders
+from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
+from ashe_live.light.lamps.place import Place
+from ashe_live.light.lamps.sources import NEAREST, SeenObject, place_by_all, shadow_middle
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.directions import FittedLight, direction_by_displacement
-from ashe_live.light.shape.layout import light_parameters, nearness_of
-from ashe_live.light.shape.light_points import cast_on_ground
+from ashe_live.light.shape.directions import direction_by_displacement
+from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.predicted import predicted
 
 BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
 LEAST_SIGMAS = 3.0  # standard errors by which the nearness of a lamp must differ from 0
 WORTH_ALIGNING = 2.0  # standard errors from which on borders are aligned as a lamp's
-NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is taken to be there
-STARTS = (0.0, 0.3, 0.7, 1.2, 2.0, 3.5, 6.0, 10.0)  # 1/m
-ROUNDS, SETTLED = 12, 1e-3
-# Limits of one step: of the nearness in 1/m, and as a fraction of it; of the displacement over the distance per height.
-LARGEST_STEP, LARGEST_SHARE, LARGEST_SHIFT = 0.4, 0.3, 0.5
+WORTH_LOOKING = 1.0  # standard errors from which on other objects are looked for
+UNTOLD_NEARNESS = 0.5  # 1/m, standard error of the nearness above which a sun is not certain either
 ALIGNMENTS = 2
 # Sigma of the nearness of lamps (1/m), and the probability of a lamp before a picture is seen: both count only where
 # the evidence leaves it open, in how far a direction may be off at the marker.
@@ -51,42 +49,70 @@ class Answer:
     place: Place
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What a picture shows beside the explanation that is stated."""
+
+    view: View  # the one that `ground` was fitted to
+    ground: LitGround
+    unlit: Mask  # (h, w) of `view`: what the lit ground does not explain
+    # Explanations of other objects with their log odds: looked for where a sun is not certain.
+    others: Callable[[], Sequence[tuple[Explanation, float]]]
+
+
 def stated(
     explanation: Explanation,
-    lights_of: Callable[[Explanation], tuple[Light, ...]],
+    confidence: float,
+    lights_of: Callable[[Explanation, float], tuple[Light, ...]],
     ratios: Sequence[Float],
-    ground: LitGround,
-    view: View,
-    unlit: Mask,
+    scene: Scene,
     kind: str,
     of_views: int = 1,
 ) -> Answer:
     """The lights of an explanation; its first one as a lamp where that is told, the others always as suns.
 
-    lights_of: those of an explanation as directions, with covariances and confidence. ratios: (3,) each light's shadow
-    ratio, linear RGB. view: the one that `ground` was fitted to, and with `unlit` (h, w) does not explain. kind: one of
-    KINDS. of_views: how many views' borders the explanation was aligned with; of several, it stays as it is.
+    lights_of: those of an explanation of some confidence as directions, with covariances. ratios: (3,) each light's
+    shadow ratio, linear RGB. kind: one of KINDS. of_views: how many views' borders the explanation was aligned with; of
+    several, it stays as it is.
     """
-    lights = lights_of(explanation)
-    seen = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, view).whole
-    fall_off = FallOff.of(view, ground, ~grown(unlit | seen, BESIDE_PX))
-    place = _placed(explanation, lights, ratios, fall_off)
+    lights = lights_of(explanation, confidence)
+    seen = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, scene.view).whole
+    fall_off = FallOff.of(scene.view, scene.ground, ~grown(scene.unlit | seen, BESIDE_PX))
+
+    def covariance_of(one: Explanation, probability: float) -> Float:
+        covariance = lights_of(one, probability)[0].covariance_rad2
+        assert covariance is not None
+        return covariance
+
+    objects = [SeenObject(explanation, confidence, covariance_of(explanation, confidence))]
+    place = place_by_all(objects, ratios, fall_off)
     if kind == SUN:
         return Answer(explanation, lights, place)
-    now, at = explanation, place
+    if kind == LAMP or _may_be_near(place):
+        others = companions(objects[0], place, scene.others(), covariance_of, scene.view)
+        if others:
+            objects += others
+            place = place_by_all(objects, ratios, fall_off)
+    now, at = objects, place
     for _ in range(ALIGNMENTS if of_views == 1 else 0):
         if not _is_near(at, WORTH_ALIGNING if kind == AUTO else 0.0):
             break
-        again = realigned(now, 0, float(min(at.mean[2], NEAREST)))
-        if again is None:
+        again = [(realigned(each.explanation, 0, float(min(at.mean[2], NEAREST))), each.probability) for each in now]
+        if again[0][0] is None:
             break
-        now = again
-        at = _placed(now, lights_of(now), ratios, fall_off)
+        now = [SeenObject(one, sure, covariance_of(one, sure)) for one, sure in again if one is not None]
+        at = place_by_all(now, ratios, fall_off)
     if _is_near(at, LEAST_SIGMAS if kind == AUTO else 0.0):
-        first, *others = lights_of(now)
-        return Answer(now, (_lamp(first, at, ratios[0], _shadow_middle(now)), *others), at)
-    first, *others = lights
-    return Answer(explanation, (_with_doubt(first, explanation, place), *others), place)
+        best = now[0].explanation
+        first, *others_lights = lights_of(best, confidence)
+        return Answer(best, (_lamp(first, at, ratios[0], shadow_middle(best)), *others_lights), at)
+    first, *others_lights = lights
+    return Answer(explanation, (_with_doubt(first, explanation, place), *others_lights), place)
+
+
+def _may_be_near(place: Place) -> bool:
+    """Whether a sun is not certain: something tells of a lamp, or nothing tells anything."""
+    return _is_near(place, WORTH_LOOKING) or place.nearness_sigma > UNTOLD_NEARNESS
 
 
 def with_size(light: Light, angular_size_rad: float | None) -> Light:
@@ -99,62 +125,6 @@ def with_size(light: Light, angular_size_rad: float | None) -> Light:
 
 def _is_near(place: Place, sigmas: float) -> bool:
     return bool(place.mean[2] > max(sigmas * place.nearness_sigma, 0.0))
-
-
-def _shadow_middle(explanation: Explanation) -> Float:
-    """(2,) the middle of the first light's shadow on the plane, where the shadow ratio was measured."""
-    lit = explanation.alignment.placed.lit
-    middle = np.array([[*lit.body.frame.origin_marker, 0.5 * explanation.proxy.points_marker()[:, 2].max()]])
-    cast = cast_on_ground(middle, lit.lights[0])
-    return np.asarray((middle if cast is None else cast)[0, :2])
-
-
-def _placed(
-    explanation: Explanation, lights: Sequence[Light], ratios: Sequence[Float], fall_off: FallOff | None
-) -> Place:
-    """Where the first light is, by the borders and by the fall of light."""
-    fitted, covariance = explanation.lights[0], lights[0].covariance_rad2
-    assert covariance is not None
-    by_borders = place_by_borders(FittedLight(fitted.light, covariance), lamp_borders(explanation)[0])
-    if fall_off is None:
-        return by_borders
-    others = np.array([_parameters(each.light) for each in explanation.lights[1:]]).reshape(-1, 3)
-    shares = [float(np.clip(1 - ratio.mean(), 0.02, 0.98)) for ratio in ratios[: len(lights)]]
-    excess = max(sum(shares) / 0.98, 1.0)
-    shares = [share / excess for share in shares]
-    return _with_fall_off(by_borders, fall_off, others, shares, _shadow_middle(explanation))
-
-
-def _with_fall_off(
-    by_borders: Place, fall_off: FallOff, others: Float, shares: Sequence[float], reference: Float
-) -> Place:
-    """The borders' place moved to where the fall of light pulls it, by Gauss-Newton steps of limited length."""
-    line = by_borders.covariance[:, 2] / by_borders.covariance[2, 2]  # the likeliest place for each nearness
-
-    def cost_at(nearness: float) -> float:
-        offset = nearness - by_borders.mean[2]
-        there = np.vstack([by_borders.mean + line * offset, others])
-        return fall_off.pull(there, shares, reference).cost + float(offset**2 / by_borders.covariance[2, 2])
-
-    start = min(STARTS, key=cost_at)
-    at = by_borders.mean + line * (start - by_borders.mean[2])
-    information = by_borders.information
-    for number in range(ROUNDS):
-        pull = fall_off.pull(np.vstack([at, others]), shares, reference)
-        information = pull.information + by_borders.information
-        step = np.linalg.solve(information, pull.gradient + by_borders.information @ (by_borders.mean - at))
-        reach = max(LARGEST_STEP, LARGEST_SHARE * abs(at[2])) / max(abs(step[2]), 1e-9)
-        wide = LARGEST_SHIFT * math.hypot(1, *at[:2]) / max(math.hypot(*step[:2]), 1e-9)
-        at = at + min(1.0, reach, wide) * step * (1.0 if 2 * number < ROUNDS else 0.5)
-        at[2] = np.clip(at[2], -NEAREST, NEAREST)
-        if np.abs(step).max() < SETTLED:
-            break
-    return Place(at, information)
-
-
-def _parameters(light: Float) -> Float:
-    """(3,) displacement and nearness of a light (4,)."""
-    return np.append(light_parameters(light), nearness_of(light))
 
 
 def _lamp(light: Light, place: Place, ratio: Float, reference: Float) -> Light:

@@ -1,0 +1,93 @@
+"""Where a light is, by all that tells: the borders of one or more objects with their shadows, and the fall of light."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.explain import lamp_borders
+from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.place import Place, combined, place_by_borders
+from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.shape.layout import light_parameters, nearness_of
+from ashe_live.light.shape.light_points import cast_on_ground
+
+MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
+NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is taken to be there
+STARTS = (0.0, 0.3, 0.7, 1.2, 2.0, 3.5, 6.0, 10.0)  # 1/m
+ROUNDS, SETTLED = 12, 1e-3
+# Limits of one step: of the nearness in 1/m, and as a fraction of it; of the displacement over the distance per height.
+LARGEST_STEP, LARGEST_SHARE, LARGEST_SHIFT = 0.4, 0.3, 0.5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SeenObject:
+    """An object with its shadow, and how certain the direction of its first light is."""
+
+    explanation: Explanation
+    probability: float  # that it is right
+    covariance_rad2: Float  # (2, 2) of all causes, on the direction's tangent basis
+
+    @property
+    def place(self) -> Place:
+        """Where the first light is, by this object's borders."""
+        fitted = FittedLight(self.explanation.lights[0].light, self.covariance_rad2)
+        return place_by_borders(fitted, lamp_borders(self.explanation)[0])
+
+
+def place_by_all(objects: Sequence[SeenObject], ratios: Sequence[Float], fall_off: FallOff | None) -> Place:
+    """Where the first light of the first object is.
+
+    ratios: (3,) the shadow ratio of each light of the first object, linear RGB.
+    """
+    by_borders = combined([each.place for each in objects])
+    if fall_off is None:
+        return by_borders
+    first = objects[0].explanation
+    others = np.array([_parameters(each.light) for each in first.lights[1:]]).reshape(-1, 3)
+    shares = np.array([np.clip(1 - ratio.mean(), LEAST_SHARE, MOST_SHARE) for ratio in ratios])
+    shares *= min(MOST_SHARE / shares.sum(), 1.0)
+    return _with_fall_off(by_borders, fall_off, others, shares.tolist(), shadow_middle(first))
+
+
+def shadow_middle(explanation: Explanation) -> Float:
+    """(2,) the middle of the first light's shadow on the plane, where the shadow ratio was measured."""
+    lit = explanation.alignment.placed.lit
+    middle = np.array([[*lit.body.frame.origin_marker, 0.5 * explanation.proxy.points_marker()[:, 2].max()]])
+    cast = cast_on_ground(middle, lit.lights[0])
+    return np.asarray((middle if cast is None else cast)[0, :2])
+
+
+def _with_fall_off(
+    by_borders: Place, fall_off: FallOff, others: Float, shares: Sequence[float], reference: Float
+) -> Place:
+    """The borders' place moved to where the fall of light pulls it, by Gauss-Newton steps of limited length."""
+    line = by_borders.covariance[:, 2] / by_borders.covariance[2, 2]  # the likeliest place for each nearness
+
+    def cost_at(nearness: float) -> float:
+        offset = nearness - by_borders.mean[2]
+        there = np.vstack([by_borders.mean + line * offset, others])
+        return fall_off.pull(there, shares, reference).cost + float(offset**2 / by_borders.covariance[2, 2])
+
+    start = min(STARTS, key=cost_at)
+    at = by_borders.mean + line * (start - by_borders.mean[2])
+    information = by_borders.information
+    for number in range(ROUNDS):
+        pull = fall_off.pull(np.vstack([at, others]), shares, reference)
+        information = pull.information + by_borders.information
+        step = np.linalg.solve(information, pull.gradient + by_borders.information @ (by_borders.mean - at))
+        reach = max(LARGEST_STEP, LARGEST_SHARE * abs(at[2])) / max(abs(step[2]), 1e-9)
+        wide = LARGEST_SHIFT * math.hypot(1, *at[:2]) / max(math.hypot(*step[:2]), 1e-9)
+        at = at + min(1.0, reach, wide) * step * (1.0 if 2 * number < ROUNDS else 0.5)
+        at[2] = np.clip(at[2], -NEAREST, NEAREST)
+        if np.abs(step).max() < SETTLED:
+            break
+    return Place(at, information)
+
+
+def _parameters(light: Float) -> Float:
+    """(3,) displacement and nearness of a light (4,)."""
+    return np.append(light_parameters(light), nearness_of(light))
