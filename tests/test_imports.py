@@ -38,9 +38,10 @@ ROOMS: dict[str, set[str]] = {
     },
     "light.lamps": {"core", "light.pixels", "light.ground", "light.shape", "light.explanation"},
     "light.paper": {"core"},
+    "light.known_body": {"core", "light.pixels", "light.shape"},
     "light.estimators": {
         "core", "errors", "light.pixels", "light.ground", "light.outline_fit", "light.labels", "light.explanation",
-        "light.views", "light.lamps", "light.paper",
+        "light.views", "light.lamps", "light.known_body", "light.paper",
     },
     "light.live": {"core", "light.pixels", "light.estimators", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},
