@@ -6,7 +6,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
-from ashe_live.tracking.cube.faces import CORNERS, DICTIONARY, FACES, FIRST_ID, TAG_SHARE, USUAL_EDGE_M
+from ashe_live.tracking.cube.faces import CORNERS, CUBE, CUBE_SPECS, FACES, TAG_SHARE, USUAL_EDGE_M
 from ashe_live.tracking.markers import Marker, parse_marker
 from ashe_live.tracking.pose import square_corners
 
@@ -15,7 +15,6 @@ GRID_GAP = 0.25
 # Each costs time in every frame.
 MOST_MEMBERS = 24
 USUAL_SIDE_M = 0.08
-CUBE = "cube"
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +83,8 @@ def grid_layout(spec: str, markers: list[Marker], columns: int) -> Layout:
 
 def cube_layout() -> Layout:
     """The markers of the folded cube's faces; its unit is the cube's edge."""
-    markers = (parse_marker(f"{DICTIONARY}:{FIRST_ID + number}") for number in range(len(FACES)))
-    members = tuple(Member(marker, face.corners(TAG_SHARE)) for marker, face in zip(markers, FACES, strict=True))
+    named = zip(CUBE_SPECS, FACES, strict=True)
+    members = tuple(Member(parse_marker(spec), face.corners(TAG_SHARE)) for spec, face in named)
     return Layout(CUBE, members, CORNERS)
 
 
