@@ -17,6 +17,7 @@ WHITE = (70.0, 95.0)  # percentiles
 RIM_PX, LEAST_PX = 2, 30
 CLIPPED = 0.95  # linear light, from which on it may be any
 BITS = 4
+FOLDED = 0.08  # of the body's extent: how deep a facet is that was folded by hand
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +37,7 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
     found: list[tuple[Float, Float, Float, bool]] = []
     for normal in NORMALS:
         along = points @ normal
-        corners = points[along > along.max() - 1e-6 - 1e-3 * np.ptp(along)]
+        corners = points[along > along.max() - FOLDED * np.ptp(along)]
         centre = corners.mean(axis=0)
         pixels = project(view.camera, view.T_cam_marker, corners)
         if len(corners) < 3 or (eye - centre) @ normal <= 0 or not np.isfinite(pixels).all():
@@ -48,7 +49,7 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
         seen = picture[within > 0]
         if len(seen) < LEAST_PX:
             continue
-        brightness = seen.mean(axis=1)
+        brightness = seen @ np.full(3, 1 / 3, np.float32)
         least, most = np.percentile(brightness, WHITE)
         white = seen[(brightness >= least) & (brightness <= most)].mean(axis=0)[::-1].astype(np.float64)
         found.append((normal, white, centre, bool(white.max() > CLIPPED)))

@@ -54,11 +54,16 @@ class _Measured:
     visible: Mask  # (n,)
 
 
-def fitted(body: Proxy, light: Float, darkening: float, picture: Float32, clear: Mask, view: View) -> EdgeFit | None:
+def room_of(clear: Mask) -> Float32:
+    """(h, w) distance of each pixel from the nearest one that is not `clear` (h, w)."""
+    return np.asarray(cv2.distanceTransform(clear.astype(np.uint8), cv2.DIST_L2, 3), dtype=np.float32)
+
+
+def fitted(body: Proxy, light: Float, darkening: float, picture: Float32, room: Float32, view: View) -> EdgeFit | None:
     """The light near `light` (4,) that explains the edges; None where too few of them are seen.
 
-    darkening: the part of the table's light that it gives, roughly. picture: (h, w) linear light. clear: (h, w) pixels
-    of bare table, none of which is near the body or in another light's penumbra.
+    darkening: the part of the table's light that it gives, roughly. picture: (h, w) linear light. room: as from
+    `room_of` the bare table, without what is near the body or in another light's penumbra.
     """
     here = light / light[2]
     height_px = float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
@@ -68,7 +73,6 @@ def fitted(body: Proxy, light: Float, darkening: float, picture: Float32, clear:
     # Where an edge is hidden, what it would tell stays as it was found.
     prior = EDGE_SIGMA_PX**2 * POINTS_A_SAMPLE / start_sigma**2 * np.eye(2)
     start = here[:2].copy()
-    room = cv2.distanceTransform(clear.astype(np.uint8), cv2.DIST_L2, 3)
     rounds = [*REACHES, *[None] * LAST_ROUNDS]
     for number, share in enumerate(rounds):
         edges = shadow_edges(body, here, view)

@@ -11,7 +11,7 @@ from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.facets import Facets, facets_of
-from ashe_live.light.known_body.fit import FEWEST, POINTS_A_SAMPLE, EdgeFit, fitted, without
+from ashe_live.light.known_body.fit import FEWEST, POINTS_A_SAMPLE, EdgeFit, fitted, room_of, without
 from ashe_live.light.known_body.scan import SKY_SHARES, relative_light, scanned, shadows_of, templates_of
 from ashe_live.light.known_body.shading import shading_log_likelihood
 from ashe_live.light.known_body.shadow_edges import POINTS, shadow_edges
@@ -44,9 +44,11 @@ class Seen:
     view: View
     body: Proxy
     picture: Float32  # (h, w, 3) linear light, B, G, R
+    light: Float32  # (h, w) its mean over the channels
     clear: Mask  # (h, w) bare table, not beside the body
     table: Table
     relative: Float32  # (n, n, 3) R, G, B: the table's light over the lit table's
+    brightness: Float32  # (n, n) its mean over the channels, clipped against what is no table
     facets: Facets
 
     @staticmethod
@@ -58,12 +60,11 @@ class Seen:
             return None
         kernel = np.ones((2 * BESIDE_PX + 1,) * 2, np.uint8)
         clear = cv2.erode(view.is_ground.astype(np.uint8), kernel) > 0
-        return Seen(view, body, picture, clear, table, relative_light(table), facets_of(view, body, picture))
-
-    @property
-    def brightness(self) -> Float32:
-        """(n, n) of the table, clipped against what is no table."""
-        return np.asarray(np.minimum(self.relative.mean(axis=2), BRIGHTEST), dtype=np.float32)
+        light = np.asarray(cv2.transform(picture, np.full((1, 3), 1 / 3)), dtype=np.float32)
+        relative = relative_light(table)
+        brightness = np.minimum(relative.mean(axis=2), BRIGHTEST).astype(np.float32)
+        facets = facets_of(view, body, picture)
+        return Seen(view, body, picture, light, clear, table, relative, brightness, facets)
 
     @property
     def beside_body(self) -> float:
@@ -214,7 +215,7 @@ def _refined(seen: Seen, score: Float, lights: Float, clear: Mask, also: Float32
     """The likeliest different directions, moved onto the shadow's edges, with their scores before."""
     found: list[tuple[float, FoundLight]] = []
     chosen: list[Float] = []
-    brightness = np.ascontiguousarray(seen.picture.mean(axis=2))
+    room = room_of(clear)
     for index in np.argsort(-score, kind="stable"):
         if score[index] < score.max() - TRIED_WITHIN or len(chosen) == TRIED:
             break
@@ -223,7 +224,7 @@ def _refined(seen: Seen, score: Float, lights: Float, clear: Mask, also: Float32
             continue
         chosen.append(start[:3])
         likelihood, start, darkening = _nearby(seen, start, also)
-        fit = fitted(seen.body, start, darkening, brightness, clear, seen.view) if darkening > 0 else None
+        fit = fitted(seen.body, start, darkening, seen.light, room, seen.view) if darkening > 0 else None
         if fit is not None and normalised(fit.light[:3]) @ normalised(start[:3]) > math.cos(MOST_MOVED_RAD):
             light = FoundLight(fit.light, fit.covariance, fit, darkening)
         else:
@@ -304,11 +305,10 @@ def _clear_of(seen: Seen, others: Sequence[FoundLight]) -> Mask:
 def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
     """Each light fitted again, beside the others' shadows."""
     dark = darkenings_rgb(seen, found).mean(axis=1)
-    brightness = np.ascontiguousarray(seen.picture.mean(axis=2))
     fitted_again = []
     for number, (one, darkening) in enumerate(zip(found, dark, strict=True)):
         clear = _clear_of(seen, [*found[:number], *found[number + 1 :]])
-        fit = fitted(seen.body, one.light, float(darkening), brightness, clear, seen.view)
+        fit = fitted(seen.body, one.light, float(darkening), seen.light, room_of(clear), seen.view)
         if fit is None or normalised(fit.light[:3]) @ normalised(one.light[:3]) < math.cos(APART_RAD):
             fitted_again.append(FoundLight(one.light, one.covariance, one.fit, float(darkening)))
         else:

@@ -6,14 +6,14 @@ what else varies on a table: the light's slow gradients, and the sky that the bo
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.table import SIDE, Table, places
+from ashe_live.light.known_body.table import SIDE, Table, height_of, places
 from ashe_live.light.shape.light_points import at_infinity, cast_on_ground
 
 # Lengths of shadows per unit of height, from lights 82 to 10 degrees high, each longer by a fifth; and how far apart
@@ -21,6 +21,7 @@ from ashe_live.light.shape.light_points import at_infinity, cast_on_ground
 LENGTHS = 0.14 * 1.2 ** np.arange(21)
 APART, FEWEST_AZIMUTHS, MOST_AZIMUTHS = 0.3, 16, 72
 RIDGE = 1e-6
+ROUNDED = 12  # bodies are alike to one over so much of their heights, as far as templates go
 # Parts of the table's light that may come from the sky, of which the body's surroundings see less.
 SKY_SHARES = np.array([0.0, 0.3, 0.6, 0.9], np.float32)
 FINER, BITS = 3, 6  # a shadow is painted on so many times finer cells, and with fractions of these
@@ -50,8 +51,9 @@ class Scan:
 
 
 def templates_of(body: Proxy) -> Templates:
-    """Of all directions; made once for each body."""
-    return _templates(body.family, body.spheroids_marker.tobytes())
+    """Of all directions; made once for all bodies that are alike but for how they were folded."""
+    grain = height_of(body) / ROUNDED
+    return _templates(body.family, (np.round(body.spheroids_marker / grain) * grain).tobytes())
 
 
 def scanned(light: Float32, weight: Float32, shadows: Float32, hidden_sky: Float32, also: Float32) -> Scan:
@@ -119,6 +121,7 @@ def shadows_of(body: Proxy, lights: Float) -> Float32:
     return shadows.reshape(len(lights), -1)
 
 
+@cache
 def _slow() -> Float32:
     """(6, n * n) a quadratic in the places."""
     y, x = (np.mgrid[:SIDE, :SIDE].reshape(2, -1) / (SIDE // 2) - 1).astype(np.float32)

@@ -73,6 +73,9 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
 def _penumbra(across: Float, lower: Float, offsets: Float) -> Float:
     """(n,) standard deviation by the light's angular diameter, seen from the marker's centre: a disc's is a quarter."""
     spreads = np.empty(len(across))
+    if (offsets == offsets[0]).all():  # all points see a sun in one direction
+        by_direction = np.linalg.inv(direction_by_displacement(offsets[0, :2] / offsets[0, 2]))
+        return np.asarray(np.linalg.norm(across @ by_direction, axis=1) * lower / 4)
     several, which = np.unique(offsets.round(12), axis=0, return_inverse=True)
     for number, offset in enumerate(several):
         here = which.reshape(-1) == number
