@@ -38,9 +38,10 @@ ROOMS: dict[str, set[str]] = {
     },
     "light.lamps": {"core", "light.pixels", "light.ground", "light.shape", "light.explanation"},
     "light.paper": {"core"},
+    "light.known_body": {"core", "light.pixels", "light.shape"},
     "light.estimators": {
         "core", "errors", "light.pixels", "light.ground", "light.outline_fit", "light.labels", "light.explanation",
-        "light.views", "light.lamps", "light.paper",
+        "light.views", "light.lamps", "light.known_body", "light.paper",
     },
     "light.live": {"core", "light.pixels", "light.estimators", "light.views", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},
@@ -57,9 +58,9 @@ ROOMS: dict[str, set[str]] = {
         "quality", "core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit",
         "bench",
     },
-    "bench.cube": {"core", "tracking"},
     "bench.judge": {"core", "files", "light.estimators", "light.explanation", "bench"},
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
+    "bench.cube": {"quality", "core", "tracking", "light.estimators", "bench.track", "bench"},
     "bench.render": {"quality", "core", "files", "models", "capture", "tracking", "render", "viewer", "bench"},
     "bench.viewer": {
         "quality", "core", "capture", "tracking", "light.estimators", "light.live", "render", "viewer", "bench",
@@ -71,7 +72,7 @@ ROOMS: dict[str, set[str]] = {
     "commands": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.pixels", "light.estimators",
         "light.live", "drawing", "render", "viewer", "bench.light", "bench.judge", "bench.track", "bench.render",
-        "bench.viewer", "bench.soak", "process", "",
+        "bench.viewer", "bench.soak", "bench.cube", "process", "",
     },
     "cli": {"commands", "errors", "process"},
     "__main__": {"cli"},

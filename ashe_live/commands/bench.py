@@ -8,7 +8,7 @@ from ashe_live.quality import QUALITIES, Quality
 
 
 def run(options: argparse.Namespace) -> int:
-    benches = {"viewer": _viewer, "soak": _soak, "render": _render, "light": _light, "track": _track}
+    benches = {"viewer": _viewer, "soak": _soak, "render": _render, "light": _light, "track": _track, "cube": _cube}
     {**benches, "fit-judge": _fit_judge}[options.bench](options)
     return ExitStatus.ANSWERED
 
@@ -66,6 +66,12 @@ def _track(options: argparse.Namespace) -> None:
         QUALITIES[options.quality].tracking, options.real, options.photos, options.quick, tuple(options.scenes)
     )
     bench.run(options.out, options.overwrite)
+
+
+def _cube(options: argparse.Namespace) -> None:
+    from ashe_live.bench.cube.bench import CubeBench
+
+    CubeBench(QUALITIES[options.quality], options.count).run(options.out, options.overwrite)
 
 
 def _fit_judge(options: argparse.Namespace) -> None:

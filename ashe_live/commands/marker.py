@@ -4,9 +4,9 @@ import argparse
 
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import say
-from ashe_live.tracking.cube.faces import USUAL_EDGE_M
+from ashe_live.tracking.cube.faces import CUBE, USUAL_EDGE_M
 from ashe_live.tracking.cube.sheet import write_cube_sheet
-from ashe_live.tracking.layout import CUBE, Layout, cube_layout, parse_target
+from ashe_live.tracking.layout import Layout, cube_layout, parse_target
 from ashe_live.tracking.printing import write_marker_sheet
 
 SHOWN_PX = 960  # a multiple of what a cell may take, and larger than most windows show it

@@ -185,6 +185,11 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
     judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
     judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
 
+    cube = benches.add_parser("cube", help="the paper cube's pose and light, on painted pictures with known truth")
+    cube.add_argument("--count", type=values.count, default=40, metavar="N", help="pictures of each set (default 40)")
+    _add_results_folder(cube)
+    cube.add_argument("--quality", choices=("fast", "balanced", "accurate"), default="balanced")
+
     tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
     tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
     tracking.add_argument("--photos", type=Path, metavar="DIR", help="also look for absent ids in the pictures there")

@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
+from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS
 from ashe_live.tracking.dictionary_marker import DICTIONARIES
 from ashe_live.tracking.quads import on_lighter, without_repeats
 
@@ -14,10 +15,12 @@ MIN_SIDE_PX = 20.0
 MOST_PX = 1280  # of the longer side: what is larger is looked at reduced
 # Of the black border's cells: a photo of anything square has darker and lighter ones.
 WRONG_IN_BORDER = 0.1
+# So many of the cube's tags are no chance: any of them may lie flat on a table by itself.
+FACES_OF_CUBE = 2
 
 
 def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
-    """Specs such as "aruco:4x4_50:7" of the markers in (h, w, 3) uint8 sRGB, the largest first.
+    """Specs such as "aruco:4x4_50:7" of the markers in (h, w, 3) uint8 sRGB, the largest first; two faces are a cube.
 
     For a person who does not know which one it is: no cell may be wrong, so what is small or blurred is passed over.
     """
@@ -39,7 +42,10 @@ def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
             if on_lighter(grey, [corners]) and len(without_repeats([*others, corners])) > len(others):
                 found.append((corners, _spec(family, int(number))))
     found.sort(key=lambda one: -cv2.contourArea(one[0].astype("float32")))
-    return tuple(spec for _, spec in found)
+    specs = [spec for _, spec in found]
+    if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
+        return tuple(specs)
+    return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))
 
 
 def _spec(family: str, number: int) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
-from ashe_live.tracking.cube.faces import CORNERS, DICTIONARY, FACES, FIRST_ID, TAG_SHARE, USUAL_EDGE_M
+from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS, FACES, TAG_SHARE, USUAL_EDGE_M
 from ashe_live.tracking.markers import Marker, parse_marker
 from ashe_live.tracking.pose import square_corners
 
@@ -15,7 +15,6 @@ GRID_GAP = 0.25
 # Each costs time in every frame.
 MOST_MEMBERS = 24
 USUAL_SIDE_M = 0.08
-CUBE = "cube"
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +30,12 @@ class Layout:
     """Markers on one rigid thing.
 
     On a sheet: the unit is a square's side, and the frame has its origin in their middle, x right and y up as printed.
-    On a body that stands on the table: the unit is the body's own, and the plane z = 0 is the table's.
+    On the cube that stands on the table: the unit is its edge, and the plane z = 0 is the table's.
     """
 
     spec: str
     members: tuple[Member, ...]
-    body: Float | None = None  # (k, 3) points whose convex hull the printed body is; None: a sheet
+    is_cube: bool = False  # printed on the faces of the folded cube; else on a sheet
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -84,9 +83,9 @@ def grid_layout(spec: str, markers: list[Marker], columns: int) -> Layout:
 
 def cube_layout() -> Layout:
     """The markers of the folded cube's faces; its unit is the cube's edge."""
-    markers = (parse_marker(f"{DICTIONARY}:{FIRST_ID + number}") for number in range(len(FACES)))
-    members = tuple(Member(marker, face.corners(TAG_SHARE)) for marker, face in zip(markers, FACES, strict=True))
-    return Layout(CUBE, members, CORNERS)
+    named = zip(CUBE_SPECS, FACES, strict=True)
+    members = tuple(Member(parse_marker(spec), face.corners(TAG_SHARE)) for spec, face in named)
+    return Layout(CUBE, members, is_cube=True)
 
 
 def usual_side_m(spec: str) -> float:

@@ -57,7 +57,7 @@ def covariances_of(solution: Solution, points: Float, information: Float, K: Flo
     """`noise` (2n, 2n) is the part of the pixels' covariance, the inverse of `information`, that is noise."""
     turned = points @ solution.R.T
     in_camera = turned + solution.t
-    jacobian = _jacobian(turned, in_camera, K)
+    jacobian = pixels_by_pose(turned, in_camera, K)
     weighted = jacobian.T @ information
     covariance = _inverse(weighted @ jacobian)
     by_pixels = covariance @ weighted
@@ -74,7 +74,7 @@ def refined_solution(start: Solution, points: Float, pixels: Float, information:
         turned = points @ best.R.T
         in_camera = turned + best.t
         error = ((in_camera / in_camera[:, 2:]) @ K[:2].T - pixels).ravel()
-        jacobian = _jacobian(turned, in_camera, K)
+        jacobian = pixels_by_pose(turned, in_camera, K)
         weighted = jacobian.T @ information
         hessian = weighted @ jacobian
         try:
@@ -91,12 +91,21 @@ def refined_solution(start: Solution, points: Float, pixels: Float, information:
     return best
 
 
-def _jacobian(turned: Float, in_camera: Float, K: Float) -> Float:
-    """(2n, 6) of the pixels by (w, v)."""
+def pixels_by_points(in_camera: Float, K: Float) -> Float:
+    """(n, 2, 3) derivatives of the pixels of points (n, 3), camera frame, by these."""
     x, y, z = in_camera.T
     by_point = np.empty((len(z), 2, 3))
     by_point[:, :, :2] = K[:2, :2] / z[:, None, None]
     by_point[:, :, 2] = -(np.column_stack([x, y]) @ K[:2, :2].T) / (z * z)[:, None]
+    return by_point
+
+
+def pixels_by_pose(turned: Float, in_camera: Float, K: Float) -> Float:
+    """(2n, 6) derivatives of the pixels by (w, v); `turned` (n, 3) are the points turned into the camera's axes, and
+    `in_camera` (n, 3) these moved to the camera's frame.
+    """
+    by_point = pixels_by_points(in_camera, K)
+    z = in_camera[:, 2]
     # A turn w moves a turned point p by w x p.
     cross = np.zeros((len(z), 3, 3))
     cross[:, 0, 1], cross[:, 0, 2] = turned[:, 2], -turned[:, 1]

@@ -9,11 +9,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.tracking.corners import FittedSquare
+from ashe_live.tracking.cube.folding import Folding
 from ashe_live.tracking.flow import flowed_corners
 from ashe_live.tracking.layout import Layout, members_of
 from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
@@ -61,7 +61,8 @@ class MarkerTracker:
         self.preset = preset
         self.filters = True  # holds the pose still while the marker is; off, every frame's pose is its own
         self._members = members_of(marker)
-        self._body = _body_of(marker, side_m) if isinstance(marker, Layout) else None
+        # What it is printed on, where that is folded by hand and no two are alike.
+        self._folding = Folding(side_m) if isinstance(marker, Layout) and marker.is_cube else None
         self._camera = camera
         self._camera_now: Camera | None = None
         self._filter = PoseFilter()
@@ -159,9 +160,9 @@ class MarkerTracker:
     def _projected(self, camera: Camera, T_cam_marker: Float, but: Container[int]) -> dict[int, Float]:
         """Corners (4, 2), picture pixels, of all members `but` some, where a pose has them."""
         corners = {}
-        for number, member in enumerate(self._members):
+        for number in range(len(self._members)):
             if number not in but:
-                ideal = project(camera, T_cam_marker, self.side_m * member.corners)
+                ideal = project(camera, T_cam_marker, self._corners(number))
                 if np.isfinite(ideal).all():
                     corners[number] = source_from_ideal(camera, ideal)
         return corners
@@ -200,7 +201,11 @@ class MarkerTracker:
         return best
 
     def _sighting(self, number: int, square: FittedSquare) -> Sighting:
-        return Sighting(self.side_m * self._members[number].corners, square)
+        return Sighting(self._corners(number), square)
+
+    def _corners(self, number: int) -> Float:
+        """(4, 3) metres: those of a member, in the frame whose pose is asked for."""
+        return self.side_m * self._members[number].corners if self._folding is None else self._folding.corners(number)
 
     def _nearest(self, found: list[Float], last_px: Float | None) -> Float | None:
         """Of several equal markers the one that is tracked already, or else the likeliest."""
@@ -219,7 +224,12 @@ class MarkerTracker:
         self._sightings = [self._sighting(number, square) for number, square in squares.items()]
         previous = self._before_jump if last is None else last.pose
         pose = pose_of_squares(self._sightings, camera, self.side_m, previous, self.preset.refines_pose)
-        return pose if pose is None or self._body is None else dataclasses.replace(pose, body=self._body)
+        if pose is None or self._folding is None:
+            return pose
+        if self._folding.add(dict(zip(squares, self._sightings, strict=True)), pose.T_cam_marker, camera):
+            self._sightings = [self._sighting(number, square) for number, square in squares.items()]
+            pose = pose_of_squares(self._sightings, camera, self.side_m, pose, self.preset.refines_pose) or pose
+        return self._folding.stated(pose)
 
     def _flowed(self, image: Image, camera: Camera, last: _Memory) -> dict[int, FittedSquare]:
         squares = {}
@@ -261,12 +271,6 @@ class MarkerTracker:
         self._last = _Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, bridged, is_predictable)
         self._lost_frames = 0
         self._before_jump = None
-
-
-def _body_of(layout: Layout, side_m: float) -> Proxy | None:
-    if layout.body is None:
-        return None
-    return Proxy("box", np.column_stack([side_m * layout.body, np.zeros((len(layout.body), 2))]))
 
 
 def _was_expected(velocities: dict[int, Float], last: _Memory, elapsed_s: float) -> bool:

@@ -12,6 +12,7 @@ from ashe_live.light.live.worker_process import Draw, WorkerFailure
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.process.messages import tell
 from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.viewer.beside import first_placement
 from ashe_live.viewer.controls import Command, Request
 from ashe_live.viewer.easing import LightEasing
 from ashe_live.viewer.hand import Hand, HandContext
@@ -80,6 +81,8 @@ class Session:
         self._easing = LightEasing()
         self._placements: dict[str, Placement] = {}  # of models that were shown, by their names
         self._placed_name: str | None = None  # the model that the hand's placement is of
+        self._first_placement = UNMOVED  # of models that nobody has moved
+        self._first_placement_is_due = True  # where they stand depends on the light, and on what the marker is
         self._by_hand_s = -math.inf
         self._notice: tuple[str, float] | None = None
 
@@ -143,6 +146,7 @@ class Session:
         self.tracked = tracked
         if self._estimated.seen_in is None and tracked.marker is not None:
             self._estimated = Illumination(seen_in=tracked)
+        self._stand_clear()
         is_steady = self._steadiness.add(tracked.marker)
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
@@ -166,6 +170,7 @@ class Session:
         self._estimated = Illumination()
         self.shown = self._easing.jump(self._estimated)
         self.hand.reset()
+        self._first_placement, self._first_placement_is_due = UNMOVED, True
         self._undo.forget()
         self.watch.begin_anew()
         self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
@@ -208,6 +213,15 @@ class Session:
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
         return outcome
 
+    def _stand_clear(self) -> None:
+        """A model that nobody has moved stands over the marker; where that is a body, beside it and its shadow."""
+        if not self._first_placement_is_due or self.tracked is None or self.tracked.marker is None:
+            return
+        self._first_placement_is_due = False
+        before, self._first_placement = self._first_placement, first_placement(self.tracked, self._estimated.light)
+        if self.hand.placement == before:
+            self.hand.placement = self._first_placement
+
     def _keep_placements(self) -> None:
         """Each model stays where it was put, and as large."""
         shown = self._shelf.shown_name
@@ -215,7 +229,7 @@ class Session:
             return
         if self._placed_name is not None:
             self._placements[self._placed_name] = self.hand.placement
-            self.hand.placement = self._placements.get(shown, UNMOVED)
+            self.hand.placement = self._placements.get(shown, self._first_placement)
             self._undo.forget()
         self._placed_name = shown
 
@@ -290,6 +304,7 @@ class Session:
             return None
         new, frozen = outcome.estimate, self.watch.frozen
         self._estimated = new.illumination.as_seen_in(frozen)
+        self._first_placement_is_due = True
         self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)

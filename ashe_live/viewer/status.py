@@ -19,6 +19,7 @@ LAMP_INSIDE = "the lamp is inside the model or touches it: it throws no shadow"
 NO_MARKER = (
     "no marker yet: `ashe-live marker --out marker.pdf` makes one to print,",
     "`ashe-live marker --show` shows one on a screen; lay it flat, all of it in view",
+    "or `ashe-live marker --cube --out cube.pdf`: a cube to fold, which needs no other object beside it",
 )
 
 

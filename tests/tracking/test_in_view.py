@@ -6,6 +6,7 @@ import pytest
 
 from ashe_live.tracking.in_view import markers_in_view
 from ashe_live.tracking.markers import parse_marker
+from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 
 SPECS = ("aruco:4x4_50:7", "aruco:5x5_250:200", "apriltag:36h11:12", "aruco:6x6_100:50", "aruco:7x7_1000:999")
 
@@ -44,3 +45,10 @@ def test_squares_and_noise_are_no_markers(seed: int) -> None:
         picture[y : y + side, x : x + side] = rng.integers(0, 255, 3)
     assert markers_in_view(cv2.GaussianBlur(picture, (0, 0), 1.5)) == ()
     assert markers_in_view(np.full((480, 640, 3), 120, np.uint8)) == ()
+
+
+def test_two_faces_of_the_cube_are_the_cube_and_one_is_a_marker() -> None:
+    whole = painted(CubeScene(CAMERA, looking(0.35, 45, 40), [sun(200, 40)]))
+    assert markers_in_view(whole) == ("cube",)
+    from_above = painted(CubeScene(CAMERA, looking(0.35, 8, 0), [sun(200, 40)]))
+    assert markers_in_view(from_above) == ("aruco:4x4_50:18",)

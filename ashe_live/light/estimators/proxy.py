@@ -16,6 +16,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.light.estimators.known_body import estimate_by_body
 from ashe_live.light.estimators.other_objects import other_objects
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
@@ -71,6 +72,10 @@ class ProxyEstimator:
         """As `estimate`, with the trace of intermediate results: some megabytes that refer to the picture."""
         if tracked.marker is None:
             raise ValueError("a frame without a marker has no marker frame to answer in")
+        if tracked.marker.body is not None:
+            # What the marker is printed on casts a shadow itself, and is known.
+            estimate = estimate_by_body(tracked, tracked.marker.body, self._steps.fine_width_px, self.name)
+            return estimate, Trace(View.of(tracked, self._steps.coarse_width_px))
         clock = StageClock()
         estimate, trace = self._traced(tracked, others, clock)
         if len(estimate.views) > 1:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
@@ -25,8 +26,9 @@ class View:
     camera: Camera  # of that size
     T_cam_marker: Float  # (4, 4)
     side_m: float  # of the marker
-    is_ground: Mask  # (h, w) where the marker's plane is visible, outside of the printed sheet
+    is_ground: Mask  # (h, w) where the marker's plane is visible, outside of the printed sheet or body
     sheet: Sheet = USUAL_SHEET
+    body: Proxy | None = None  # that the marker is printed on, if it is no sheet
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -36,8 +38,9 @@ class View:
         if camera.is_distorted:
             image = np.asarray(cv2.undistort(image, camera.K, camera.dist), dtype=np.uint8)
             camera = Camera(camera.size, camera.K, np.zeros(5), camera.source)
-        T_cam_marker, side_m = tracked.marker.T_cam_marker, tracked.marker.side_m
-        return _made(image, camera, T_cam_marker, side_m, measured_sheet(image, camera, T_cam_marker, side_m))
+        T_cam_marker, side_m, body = tracked.marker.T_cam_marker, tracked.marker.side_m, tracked.marker.body
+        sheet = measured_sheet(image, camera, T_cam_marker, side_m) if body is None else USUAL_SHEET
+        return _made(image, camera, T_cam_marker, side_m, sheet, body)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -48,7 +51,7 @@ class View:
         if width_px >= self.size[0]:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
-        return _made(image, camera, self.T_cam_marker, self.side_m, self.sheet)
+        return _made(image, camera, self.T_cam_marker, self.side_m, self.sheet, self.body)
 
     def cut(self, window: Window) -> "View":
         """The part of the frame in `window`, seen by a camera whose principal point moves along."""
@@ -69,13 +72,13 @@ def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]
     return image, camera.resized(size)
 
 
-def _made(image: Image, camera: Camera, T_cam_marker: Float, side_m: float, sheet: Sheet) -> View:
-    is_ground = _ground_mask(camera, T_cam_marker, sheet.corners(side_m))
-    return View(image, camera, T_cam_marker, side_m, is_ground, sheet)
+def _made(image: Image, camera: Camera, T_cam_marker: Float, side_m: float, sheet: Sheet, body: Proxy | None) -> View:
+    is_ground = _ground_mask(camera, T_cam_marker, sheet.corners(side_m) if body is None else body.points_marker())
+    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body)
 
 
-def _ground_mask(camera: Camera, T_cam_marker: Float, sheet_marker: Float) -> Mask:
-    """(h, w) pixels whose ray meets the marker's plane, not too far away, outside of the printed sheet."""
+def _ground_mask(camera: Camera, T_cam_marker: Float, print_marker: Float) -> Mask:
+    """(h, w) pixels whose ray meets the marker's plane, not too far away, outside of the hull of points (n, 3)."""
     width, height = camera.size
     normal, place = T_cam_marker[:3, 2], T_cam_marker[:3, 3]
     # The depth of the plane along a pixel's ray is `offset` over how much the ray faces it.
@@ -83,9 +86,10 @@ def _ground_mask(camera: Camera, T_cam_marker: Float, sheet_marker: Float) -> Ma
     facing = np.sign(offset) * row
     least = max(abs(offset) / (FARTHEST * float(np.linalg.norm(place))), 1e-9)
     mask = facing[0] * np.arange(width) + (facing[1] * np.arange(height) + facing[2])[:, None] > least
-    outline = project(camera, T_cam_marker, sheet_marker)
+    outline = project(camera, T_cam_marker, print_marker)
     if np.isfinite(outline).all():
-        sheet = np.zeros((height, width), np.uint8)
-        cv2.fillConvexPoly(sheet, np.round(np.clip(outline, -1e6, 1e6) * 16).astype(np.int32), 1, shift=4)
-        mask &= sheet == 0
+        hull = cv2.convexHull(np.clip(outline, -1e6, 1e6).astype(np.float32))[:, 0]
+        printed = np.zeros((height, width), np.uint8)
+        cv2.fillConvexPoly(printed, np.round(hull * 16).astype(np.int32), 1, shift=4)
+        mask &= printed == 0
     return np.asarray(mask)

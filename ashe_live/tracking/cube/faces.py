@@ -14,6 +14,7 @@ USUAL_EDGE_M = 0.06
 # The black square of each face over the edge. What is white around it is what shading is measured on, and wide enough
 # for the square to be found on a dark table.
 TAG_SHARE = 0.7
+CUBE = "cube"  # as it is named where other markers are named by dictionary and number
 DICTIONARY, FIRST_ID = "aruco:4x4_50", 18
 
 
@@ -54,6 +55,7 @@ FACES = (
     Face("back", (-1, 0, 0), (0, 0, 1), 0, 1, 2),
     Face("left", (0, -1, 0), (0, 0, 1), 1, 0, 3),
 )
+CUBE_SPECS = tuple(f"{DICTIONARY}:{FIRST_ID + number}" for number in range(len(FACES)))
 # (8, 3) corners of the cube that stands on the table, edges: those below first.
 CORNERS: Float = np.array([(x, y, z) for z in (0.0, 1.0) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
 CORNERS.flags.writeable = False

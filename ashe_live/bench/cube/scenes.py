@@ -1,0 +1,82 @@
+"""The scenes that the cube's bench draws: cubes seen and lit from everywhere, in sets that each ask one question."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.bench.cube.painter import CubeScene, Folds, PaintedLight
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angle_between, direction_from_angles
+
+CAMERA = Camera.from_hfov((640, 480), 60)
+EDGE_M = 0.06
+APART_RAD = math.radians(25)  # of two lights
+SUN_DEG = 0.53
+
+
+@dataclass(frozen=True, slots=True)
+class CubeSet:
+    """Scenes of one kind."""
+
+    name: str
+    lights: int = 1
+    size_deg: tuple[float, float] = (SUN_DEG, SUN_DEG)
+    folded: bool = False
+    seed: int = 1
+
+    def scenes(self, count: int) -> Iterator[CubeScene]:
+        """From 25 to 75 degrees of tilt, 35 to 60 cm away; lights from 12 to 80 degrees high."""
+        rng = np.random.default_rng(self.seed)
+        for _ in range(count):
+            pose = looking(rng.uniform(0.35, 0.6), rng.uniform(25, 75), rng.uniform(0, 360))
+            lights: list[PaintedLight] = []
+            while len(lights) < self.lights:
+                azimuth, elevation = rng.uniform(0, 360), rng.uniform(12, 80)
+                on_table, size = rng.uniform(0.3, 0.8) / self.lights, rng.uniform(*self.size_deg)
+                light = sun(azimuth, elevation, on_table, size)
+                if all(angle_between(light.point[:3], other.point[:3]) > APART_RAD for other in lights):
+                    lights.append(light)
+            colour = np.array((1.0, rng.uniform(0.75, 1), rng.uniform(0.6, 1)))
+            yield CubeScene(
+                CAMERA,
+                pose,
+                lights,
+                sky_rgb=rng.uniform(0.2, 0.4) * np.array((0.9, 1.0, 1.1)),
+                sky_slope=rng.normal(0, 0.2, 3),
+                edge_m=EDGE_M,
+                folds=Folds.drawn(rng, EDGE_M) if self.folded else Folds(),
+                table_rgb=rng.uniform(0.12, 0.6) * colour,
+                mottled=rng.uniform(0.02, 0.12),
+                seed=int(rng.integers(1_000_000)),
+            )
+
+
+SETS = (
+    CubeSet("sun, folded perfectly", seed=1),
+    CubeSet("sun, folds of 1 mm and 1.5°", folded=True, seed=5),
+    CubeSet("soft sun, 3 to 10°", size_deg=(3.0, 10.0), seed=4),
+    CubeSet("two lights", lights=2, seed=3),
+    CubeSet("cloudy sky", lights=0, seed=2),
+)
+
+
+def looking(distance_m: float, tilt_deg: float, azimuth_deg: float) -> Float:
+    """(4, 4) T_cam_cube of a camera held upright, `tilt_deg` away from straight above; not straight above itself."""
+    aim = np.array((0.0, 0.0, 0.02))
+    from_aim = direction_from_angles(math.radians(azimuth_deg), math.radians(90 - tilt_deg))
+    right = np.cross(-from_aim, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    T = np.eye(4)
+    T[:3, :3] = right, np.cross(-from_aim, right), -from_aim
+    T[:3, 3] = -T[:3, :3] @ (aim + distance_m * from_aim)
+    return T
+
+
+def sun(azimuth_deg: float, elevation_deg: float, on_table: float = 0.7, size_deg: float = SUN_DEG) -> PaintedLight:
+    """Slightly yellow; `on_table` is what it gives the open table, over pi."""
+    to_light = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
+    across = np.array((1.0, 0.95, 0.88)) * on_table / to_light[2]
+    return PaintedLight(np.append(to_light, 0.0), across, math.radians(size_deg))

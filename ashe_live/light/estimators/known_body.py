@@ -1,0 +1,78 @@
+"""The light from a body that is known beforehand, as the paper cube: only lights are fitted."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.stages import StageClock
+from ashe_live.core.transforms import radius_of_68_percent
+from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
+from ashe_live.light.explanation.uncertainty import Calibration
+from ashe_live.light.known_body.lights import Found, FoundLight, Seen, darkenings_rgb, lights_of
+from ashe_live.light.known_body.silhouettes import direction_covariance, masks_of
+from ashe_live.light.pixels.view import View
+
+IN_SHADE = "the cube stands in another thing's shadow: move it into the light"
+BLOCKED = (
+    "the cube's shadow falls on other things, or what darkens the table is no shadow of it: clear the table around it"
+)
+# Below it, as many answers are wrong as right.
+LEAST_CONFIDENCE = 0.4
+# Of an answer that may be wrong; an error of the folded paper is among the systematic ones.
+CALIBRATION = Calibration(1.0, np.radians(10.0).item(), 1.0)
+# The table beside the cube over the open table, below which something else keeps the light away.
+SHADED = 0.6
+
+
+def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: str) -> LightEstimate:
+    """The lights that cast the shadows of `body` (marker frame); the frame must have a marker.
+
+    width_px: of the frame at the resolution that is used. name: of the estimator.
+    """
+    clock = StageClock()
+    view = View.of(tracked, width_px)
+    seen = Seen.of(view, body)
+    clock.end("segment")
+
+    def none(reason: str) -> LightEstimate:
+        reason = fault_of_exposure(view) or reason
+        return LightEstimate(name, tracked.frame.index, Illumination(), reason, timing_ms=clock.timing_ms())
+
+    if seen is None:
+        return none(TOO_LITTLE_GROUND)
+    found = lights_of(seen)
+    clock.end("fit")
+    if found is None or found.confidence < LEAST_CONFIDENCE:
+        return none(_why_none(seen, found))
+    lights, ambient = _answers(seen, found, tracked)
+    masks = masks_of(view, body, [each.light for each in found.lights])
+    illumination = Illumination(lights, ambient, seen.lit_rgb, body)
+    clock.end("judge")
+    return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms())
+
+
+def _answers(seen: Seen, found: Found, tracked: TrackedFrame) -> tuple[tuple[Light, ...], Float]:
+    """The lights with their uncertainty, and what is left of the table's light where none of them reaches it."""
+    dark = darkenings_rgb(seen, found.lights)
+    lights = [
+        replace(_light(each, found.confidence, tracked), shadow_rgb_ratio=np.clip(1 - taken, 1e-3, 1.0))
+        for each, taken in zip(found.lights, dark, strict=True)
+    ]
+    return tuple(lights), np.clip(1 - dark.sum(axis=0), 1e-3, 1.0)
+
+
+def _light(found: FoundLight, confidence: float, tracked: TrackedFrame) -> Light:
+    to_light = found.light[:3] / np.linalg.norm(found.light[:3])
+    by_edges = direction_covariance(found.light, found.covariance)
+    covariance = CALIBRATION.covariance(by_edges, to_light, confidence, tracked)
+    size = found.fit.size_rad if found.fit is not None else None
+    return Light(to_light, covariance, radius_of_68_percent(covariance), confidence, size)
+
+
+def _why_none(seen: Seen, found: Found | None) -> str:
+    if seen.beside_body < SHADED:
+        return IN_SHADE
+    return BLOCKED if found is not None and found.is_dark_elsewhere else NO_SHADOW

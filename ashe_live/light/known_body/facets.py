@@ -1,0 +1,59 @@
+"""The white paper of a body's visible facets, and the light that falls on it."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import project
+from ashe_live.light.pixels.view import View
+
+NORMALS: Float = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)], dtype=np.float64)
+NORMALS.flags.writeable = False
+# A print leaves half of a facet white: what is brighter than most of it, without what gloss or noise makes brightest.
+WHITE = (70.0, 95.0)  # percentiles
+RIM_PX, LEAST_PX = 2, 30
+CLIPPED = 0.95  # linear light, from which on it may be any
+BITS = 4
+FOLDED = 0.08  # of the body's extent: how deep a facet is that was folded by hand
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Facets:
+    """Of n facets of white paper."""
+
+    normals: Float  # (n, 3) unit, outwards, marker frame
+    light_rgb: Float  # (n, 3) linear light of the white, as the picture has it
+    centres: Float  # (n, 3) metres
+    is_clipped: Float  # (n,) bool: brighter than the picture shows
+
+
+def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
+    """Those of a box along the marker's axes that are seen in `picture` (h, w, 3), linear light, B, G, R."""
+    points = body.points_marker(4)
+    eye = -view.T_cam_marker[:3, :3].T @ view.T_cam_marker[:3, 3]
+    found: list[tuple[Float, Float, Float, bool]] = []
+    for normal in NORMALS:
+        along = points @ normal
+        corners = points[along > along.max() - FOLDED * np.ptp(along)]
+        centre = corners.mean(axis=0)
+        pixels = project(view.camera, view.T_cam_marker, corners)
+        if len(corners) < 3 or (eye - centre) @ normal <= 0 or not np.isfinite(pixels).all():
+            continue
+        hull = cv2.convexHull(pixels.clip(-1e4, 1e4).astype(np.float32))[:, 0]
+        mask = np.zeros(picture.shape[:2], np.uint8)
+        cv2.fillConvexPoly(mask, np.round(hull * 2**BITS).astype(np.int32), 1, shift=BITS)
+        within = cv2.erode(mask, np.ones((2 * RIM_PX + 1, 2 * RIM_PX + 1), np.uint8), borderValue=0)
+        seen = picture[within > 0]
+        if len(seen) < LEAST_PX:
+            continue
+        brightness = seen @ np.full(3, 1 / 3, np.float32)
+        least, most = np.percentile(brightness, WHITE)
+        white = seen[(brightness >= least) & (brightness <= most)].mean(axis=0)[::-1].astype(np.float64)
+        found.append((normal, white, centre, bool(white.max() > CLIPPED)))
+    if not found:
+        return Facets(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0, bool))
+    normals, light, centres, clipped = zip(*found, strict=True)
+    return Facets(np.array(normals), np.array(light), np.array(centres), np.array(clipped))

@@ -1,0 +1,151 @@
+"""How a paper cube's faces lie off where a perfect cube has them, learned from the frames in which several are seen.
+
+Every face has six small numbers, three of a turn and three of a shift, which are known beforehand to be as small as
+careful folding makes them. Each frame is one step of an information filter: its pose is eliminated (by the Schur
+complement), and what it says of the faces is added. What all faces share is no fold but the pose, and stays as it is.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import MarkerPose
+from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
+from ashe_live.tracking.pose import Sighting, corners_information, corners_noise
+from ashe_live.tracking.pose_refinement import pixels_by_points, pixels_by_pose
+
+# Standard deviations of careful folding: of a face's turn about each axis, and of its shift over the edge, which is
+# 0.7 mm of 6 cm.
+TURN_SIGMA, SHIFT_SIGMA = math.radians(0.9), 0.011
+# Corners err alike in frames that look alike: each after the first counts for so much, and no more than so many.
+LATER_FRAMES, MOST_FRAMES = 0.2, 150
+EACH = 6
+# Cubes are folded better and worse: the scales of these standard deviations that are tried, and the information about
+# what lies along an axis, in units of the prior, from which on it says something of them.
+SCALES: Float = np.array([0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4])
+LEAST_INFORMATION = 0.05
+
+
+class Folding:
+    """The shape of one cube, kept as long as it is tracked."""
+
+    def __init__(self, edge_m: float) -> None:
+        self._edge_m = edge_m
+        prior = np.tile([TURN_SIGMA] * 3 + [SHIFT_SIGMA * edge_m] * 3, len(FACES)) ** -2.0
+        self._prior: Float = prior
+        self._information = np.zeros((len(prior), len(prior)))
+        self._scale = 1.0  # of this cube's folds, over those of careful folding
+        self._vector = np.zeros(len(prior))
+        self._frames = 0
+        self._met: set[int] = set()
+        self._folds = np.zeros((len(FACES), EACH))
+
+    def corners(self, number: int, side: float = TAG_SHARE) -> Float:
+        """(4, 3) metres: the corners of a square of `side` edges in the middle of face `number`, as it lies."""
+        return self._placed(number, self._edge_m * FACES[number].corners(side))
+
+    @property
+    def body(self) -> Proxy:
+        """The hull of all faces as they lie, on the table."""
+        points = np.concatenate([self.corners(number, 1.0) for number in range(len(FACES))])
+        points[:, 2] = np.maximum(points[:, 2], 0.0)
+        return Proxy("box", np.column_stack([points, np.zeros((len(points), 2))]))
+
+    @property
+    def pose_covariance(self) -> Float:
+        """(6, 6) of a turn about and a shift of the cube's middle, rad and m, that is common to all faces met so far.
+
+        As large as folding leaves it, by how these faces agree.
+        """
+        met = sorted(self._met)
+        if not met:
+            return np.diag(np.append(np.full(3, TURN_SIGMA), np.full(3, SHIFT_SIGMA * self._edge_m)) ** 2)
+        return np.asarray(self._scale**2 / len(met) * np.diag(1 / self._prior[:EACH]))
+
+    def stated(self, pose: MarkerPose) -> MarkerPose:
+        """`pose` with the cube's body, and as uncertain as what all its faces may have in common."""
+        if pose.covariance is None:
+            return replace(pose, body=self.body)
+        # Of a turn about the cube's middle, and of its shift, in the camera's axes, to those about the origin.
+        R, middle = pose.T_cam_marker[:3, :3], pose.T_cam_marker[:3, :3] @ (0, 0, 0.5 * self._edge_m)
+        moved = np.eye(EACH)
+        moved[3:, :3] = _crosses(middle[None])[0]
+        turned = np.zeros((EACH, EACH))
+        turned[:3, :3] = turned[3:, 3:] = R
+        by_folds = moved @ turned @ self.pose_covariance @ turned.T @ moved.T
+        return replace(pose, body=self.body, covariance=pose.covariance + 0.5 * (by_folds + by_folds.T))
+
+    def add(self, squares: Mapping[int, Sighting], T_cam_cube: Float, camera: Camera) -> bool:
+        """Learns from a frame's faces by number, seen from `T_cam_cube`; returns whether the shape has changed."""
+        if len(squares) < 2 or self._frames >= MOST_FRAMES:
+            return False
+        numbers = list(squares)
+        sightings = list(squares.values())
+        information = corners_information(sightings, corners_noise(sightings))
+        R, t = T_cam_cube[:3, :3], T_cam_cube[:3, 3]
+        points = np.concatenate([self.corners(number) for number in numbers])
+        turned = points @ R.T
+        in_camera = turned + t
+        if not in_camera[:, 2].min() > 0:
+            return False
+        predicted = (in_camera / in_camera[:, 2:]) @ camera.K[:2].T
+        off = (np.concatenate([one.square.corners_px for one in sightings]) - predicted).ravel()
+        by_pose = pixels_by_pose(turned, in_camera, camera.K)
+        by_points = pixels_by_points(in_camera, camera.K) @ R
+        by_folds = np.zeros((len(off), self._folds.size))
+        for row, number in enumerate(numbers):
+            arms = points[4 * row : 4 * row + 4] - self._edge_m * FACES[number].centre
+            moved = np.concatenate([-_crosses(arms), np.tile(np.eye(3), (4, 1, 1))], axis=2)
+            block = (by_points[4 * row : 4 * row + 4] @ moved).reshape(8, EACH)
+            by_folds[8 * row : 8 * row + 8, EACH * number : EACH * number + EACH] = block
+        off = off + by_folds @ self._folds.ravel()
+        whole = np.concatenate([by_pose, by_folds], axis=1)
+        weighted = whole.T @ information
+        normal, pull = weighted @ whole, weighted @ off
+        mixed = np.column_stack([normal[:EACH, EACH:], pull[:EACH]])
+        by_both = np.linalg.solve(normal[:EACH, :EACH] + 1e-12 * np.eye(EACH), mixed)
+        share = LATER_FRAMES if self._frames else 1.0
+        self._information += share * (normal[EACH:, EACH:] - normal[EACH:, :EACH] @ by_both[:, :-1])
+        self._vector += share * (pull[EACH:] - normal[EACH:, :EACH] @ by_both[:, -1])
+        self._frames += 1
+        self._met.update(numbers)
+        self._scale = self._likeliest_scale()
+        total = self._information + np.diag(self._prior / self._scale**2)
+        folds: Float = np.asarray(np.linalg.solve(total, self._vector)).reshape(-1, EACH)
+        if not np.isfinite(folds).all():
+            return False
+        self._folds = folds
+        return True
+
+    def _likeliest_scale(self) -> float:
+        """The scale of the folds under which the faces' disagreement is likeliest: empirical Bayes.
+
+        In units of the prior, along each principal axis of the information, what was measured is normal with the
+        variance of the folds and of the measurement together; what all faces share has no information, and no say.
+        """
+        sigmas = self._prior**-0.5
+        values, axes = np.linalg.eigh(sigmas[:, None] * self._information * sigmas)
+        told = values > LEAST_INFORMATION
+        if not told.any():
+            return 1.0
+        noise = 1 / values[told]
+        squares = (axes[:, told].T @ (sigmas * self._vector) * noise) ** 2
+        variance = SCALES[:, None] ** 2 + noise
+        return float(SCALES[(np.log(variance) + squares / variance).sum(axis=1).argmin()])
+
+    def _placed(self, number: int, points: Float) -> Float:
+        centre, fold = self._edge_m * FACES[number].centre, self._folds[number]
+        return np.asarray((points - centre) @ cv2.Rodrigues(fold[:3])[0].T + centre + fold[3:])
+
+
+def _crosses(vectors: Float) -> Float:
+    """(n, 3, 3) matrices of the cross products with vectors (n, 3)."""
+    x, y, z = vectors.T
+    zero = np.zeros_like(x)
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)

@@ -1,0 +1,99 @@
+"""The light from a painted cube whose truth is known: directions, sizes, counts, and when there is none."""
+
+import dataclasses
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import LightEstimate
+from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.layout import cube_layout
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, frame_of, looking, sun
+
+
+def estimate(scene: CubeScene) -> LightEstimate:
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    assert tracked.marker is not None
+    return make_estimator("proxy").estimate(tracked)
+
+
+def off_deg(found: Float, true: Float) -> float:
+    return math.degrees(angle_between(found, true[:3]))
+
+
+@pytest.mark.parametrize(
+    ("azimuth_deg", "elevation_deg", "tilt_deg"), [(200, 40, 45), (100, 20, 55), (320, 60, 40), (250, 14, 30)]
+)
+def test_a_sun_is_found_to_half_a_degree(azimuth_deg: float, elevation_deg: float, tilt_deg: float) -> None:
+    light = sun(azimuth_deg, elevation_deg)
+    answer = estimate(CubeScene(CAMERA, looking(0.5, tilt_deg, 30), [light]))
+    assert len(answer.lights) == 1
+    found = answer.lights[0]
+    assert off_deg(found.to_light_marker, light.point) < 0.5
+    assert found.confidence is not None
+    assert found.confidence > 0.9
+    assert answer.illumination.real_object is not None
+    assert answer.illumination.real_object.points_marker()[:, 2].max() == pytest.approx(EDGE_M, abs=1e-3)
+
+
+def test_the_shadows_colour_is_what_the_sky_alone_gives() -> None:
+    light = sun(200, 35, on_table=0.6)
+    sky = np.array((0.25, 0.3, 0.4))
+    answer = estimate(CubeScene(CAMERA, looking(0.45, 45, 80), [light], sky_rgb=sky))
+    given = light.irradiance_rgb * light.point[2]
+    assert answer.light is not None
+    assert answer.light.shadow_rgb_ratio == pytest.approx(sky / (sky + given), abs=0.06)
+    assert answer.illumination.ambient_rgb_ratio == pytest.approx(sky / (sky + given), abs=0.06)
+
+
+def test_the_masks_are_those_of_cube_and_shadow() -> None:
+    scene = CubeScene(CAMERA, looking(0.45, 45, 80), [sun(200, 35)])
+    answer = estimate(scene)
+    bright = cv2.cvtColor(frame_of(scene).image_bgr, cv2.COLOR_BGR2GRAY)
+    assert answer.object_mask is not None
+    assert answer.shadow_mask is not None
+    assert not (answer.object_mask & answer.shadow_mask).any()
+    inside = cv2.erode(answer.shadow_mask.astype(np.uint8), np.ones((5, 5))) > 0
+    beside = ~cv2.dilate((answer.shadow_mask | answer.object_mask).astype(np.uint8), np.ones((9, 9))).astype(bool)
+    assert np.percentile(bright[inside], 95) < np.percentile(bright[beside], 5)
+
+
+def test_under_a_cloudy_sky_there_is_no_light() -> None:
+    for tilt_deg, sky in ((35, 0.4), (60, 0.8)):
+        scene = CubeScene(CAMERA, looking(0.45, tilt_deg, 130), [], sky_rgb=np.full(3, sky), mottled=0.1)
+        answer = estimate(scene)
+        assert answer.lights == ()
+        assert answer.reason is not None
+        assert "diffuse" in answer.reason
+
+
+def test_a_shadow_over_all_of_it_is_said() -> None:
+    scene = CubeScene(CAMERA, looking(0.5, 45, 30), [])
+    frame = frame_of(scene)
+    shaded = frame.image_bgr.copy()
+    x, y = CAMERA.K[:2, 2]
+    area = np.zeros(shaded.shape[:2], np.uint8)
+    cv2.circle(area, (round(x), round(y)), 170, 1, -1)
+    shaded[area == 0] = np.minimum(shaded[area == 0] * 1.0, 255)
+    shaded[area > 0] = shaded[area > 0] * 0.62
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(
+        dataclasses.replace(frame, image_bgr=shaded)
+    )
+    answer = make_estimator("proxy").estimate(tracked)
+    assert answer.lights == ()
+    assert answer.reason is not None
+    assert "shadow" in answer.reason
+
+
+def test_the_same_frame_gives_the_same_answer() -> None:
+    scene = CubeScene(CAMERA, looking(0.5, 45, 30), [sun(200, 40)])
+    first, second = estimate(scene), estimate(scene)
+    assert first.light is not None
+    assert second.light is not None
+    assert np.array_equal(first.light.to_light_marker, second.light.to_light_marker)

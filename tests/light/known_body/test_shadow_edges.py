@@ -1,0 +1,82 @@
+"""How a shadow's edges move with the light, and how its penumbra widens: against finite differences."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.light.known_body.shadow_edges import ShadowEdges, shadow_edges
+from ashe_live.light.pixels.view import View
+from ashe_live.tracking.cube.faces import CORNERS
+from tests.painted_cubes import CAMERA, EDGE_M, looking
+
+BODY = Proxy("box", np.column_stack([EDGE_M * CORNERS, np.zeros((8, 2))]))
+
+
+def view() -> View:
+    T = looking(0.5, 45, 30)
+    marker = MarkerPose(T, np.zeros((4, 2)), EDGE_M, 0.0, None, body=BODY)
+    return View.of(TrackedFrame(Frame(np.full((480, 640, 3), 90, np.uint8), 0, 0.0), CAMERA, marker), 640)
+
+
+def edges_of(light: Float) -> ShadowEdges:
+    edges = shadow_edges(BODY, light, view())
+    assert edges is not None
+    return edges
+
+
+def reach(edges: ShadowEdges, normal: Float) -> float:
+    """How far a convex outline reaches along a normal."""
+    return float((edges.points_px @ normal).max())
+
+
+@pytest.mark.parametrize("light", [(0.9, -0.5, 1.0, 0.0), (-0.4, 0.7, 1.0, 2.5)])
+@pytest.mark.parametrize("number", [0, 1, 2])
+def test_a_points_movement_is_its_edges_lines(light: tuple[float, ...], number: int) -> None:
+    here = np.array(light)
+    edges = edges_of(here)
+    small = 1e-5
+    moved = here.copy()
+    moved[(0, 1, 3)[number]] += small
+    after = edges_of(moved)
+    for index in range(0, len(edges.points_px), 7):
+        if edges.to_corner_px[index] < 4:
+            continue
+        # The moved outline's point nearest to this one, along the normal of its own edge.
+        near = np.argmin(np.linalg.norm(after.points_px - edges.points_px[index], axis=1))
+        along = (after.points_px[near] - edges.points_px[index]) @ after.normals_px[near]
+        turned = float(after.normals_px[near] @ edges.normals_px[index])
+        if turned < 1 - 1e-6:
+            continue
+        assert along / small == pytest.approx(edges.by_light[index, number], abs=0.02 * abs(edges.by_light).max())
+
+
+def test_what_is_cast_by_the_foot_neither_moves_nor_blurs() -> None:
+    edges = edges_of(np.array((0.9, -0.5, 1.0, 0.0)))
+    foot = (np.abs(edges.by_size) < 1e-9) & (edges.to_corner_px > 2)
+    assert foot.any()
+    assert np.abs(edges.by_light[foot, :2]).max() < 1e-6
+    assert edges.by_size.max() > 5
+
+
+def test_normals_point_out_of_the_shadow_at_right_angles_to_its_edges() -> None:
+    edges = edges_of(np.array((0.9, -0.5, 1.0, 0.0)))
+    middle = edges.points_px.mean(axis=0)
+    assert (((edges.points_px - middle) * edges.normals_px).sum(axis=1) > 0).all()
+    assert np.linalg.norm(edges.normals_px, axis=1) == pytest.approx(1)
+    for normal in edges.normals_px[::9]:
+        assert reach(edges, normal) >= float(edges.points_px[0] @ normal)
+
+
+def test_a_light_below_the_table_casts_no_shadow() -> None:
+    assert shadow_edges(BODY, np.array((1.0, 0.0, 1e-9, 0.0)), view()) is None
+    assert shadow_edges(BODY, np.array((1.0, 0.0, -0.5, 0.0)), view()) is None
+
+
+def test_straight_above_the_shadow_is_the_foot() -> None:
+    edges = edges_of(np.array((0.0, 0.0, 1.0, 0.0)))
+    assert np.isfinite(edges.by_light).all()
+    assert math.isfinite(float(edges.by_size.max()))

@@ -1,0 +1,77 @@
+"""A cube folded by hand: what its faces show of each other is learned, and what they share stays uncertain."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import project
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.corners import FittedSquare
+from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
+from ashe_live.tracking.cube.folding import Folding
+from ashe_live.tracking.layout import cube_layout
+from ashe_live.tracking.pose import Sighting
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
+
+
+def seen(T: Float, folds: Folds, folding: Folding, numbers: list[int]) -> dict[int, Sighting]:
+    """Exact corners of some faces, and where the cube's shape as it is known has them."""
+    return {
+        number: Sighting(
+            folding.corners(number),
+            FittedSquare.guessed(
+                project(CAMERA, T, EDGE_M * folds.placed(number, FACES[number].corners(TAG_SHARE))), 0.05
+            ),
+        )
+        for number in numbers
+    }
+
+
+def test_a_perfect_cube_stays_one() -> None:
+    folding = Folding(EDGE_M)
+    T = looking(0.35, 50, 40)
+    assert folding.add(seen(T, Folds(), folding, [0, 1, 2]), T, CAMERA)
+    for number, face in enumerate(FACES):
+        assert folding.corners(number) == pytest.approx(EDGE_M * face.corners(TAG_SHARE), abs=1e-6)
+    # Faces that agree make one surer of the cube than careful folding alone.
+    assert np.trace(folding.pose_covariance) < 0.2 * np.trace(Folding(EDGE_M).pose_covariance)
+
+
+def test_one_face_alone_tells_nothing_of_the_folds() -> None:
+    folding = Folding(EDGE_M)
+    T = looking(0.35, 50, 40)
+    assert not folding.add(seen(T, Folds.drawn(np.random.default_rng(1), EDGE_M), folding, [0]), T, CAMERA)
+
+
+def test_two_faces_are_learned_but_for_what_they_share() -> None:
+    turned = np.zeros((5, 3))
+    turned[2] = 0.0, 0.0, 0.02  # the right face about the vertical
+    folds, folding, T = Folds(turns=turned), Folding(EDGE_M), looking(0.35, 50, 0)
+    for _ in range(3):
+        folding.add(seen(T, folds, folding, [0, 2]), T, CAMERA)
+
+    def across(number: int) -> Float:
+        corners = folding.corners(number)
+        return np.asarray((corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0]))
+
+    # The angle between both is what it is; whether one turned or the other, nothing says.
+    between = math.acos(float(across(0) @ across(2)))
+    assert between == pytest.approx(math.pi / 2 + 0.02, abs=2e-3)
+
+
+def test_the_frame_of_a_crooked_cube_errs_no_more_than_it_says() -> None:
+    rng = np.random.default_rng(5)
+    squares = []
+    for _ in range(6):
+        T = looking(0.35, rng.uniform(35, 65), rng.uniform(0, 360))
+        tracker = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking)
+        pose = tracker.track(frame_of(CubeScene(CAMERA, T, [sun(200, 40)], folds=Folds.drawn(rng, EDGE_M)))).marker
+        assert pose is not None
+        assert pose.covariance is not None
+        away = T[:3, :3] @ pose.T_cam_marker[:3, :3].T
+        turn = 0.5 * np.array((away[2, 1] - away[1, 2], away[0, 2] - away[2, 0], away[1, 0] - away[0, 1]))
+        squares.append(float(turn @ np.linalg.solve(pose.covariance[:3, :3], turn)))
+    assert np.median(squares) < 7.8  # 95 % of the chi-squared distribution of three
