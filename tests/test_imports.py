@@ -60,7 +60,7 @@ ROOMS: dict[str, set[str]] = {
     "bench.cube": {"core", "tracking"},
     "bench.judge": {"core", "files", "light.estimators", "light.explanation", "bench"},
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
-    "bench.render": {"quality", "core", "files", "models", "capture", "tracking", "render", "viewer", "bench"},
+    "bench.render": {"quality", "core", "errors", "files", "models", "capture", "tracking", "render", "viewer", "bench"},
     "bench.viewer": {
         "quality", "core", "capture", "tracking", "light.estimators", "light.live", "render", "viewer", "bench",
     },

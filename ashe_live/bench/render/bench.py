@@ -15,6 +15,7 @@ from ashe_live.bench.plots import SUFFIXES
 from ashe_live.bench.render.cost import cost_of, lights_around, memory_growth, orbit, round_model, sweeps
 from ashe_live.bench.render.drawing import COSTS, ERRORS, draw_errors, draw_sweeps
 from ashe_live.bench.render.error import picture_error, read_references
+from ashe_live.bench.render.pairs import pair_error, read_pairs
 from ashe_live.bench.render.tables import print_render_figures
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
@@ -47,6 +48,7 @@ class RenderBench(Bench):
     clip: KnownClip
     frames: int  # of each loop
     memory_frames: int
+    pairs: Path | None = None  # folder of path-traced pairs, which assets/sources/scenes/pairs.py makes
 
     def parts(self) -> Iterator[Json]:
         leave_cores_to_renderer()
@@ -57,6 +59,7 @@ class RenderBench(Bench):
             "sweeps": _sweeps(ctx, max(5, self.frames // 10)),
             "errors": _errors(ctx, max(5, self.frames // 10)),
             "memory": self._memory(ctx),
+            "pairs": [] if self.pairs is None else _pairs(ctx, self.pairs),
         }
         print_render_figures(self.console, figures)
         yield figures
@@ -144,6 +147,15 @@ def _errors(ctx: Context, frames: int) -> list[Json]:
                 "model_de": float(np.mean([error.model_de for error in errors])),
             }
         )
+    return rows
+
+
+def _pairs(ctx: Context, folder: Path) -> list[Json]:
+    pairs = read_pairs(folder)
+    rows = []
+    for quality in QUALITIES.values():
+        for pair in track(pairs, f"photos of the same with the model, {quality.name}", transient=True):
+            rows.append({"preset": quality.name, "scene": pair.name, **asdict(pair_error(ctx, pair, quality.render))})
     return rows
 
 

@@ -1,6 +1,8 @@
 """The printed tables of `ashe-live bench render`."""
 
+import numpy as np
 from rich.console import Console
+from rich.table import Table
 
 from ashe_live.bench.tables import figures_table
 from ashe_live.core.contract import Json
@@ -26,7 +28,7 @@ def print_render_figures(console: Console, record: Json) -> None:
         colours = (row["shadow_de"], row["model_de"])
         cells = (f"{row['ms']:.1f}", *(f"{n:.3f}" for n in numbers), *(f"{n:.1f}" for n in colours))
         errors.add_row(f"{row['series']}: {row['name']}", *cells)
-    for table in (loop, costs, errors):
+    for table in (loop, costs, errors, *([_pairs(record["pairs"])] if record["pairs"] else [])):
         console.print(table)
     memory = record["memory"]
     console.print(
@@ -42,3 +44,26 @@ def _costs(row: Json) -> list[str]:
 
 def _size(size: list[int]) -> str:
     return f"{size[0]}x{size[1]}"
+
+
+def _pairs(rows: list[Json]) -> Table:
+    """A row a preset; medians of the borders, means of the others, scenes in which something is not told left out."""
+    table = figures_table(
+        "against photos of the same with the model",
+        "",
+        "FLIP",
+        "border",
+        "dE ground",
+        "dE paper",
+        "dE model",
+        "dE hidden",
+    )
+    for preset in dict.fromkeys(row["preset"] for row in rows):
+        own = [row for row in rows if row["preset"] == preset]
+        means = [
+            float(np.nanmean([row[key] for row in own])) for key in ("ground_de", "paper_de", "model_de", "hidden_de")
+        ]
+        flip = float(np.mean([row["flip"] for row in own]))
+        border = float(np.nanmedian([row["border_ratio"] for row in own]))
+        table.add_row(f"{preset}, {len(own)} scenes", f"{flip:.3f}", f"{border:.2f}", *(f"{de:.1f}" for de in means))
+    return table
