@@ -68,6 +68,7 @@ ROOMS: dict[str, set[str]] = {
         "models",
         "capture",
         "tracking",
+        "light.explanation",
         "render",
         "viewer",
         "bench",

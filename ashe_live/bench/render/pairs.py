@@ -11,7 +11,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ashe_live.bench.render.borders import border_widths, shadow_border
+from ashe_live.bench.render.borders import shadow_border
 from ashe_live.bench.render.error import colour_difference, read_picture
 from ashe_live.bench.render.flip import flip_error
 from ashe_live.core.arrays import Float, Image, Mask
@@ -21,6 +21,7 @@ from ashe_live.core.contract import Json
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import Placement, placed_on_marker
 from ashe_live.render.offscreen import Context

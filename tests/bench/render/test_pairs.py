@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.render.borders import border_widths
 from ashe_live.bench.render.pairs import pair_error, read_pairs
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.errors import UserError
+from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.quality import FAST
 from ashe_live.render.offscreen import offscreen_context
 
