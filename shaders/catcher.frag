@@ -10,7 +10,8 @@ uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform vec3 sky;  // its fraction of the light on level ground at the marker, linear RGB; the lights' are the rest
 #if LIGHTS > 0 && CASTERS > 1
 uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video, linear; 0 if it is not known
-const float RIM_PX = 2.5;  // largest error of the real shadow's outline
+const float RIM_PX = 2.5;  // error of the real shadow's outline
+const float FAR_RIM = 0.012;  // its error where the proxy is a poor one: a fraction of the picture's width
 #endif
 uniform sampler2D contact;  // fraction of the sky that the model hides
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
@@ -35,22 +36,29 @@ vec3 video_here() {
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 // Fraction of a light that the real object lets through. Near its shadow's outline it is measured in the video, as an
-// outline that is off by a pixel would leave a seam where the ground is darkened twice, or not at all.
+// outline that is off by a pixel would leave a seam where the ground is darkened twice, or not at all. Farther away, what
+// is clearly in shadow counts as such.
 float lit_past_real(int light, float covered) {
     float known = lit_on_ground(1, light, ground);
-    vec2 across = RIM_PX * dFdx(ground), along = RIM_PX * dFdy(ground);
-    float least = known, most = known;
+    vec2 across = dFdx(ground), along = dFdy(ground);
+    float least = known, most = known, far = known;
+    float far_px = FAR_RIM * viewport.z;
     for (int side = -1; side <= 1; side += 2) {
-        vec2 beside = vec2(lit_on_ground(1, light, ground + side * across), lit_on_ground(1, light, ground + side * along));
+        vec2 beside = vec2(lit_on_ground(1, light, ground + side * RIM_PX * across),
+                           lit_on_ground(1, light, ground + side * RIM_PX * along));
+        far = min(far, min(lit_on_ground(1, light, ground + side * far_px * across),
+                           lit_on_ground(1, light, ground + side * far_px * along)));
         least = min(least, min(beside.x, beside.y));
         most = max(most, max(beside.x, beside.y));
     }
     float lit_ground = dot(ground_rgb, LUMINANCE);
-    if (least == most || lit_ground <= 0.0 || covered > 0.0) return known;
+    far = min(far, least);
+    if (far == most || lit_ground <= 0.0 || covered > 0.0) return known;
     float share = dot(sun_on_ground[light], LUMINANCE) * ground_falloff(light, ground);
     float seen = dot(video_here(), LUMINANCE) / lit_ground;
     float gone = clamp((dot(level_at(ground), LUMINANCE) - seen) / max(share, 1e-3), 0.0, 1.0);
-    return mix(known, 1.0 - gone, most - least);
+    float clearly = 1.0 - smoothstep(0.4, 0.8, gone) * (most - far);
+    return min(mix(known, 1.0 - gone, most - least), clearly);
 }
 #endif
 

@@ -61,7 +61,10 @@ ROOMS: dict[str, set[str]] = {
     "bench.judge": {"core", "files", "light.estimators", "light.explanation", "bench"},
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
     "bench.cube": {"quality", "core", "tracking", "light.estimators", "bench.track", "bench"},
-    "bench.render": {"quality", "core", "files", "models", "capture", "tracking", "render", "viewer", "bench"},
+    "bench.render": {
+        "quality", "core", "errors", "files", "models", "capture", "tracking", "light.explanation", "render", "viewer",
+        "bench",
+    },
     "bench.viewer": {
         "quality", "core", "capture", "tracking", "light.estimators", "light.live", "render", "viewer", "bench",
     },

@@ -41,7 +41,9 @@ def _render(options: argparse.Namespace) -> None:
     from ashe_live.bench.render.bench import RenderBench
     from ashe_live.capture.known_clip import shipped_clip
 
-    RenderBench(shipped_clip(), options.frames, max(10, options.memory_frames)).run(options.out, options.overwrite)
+    RenderBench(shipped_clip(), options.frames, max(10, options.memory_frames), options.pairs).run(
+        options.out, options.overwrite
+    )
 
 
 def _light(options: argparse.Namespace) -> None:

@@ -165,6 +165,7 @@ def _add_benches(bench: argparse.ArgumentParser) -> None:
         "--frames", type=values.count, default=100, metavar="N", help="frames of each measurement (default 100)"
     )
     render.add_argument("--memory-frames", type=values.count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
+    render.add_argument("--pairs", type=Path, metavar="DIR", help="also against photos of scenes with a model in them")
     _add_results_folder(render)
 
     soak = benches.add_parser("soak", help="a long run: leaks, drift, and the latency from the camera to the screen")

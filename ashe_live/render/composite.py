@@ -31,9 +31,9 @@ class Composite:
         self._programs = programs
         self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
 
-    def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook, samples: int) -> int:
+    def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
         """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
-        return _reach(_variance(viewport[2] / frame.size[0], look, samples))
+        return _reach(_variance(viewport[2] / frame.size[0], look))
 
     def draw(
         self,
@@ -52,7 +52,7 @@ class Composite:
         """
         frame = tracked.frame
         scale = viewport[2] / frame.size[0]
-        variance = _variance(scale, look, surface.samples)
+        variance = _variance(scale, look)
         reach = _reach(variance)
         constants = {"reach": reach}
         constants |= dict.fromkeys(("coarse_chroma",) * look.has_coarse_chroma + ("bends",) * (lens is not None), 1)
@@ -92,15 +92,15 @@ class Composite:
         self._rectangle = None
 
 
-def _variance(scale: float, look: VideoLook, samples: int) -> float:
+def _variance(scale: float, look: VideoLook) -> float:
     """Of the blur in pixels of the framebuffer, `scale` of which are one of the video.
 
-    A pixel of the video is a box of `scale` pixels. What was drawn with several samples is averaged over a pixel
-    already.
+    A pixel of the video is a box of `scale` pixels. Shadows are drawn with one sample a pixel, however many the model's
+    edges have, so that all of that box is left to do.
     """
     if look.blur_sigma_px is None:
         return 0.0
-    return max(scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2) - (BOX_VARIANCE_PX2 if samples else 0.0), 0.0)
+    return scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2)
 
 
 def _reach(variance: float) -> int:

@@ -28,6 +28,9 @@ SHADOW_BORDER_PX = 3  # coarse; ground that close to the real shadow's border is
 FEATHER_PX = 2.0  # beyond the sheet, over which the cover ends
 # Beside the sheet, in its sides: ground that the picture's coarse colours and sharpening have not mixed with paper.
 BLEED_SIDES, BESIDE_SIDES = 0.06, 0.16
+AROUND_SIDES = 0.5  # of the sheet: ground that tells which colours ground has
+# Beyond the range of those: of the brightest, and of a channel's share in a colour, both of roots of linear RGB.
+UNLIKE, UNLIKE_HUE = 0.12, 0.03
 MOST_AROUND = 600  # points by which exposures are compared
 FIELD = 128  # cells a side in which the difference at the border is spread
 SMOOTH_ROUNDS = 100
@@ -150,6 +153,7 @@ def _filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float3
     bleeds = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5) < BLEED_SIDES * side_px
     unknown = cv2.resize(bleeds.astype(np.float32), (size, size), interpolation=cv2.INTER_AREA) > 0.02
     whole = cv2.resize((is_source & ~bleeds).astype(np.float32), (size, size), interpolation=cv2.INTER_AREA) > 0.98
+    whole &= _like_the_ground_around(coarse, whole, unknown)
     sources = cv2.erode(whole.astype(np.uint8), np.ones((PATCH, PATCH)), borderValue=0) > 0
     if not sources.any() or not unknown.any():
         return None
@@ -160,6 +164,25 @@ def _filled(lit: Float32, hole: Mask, is_source: Mask, side_px: float) -> Float3
         _paste(pasted, weight, roots, trusted, place, source, scale)
     filled = np.where(hole[..., None] & (weight[..., None] > 0), pasted / np.maximum(weight, 1e-9)[..., None], roots)
     return np.square(filled + _spread_difference(roots, pasted, weight, hole, is_source, side_px))
+
+
+def _like_the_ground_around(coarse: Float32, known: Mask, unknown: Mask) -> Mask:
+    """(m, m) whose colour occurs beside the unknown part: not objects, whether an estimate knows of them or not.
+
+    coarse: (m, m, 3) roots of linear RGB.
+    """
+    away = cv2.distanceTransform((~unknown).astype(np.uint8), cv2.DIST_L2, 5)
+    beside = known & (away < AROUND_SIDES * COARSE_SIDE_PX)
+    if not beside.any():
+        return known
+    smooth = cv2.GaussianBlur(coarse, (0, 0), 1.0)
+    low, high = np.percentile(smooth[beside], (2, 98), axis=0)
+    margin = UNLIKE * float(high.mean())
+    alike = ((smooth > low - margin) & (smooth < high + margin)).all(axis=2)
+    # Hues, too: a grey object may be as bright as the ground.
+    hues = smooth / np.maximum(smooth.sum(axis=2, keepdims=True), 1e-3)
+    low, high = np.percentile(hues[beside], (2, 98), axis=0)
+    return np.asarray(alike & ((hues > low - UNLIKE_HUE) & (hues < high + UNLIKE_HUE)).all(axis=2))
 
 
 def _patches(coarse: Float32, unknown: Mask, known: Mask, sources: Mask) -> list[tuple[Float, Float]]:

@@ -209,7 +209,7 @@ class SceneRenderer:
         if bends and self._shadows.shadows_meet:
             straight = self._straight_video
             straight.show(tracked, viewport, camera)
-        reach = self._composite.reach_px(viewport, tracked.frame, look, self._surface.samples)
+        reach = self._composite.reach_px(viewport, tracked.frame, look)
         with self._surface.drawing(grown(frame.region, 2 * reach + 1, self.size)):
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
             self._draw_layers(model, inputs, signs, scene, straight, hidden)

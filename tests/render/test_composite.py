@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.bench.render.borders import border_widths, shadow_border
+from ashe_live.bench.render.borders import shadow_border
 from ashe_live.core.types import Illumination
+from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.composite import _weights

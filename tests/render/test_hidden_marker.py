@@ -90,6 +90,16 @@ def test_sheet_is_covered_by_ground_like_that_around_it(make_renderer, stage) ->
     np.testing.assert_array_equal(picture[far], tracked.frame.image_bgr[far])
 
 
+def test_no_object_is_taken_for_ground(stage) -> None:
+    """A blue block stands beside the sheet, and no estimate has told of it."""
+    tracked = _view(stage)
+    image = tracked.frame.image_bgr.copy()
+    image[60:200, 30:110] = (200, 60, 20)
+    cover = ground_cover(replace(tracked, frame=replace(tracked.frame, image_bgr=image)), Illumination())
+    red, _, blue, alpha = np.moveaxis(cover.image_rgba.astype(int), 2, 0)
+    assert not ((blue > red) & (alpha > 0)).any()
+
+
 def test_cover_is_steady_at_rest(make_renderer, stage) -> None:
     renderer = make_renderer(replace(FAST.render, matches_noise=False))
     pictures = []

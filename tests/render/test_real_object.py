@@ -135,3 +135,24 @@ def test_where_both_shadows_meet_there_is_no_seam_though_the_objects_outline_is_
             assert left.min() < 0.6 or left.max() > 1.5
         else:
             np.testing.assert_allclose(left, 1, atol=0.3)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_a_shadow_in_the_video_is_not_darkened_again_where_a_poor_proxy_knows_of_none(
+    make_renderer, stage, preset
+) -> None:
+    """The proxy's shadow begins 4 mm, some pixels, farther in than the one that the video shows."""
+    renderer = make_renderer(preset)
+    light = stage.light(180, 30, RATIO)
+    pose = stage.pose(-90, 60, 0.5)
+    double = stage.placed(box((0.04, 0.04, 0.08)).moved(1.0, np.array([0.0, 0.06, 0.0])))
+    renderer.render(Scene(stage.tracked(GREY, pose), double, Illumination((light,))))
+    tracked = stage.tracked(renderer.read_bgr(), pose)
+    lit = LINEAR_FROM_SRGB_8BIT[GREY]
+    caster = _proxy_box(0.0, 0.064, 0.02, 0.08)
+    model = stage.placed(box((0.03, 0.12, 0.05)))
+    renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=np.full(3, lit))))
+    picture = renderer.read_bgr()
+    strip = [(0.08, y, 0.0) for y in np.linspace(0.0405, 0.0435, 7)]
+    left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in strip]) / lit / RATIO
+    np.testing.assert_allclose(left, 1, atol=0.3)

@@ -24,6 +24,7 @@ from ashe_live.bench.render.cost import (
 )
 from ashe_live.bench.render.drawing import COSTS, ERRORS, draw_errors, draw_sweeps
 from ashe_live.bench.render.error import picture_error, read_references
+from ashe_live.bench.render.pairs import pair_error, read_pairs
 from ashe_live.bench.render.tables import print_render_figures
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import KnownClip
@@ -56,6 +57,7 @@ class RenderBench(Bench):
     clip: KnownClip
     frames: int  # of each loop
     memory_frames: int
+    pairs: Path | None = None  # folder of path-traced pairs, which assets/sources/scenes/pairs.py makes
 
     def parts(self) -> Iterator[Json]:
         leave_cores_to_renderer()
@@ -67,6 +69,7 @@ class RenderBench(Bench):
             "lamps": _lamps(ctx, self.frames),
             "errors": _errors(ctx, max(5, self.frames // 10)),
             "memory": self._memory(ctx),
+            "pairs": [] if self.pairs is None else _pairs(ctx, self.pairs),
         }
         print_render_figures(self.console, figures)
         yield figures
@@ -167,6 +170,15 @@ def _errors(ctx: Context, frames: int) -> list[Json]:
                 "model_de": float(np.mean([error.model_de for error in errors])),
             }
         )
+    return rows
+
+
+def _pairs(ctx: Context, folder: Path) -> list[Json]:
+    pairs = read_pairs(folder)
+    rows = []
+    for quality in QUALITIES.values():
+        for pair in track(pairs, f"photos of the same with the model, {quality.name}", transient=True):
+            rows.append({"preset": quality.name, "scene": pair.name, **asdict(pair_error(ctx, pair, quality.render))})
     return rows
 
 

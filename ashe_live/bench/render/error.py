@@ -77,7 +77,7 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
     within = cv2.erode(reference.is_model.astype(np.uint8), kernel) > 0
     threshold = (1 + reference.shadow_brightness) / 2
     ours, truth = (beside & (_darkening(image, bare) < threshold) for image in (picture, reference.expected))
-    difference = _colour_difference(picture, reference.expected)
+    difference = colour_difference(picture, reference.expected)
     smooth = (cv2.blur(_luminance(image), (PATCH_PX, PATCH_PX)) for image in (picture, reference.expected))
     found, expected = (np.array([image[at] for at in _deepest(truth & reference.is_ground)]) for image in smooth)
     return PictureError(
@@ -90,7 +90,7 @@ def picture_error(ctx: Context, reference: Reference, preset: RenderPreset) -> P
 
 def _reference(folder: Path, view: Json, model: str) -> Reference:
     name = view["name"]
-    bare = _read(folder / f"{name}.png")
+    bare = read_picture(folder / f"{name}.png")
     side_m = view["marker_side_m"]
     camera = Camera(tuple(view["size"]), np.array(view["K"]), np.zeros(5), "file")
     T_cam_marker = rigid(view["R"], view["t"])
@@ -121,9 +121,9 @@ def _reference(folder: Path, view: Json, model: str) -> Reference:
             seen_in=tracked,
         ),
     )
-    is_model = _read(folder / f"{name}_{model}_mask.png")[..., 0] > 127
+    is_model = read_picture(folder / f"{name}_{model}_mask.png")[..., 0] > 127
     brightness = np.where(is_lit, np.dot(view["shadow_ratio"], REC709_LUMINANCE) / (level @ REC709_LUMINANCE), np.nan)
-    expected = _read(folder / f"{name}_{model}.png")
+    expected = read_picture(folder / f"{name}_{model}.png")
     is_ground = (is_lit & ~is_object).reshape(is_model.shape)
     return Reference(f"{name}, {model}", scene, expected, is_model, brightness.reshape(is_model.shape), is_ground)
 
@@ -138,7 +138,8 @@ def _light(view: Json) -> Light:
     return Light(towards, shadow_rgb_ratio=ratio, inverse_distance=1 / distance_m, radius_m=view["radius_m"])
 
 
-def _read(path: Path) -> Image:
+def read_picture(path: Path) -> Image:
+    """(h, w, 3) BGR. Raises FileNotFoundError."""
     image = cv2.imread(str(path))
     if image is None:
         raise FileNotFoundError(f"no picture at {path}")
@@ -168,7 +169,7 @@ def _deepest(mask: Mask) -> list[tuple[int, int]]:
     return found
 
 
-def _colour_difference(a: Image, b: Image) -> Float:
+def colour_difference(a: Image, b: Image) -> Float:
     """(h, w) Euclidean distance in CIE L*a*b*."""
     labs = [cv2.cvtColor(each.astype(np.float32) / 255, cv2.COLOR_BGR2LAB) for each in (a, b)]
     return np.asarray(np.linalg.norm(labs[0] - labs[1], axis=2), dtype=np.float64)

@@ -1,5 +1,6 @@
 """The printed tables of `ashe-live bench render`."""
 
+import numpy as np
 from rich.console import Console
 from rich.table import Table
 
@@ -31,7 +32,8 @@ def print_render_figures(console: Console, record: Json) -> None:
     lamps = figures_table("one light, 640x480, ms a picture", "", "sun", "lamp", "ratio")
     for name, row in record["lamps"].items():
         lamps.add_row(name, f"{row['sun']:.2f}", f"{row['lamp']:.2f}", f"{row['lamp'] / row['sun']:.2f}")
-    for table in (loop, costs, lamps, errors, scene_table(record["errors"])):
+    pairs = [_pairs(record["pairs"])] if record["pairs"] else []
+    for table in (loop, costs, lamps, errors, scene_table(record["errors"]), *pairs):
         console.print(table)
     memory = record["memory"]
     console.print(
@@ -67,3 +69,26 @@ def _costs(row: Json) -> list[str]:
 
 def _size(size: list[int]) -> str:
     return f"{size[0]}x{size[1]}"
+
+
+def _pairs(rows: list[Json]) -> Table:
+    """A row a preset; medians of the borders, means of the others, scenes in which something is not told left out."""
+    table = figures_table(
+        "against photos of the same with the model",
+        "",
+        "FLIP",
+        "border",
+        "dE ground",
+        "dE paper",
+        "dE model",
+        "dE hidden",
+    )
+    for preset in dict.fromkeys(row["preset"] for row in rows):
+        own = [row for row in rows if row["preset"] == preset]
+        means = [
+            float(np.nanmean([row[key] for row in own])) for key in ("ground_de", "paper_de", "model_de", "hidden_de")
+        ]
+        flip = float(np.mean([row["flip"] for row in own]))
+        border = float(np.nanmedian([row["border_ratio"] for row in own]))
+        table.add_row(f"{preset}, {len(own)} scenes", f"{flip:.3f}", f"{border:.2f}", *(f"{de:.1f}" for de in means))
+    return table

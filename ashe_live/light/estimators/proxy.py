@@ -40,7 +40,7 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_exposure,
     fault_of_scene,
 )
-from ashe_live.light.explanation.penumbra import angular_size
+from ashe_live.light.explanation.penumbra import angular_size, soft_size
 from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb, unlit_mask, with_unlit_on_average
@@ -143,7 +143,7 @@ class ProxyEstimator:
         answers = zip(told.lights, ratios, strict=False)
         lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
         if len(lights) == 1:
-            lights = [with_size(lights[0], _angular_size(best, lights[0]))]
+            lights = [with_size(lights[0], _angular_size(best, lights[0], tracked))]
         clock.end("judge")
         found = Illumination(tuple(lights), ratios[-1], lit_rgb(ground), best.proxy)
         return answer(found, None, *_masks_of(best)), trace
@@ -253,5 +253,8 @@ def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
     return best.materials.shifts if seen is None else (seen,)
 
 
-def _angular_size(best: Explanation, light: Light) -> float | None:
+def _angular_size(best: Explanation, light: Light, tracked: TrackedFrame) -> float | None:
+    soft = soft_size(best.proxy, light.homogeneous, tracked)
+    if soft is not None:
+        return soft
     return angular_size(best.proxy, light.homogeneous, best.materials.shift_fraction, best.predicted, best.region.view)

@@ -6,8 +6,11 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
@@ -29,6 +32,42 @@ LEAST_SIGMAS = 3.0  # standard errors by which the squared diameter must differ 
 EDGES_PER_SAMPLE = 6.0  # neighbouring places on an edge are correlated: their number over the effective sample size
 LARGEST_RAD = math.radians(20)
 ROBUST_ROUNDS = 6
+# Of the widths of borders in the whole picture.
+DISC_SIGMAS = 2.75  # from 10 to 90 % of a disc's edge
+FINE_WIDTH_PX = 480.0  # of a picture, for which the reaches of border_widths.py are
+LEAST_SPREAD_PX = 4.0  # that a light of 1 rad adds: at the foot, 5 degrees add a third of a pixel
+FEWEST_PLACES = 24
+MARKER_REACH = 0.5  # of the profiles at the marker, which end on its margin and in its black frame
+LEAST_SOFT_RAD = math.radians(2.5)  # cameras' processing widens a bare sun's borders to those of up to 2 degrees
+MOST_SPREAD_OUT = 2.2  # third quartile over the first
+
+
+def soft_size(proxy: Proxy, light: Float, tracked: TrackedFrame) -> float | None:
+    """The angular diameter (rad) of a light that is clearly softer than a bare sun; None for all others.
+
+    By the widths of the shadow's border in the whole picture, as the estimator's own region is too coarse for them:
+    from 10 to 90 % a disc's penumbra takes 2.75 of its standard deviations, and the picture's own blur adds the width
+    that the edges of the marker's black square have.
+    """
+    assert tracked.marker is not None
+    scale = max(1.0, tracked.frame.size[0] / FINE_WIDTH_PX)
+    corners = tracked.marker.corners_px
+    edges = np.roll(corners, -1, axis=0) - corners
+    steps = np.linspace(0.15, 0.85, 16)
+    beside = (corners[:, None] + steps[:, None] * edges[:, None]).reshape(-1, 2)
+    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.maximum(np.linalg.norm(edges, axis=1), 1e-9)[:, None]
+    normals *= np.sign(((corners - corners.mean(axis=0)) * normals).sum(axis=1))[:, None]
+    blur = border_widths(tracked.frame.image_bgr, beside, np.repeat(normals, len(steps), axis=0), MARKER_REACH * scale)
+    places, outward, spreads = _outline(proxy, light, tracked.camera, tracked.marker.T_cam_marker)
+    if not np.isfinite(blur).any() or not len(places):
+        return None
+    widths = border_widths(tracked.frame.image_bgr, places, outward, scale)
+    told = np.isfinite(widths) & (spreads > LEAST_SPREAD_PX)
+    if told.sum() < FEWEST_PLACES:
+        return None
+    added = np.sqrt(np.maximum(widths[told] ** 2 - np.nanmedian(blur) ** 2, 0))
+    low, size, high = np.percentile(added / (DISC_SIGMAS * spreads[told]), (25, 50, 75))
+    return float(size) if LEAST_SOFT_RAD < size < LARGEST_RAD and high < MOST_SPREAD_OUT * low else None
 
 
 def angular_size(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted, view: View) -> float | None:
@@ -61,14 +100,14 @@ def angular_size(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Pre
     return size if size < LARGEST_RAD else None
 
 
-def _edges(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
-    """(n,) standard deviations (px) that a light of 1 rad would give the shadow's edge at n points; (n,) the variances
-    (px^2) measured there.
+def _outline(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float) -> tuple[Float, Float, Float]:
+    """(n, 2) pixels along the shadow's outline, (n, 2) unit normals out of it, and (n,) standard deviations (px) that a
+    light of 1 rad would give the edge there.
     """
     points = proxy.points_marker()
     shadows = cast_on_ground(points, light)
     if shadows is None:
-        return np.empty(0), np.empty(0)
+        return np.empty((0, 2)), np.empty((0, 2)), np.empty(0)
     cast = shadows[:, :2]
     rim = cv2.convexHull(cast.astype(np.float32), returnPoints=False)[:, 0]
     corners, casting = cast[rim], points[rim]
@@ -83,7 +122,7 @@ def _edges(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted
     ends = np.zeros((len(edge), 2, 3))
     ends[:, :, :2] = (corners[edge] + part[:, None] * along[edge])[:, None]
     ends[:, 1, :2] += ACROSS_M * outward[edge]
-    pixels = project(view.camera, view.T_cam_marker, ends.reshape(-1, 3)).reshape(-1, 2, 2)
+    pixels = project(camera, T_cam_marker, ends.reshape(-1, 3)).reshape(-1, 2, 2)
     across = pixels[:, 1] - pixels[:, 0]
     scale = np.hypot(*across.T)
     seen = scale > 1e-6  # which is false for NaN, the projection of what lies behind the camera
@@ -93,9 +132,19 @@ def _edges(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted
     way = part[:, None] * begin / (part[:, None] * begin + (1 - part[:, None]) * end)
     points = casting[edge] + way * (np.roll(casting, -1, axis=0) - casting)[edge]
     spreads = points[:, 2] * _blur_per_height(light, points, outward[edge]) / 4 * scale / ACROSS_M
+    return pixels[seen, 0], across[seen] / scale[seen, None], spreads[seen]
+
+
+def _edges(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
+    """(n,) standard deviations (px) that a light of 1 rad would give the shadow's edge at n points; (n,) the variances
+    (px^2) measured there.
+    """
+    places, outward, spreads = _outline(proxy, light, view.camera, view.T_cam_marker)
+    if not len(places):
+        return np.empty(0), np.empty(0)
     clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)
-    kept, variances = _variances(shift_fraction, clear, pixels[seen, 0], across[seen] / scale[seen, None])
-    return spreads[seen][kept], variances
+    kept, variances = _variances(shift_fraction, clear, places, outward)
+    return spreads[kept], variances
 
 
 def _blur_per_height(light: Float, points: Float, normals: Float) -> Float:

@@ -8,9 +8,11 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import direction_from_angles, tangent_basis
-from ashe_live.light.explanation.penumbra import _blur_per_height, angular_size
+from ashe_live.core.transforms import direction_from_angles, project, tangent_basis
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.light.explanation.penumbra import _blur_per_height, angular_size, soft_size
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity, cast_on_ground, towards
 from ashe_live.light.shape.predicted import predicted
@@ -97,3 +99,40 @@ def test_a_small_one_is_not_told_from_blur(blur_px: float) -> None:
 @pytest.mark.parametrize("share", [np.zeros, np.ones])
 def test_without_an_edge_there_is_no_size(share) -> None:
     assert size_of(share(SIZE[::-1], np.float32)) is None
+
+
+def photo_of(diameter_deg: float, blur_px: float) -> TrackedFrame:
+    """The shadow on even ground, with a printed marker in view, as a camera with that blur takes it."""
+    here = view()
+    share = share_of(math.radians(diameter_deg), 0.01)
+    linear = 0.45 * (1 - 0.7 * share)
+    square = np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)], float)
+    middle = np.array((0.05, -0.12, 0.0))
+    for half, value in ((0.03, 0.75), (0.02, 0.03)):
+        corners = project(here.camera, here.T_cam_marker, middle + half * square)
+        mask = np.zeros(SIZE[::-1], np.uint8)
+        cv2.fillConvexPoly(mask, np.round(corners * 16).astype(int), 255, cv2.LINE_AA, 4)
+        linear += (value - linear) * (mask / 255)
+    encoded = 255 * srgb_from_linear(cv2.GaussianBlur(linear, (0, 0), blur_px))
+    image = np.repeat(np.round(encoded).astype(np.uint8)[..., None], 3, axis=2)
+    corners = project(here.camera, here.T_cam_marker, middle + 0.02 * square)
+    return TrackedFrame(Frame(image, 0, 0.0), here.camera, MarkerPose(here.T_cam_marker, corners, 0.04, 0.0, None))
+
+
+@pytest.mark.parametrize("blur_px", [0.6, 1.0])
+@pytest.mark.parametrize("diameter_deg", [3.0, 5.0, 7.0])
+def test_a_soft_lights_size_is_told_by_the_width_of_its_shadows_border(diameter_deg: float, blur_px: float) -> None:
+    found = soft_size(PROXY, SUN, photo_of(diameter_deg, blur_px))
+    assert found is not None
+    assert math.degrees(found) == pytest.approx(diameter_deg, rel=0.25)
+
+
+@pytest.mark.parametrize("blur_px", [0.6, 1.0, 1.6])
+def test_a_bare_sun_is_not_soft(blur_px: float) -> None:
+    assert soft_size(PROXY, SUN, photo_of(0.53, blur_px)) is None
+
+
+def test_a_picture_without_a_shadow_has_no_soft_light() -> None:
+    photo = photo_of(5.0, 0.6)
+    even = Frame(np.full_like(photo.frame.image_bgr, 150), 0, 0.0)
+    assert soft_size(PROXY, SUN, TrackedFrame(even, photo.camera, photo.marker)) is None

@@ -1,0 +1,167 @@
+"""Differences from path-traced photos of the same scenes with the model standing there, or without the sheet.
+
+The photos are those of assets/sources/scenes/pairs.py: lens, noise, tone curve, sharpening and JPEG are a camera's.
+"""
+
+import json
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ashe_live.bench.render.borders import shadow_border
+from ashe_live.bench.render.error import colour_difference, read_picture
+from ashe_live.bench.render.flip import flip_error
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.contract import Json
+from ashe_live.core.transforms import project, rigid
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.light.explanation.border_widths import border_widths
+from ashe_live.models.catalogue import load_model
+from ashe_live.models.placement import Placement, placed_on_marker
+from ashe_live.render.offscreen import Context
+from ashe_live.render.preset import RenderPreset
+from ashe_live.render.renderer import SceneRenderer
+from ashe_live.render.scene import Scene
+from ashe_live.tracking.pose import square_corners
+
+CHANGED_LEVELS = 8  # of any channel, by which the model or its shadow has changed a photo
+SEEN_SHADOW = 0.5  # of the sun's light that is gone where a pixel counts as shadow
+TINY = 0.02  # a model that hides nothing, for the sheet is covered only where there is one
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pair:
+    """A scene as the renderer gets it, with its true light, and the photos of what it should become."""
+
+    name: str
+    scene: Scene
+    expected: Image  # (h, w, 3) BGR, with the model
+    without_sheet: Image  # (h, w, 3) BGR, and without the model
+    is_model: Mask  # (h, w)
+    is_sheet: Mask  # (h, w)
+    angular_diameter_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class PairError:
+    flip: float  # mean LDR-FLIP where model or shadow change the photo; NaN where they nowhere do, as all others
+    border_ratio: float  # median over places on the shadow's border of its width over the true one; NaN if none is told
+    border_places: int
+    ground_de: float  # mean CIE 1976 colour differences: in the shadow on the ground,
+    paper_de: float  # in the shadow on the sheet,
+    model_de: float  # and on the model
+    hidden_de: float  # where the sheet was, of means over some pixels, covered, from the ground without a sheet
+
+
+def read_pairs(folder: Path) -> list[Pair]:
+    """The pairs in a folder that scenes/pairs.py developed. Raises UserError where it holds none."""
+    try:
+        record = json.loads((folder / "pairs.json").read_text(encoding="utf-8"))
+        return [_pair(folder, entry, record["model"]) for entry in record["pairs"]]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UserError(f"{folder} holds no pairs ({error})", "make them: assets/sources/README.md says how") from error
+
+
+def pair_error(ctx: Context, pair: Pair, preset: RenderPreset) -> PairError:
+    tracked = pair.scene.tracked
+    assert tracked is not None
+    bare = tracked.frame.image_bgr
+    ours = drawn(ctx, pair.scene, preset)
+    changed = np.zeros(bare.shape[:2], bool)
+    for image in (ours, pair.expected):
+        smooth = [cv2.GaussianBlur(each, (0, 0), 1.0).astype(int) for each in (image, bare)]
+        changed |= np.abs(smooth[0] - smooth[1]).max(axis=2) > CHANGED_LEVELS
+    kernel = np.ones((5, 5), np.uint8)
+    model = pair.is_model.astype(np.uint8)
+    beside, within = cv2.dilate(model, kernel) == 0, cv2.erode(model, kernel) > 0
+    shadow = beside & _is_shadow(pair, bare)
+    difference = colour_difference(_smooth(ours, 1.0), _smooth(pair.expected, 1.0))
+    widths = [_border(pair, image) for image in (ours, pair.expected)]
+    both = np.isfinite(widths[0]) & np.isfinite(widths[1])
+    return PairError(
+        _mean(flip_error(ours, pair.expected), changed),
+        float(np.median(widths[0][both] / widths[1][both])) if both.any() else math.nan,
+        int(both.sum()),
+        _mean(difference, shadow & ~pair.is_sheet),
+        _mean(difference, shadow & pair.is_sheet),
+        _mean(difference, within),
+        hidden_error(ctx, pair, preset),
+    )
+
+
+def hidden_error(ctx: Context, pair: Pair, preset: RenderPreset) -> float:
+    """Mean colour difference of the covered sheet from the ground without one, means over some pixels compared."""
+    scene = replace(pair.scene, placement=Placement(scale=TINY), hides_marker=True)
+    covered = drawn(ctx, scene, preset)
+    difference = colour_difference(_smooth(covered, 2.0), _smooth(pair.without_sheet, 2.0))
+    return _mean(difference, pair.is_sheet)
+
+
+def drawn(ctx: Context, scene: Scene, preset: RenderPreset) -> Image:
+    assert scene.tracked is not None
+    renderer = SceneRenderer(ctx, preset, scene.tracked.frame.size)
+    renderer.render(scene)
+    picture = renderer.read_bgr()
+    renderer.release()
+    return picture
+
+
+def _is_shadow(pair: Pair, bare: Image) -> Mask:
+    """(h, w) where the path tracer's model takes more than half of what the sun gives."""
+    (light,) = pair.scene.illumination.lights
+    assert light.shadow_rgb_ratio is not None
+    ratio = float(np.mean(light.shadow_rgb_ratio))
+    with_model, without = (
+        cv2.GaussianBlur(LINEAR_FROM_SRGB_8BIT[each].sum(axis=2), (0, 0), 1.0) for each in (pair.expected, bare)
+    )
+    return np.asarray(with_model < (1 - SEEN_SHADOW * (1 - ratio)) * without)
+
+
+def _border(pair: Pair, image: Image) -> Float:
+    tracked = pair.scene.tracked
+    assert tracked is not None
+    assert tracked.marker is not None
+    assert pair.scene.model is not None
+    points = np.concatenate([part.vertices for part in pair.scene.model.model.parts]).astype(np.float64)
+    (light,) = pair.scene.illumination.lights
+    places, outward = shadow_border(points, light.to_light_marker, tracked.camera, tracked.marker.T_cam_marker)
+    return border_widths(image, places, outward)
+
+
+def _smooth(image: Image, sigma_px: float) -> Image:
+    return np.asarray(cv2.GaussianBlur(image, (0, 0), sigma_px), np.uint8)
+
+
+def _mean(values: Float, where: Mask) -> float:
+    return float(values[where].mean()) if where.any() else math.nan
+
+
+def _pair(folder: Path, entry: Json, model: str) -> Pair:
+    side_m = entry["marker_side_m"]
+    camera = Camera(tuple(entry["size"]), np.array(entry["K"]), np.zeros(5), "file")
+    T_cam_marker = rigid(entry["R"], entry["t"])
+    marker = MarkerPose(T_cam_marker, project(camera, T_cam_marker, square_corners(side_m)), side_m, 0.0, None)
+    bare, expected, without_sheet = (
+        read_picture(folder / f"{entry['id']}_{version}.jpg") for version in ("bare", "model", "open")
+    )
+    tracked = TrackedFrame(Frame(bare, 0, 0.0), camera, marker)
+    light = Light(
+        np.array(entry["to_light"]),
+        angular_size_rad=math.radians(entry["angular_diameter_deg"]),
+        shadow_rgb_ratio=np.array(entry["shadow_ratio"]),
+    )
+    sheet = project(camera, T_cam_marker, square_corners(entry["paper_side_m"]))
+    is_sheet = np.zeros(bare.shape[:2], np.uint8)
+    cv2.fillConvexPoly(is_sheet, np.round(sheet).astype(np.int32), 1)
+    is_model = read_picture(folder / f"{entry['id']}_mask.png")[..., 0] > 127
+    ground = LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3)
+    illumination = Illumination((light,), ground_rgb=np.median(ground, axis=0), seen_in=tracked)
+    scene = Scene(tracked, placed_on_marker(load_model(model), side_m), illumination)
+    name = f"{entry['id']} ({entry['ground']}, {entry['camera']}, {entry['angular_diameter_deg']:.1f} deg)"
+    return Pair(name, scene, expected, without_sheet, is_model, is_sheet > 0, entry["angular_diameter_deg"])

@@ -1,0 +1,66 @@
+"""What the pairs are compared by, on pictures whose differences are known."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.bench.render.pairs import pair_error, read_pairs
+from ashe_live.core.camera import Camera
+from ashe_live.core.colour import srgb_from_linear
+from ashe_live.core.transforms import direction_from_angles, rigid
+from ashe_live.errors import UserError
+from ashe_live.light.explanation.border_widths import border_widths
+from ashe_live.quality import FAST
+from ashe_live.render.offscreen import offscreen_context
+
+TEN_TO_NINETY_SIGMAS = 2.563
+
+
+@pytest.mark.parametrize("sigma", [0.6, 1.0, 1.8])
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+def test_width_of_a_blurred_border_is_the_blurs(sigma: float, noise: float) -> None:
+    linear = np.where(np.arange(120)[None] + 0.3 * np.arange(80)[:, None] > 70, 0.5, 0.15)
+    linear = cv2.GaussianBlur(np.repeat(linear, 1, axis=0), (0, 0), sigma)
+    grey = 255 * srgb_from_linear(linear) + np.random.default_rng(1).normal(0, 1, linear.shape) * noise
+    image = np.repeat(np.round(grey).astype(np.uint8)[..., None], 3, axis=2)
+    rows = np.arange(15, 65.0)
+    places = np.column_stack([70 - 0.3 * rows, rows])
+    outward = np.repeat(np.array([(1, 0.3)]) / np.hypot(1, 0.3), len(rows), axis=0)
+    width = np.nanmedian(border_widths(image, places, outward))
+    # The pixels are boxes, and reading between them is a triangle.
+    assert width == pytest.approx(TEN_TO_NINETY_SIGMAS * np.sqrt(sigma**2 + 1 / 12 + 1 / 6), rel=0.15)
+
+
+def test_no_width_is_made_up_where_there_is_no_border() -> None:
+    image = np.full((80, 120, 3), 150, np.uint8)
+    places = np.column_stack([np.full(40, 60.0), np.arange(20, 60.0)])
+    assert np.isnan(border_widths(image, places, np.repeat([(1.0, 0.0)], 40, axis=0))).all()
+
+
+def test_a_pair_without_any_difference_has_none(tmp_path) -> None:
+    """The model is so far away that neither it nor its shadow is in the picture: bare and expected are alike."""
+    size = (160, 120)
+    K = Camera.from_hfov(size, 50.0).K
+    picture = np.full((120, 160, 3), 140, np.uint8)
+    for version in ("bare", "model", "open"):
+        cv2.imwrite(str(tmp_path / f"one_{version}.jpg"), picture)
+    cv2.imwrite(str(tmp_path / "one_mask.png"), np.zeros((120, 160), np.uint8))
+    entry = {
+        "id": "one", "ground": "plain", "camera": "plain", "size": size, "K": K.tolist(), "R": np.eye(3).tolist(),
+        "t": [3.0, 0.0, 1.0], "marker_side_m": 0.08, "paper_side_m": 0.1, "angular_diameter_deg": 0.5,
+        "to_light": direction_from_angles(0.3, 0.8).tolist(), "shadow_ratio": [0.3, 0.3, 0.3],
+    }  # fmt: skip
+    (tmp_path / "pairs.json").write_text(json.dumps({"model": "cube", "pairs": [entry]}))
+    (pair,) = read_pairs(tmp_path)
+    error = pair_error(offscreen_context(), pair, FAST.render)
+    assert np.isnan(error.border_ratio)
+    assert error.border_places == 0
+    assert np.isnan(error.flip)
+    assert rigid(np.eye(3), entry["t"])[0, 3] == 3.0
+
+
+def test_a_folder_without_pairs_is_named(tmp_path) -> None:
+    with pytest.raises(UserError, match="holds no pairs"):
+        read_pairs(tmp_path)
