@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import ClassVar
@@ -19,17 +19,19 @@ from ashe_live.bench.judge.validation import (
     Judged,
     Pictures,
     by_families_left_out,
-    fitted_confidence,
-    held_out,
+    fitted_average,
+    judged,
     least_confidence,
+    looks_by,
     risk_curve,
+    scores_by_others,
 )
 from ashe_live.core.contract import Json
 from ashe_live.files.writing import write_json
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.light.explanation.evidence import SIGNS
-from ashe_live.light.explanation.judge import Judge, recalibrated
+from ashe_live.light.explanation.judge import Judge
 from ashe_live.light.explanation.judge_tables import Curve, Score, Tables
 from ashe_live.light.explanation.uncertainty import Calibration
 
@@ -83,15 +85,13 @@ class JudgeBench(Bench):
             pictures = self._pictures(chosen, judge, f"{len(chosen)} of {len(cases)} pictures")
             answers, tables = self._fitted(chosen, pictures)
             judge = Judge(tables)
-        families = list(
-            by_families_left_out(pictures, explanation_score, PRESETS["balanced"], lambda p: judge.confidence(p, 1))
-        )
-        judged = [each for several in answers.values() for each in several]
+        families = list(by_families_left_out(pictures, explanation_score, PRESETS["balanced"], tables.averages[1]))
+        every_answer = [each for several in answers.values() for each in several]
         self.console.print(score_table("explanations", tables.explanation))
         self.console.print(score_table("splits", tables.split))
         self.console.print(families_table(families))
         self.console.print(risk_table("by fits to other scenes", answers))
-        self.console.print(calibration_table(tables.calibration, judged))
+        self.console.print(calibration_table(tables.calibration, every_answer))
         yield {
             "scenes": [folder.resolve().name for folder in self.scenes],
             "tables": tables.as_json(),
@@ -126,15 +126,15 @@ class JudgeBench(Bench):
         """The answers by fits to other scenes, by preset; and the tables, of which confidences are fitted to these."""
         explanation = explanation_score(pictures)
         splits = [sample.splits for picture in pictures for sample in picture.values() if sample.splits]
-        answers = held_out(pictures, explanation_score, PRESETS)
-        confidence = {}
+        scores = scores_by_others(pictures, explanation_score)
+        averages, answers = {}, {}
         for looks in sorted({len(steps.looks) for steps in PRESETS.values()}):
-            alike = [preset for preset, steps in PRESETS.items() if len(steps.looks) == looks]
-            confidence[looks] = fitted_confidence([each for preset in alike for each in answers[preset]])
-            for preset in alike:
+            alike = {preset: steps for preset, steps in PRESETS.items() if len(steps.looks) == looks}
+            averages[looks] = fitted_average(pictures, scores, list(alike.values()), looks)
+            for preset, steps in alike.items():
                 answers[preset] = [
-                    replace(each, confidence=recalibrated(each.confidence, *confidence[looks]))
-                    for each in answers[preset]
+                    judged(score, looks_by(picture, steps), averages[looks])
+                    for picture, score in zip(pictures, scores, strict=True)
                 ]
         every = [each for several in answers.values() for each in several]
         least = least_confidence(every)
@@ -147,7 +147,7 @@ class JudgeBench(Bench):
             "date": datetime.now(UTC).date().isoformat(),
         }
         calibration = fitted_calibration([each for each in given if each is not None])
-        return answers, Tables(fitted_score(splits, WEIGHT), explanation, confidence, least, calibration, origin)
+        return answers, Tables(fitted_score(splits, WEIGHT), explanation, averages, least, calibration, origin)
 
 
 def explanation_score(pictures: Pictures) -> Score:

@@ -17,8 +17,9 @@ from ashe_live.light.explanation.judge import (
     MOST_LOG_ODDS,
     best_direction,
     probabilities_of,
+    recalibrated,
 )
-from ashe_live.light.explanation.judge_tables import Score
+from ashe_live.light.explanation.judge_tables import Average, Score
 
 FEWEST_PICTURES = 12  # of a family that is left out
 # The share of good answers at a confidence below which none is given. Their stated sigma is tens of degrees then.
@@ -31,7 +32,9 @@ NEWTON_STEPS = 30
 # Prior information on how confidence is recalibrated: as much as so many answers of even odds have.
 PRIOR_ANSWERS = 4.0
 
-Confidence = Callable[[float], float]  # from the average probability of the looks
+# By the number of looks, the weights that are tried.
+WEIGHTS: Mapping[int, Sequence[tuple[float, ...]]] = {1: [(1.0,)], 2: [(0.5, 0.5), (0.6, 0.4), (0.7, 0.3), (0.8, 0.2)]}
+
 Pictures = Sequence[Mapping[ProxySteps, Sample]]  # each by every look at it
 
 
@@ -64,23 +67,23 @@ class Judged:
         return Answer(self.confidence, self.best.error_by_axis, self.best.covariance_rad2)
 
 
-def judged(score: Score, looks: Sequence[Sample], confidence: Confidence = float) -> Judged:
+def judged(score: Score, looks: Sequence[Sample], average: Average) -> Judged:
     """The answer to a picture by the explanations' score, as the estimator would give it after these looks."""
     candidates: list[Candidate] = []
     probabilities: list[float] = []
-    for sample in looks:
+    for sample, weight in zip(looks, average.weights, strict=True):
         log_odds = [score.log_odds(candidate.features) for candidate in sample.judged]
         found = probabilities_of(np.clip(log_odds, -MOST_LOG_ODDS, MOST_LOG_ODDS).tolist())
         candidates += sample.judged
-        probabilities += (found / len(looks)).tolist()
+        probabilities += (weight * found).tolist()
     if not candidates:
         return Judged(looks[0], None, 0.0)
     index, share = best_direction(np.array(probabilities), [each.to_light_marker for each in candidates])
-    return Judged(looks[0], candidates[index], confidence(share))
+    return Judged(looks[0], candidates[index], recalibrated(share, average))
 
 
 def by_families_left_out(
-    pictures: Pictures, fit: Callable[[Pictures], Score], steps: ProxySteps, confidence: Confidence
+    pictures: Pictures, fit: Callable[[Pictures], Score], steps: ProxySteps, average: Average
 ) -> Iterator[tuple[str, str, list[Judged]]]:
     """For every kind of family and each family of it: the answers to its pictures, by a fit to all the others.
 
@@ -96,23 +99,45 @@ def by_families_left_out(
             rest = [picture for picture in pictures if family_of(picture, kind) != family]
             if len(held) >= FEWEST_PICTURES and rest:
                 score = fit(rest)
-                yield kind, family, [judged(score, _by(picture, steps), confidence) for picture in held]
+                yield kind, family, [judged(score, looks_by(picture, steps), average) for picture in held]
 
 
-def held_out(
-    pictures: Pictures, fit: Callable[[Pictures], Score], presets: Mapping[str, ProxySteps]
-) -> dict[str, list[Judged]]:
-    """By preset, the answers to all pictures, each by a fit to four fifths of them without it or its neighbours.
+def scores_by_others(pictures: Pictures, fit: Callable[[Pictures], Score]) -> list[Score]:
+    """For each picture the score fitted to four fifths of them, without it or its neighbours.
 
-    The pictures of one scene follow each other, and are left out together. Confidences are average probabilities.
+    The pictures of one scene follow each other, and are left out together.
     """
-    answers: dict[str, list[Judged]] = {preset: [] for preset in presets}
+    scores: list[Score] = []
     for part in np.array_split(np.arange(len(pictures)), FOLDS):
         rest = [picture for i, picture in enumerate(pictures) if i not in part]
-        score = fit(rest or pictures)
-        for preset, steps in presets.items():
-            answers[preset] += [judged(score, _by(pictures[i], steps)) for i in part]
-    return answers
+        scores += [fit(rest or pictures)] * len(part)
+    return scores
+
+
+def fitted_average(pictures: Pictures, scores: Sequence[Score], several: Sequence[ProxySteps], looks: int) -> Average:
+    """The average of so many looks with the least risk over all coverages, recalibrated.
+
+    several: steps with so many looks each, by whose answers it is chosen. scores: of each picture.
+    """
+
+    def answers(average: Average) -> list[Judged]:
+        return [
+            judged(score, looks_by(picture, steps), average)
+            for steps in several
+            for picture, score in zip(pictures, scores, strict=True)
+        ]
+
+    tried = [Average(weights) for weights in WEIGHTS[looks]]
+    best = min(tried, key=lambda average: mean_risk(answers(average)))
+    offset, slope = fitted_confidence(answers(best))
+    return Average(best.weights, offset, slope)
+
+
+def mean_risk(answers: Sequence[Judged]) -> float:
+    """The risk on average over all coverages: the area under the curve of risk by coverage."""
+    curve = risk_curve(answers)
+    covered = np.diff([0.0, *(coverage for _, coverage, _ in curve)])
+    return float(covered @ [risk for *_, risk in curve])
 
 
 def fitted_confidence(answers: Sequence[Judged]) -> tuple[float, float]:
@@ -133,7 +158,8 @@ def fitted_confidence(answers: Sequence[Judged]) -> tuple[float, float]:
     return round(float(values[0]), 3), round(float(max(values[1], 0.0)), 3)
 
 
-def _by(picture: Mapping[ProxySteps, Sample], steps: ProxySteps) -> list[Sample]:
+def looks_by(picture: Mapping[ProxySteps, Sample], steps: ProxySteps) -> list[Sample]:
+    """The looks at a picture that an estimate with these steps rests on."""
     return [picture[of_one_view(look)] for look in steps.looks]
 
 

@@ -32,6 +32,7 @@ from ashe_live.light.explanation.judge import (
     explanation_features,
     fitted_judge,
     probabilities_of,
+    recalibrated,
 )
 from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
@@ -108,16 +109,19 @@ class ProxyEstimator:
 
         if not views:
             return none(TOO_LITTLE_GROUND)
+        average = judge.average(len(looks))
         several = [
-            (look, *each) for look in looks for each in zip(look.trace.judged, look.trace.probabilities, strict=True)
+            (look, each, weight * probability)
+            for look, weight in zip(looks, average.weights, strict=True)
+            for each, probability in zip(look.trace.judged, look.trace.probabilities, strict=True)
         ]
         if not several:
             return none(NO_SHADOW if first.trace.regions else NOTHING_THERE)
-        probabilities = np.array([probability for *_, probability in several]) / len(looks)
+        probabilities = np.array([probability for *_, probability in several])
         index, share = best_direction(probabilities, [each.lights[0].to_light_marker for _, each, _ in several])
         look, best, _ = several[index]
         trace, ground = look.trace, look.views[0].ground
-        confidence = judge.confidence(share, len(looks))
+        confidence = recalibrated(share, average)
         clock.end("judge")
         if confidence < judge.least_confidence:
             return none(fault_of_scene(best, confidence), *_masks_of(best))

@@ -18,7 +18,7 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.light.explanation.company import ALONE, Company, company_features
 from ashe_live.light.explanation.evidence import Explanation, appearance, evidence
-from ashe_live.light.explanation.judge_tables import Tables, read_tables
+from ashe_live.light.explanation.judge_tables import Average, Tables, read_tables
 from ashe_live.light.explanation.uncertainty import Calibration, covariance_of_outlines
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
@@ -62,13 +62,9 @@ class Judge:
         """As `log_odds`, of an explanation with these features."""
         return float(np.clip(self.tables.explanation.log_odds(features), -MOST_LOG_ODDS, MOST_LOG_ODDS))
 
-    def confidence(self, probability: float, looks: int) -> float:
-        """The probability of being right where that of so many looks is `probability` on average.
-
-        An average of forecasts is less sure than forecasts that agree deserve (Ranjan and Gneiting, 2010).
-        """
-        offset, slope = self.tables.confidence.get(looks, (0.0, 1.0))
-        return recalibrated(probability, offset, slope)
+    def average(self, looks: int) -> Average:
+        """How the probabilities of so many looks at a picture become a confidence."""
+        return self.tables.averages.get(looks) or Average((1 / looks,) * looks)
 
     def lights_of(self, explanation: Explanation, confidence: float, tracked: TrackedFrame) -> tuple[Light, ...]:
         """The lights of an explanation with covariance, sigma and confidence, the strongest first as in its shifts."""
@@ -82,10 +78,13 @@ class Judge:
         return tuple(lights)
 
 
-def recalibrated(probability: float, offset: float, slope: float) -> float:
-    """The probability whose log odds are `offset` and `slope` times those of `probability` (Platt, 1999)."""
+def recalibrated(probability: float, average: Average) -> float:
+    """The confidence where the average of the looks' probabilities is `probability` (Platt, 1999).
+
+    An average of forecasts is less sure than forecasts that agree deserve (Ranjan and Gneiting, 2010).
+    """
     inside = min(max(probability, LEAST_PROBABILITY), 1 - LEAST_PROBABILITY)
-    return 1 / (1 + math.exp(-offset - slope * math.log(inside / (1 - inside))))
+    return 1 / (1 + math.exp(-average.offset - average.slope * math.log(inside / (1 - inside))))
 
 
 def probabilities_of(log_odds: Sequence[float]) -> Float:

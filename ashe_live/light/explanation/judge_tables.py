@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -41,14 +41,22 @@ class Score:
         return self.constant + sum(curve(features[name]) for name, curve in self.curves.items())
 
 
+@dataclass(frozen=True, slots=True)
+class Average:
+    """How the probabilities of several looks at a picture become a confidence."""
+
+    weights: tuple[float, ...]  # of each look's probabilities
+    offset: float = 0.0  # of the log odds of being right, with
+    slope: float = 1.0  # times those of the average
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Tables:
     """All that is fitted of the judge, and what it was fitted to."""
 
     split: Score
     explanation: Score
-    # By the number of looks: offset and slope of the log odds of being right over those of the average probability.
-    confidence: Mapping[int, tuple[float, float]]
+    averages: Mapping[int, Average]  # by the number of looks
     least_confidence: float
     calibration: Calibration
     origin: Mapping[str, Any]  # sets, seeds, counts, date, scores
@@ -56,7 +64,7 @@ class Tables:
     def as_json(self) -> dict[str, Any]:
         return {
             "origin": dict(self.origin),
-            "confidence": {str(looks): [offset, slope] for looks, (offset, slope) in self.confidence.items()},
+            "averages": {str(looks): asdict(average) for looks, average in self.averages.items()},
             "least_confidence": self.least_confidence,
             "calibration": {name: getattr(self.calibration, name) for name in Calibration.__slots__},
             "split": _score_json(self.split),
@@ -70,11 +78,15 @@ def read_tables(text: str) -> Tables:
     return Tables(
         _score(content["split"]),
         _score(content["explanation"]),
-        MappingProxyType({int(looks): (float(o), float(s)) for looks, (o, s) in content["confidence"].items()}),
+        MappingProxyType({int(looks): _average(each) for looks, each in content["averages"].items()}),
         float(content["least_confidence"]),
         Calibration(**content["calibration"]),
         MappingProxyType(content["origin"]),
     )
+
+
+def _average(content: Mapping[str, Any]) -> Average:
+    return Average(tuple(map(float, content["weights"])), float(content["offset"]), float(content["slope"]))
 
 
 def _score(content: Mapping[str, Any]) -> Score:

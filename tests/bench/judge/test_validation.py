@@ -11,18 +11,23 @@ from ashe_live.bench.judge.validation import (
     Judged,
     Pictures,
     by_families_left_out,
+    fitted_average,
     fitted_confidence,
-    held_out,
     isotonic,
     judged,
     least_confidence,
+    looks_by,
+    mean_risk,
     risk_curve,
+    scores_by_others,
 )
 from ashe_live.light.estimators import steps
 from ashe_live.light.explanation.judge import recalibrated
-from ashe_live.light.explanation.judge_tables import Curve, Score
+from ashe_live.light.explanation.judge_tables import Average, Curve, Score
 
 FAST = of_one_view(steps.FAST)
+OTHER = of_one_view(steps.BALANCED)
+ONE, TWO = Average((1.0,)), Average((0.6, 0.4))
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -33,6 +38,10 @@ def candidate(error_deg: float, edge: float = 1.0) -> Candidate:
 def answer(confidence: float, error_deg: float = 1.0, lights: int = 1, **tags: str) -> Judged:
     best = candidate(error_deg)
     return Judged(Sample(f"{confidence}{tags}", tags, lights, [best], []), best, confidence)
+
+
+def sample_of(candidates: list[Candidate]) -> Sample:
+    return Sample("a", {}, 1, candidates, [])
 
 
 def drawn(count: int, bias: float = 0.0) -> list[Judged]:
@@ -70,10 +79,10 @@ def test_isotonic_values_rise_and_keep_their_mean() -> None:
 def test_the_likeliest_candidate_answers_and_nothing_tried_is_no_answer() -> None:
     score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
     tried = Sample("a", {}, 1, [candidate(40.0, 0.0), candidate(2.0, 1.0)], [])
-    best = judged(score, [tried])
+    best = judged(score, [tried], ONE)
     assert best.best is tried.judged[1]
     assert best.confidence == pytest.approx((1 + np.exp(2)) / (2 + np.exp(2)))
-    nothing = judged(score, [dataclasses.replace(tried, judged=[])])
+    nothing = judged(score, [dataclasses.replace(tried, judged=[])], ONE)
     assert (nothing.best, nothing.confidence, nothing.answer) == (None, 0.0, None)
 
 
@@ -82,17 +91,18 @@ def test_looks_that_agree_are_surer_than_looks_that_do_not() -> None:
     here = Sample("a", {}, 1, [candidate(2.0)], [])
     elsewhere = Sample("a", {}, 1, [dataclasses.replace(candidate(90.0), to_light_marker=np.array([1.0, 0, 0]))], [])
     nothing = Sample("a", {}, 1, [], [])
-    once = judged(score, [here]).confidence
-    assert judged(score, [here, here]).confidence == pytest.approx(once)
-    assert judged(score, [here, elsewhere]).confidence == pytest.approx(once / 2)
-    assert judged(score, [here, nothing]).confidence == pytest.approx(once / 2)
+    once = judged(score, [here], ONE).confidence
+    assert judged(score, [here, here], TWO).confidence == pytest.approx(once)
+    assert judged(score, [here, elsewhere], TWO).confidence == pytest.approx(0.6 * once)
+    assert judged(score, [nothing, here], TWO).confidence == pytest.approx(0.4 * once)
 
 
 def test_recalibrated_answers_are_right_as_often_as_they_say() -> None:
     """Confidences whose log odds are half of what they should be are doubled, and right ones stay."""
     timid = drawn(6000)
     assert fitted_confidence(timid) == pytest.approx((0.0, 1.0), abs=0.1)
-    halved = [dataclasses.replace(each, confidence=recalibrated(each.confidence, 0.0, 0.5)) for each in timid]
+    half = Average((1.0,), 0.0, 0.5)
+    halved = [dataclasses.replace(each, confidence=recalibrated(each.confidence, half)) for each in timid]
     assert fitted_confidence(halved) == pytest.approx((0.0, 2.0), abs=0.2)
 
 
@@ -110,10 +120,21 @@ def test_a_picture_is_judged_by_fits_that_have_not_seen_its_neighbours() -> None
         seen.append({picture[FAST].case for picture in several})
         return Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
 
-    answers = held_out(pictures, fit, {"fast": FAST})["fast"]
-    assert [each.sample.case for each in answers] == [str(i) for i in range(20)]
+    assert len(scores_by_others(pictures, fit)) == 20
     for part, others in zip(np.array_split(np.arange(20), 5), seen, strict=True):
         assert others == {str(i) for i in range(20)} - {str(i) for i in part}
+
+
+def test_the_better_look_weighs_more() -> None:
+    """Of two looks one always finds the light, the other in every second picture, and is surer where it does not."""
+    score = Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
+    wrong = dataclasses.replace(candidate(90.0), to_light_marker=np.array([1.0, 0, 0]))
+    steps_of_both = dataclasses.replace(FAST, second_look=OTHER)
+    right = sample_of([candidate(2.0, edge=0.8)])
+    pictures = [{FAST: right, OTHER: sample_of([wrong]) if i % 2 else right} for i in range(40)]
+    average = fitted_average(pictures, [score] * 40, [steps_of_both], 2)
+    assert average.weights[0] > 0.5
+    assert mean_risk([judged(score, looks_by(each, steps_of_both), average) for each in pictures]) == 0
 
 
 def test_a_family_is_judged_by_a_fit_that_has_not_seen_it() -> None:
@@ -125,7 +146,7 @@ def test_a_family_is_judged_by_a_fit_that_has_not_seen_it() -> None:
         seen.append({picture[FAST].tags["ground"] for picture in several})
         return Score(0.0, {"edge": Curve((0.0, 1.0), (0.0, 2.0))})
 
-    families = by_families_left_out(pictures, fit, FAST, float)
+    families = by_families_left_out(pictures, fit, FAST, ONE)
     found = [(kind, family, len(answers)) for kind, family, answers in families]
     assert found == [("ground", "brick", 20), ("ground", "wood", 20)]
     assert seen == [{"wood", "rare"}, {"brick", "rare"}]

@@ -18,7 +18,7 @@ from ashe_live.light.explanation.judge import (
     probabilities_of,
     recalibrated,
 )
-from ashe_live.light.explanation.judge_tables import Curve, read_tables
+from ashe_live.light.explanation.judge_tables import Average, Curve, read_tables
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.directions import FittedLight
@@ -188,14 +188,16 @@ def test_the_best_explanation_wins_and_a_strong_rival_makes_it_less_believed() -
 
 @pytest.mark.parametrize("looks", [1, 2])
 def test_confidence_rises_with_the_looks_average_probability(looks: int) -> None:
-    confidences = [JUDGE.confidence(probability, looks) for probability in (0.0, 0.01, 0.3, 0.5, 0.9, 0.999, 1.0)]
+    average = JUDGE.average(looks)
+    assert sum(average.weights) == pytest.approx(1)
+    confidences = [recalibrated(probability, average) for probability in (0.0, 0.01, 0.3, 0.5, 0.9, 0.999, 1.0)]
     assert (np.diff(confidences) > 0).all()
     assert 0 <= confidences[0] < confidences[-1] <= 1
 
 
 def test_no_recalibration_leaves_a_probability_as_it_is() -> None:
-    assert recalibrated(0.3, 0.0, 1.0) == pytest.approx(0.3)
-    assert recalibrated(0.3, 1.0, 0.0) == pytest.approx(1 / (1 + np.exp(-1)))
+    assert recalibrated(0.3, Average((1.0,))) == pytest.approx(0.3)
+    assert recalibrated(0.3, Average((1.0,), 1.0, 0.0)) == pytest.approx(1 / (1 + np.exp(-1)))
 
 
 # The tables
