@@ -16,7 +16,7 @@ from ashe_live.bench.plots import TradePoint, pareto_front
 from ashe_live.bench.tables import figures_table
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.estimators.proxy import ProxyEstimator
-from ashe_live.light.estimators.steps import BALANCED, ProxySteps
+from ashe_live.light.estimators.steps import BALANCED, FAST, ProxySteps
 from ashe_live.light.outline_fit import preset
 
 MEDIAN_ERROR = "median error, no answer = 90° (degrees)"
@@ -65,6 +65,8 @@ VARIATIONS = (
     *_varied("splits fitted", "tried", 2, 4, 6, 8, 12, 16),
     *_varied("fits refined", "refined", 1, 2, 3, 4, 6),
     *_fits("fine fit", "fine_fit", "fast", "balanced"),
+    Variation("second look", "none", {"second_look": None}),
+    Variation("second look", "fast", {"second_look": FAST}),
     *_varied("views", "views", 1, 2, 4, 8, 12),
     *_varied("views searched beside the first", "companions", 0, 1, 2),
     *_varied("explanations aligned in all views", "joint", 2, 3, 4, 6),

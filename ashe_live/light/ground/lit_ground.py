@@ -34,8 +34,9 @@ NEAR_PX = 3  # the reach of the smoothing of `squared_distance`
 # Scale at which colours are averaged, and the least area there, in pixels, of an object found by its mean colour.
 AVERAGED, LEAST_AVERAGED_PX = 1 / 3, 12
 AVERAGED_STEPS = GroundSteps(12, 8, 1)  # averages have few colours
-# Log odds of lying on the plane below which a pixel is something that stands there, whatever its colour.
-OFF_PLANE = -1.5
+# Log odds of lying on the plane below which a pixel is something that stands there, if its colour is unusual for the
+# ground by a squared distance: ground that is hidden in other views has such log odds, too.
+OFF_PLANE, UNUSUAL_DISTANCE = -1.5, 3.5
 # Log odds from which on it is surely on the plane; what is brighter there, by so much in log brightness than the
 # brightest of the palette's colours with a share of COMMON, is a glow.
 ON_PLANE, BRIGHTER, COMMON = 0.5, 0.1, 0.03
@@ -119,7 +120,7 @@ def unlit_mask(ground: LitGround, is_ground: Mask, least_px: int) -> Mask:
     """(h, w) objects and shadows: compact areas of at least `least_px` pixels that the lit ground does not explain."""
     unexplained = ground.rare & (ground.squared_distance > UNLIT_DISTANCE) & ~ground.sheen
     if ground.on_plane is not None:
-        unexplained |= ground.on_plane < OFF_PLANE
+        unexplained |= (ground.on_plane < OFF_PLANE) & (ground.squared_distance > UNUSUAL_DISTANCE)
     return large_areas(cleaned(is_ground & unexplained), least_px)
 
 
