@@ -35,6 +35,7 @@ ONLY_PARSED = {
     "cameras": "needs a camera",
     "marker --show": "needs a window",
     "bench": "takes minutes",
+    "estimate photo.jpg --marker cube": "needs a photo of a folded cube",
 }
 # A window is replaced by a few frames without one.
 WITHOUT_WINDOW = {"demo": ["--headless", "--frames", "2"], "play": ["--headless"]}
