@@ -4,7 +4,8 @@ uniform vec3 sun_on_ground[LIGHTS];  // fraction of the light on level ground at
 uniform vec4 light_point[LIGHTS];  // unit vector from the marker's centre, and one over the distance in 1/m: 0 for a sun
 
 #if LAMPS
-// Nothing is lit more than from a hundredth of the lamp's distance from the marker's centre: it has a size.
+// Nothing is lit more than from a hundredth of the lamp's distance from the marker's centre (as in lighting.py): it has a
+// size.
 const float LEAST_DISTANCE2 = 1e-4;
 #endif
 

@@ -14,6 +14,8 @@ MAX_LIGHTS = 4
 # Of shadowed over lit ground where it was not measured: about the share of a clear sky at noon.
 ASSUMED_SHADOW_RATIO = 0.4
 SUN_ANGULAR_SIZE_RAD = math.radians(0.53)
+# Nothing is lit more than from this share of the lamp's distance from the marker's centre (as in lights.glsl).
+LEAST_LAMP_DISTANCE = 0.01
 LAMP_RADIUS_M = 0.03  # of a household bulb (A60), for a lamp whose size was not measured
 # Below this sine of the elevation a sun's irradiance is no longer raised to match its share on level ground.
 MIN_BALANCED_SINE = 0.2
@@ -61,7 +63,7 @@ class Sun:
     def ground_falloff(self, ground: Float) -> Float:
         """(n,) its light on level ground at points (n, 2) over that at the marker's centre: h / d^3, by Lambert."""
         points = np.column_stack([ground, np.zeros(len(ground))])
-        return np.asarray(np.linalg.norm(self.towards(points), axis=1) ** -3)
+        return np.asarray(np.maximum(np.linalg.norm(self.towards(points), axis=1), LEAST_LAMP_DISTANCE) ** -3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

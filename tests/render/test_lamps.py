@@ -231,6 +231,14 @@ def test_a_lamp_has_an_intensity_in_candela() -> None:
         _ = sun.intensity
 
 
+def test_ground_below_a_lamp_that_lies_on_it_is_lit_finitely() -> None:
+    lamp = Light((0.3, 0.0, 1e-200), shadow_rgb_ratio=np.array(RATIO), inverse_distance=1 / 0.3)
+    lighting = lighting_of((lamp,))
+    level = lighting.level_at(np.array([(0.3, 0.0), (0.0, 0.0), (-0.3, 0.0)]))
+    np.testing.assert_allclose(level[1:], [[1.0] * 3, [0.2 + 0.8 / 8] * 3])
+    assert np.isfinite(level).all()
+
+
 def test_a_share_measured_at_the_marker_holds_against_a_shadow_elsewhere() -> None:
     lamp = replace(lamp_at((0.2, 0.0, 0.3)), intensity_rgb_ratio=np.array((1.0, 3.0, 0.25)))
     lighting = lighting_of((lamp,), ambient_rgb_ratio=np.full(3, 0.1))
