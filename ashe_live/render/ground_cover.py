@@ -59,6 +59,8 @@ class _Plane(NamedTuple):
 def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCover | None:
     """The cover of the sheet in a frame with a marker; None where too little ground is seen to make one."""
     assert tracked.marker is not None
+    if tracked.marker.body is not None:
+        return None  # what stands there is no sheet
     side_m = tracked.marker.side_m
     corners = tracked.marker.corners_px
     longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).max())

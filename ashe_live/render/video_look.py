@@ -31,6 +31,7 @@ BLUR_RANGE_PX = (0.0, 3.0)
 BOX_VARIANCE_PX2 = 1 / 12  # of a pixel, which the model's own pixels have too
 INTERPOLATION_VARIANCE_PX2 = 1 / 6  # of bilinear sampling, on average
 NOISE_WINDOW_PX = 160
+BODY_PRINT_SHARE = 0.7  # of a body's edge: the black square on its faces, as `tracking.cube.faces` has it printed
 COARSE_CHROMA = 0.6  # between the 1/2 of repeated pixels and the 1 of independent ones
 LEAST_CHROMA_DETAIL = 0.05  # levels squared, that there is something to tell it by
 
@@ -52,7 +53,7 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
     `lighting`: with lamps in it the paper is brighter towards them, and all of it may be in the real object's shadow.
     """
     assert tracked.marker is not None
-    half = tracked.marker.side_m
+    half = _print_side_m(tracked)
     along = np.linspace(-0.5, 0.5, AROUND)
     ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in RING_SIDES for x in along])
     inside = np.concatenate([[(0.45 * s, 0.9 * x), (0.9 * x, 0.45 * s)] for s in (-1, 1) for x in along])
@@ -84,6 +85,9 @@ def look_of(
         return VideoLook(white, None, 0.0)
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
     corners = tracked.marker.corners_px
+    if tracked.marker.body is not None:
+        half = 0.5 * _print_side_m(tracked)
+        corners = _pixels(tracked, np.array([(-half, half), (half, half), (half, -half), (-half, -half)]))
     middle = corners.mean(axis=0)
     return VideoLook(
         white,
@@ -173,19 +177,36 @@ def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) 
 
 
 def _linear_at(tracked: TrackedFrame, ground: Float, level: Callable[[Float], Float]) -> Float:
-    """(m, 3) linear RGB of those places (n, 2) of the plane in view, over the light's `level` (n, 3) there."""
-    assert tracked.marker is not None
-    camera = tracked.camera
-    T = tracked.marker.T_cam_marker
-    points = np.column_stack([ground, np.zeros(len(ground))])
-    if (points @ T[2, :3] + T[2, 3]).min() <= 0:
+    """(m, 3) linear RGB of those places (n, 2) of the print in view, over the light's `level` (n, 3) there."""
+    pixels = _pixels(tracked, ground)
+    if not np.isfinite(pixels).all():
         return np.zeros((0, 3))
-    pixels = cv2.projectPoints(points, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0].reshape(-1, 2)
     column, row = np.round(pixels).T
     width, height = tracked.frame.size
     seen = (column >= 0) & (column < width) & (row >= 0) & (row < height)
     bgr = tracked.frame.image_bgr[row[seen].astype(int), column[seen].astype(int)]
     return np.asarray(LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]] / level(ground)[seen])
+
+
+def _pixels(tracked: TrackedFrame, places: Float) -> Float:
+    """(n, 2) pixels of places (n, 2) of the marker's upright print; NaN where any lies behind the camera.
+
+    A body's is the one on its top.
+    """
+    assert tracked.marker is not None
+    camera, T, body = tracked.camera, tracked.marker.T_cam_marker, tracked.marker.body
+    height = 0.0 if body is None else tracked.marker.side_m
+    points = np.column_stack([places, np.full(len(places), height)])
+    if (points @ T[2, :3] + T[2, 3]).min() <= 0:
+        return np.full((len(places), 2), np.nan)
+    pixels = cv2.projectPoints(points, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0]
+    return np.asarray(pixels.reshape(-1, 2), dtype=np.float64)
+
+
+def _print_side_m(tracked: TrackedFrame) -> float:
+    """Of the black square."""
+    assert tracked.marker is not None
+    return tracked.marker.side_m * (1.0 if tracked.marker.body is None else BODY_PRINT_SHARE)
 
 
 def _window(grey: Image, centre: Float) -> Image:

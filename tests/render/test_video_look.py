@@ -12,7 +12,19 @@ from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.scene import Scene
-from ashe_live.render.video_look import ASSUMED_WHITE, PAPER_ALBEDO, edge_blur_px, has_coarse_chroma, look_of, white_of
+from ashe_live.render.video_look import (
+    ASSUMED_WHITE,
+    BODY_PRINT_SHARE,
+    PAPER_ALBEDO,
+    edge_blur_px,
+    has_coarse_chroma,
+    look_of,
+    white_of,
+)
+from ashe_live.tracking.cube.faces import TAG_SHARE
+from ashe_live.tracking.layout import cube_layout
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, frame_of, looking, sun
 
 SIDE = 0.08
 FINE = 4  # the printed sheet is drawn that much finer, then averaged
@@ -120,3 +132,13 @@ def test_exposure_and_white_balance_follow_the_camera(make_renderer, stage) -> N
         (column, row), *_ = np.round(project(tracked.camera, tracked.marker.T_cam_marker, [(0, 0, 0)])).astype(int)
         shown = linear_from_srgb(renderer.read_bgr()[row, column, ::-1] / 255)
         np.testing.assert_allclose(shown, 0.5 * np.array(white), rtol=0.04)
+
+
+def test_of_a_cube_the_paper_on_its_top_is_white() -> None:
+    assert BODY_PRINT_SHARE == TAG_SHARE
+    scene = CubeScene(CAMERA, looking(0.35, 30, 40), [sun(200, 40)], blur_px=0.9)
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    look = look_of(tracked)
+    # The picture is exposed so that white in the open table's light has this level.
+    assert np.mean(look.white_rgb) == pytest.approx(scene.exposure, rel=0.1)
+    assert look.blur_sigma_px == pytest.approx(0.9, abs=0.3)

@@ -38,6 +38,7 @@ class EdgeFit:
     covariance: Float  # (2, 2) of s = (x, y) / z
     size_rad: float | None  # the light's angular diameter; None: no wider than the picture's blur tells
     misfit_px: float  # root mean square distance of the edges, robust
+    misfit_share: float  # the same over how far they were looked for
     clear: float  # of the outline's points that could be seen, the part with a step as deep as the shadow
     seen: float  # part of the outline's points that could be seen
     far_end: float  # part of the shadow's far end that could be seen
@@ -114,6 +115,7 @@ def fitted(body: Proxy, light: Float, darkening: float, picture: Float32, room: 
         np.asarray(covariance, dtype=np.float64),
         size or None,
         math.sqrt(variance),
+        math.sqrt(float((weight * (left / reach) ** 2).sum() / weight.sum())),
         float(is_step[visible].mean()) if visible.any() else 0.0,
         float(visible.mean()),
         float(outward[visible].sum() / outward.sum()) if outward.any() else 1.0,

@@ -34,6 +34,10 @@ LEAST_DARKENING, LEAST_CLEAR, MOST_MISFIT_PX = 0.06, 0.75, 0.7
 LOG_NONE = math.log(0.5)
 BEYOND_PX = 3.0  # from a shadow's edge to where it is dark, or lit, but for the penumbra
 SHOWN, CHANCE, HIDDEN_EDGES = 0.85, 0.3, 0.8
+# Of the reach, the robust scatter of what is no edge; what places say by lying near is worth no more than so much.
+ANYWHERE, MOST_NEAR, MOST_LOG_ODDS = 0.16, 1.2, 12.0
+# A light that gives less of the table's light casts no shadow to speak of; one that gives less, a pale one.
+PALEST, PALE = 0.12, 0.2
 DARK_ELSEWHERE = 6.0  # log likelihood
 
 
@@ -116,7 +120,7 @@ def lights_of(seen: Seen) -> Found | None:
     if not candidates:
         return None
     scored = [
-        (max(likelihood, _log_likelihood(seen, each, nothing, templates.hidden_sky)), each)
+        (max(likelihood, _log_likelihood(seen, each, nothing, templates.hidden_sky)) + _edge_log_odds(each.fit), each)
         for likelihood, each in candidates
     ]
     likelihood, first = max(scored, key=lambda pair: pair[0])
@@ -124,7 +128,8 @@ def lights_of(seen: Seen) -> Found | None:
     sum_of_all = posterior.sum() + math.exp(none - max(float((total + prior).max()), none))
     near = templates.lights[:, :3] @ normalised(first.light[:3]) > math.cos(NEAR_RAD)
     confidence = float(posterior[near].sum() / sum_of_all)
-    confidence *= _by_edges(first.fit)
+    step = float(darkenings_rgb(seen, [first])[0].mean())
+    confidence = _with_edges(confidence, first.fit, step) if step > PALEST else 0.0
     found = [first]
     while len(found) < MOST_LIGHTS:
         further = _further(seen, found, weight)
@@ -135,21 +140,30 @@ def lights_of(seen: Seen) -> Found | None:
     return Found(tuple(found), confidence, likelihood, likelihood > DARK_ELSEWHERE)
 
 
-def _by_edges(fit: EdgeFit | None) -> float:
-    """Probability that a shadow is one, by how many of the places where its edges should be seen show a step.
+def _with_edges(confidence: float, fit: EdgeFit | None, step: float) -> float:
+    """A probability of a direction, after a look at the edges that its shadow should have.
 
-    Each independent place shows one with the probability SHOWN where there is an edge, and CHANCE where there is none.
+    step: part of the light that is lost across them. Pale ones speak against it only, as stains have edges, too.
     """
     if fit is None:
-        return HIDDEN_EDGES
-    return 1 / (1 + math.exp(-float(np.clip(_edge_log_odds(fit) + 1, -30, 30))))
+        return HIDDEN_EDGES * confidence
+    most = MOST_LOG_ODDS if step > PALE else 0.0
+    for_it = confidence * math.exp(float(np.clip(_edge_log_odds(fit), -MOST_LOG_ODDS, most)))
+    return for_it / (for_it + 1 - confidence)
 
 
 def _edge_log_odds(fit: EdgeFit | None) -> float:
+    """What the shadow's edges say for it.
+
+    Each independent place shows a step with the probability SHOWN where there is an edge and CHANCE where there is
+    none; and an edge is found near where it is predicted, what is none anywhere within reach.
+    """
     if fit is None:
         return 0.0
     places = fit.seen * POINTS / POINTS_A_SAMPLE
-    return places * (fit.clear * math.log(SHOWN / CHANCE) + (1 - fit.clear) * math.log((1 - SHOWN) / (1 - CHANCE)))
+    near = float(np.clip(math.log(ANYWHERE / max(fit.misfit_share, 1e-6)), -MOST_NEAR, MOST_NEAR))
+    shown = fit.clear * (math.log(SHOWN / CHANCE) + near)
+    return places * (shown + (1 - fit.clear) * math.log((1 - SHOWN) / (1 - CHANCE)))
 
 
 def darkenings_rgb(seen: Seen, found: Sequence[FoundLight]) -> Float:

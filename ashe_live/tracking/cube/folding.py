@@ -24,7 +24,9 @@ from ashe_live.tracking.pose_refinement import pixels_by_points, pixels_by_pose
 # 0.7 mm of 6 cm.
 TURN_SIGMA, SHIFT_SIGMA = math.radians(0.9), 0.011
 # Corners err alike in frames that look alike: each after the first counts for so much, and no more than so many.
-LATER_FRAMES, MOST_FRAMES = 0.2, 150
+LATER_FRAMES, MOST_FRAMES = 0.2, 60
+# Learned from every one of the first frames, then from one in so many.
+EVERY_ONE_OF, EVERY = 4, 8
 EACH = 6
 # Cubes are folded better and worse: the scales of these standard deviations that are tried, and the information about
 # what lies along an axis, in units of the prior, from which on it says something of them.
@@ -42,7 +44,7 @@ class Folding:
         self._information = np.zeros((len(prior), len(prior)))
         self._scale = 1.0  # of this cube's folds, over those of careful folding
         self._vector = np.zeros(len(prior))
-        self._frames = 0
+        self._frames = self._seen_in = 0
         self._met: set[int] = set()
         self._folds = np.zeros((len(FACES), EACH))
 
@@ -83,7 +85,9 @@ class Folding:
 
     def add(self, squares: Mapping[int, Sighting], T_cam_cube: Float, camera: Camera) -> bool:
         """Learns from a frame's faces by number, seen from `T_cam_cube`; returns whether the shape has changed."""
-        if len(squares) < 2 or self._frames >= MOST_FRAMES:
+        self._seen_in += 1
+        is_due = self._frames < EVERY_ONE_OF or self._seen_in % EVERY == 0
+        if len(squares) < 2 or self._frames >= MOST_FRAMES or not is_due:
             return False
         numbers = list(squares)
         sightings = list(squares.values())
