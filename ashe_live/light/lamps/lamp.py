@@ -15,14 +15,14 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light
 from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.explain import lamp_borders, realigned
+from ashe_live.light.explanation.explain import lamp_borders
 from ashe_live.light.explanation.judge import probability_of_good
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.place import Place
-from ashe_live.light.lamps.sources import NEAREST, SeenObject, place_by_all, shadow_middle
+from ashe_live.light.lamps.sources import NEAREST, SeenObject, aligned_as_lamp, place_by_all, shadow_middle
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
@@ -67,13 +67,11 @@ def stated(
     ratios: Sequence[Float],
     scene: Scene,
     kind: str,
-    of_views: int = 1,
 ) -> Answer:
     """The lights of an explanation; its first one as a lamp where that is told, the others always as suns.
 
     lights_of: those of an explanation of some confidence as directions, with covariances. ratios: (3,) each light's
-    shadow ratio, linear RGB. kind: one of KINDS. of_views: how many views' borders the explanation was aligned with; of
-    several, it stays as it is.
+    shadow ratio, linear RGB. kind: one of KINDS.
     """
     lights = lights_of(explanation, confidence)
     seen = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, scene.view).whole
@@ -94,10 +92,11 @@ def stated(
             objects += others
             place = place_by_all(objects, ratios, fall_off)
     now, at = objects, place
-    for _ in range(ALIGNMENTS if of_views == 1 else 0):
+    for _ in range(ALIGNMENTS):
         if not _is_near(at, WORTH_ALIGNING if kind == AUTO else 0.0):
             break
-        again = [(realigned(each.explanation, 0, float(min(at.mean[2], NEAREST))), each.probability) for each in now]
+        nearness = float(min(at.mean[2], NEAREST))
+        again = [(aligned_as_lamp(each.explanation, nearness), each.probability) for each in now]
         if again[0][0] is None:
             break
         now = [SeenObject(one, sure, covariance_of(one, sure)) for one, sure in again if one is not None]

@@ -8,12 +8,13 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.explain import lamp_borders
+from ashe_live.light.explanation.explain import lamp_borders, realigned
 from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
+from ashe_live.light.views.joint import explained_in_views
 
 MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
 NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is taken to be there
@@ -36,6 +37,19 @@ class SeenObject:
         """Where the first light is, by this object's borders."""
         fitted = FittedLight(self.explanation.lights[0].light, self.covariance_rad2)
         return place_by_borders(fitted, lamp_borders(self.explanation)[0])
+
+
+def aligned_as_lamp(explanation: Explanation, nearness: float) -> Explanation | None:
+    """The explanation aligned again in all of its views with its first light at a nearness w / z (1/m), held.
+
+    None where the object or a shadow is then not in view.
+    """
+    alignment = explanation.alignment
+    lit = alignment.placed.lit.with_first_light_near(nearness)
+    if not alignment.elsewhere:
+        return realigned(explanation, lit)
+    (found,) = explained_in_views([(lit, [one.costs for one in (alignment.placed, *alignment.elsewhere)])])
+    return None if found is None else found.joint
 
 
 def place_by_all(objects: Sequence[SeenObject], ratios: Sequence[Float], fall_off: FallOff | None) -> Place:
