@@ -36,7 +36,7 @@ ROOMS: dict[str, set[str]] = {
         "core", "light.pixels", "light.ground", "light.shape", "light.outline_fit", "light.labels",
         "light.explanation",
     },
-    "light.lamps": {"core", "light.pixels", "light.ground", "light.shape", "light.explanation"},
+    "light.lamps": {"core", "light.pixels", "light.ground", "light.shape", "light.explanation", "light.views"},
     "light.paper": {"core"},
     "light.known_body": {"core", "light.pixels", "light.shape"},
     "light.estimators": {

@@ -140,7 +140,6 @@ class ProxyEstimator:
                 lambda: other_objects(chosen, trace.judged, trace.regions, ground, judge),
             ),
             steps.light,
-            len(views),
         )
         best = told.explanation
         # With two lights there is a third shift, that where both are blocked.

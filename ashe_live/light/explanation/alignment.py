@@ -78,6 +78,7 @@ class Alignment:
     clear_shadow: float  # the same along the outlines of all shadows
     clear_shadows: tuple[float, ...]  # the same along each shadow's outline
     ends_in_view: tuple[float, ...]  # (l,) fraction of each shadow's far end inside the picture, hidden or not
+    elsewhere: tuple[PlacedBody, ...] = ()  # the same body in other views, if their borders were aligned with as well
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,20 +104,24 @@ def aligned(several: Sequence[Start]) -> list[Alignment | None]:
     return found
 
 
-def lights_as_lamps(placed: PlacedBody) -> tuple[Float, Float]:
+def lights_as_lamps(several: Sequence[PlacedBody]) -> tuple[Float, Float]:
     """What the borders tell of the lights if each may be a lamp: (3 l,) offset, (3 l, 3 l) information on it.
 
     Of every light's displacement s and nearness w / z, in the body frame, the offset from the placed body's lights that
-    the borders ask for, whatever the body: the shape is marginalised out. The body must be in view.
+    the borders ask for, whatever the body: the shape is marginalised out. several: the body in one view or more, in all
+    of which it must be visible.
     """
-    layout = Layout(len(placed.lit.lights), with_nearness=True)
-    pull = normal_equations([placed], SEARCH_RANGES[-1], 1.0, layout.with_nearness)
-    normal = pull.normal[0]
+    lit = several[0].lit
+    layout = Layout(len(lit.lights), with_nearness=True)
+    pull = normal_equations(several, SEARCH_RANGES[-1], 1.0, layout.with_nearness)
+    normal, gradient = pull.normal.sum(axis=0), pull.gradient.sum(axis=0)
+    prior, diagonal = prior_information(lit.body.family, layout), np.arange(len(normal))
+    normal[diagonal, diagonal] -= (len(several) - 1) * prior  # which each view's includes
     nearness = [layout.light(i).stop - 1 for i in range(layout.lights)]
     normal[nearness, nearness] += 1 / WIDEST_NEARNESS**2
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-12))
     balanced = normal / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
-    offset = np.linalg.solve(balanced, pull.gradient[0] / scale) / scale
+    offset = np.linalg.solve(balanced, gradient / scale) / scale
     return offset[: layout.split], information_on_lights(normal, layout)
 
 

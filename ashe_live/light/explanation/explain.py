@@ -40,7 +40,6 @@ FEW_PX = 20
 # both leave over is fitted as the overdispersion of `uncertainty.Calibration`.
 BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE = 2.3, 0.007
 LEAST_EIGENVALUE = 1e-6  # of a correlation matrix
-HIGHEST_NEARNESS = 0.4  # of a light over half the body's height: a lamp lower than its top casts no finite shadow
 END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
@@ -89,22 +88,10 @@ def aligned_explanations(several: Sequence[tuple[Proposal, Sequence[LitBody], Si
     return [_explanation(each[0], found) for each, found in zip(several, aligned(starts), strict=True)]
 
 
-def realigned(explanation: Explanation, number: int, nearness: float) -> Explanation | None:
-    """The explanation aligned again with its light `number` at another nearness w / z (1/m, marker frame), held.
-
-    The light stays where it was as seen from the body's middle, where a direction is right. None where the body or a
-    shadow is then not in view.
-    """
-    placed = explanation.alignment.placed
-    lit, frame = placed.lit, placed.lit.body.frame
-    middle = 0.5 * float(lit.body.proxy.points_marker()[:, 2].max())
-    nearness = min(nearness, HIGHEST_NEARNESS / max(middle, 1e-9))
-    foot = frame.origin_marker
-    lights = lit.lights / lit.lights[:, 2:3]
-    seen = (lights[number, :2] - lights[number, 3] * foot) / (1 - lights[number, 3] * middle)
-    lights[number] = (*(seen * (1 - nearness * middle) + nearness * foot), 1.0, nearness)
+def realigned(explanation: Explanation, lit: LitBody) -> Explanation | None:
+    """The explanation aligned again from `lit`, whose lights keep their nearness; None where it is not in view."""
     proposal = Proposal(explanation.region, explanation.materials, explanation.split, None, explanation.as_object)
-    (found,) = aligned_explanations([(proposal, [replace(lit, lights=lights)], placed.sight)])
+    (found,) = aligned_explanations([(proposal, [lit], explanation.alignment.placed.sight)])
     return None if found is None else refined_by_tangents(found)
 
 
@@ -160,7 +147,7 @@ class LampBorders:
 def lamp_borders(explanation: Explanation) -> list[LampBorders]:
     """For each light; all are about the explanation's own lights, whose displacement depends on their nearness."""
     placed, frame = explanation.alignment.placed, explanation.alignment.placed.lit.body.frame
-    offset, information = lights_as_lamps(placed)
+    offset, information = lights_as_lamps([placed, *explanation.alignment.elsewhere])
     covariance = _bounded_inverse(_tempered(information, explanation.alignment))
     layout = Layout(len(placed.lit.lights), with_nearness=True)
     found = []

@@ -43,6 +43,7 @@ class Pull:
     gradient: Float  # (3,) information times the offset of displacement and nearness
     information: Float  # (3, 3) on these, positive semi-definite
     cost: float  # twice the negative log likelihood of the light, without what worst unevenness may explain
+    worst_cost: float  # the same, with all that it may explain
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +106,11 @@ class FallOff:
         spread += (1e-9 * np.trace(spread) + 1e-12) * np.eye(3)
         trusted = information @ np.linalg.inv(spread)
         told_of = trusted @ information
-        return Pull(trusted @ gradient, np.asarray(0.5 * (told_of + told_of.T)), float(gram[told, told]))
+        uneven = slice(3, 3 + len(worst))
+        stiffness = gram[uneven, uneven] + np.diag(1 / worst**2)
+        explained = float(gram[uneven, told] @ np.linalg.solve(stiffness, gram[uneven, told]))
+        cost = float(gram[told, told])
+        return Pull(trusted @ gradient, np.asarray(0.5 * (told_of + told_of.T)), cost, cost - explained)
 
     def _gram(self, columns: Float) -> Float:
         """(k, k) weighted inner products of columns (n, k), without what can be fitted along."""

@@ -8,6 +8,7 @@ shadow of a lamp is not that of a sun.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -15,14 +16,22 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light
 from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.explain import lamp_borders, realigned
+from ashe_live.light.explanation.explain import lamp_borders
 from ashe_live.light.explanation.judge import probability_of_good
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.place import Place
-from ashe_live.light.lamps.sources import NEAREST, SeenObject, place_by_all, shadow_middle
+from ashe_live.light.lamps.sources import (
+    NEAREST,
+    SeenObject,
+    aligned_as_lamp,
+    deviance_of_sun,
+    place_by_all,
+    place_seen_from_a_sun,
+    shadow_middle,
+)
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
@@ -30,6 +39,7 @@ from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.predicted import predicted
 
 BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
+SURE_DEVIANCE = 40.0  # of a sun, from which on there is a lamp even if the ground's slope does not tell: one overhead
 LEAST_SIGMAS = 3.0  # standard errors by which the nearness of a lamp must differ from 0
 WORTH_ALIGNING = 2.0  # standard errors from which on borders are aligned as a lamp's
 WORTH_LOOKING = 1.0  # standard errors from which on other objects are looked for
@@ -67,13 +77,11 @@ def stated(
     ratios: Sequence[Float],
     scene: Scene,
     kind: str,
-    of_views: int = 1,
 ) -> Answer:
     """The lights of an explanation; its first one as a lamp where that is told, the others always as suns.
 
     lights_of: those of an explanation of some confidence as directions, with covariances. ratios: (3,) each light's
-    shadow ratio, linear RGB. kind: one of KINDS. of_views: how many views' borders the explanation was aligned with; of
-    several, it stays as it is.
+    shadow ratio, linear RGB. kind: one of KINDS.
     """
     lights = lights_of(explanation, confidence)
     seen = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, scene.view).whole
@@ -85,7 +93,7 @@ def stated(
         return covariance
 
     objects = [SeenObject(explanation, confidence, covariance_of(explanation, confidence))]
-    place = place_by_all(objects, ratios, fall_off)
+    place, from_sun = (tell(objects, ratios, fall_off) for tell in (place_by_all, place_seen_from_a_sun))
     if kind == SUN:
         return Answer(explanation, lights, place)
     if kind == LAMP or _may_be_near(place):
@@ -93,21 +101,28 @@ def stated(
         if others:
             objects += others
             place = place_by_all(objects, ratios, fall_off)
+            from_sun = max(
+                from_sun, place_seen_from_a_sun(objects, ratios, fall_off), key=attrgetter("standard_errors")
+            )
+    deviance = deviance_of_sun(objects, place, ratios, fall_off)
+    is_told = from_sun.standard_errors > LEAST_SIGMAS and deviance > LEAST_SIGMAS**2
+    is_sun = kind == AUTO and not is_told and deviance < SURE_DEVIANCE
     now, at = objects, place
-    for _ in range(ALIGNMENTS if of_views == 1 else 0):
-        if not _is_near(at, WORTH_ALIGNING if kind == AUTO else 0.0):
+    for _ in range(ALIGNMENTS):
+        if is_sun or not _is_near(at, WORTH_ALIGNING if kind == AUTO else 0.0):
             break
-        again = [(realigned(each.explanation, 0, float(min(at.mean[2], NEAREST))), each.probability) for each in now]
+        nearness = float(min(at.mean[2], NEAREST))
+        again = [(aligned_as_lamp(each.explanation, nearness), each.probability) for each in now]
         if again[0][0] is None:
             break
         now = [SeenObject(one, sure, covariance_of(one, sure)) for one, sure in again if one is not None]
         at = place_by_all(now, ratios, fall_off)
-    if _is_near(at, LEAST_SIGMAS if kind == AUTO else 0.0):
+    if not is_sun and _is_near(at, LEAST_SIGMAS if kind == AUTO else 0.0):
         best = now[0].explanation
         first, *others_lights = lights_of(best, confidence)
         return Answer(best, (_lamp(first, at, ratios[0], shadow_middle(best)), *others_lights), at)
     first, *others_lights = lights
-    return Answer(explanation, (_with_doubt(first, explanation, place), *others_lights), place)
+    return Answer(explanation, (_with_doubt(first, explanation, from_sun), *others_lights), place)
 
 
 def _may_be_near(place: Place) -> bool:
@@ -124,7 +139,7 @@ def with_size(light: Light, angular_size_rad: float | None) -> Light:
 
 
 def _is_near(place: Place, sigmas: float) -> bool:
-    return bool(place.mean[2] > max(sigmas * place.nearness_sigma, 0.0))
+    return place.mean[2] > 0 and place.standard_errors > sigmas
 
 
 def _lamp(light: Light, place: Place, ratio: Float, reference: Float) -> Light:

@@ -42,6 +42,11 @@ class Place:
         return math.sqrt(self.covariance[2, 2])
 
     @property
+    def standard_errors(self) -> float:
+        """By how many of them the nearness differs from a sun's; negative for one beyond infinity."""
+        return float(self.mean[2]) / self.nearness_sigma
+
+    @property
     def lamp_covariance(self) -> Float:
         """(3, 3) on (larger azimuth, larger elevation, larger inverse distance), at the marker's centre."""
         x, y, nearness = self.mean

@@ -8,12 +8,13 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.explain import lamp_borders
+from ashe_live.light.explanation.explain import lamp_borders, realigned
 from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
+from ashe_live.light.views.joint import explained_in_views
 
 MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
 NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is taken to be there
@@ -38,6 +39,19 @@ class SeenObject:
         return place_by_borders(fitted, lamp_borders(self.explanation)[0])
 
 
+def aligned_as_lamp(explanation: Explanation, nearness: float) -> Explanation | None:
+    """The explanation aligned again in all of its views with its first light at a nearness w / z (1/m), held.
+
+    None where the object or a shadow is then not in view.
+    """
+    alignment = explanation.alignment
+    lit = alignment.placed.lit.with_first_light_near(nearness)
+    if not alignment.elsewhere:
+        return realigned(explanation, lit)
+    (found,) = explained_in_views([(lit, [one.costs for one in (alignment.placed, *alignment.elsewhere)])])
+    return None if found is None else found.joint
+
+
 def place_by_all(objects: Sequence[SeenObject], ratios: Sequence[Float], fall_off: FallOff | None) -> Place:
     """Where the first light of the first object is.
 
@@ -47,10 +61,46 @@ def place_by_all(objects: Sequence[SeenObject], ratios: Sequence[Float], fall_of
     if fall_off is None:
         return by_borders
     first = objects[0].explanation
-    others = np.array([_parameters(each.light) for each in first.lights[1:]]).reshape(-1, 3)
-    shares = np.array([np.clip(1 - ratio.mean(), LEAST_SHARE, MOST_SHARE) for ratio in ratios])
-    shares *= min(MOST_SHARE / shares.sum(), 1.0)
-    return _with_fall_off(by_borders, fall_off, others, shares.tolist(), shadow_middle(first))
+    return _with_fall_off(by_borders, fall_off, *_beside(first, ratios), shadow_middle(first))
+
+
+def place_seen_from_a_sun(objects: Sequence[SeenObject], ratios: Sequence[Float], fall_off: FallOff | None) -> Place:
+    """As `place_by_all`, to first order about a light at infinity: its nearness has the variance that a sun's has.
+
+    About a near lamp the fall of light is steep, and seems to tell a nearness that unevenness alone may have suggested;
+    so whether there is a lamp at all is asked here (Rao's score test).
+    """
+    by_borders = combined([each.place for each in objects])
+    line = by_borders.covariance[:, 2] / by_borders.covariance[2, 2]
+    as_sun = by_borders.mean - line * by_borders.mean[2]
+    gradient, information = by_borders.information @ (by_borders.mean - as_sun), by_borders.information
+    if fall_off is not None:
+        others, shares = _beside(objects[0].explanation, ratios)
+        pull = fall_off.pull(np.vstack([as_sun, others]), shares, shadow_middle(objects[0].explanation))
+        gradient, information = gradient + pull.gradient, information + pull.information
+    return Place(as_sun + np.linalg.solve(information, gradient), information)
+
+
+def deviance_of_sun(
+    objects: Sequence[SeenObject], place: Place, ratios: Sequence[Float], fall_off: FallOff | None
+) -> float:
+    """By how much a sun costs more than the light at `place`, if unevenness is at its worst.
+
+    Twice the log of a likelihood ratio. Straight below a lamp its light falls by the distance's square alone, which is
+    not seen about a light at infinity (`place_seen_from_a_sun`).
+    """
+    by_borders = combined([each.place for each in objects])
+    line = by_borders.covariance[:, 2] / by_borders.covariance[2, 2]
+    as_sun = by_borders.mean - line * by_borders.mean[2]
+    others, shares = _beside(objects[0].explanation, ratios)
+    costs = []
+    for at in (as_sun, place.mean):
+        offset = at - by_borders.mean
+        costs.append(float(offset @ by_borders.information @ offset))
+        if fall_off is not None:
+            lights = np.vstack([at, others])
+            costs[-1] += fall_off.pull(lights, shares, shadow_middle(objects[0].explanation)).worst_cost
+    return costs[0] - costs[1]
 
 
 def shadow_middle(explanation: Explanation) -> Float:
@@ -86,6 +136,13 @@ def _with_fall_off(
         if np.abs(step).max() < SETTLED:
             break
     return Place(at, information)
+
+
+def _beside(explanation: Explanation, ratios: Sequence[Float]) -> tuple[Float, list[float]]:
+    """(l - 1, 3) parameters of the lights beside the first; each light's share of all light on the plane."""
+    others = np.array([_parameters(each.light) for each in explanation.lights[1:]]).reshape(-1, 3)
+    shares = np.array([np.clip(1 - ratio.mean(), LEAST_SHARE, MOST_SHARE) for ratio in ratios])
+    return others, (shares * min(MOST_SHARE / shares.sum(), 1.0)).tolist()
 
 
 def _parameters(light: Float) -> Float:

@@ -10,6 +10,8 @@ from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.layout import Layout, nearness_of
 from ashe_live.light.shape.light_points import towards
 
+HIGHEST_NEARNESS = 0.4  # of a lamp, times half the height of the body below it
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BodyFrame:
@@ -84,6 +86,18 @@ class LitBody:
         """(3,) unit vectors from the body's foot towards the lights, marker frame."""
         foot = np.array([*self.body.frame.origin_marker, 0.0])
         return [towards(light, foot) for light in self.lights]
+
+    def with_first_light_near(self, nearness: float) -> "LitBody":
+        """With the first light at the nearness w / z (1/m, marker frame), in the direction that the body's middle sees.
+
+        A lamp not well above the body's top would cast no finite shadow; it is moved up.
+        """
+        foot, middle = self.body.frame.origin_marker, 0.5 * float(self.body.proxy.points_marker()[:, 2].max())
+        nearness = min(nearness, HIGHEST_NEARNESS / max(middle, 1e-9))
+        lights = self.lights / self.lights[:, 2:3]
+        seen = (lights[0, :2] - lights[0, 3] * foot) / (1 - lights[0, 3] * middle)
+        lights[0] = (*(seen * (1 - nearness * middle) + nearness * foot), 1.0, nearness)
+        return replace(self, lights=lights)
 
     def moved(self, step: Float) -> "LitBody":
         """After a step in theta; a step longer than (split + q,) is padded for others of its batch, and cut.

@@ -197,4 +197,5 @@ def _together(alignments: Sequence[Alignment]) -> Alignment:
         clear_shadow=float(np.mean([one.clear_shadow for one in alignments])),
         clear_shadows=tuple(float(clear) for clear in shadows),
         ends_in_view=tuple(float(end) for end in ends),
+        elsewhere=tuple(one.placed for one in alignments[1:]),
     )

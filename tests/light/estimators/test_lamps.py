@@ -15,7 +15,7 @@ from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.lamps.kinds import KINDS, LAMP, SUN
 from tests.light.painted_scenes import BOX, CYLINDER, SHADOW_RATIO, Caster, paint
-from tests.light.synthetic_masks import direction
+from tests.light.synthetic_masks import camera_towards, direction
 
 CASTERS = {"box": BOX, "cylinder": CYLINDER}
 # Azimuth and elevation in degrees, and distance in metres.
@@ -106,3 +106,32 @@ def test_what_a_command_or_a_program_asks_for_reaches_the_estimator() -> None:
     assert {choice: light_steps(build_parser().parse_args(["demo", "--light", choice])).light for choice in LIGHTS} == {
         kind: kind for kind in KINDS
     }
+
+
+def test_two_objects_tell_the_distance() -> None:
+    """Better than one does: the fall of light alone leaves it uncertain by what cameras do to contrast."""
+    lamp_m, other = at(200.0, 50.0, 0.6), replace(CYLINDER, at=(-0.06, 0.14))
+    alone, both = (
+        stated(ProxyEstimator().estimate(paint(*casters, lamp_m=lamp_m).tracked)) for casters in ((BOX,), (BOX, other))
+    )
+    assert both.kind == "lamp"
+    assert both.lamp_covariance is not None
+    assert alone.lamp_covariance is not None
+    assert abs(both.inverse_distance * 0.6 - 1) < 0.1
+    assert both.lamp_covariance[2, 2] < alone.lamp_covariance[2, 2]
+
+
+def test_several_views_of_a_lamp_are_answered_together() -> None:
+    lamp_m = at(200.0, 50.0, 0.5)
+    frames = [
+        paint(CYLINDER, lamp_m=lamp_m, T_cam_marker=camera_towards((0.08, 0.0), 0.55, 45.0, heading)).tracked
+        for heading in (90.0, 70.0, 110.0)
+    ]
+    estimate = ProxyEstimator().estimate(
+        frames[0], [replace(each, frame=replace(each.frame, index=i)) for i, each in enumerate(frames[1:], 8)]
+    )
+    light = stated(estimate)
+    assert len(estimate.views) == 3
+    assert light.kind == "lamp"
+    assert math.degrees(angle_between(light.to_light_marker, lamp_m)) < 2.5
+    assert abs(light.inverse_distance * 0.5 - 1) < 0.15
