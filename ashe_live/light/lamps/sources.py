@@ -14,7 +14,7 @@ from ashe_live.light.lamps.place import Place, combined, place_by_borders
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
-from ashe_live.light.views.joint import explained_in_views
+from ashe_live.light.views.joint import JointStart, explained_in_views
 
 MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
 NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is taken to be there
@@ -48,7 +48,8 @@ def aligned_as_lamp(explanation: Explanation, nearness: float) -> Explanation | 
     lit = alignment.placed.lit.with_first_light_near(nearness)
     if not alignment.elsewhere:
         return realigned(explanation, lit)
-    (found,) = explained_in_views([(lit, [one.costs for one in (alignment.placed, *alignment.elsewhere)])])
+    costs = [one.costs for one in (alignment.placed, *alignment.elsewhere)]
+    (found,) = explained_in_views([JointStart(explanation, lit, costs)])
     return None if found is None else found.joint
 
 
