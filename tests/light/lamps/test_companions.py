@@ -10,6 +10,7 @@ from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import SeenObject
+from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.light_points import at_infinity
 from tests.light.painted_bodies import explanation_of
@@ -23,6 +24,10 @@ SURE_RAD2 = math.radians(2) ** 2 * np.eye(2)
 
 def covariance_of(_explanation: Explanation, probability: float) -> Float:
     return SURE_RAD2 / probability
+
+
+def whole_view() -> View:
+    return View.of(painted_region(BOX).scene.tracked, 320)
 
 
 def seen(caster: Caster, azimuth_deg: float = 200.0) -> Explanation:
@@ -43,8 +48,7 @@ def first() -> SeenObject:
 
 
 def found(first: SeenObject, *candidates: tuple[Explanation, float]) -> list[Explanation]:
-    view = painted_region(BOX).region.view
-    others = companions(first, place_of(first.explanation), candidates, covariance_of, view)
+    others = companions(first, place_of(first.explanation), candidates, covariance_of, whole_view())
     return [each.explanation for each in others]
 
 
@@ -68,9 +72,8 @@ def test_the_object_itself_and_its_other_explanations_count_no_second_time(first
 
 
 def test_the_surer_it_is_the_smaller_its_covariance(first: SeenObject) -> None:
-    view = painted_region(BOX).region.view
     (unsure,), (sure,) = (
-        companions(first, place_of(first.explanation), [(seen(OTHER), log_odds)], covariance_of, view)
+        companions(first, place_of(first.explanation), [(seen(OTHER), log_odds)], covariance_of, whole_view())
         for log_odds in (-2.0, 2.0)
     )
     assert sure.probability > unsure.probability
