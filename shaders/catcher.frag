@@ -22,6 +22,9 @@ uniform float cover_half_m;
 uniform vec3 cover_gain;  // exposure of this frame over that of the cover's
 #endif
 uniform float strength;  // 0: the model darkens nothing
+#ifdef SOFT_BORDER
+uniform float border_px;  // standard deviation of the real shadow's border beyond what lens and sun explain
+#endif
 
 in vec2 ground;
 in vec2 ground_placed;
@@ -80,7 +83,15 @@ void main() {
         seen *= lit_past_real(light, covered);
 #endif
         before += seen;
-        after += seen * lit_on_ground(0, light, ground);
+#ifdef SOFT_BORDER
+        // Four taps have the variance of their offsets.
+        vec2 across = border_px * dFdx(ground), along = border_px * dFdy(ground);
+        float lit = 0.25 * (lit_on_ground(0, light, ground + across + along) + lit_on_ground(0, light, ground + across - along)
+            + lit_on_ground(0, light, ground - across + along) + lit_on_ground(0, light, ground - across - along));
+#else
+        float lit = lit_on_ground(0, light, ground);
+#endif
+        after += seen * lit;
     }
 #endif
     vec3 ratio = mix(vec3(1.0), after / max(before, 1e-3), strength);

@@ -16,6 +16,8 @@ from ashe_live.render.shadow_maps import ShadowMaps
 from ashe_live.render.standing import StandingModel
 from ashe_live.render.video import Video
 
+LEAST_BORDER_PX = 0.2  # that is worth four looks at a shadow instead of one
+
 
 class ShadowCatcher:
     """Multiplies the video, in linear light, where the model's shadow and its contact with the ground are."""
@@ -56,15 +58,19 @@ class ShadowCatcher:
         ground_rgb: Float | None,
         hidden: HiddenMarker | None,
         darkens: bool,
+        border_px: float,
     ) -> None:
         """Draws behind the model's depth; nothing where the camera is below the plane.
 
         `ground_rgb`: (3,) linear RGB of the lit ground in the video, where that is known. `hidden`: what covers the
-        marker's sheet. `darkens`: whether the model takes light away.
+        marker's sheet. `darkens`: whether the model takes light away. `border_px`: standard deviation, pixels of the
+        framebuffer, of the real shadow's border beyond what lens and sun explain.
         """
         if framing.eye_marker[2] <= 0 or self._buffer is None:
             return
         constants = lighting.constants | ({} if hidden is None else {"covers": 1})
+        if border_px >= LEAST_BORDER_PX:
+            constants |= {"soft_border": 1}
         program = self._programs.get("catcher", contact_fade=FADE, casters=casters, **constants)
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         # Behind a model that is flat on the ground.
@@ -83,6 +89,7 @@ class ShadowCatcher:
             sky=lighting.sky,
             strength=1.0 if darkens else 0.0,
             sun_on_ground=lighting.ground_shares,
+            border_px=border_px,
         )
         self._fan_of(program).render(moderngl.TRIANGLE_FAN)
         self._ctx.polygon_offset = 0.0, 0.0

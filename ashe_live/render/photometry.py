@@ -7,7 +7,7 @@ from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.lighting import Lighting, lighting_of
 from ashe_live.render.preset import RenderPreset
 from ashe_live.render.shadow_maps import same_objects
-from ashe_live.render.video_look import INTERPOLATION_VARIANCE_PX2, VideoLook, look_of, white_of
+from ashe_live.render.video_look import INTERPOLATION_VARIANCE_PX2, VideoLook, look_of, unexplained_border_px, white_of
 
 LOOK_HELD_S = 0.2  # of the video's time
 
@@ -19,6 +19,7 @@ class Photometry:
         self._preset = preset
         self._look: tuple[TrackedFrame, Lighting, VideoLook] | None = None
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
+        self._border: tuple[Lighting, float] | None = None
 
     def lighting(self, of: Illumination) -> Lighting:
         """The irradiances; the same object for the same illumination."""
@@ -30,6 +31,17 @@ class Photometry:
                 albedo = of.ground_rgb / white_of(of.seen_in, lighting, of.real_object)
             self._lighting = known, lighting_of(of.lights, of.ambient_rgb_ratio, albedo)
         return self._lighting[1]
+
+    def border_share(self, of: Illumination) -> float:
+        """Standard deviation of the real shadow's border beyond what lens and sun explain, over the picture's width."""
+        lighting = self.lighting(of)
+        if self._border is None or self._border[0] is not lighting:
+            share = 0.0
+            if self._preset.matches_blur and of.seen_in is not None and of.real_object is not None and lighting.suns:
+                width_px = of.seen_in.frame.size[0]
+                share = unexplained_border_px(of.seen_in, of.real_object, lighting.suns[0]) / width_px
+            self._border = lighting, share
+        return self._border[1]
 
     def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
         """What the preset matches of the video. Exposure and white balance follow the camera's a few times a second."""

@@ -234,10 +234,20 @@ class SceneRenderer:
         for sign in signs:
             self._light_signs.draw(frame, sign)
         casters = 2 if self._shadows.shadows_meet else 1
+        border_px = self._photometry.border_share(scene.illumination) * frame.viewport[2]
         ground_rgb = scene.illumination.ground_rgb
         if scene.casts_shadow or hidden is not None:
             self._catcher.draw(
-                frame, video, lighting, self._ground_shadows, casters, model, ground_rgb, hidden, scene.casts_shadow
+                frame,
+                video,
+                lighting,
+                self._ground_shadows,
+                casters,
+                model,
+                ground_rgb,
+                hidden,
+                scene.casts_shadow,
+                border_px,
             )
         self._model_pass.draw_blended(model, inputs)
 

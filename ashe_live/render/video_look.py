@@ -14,9 +14,10 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
-from ashe_live.render.cast_shadows import lit_past
-from ashe_live.render.lighting import RGB, Lighting
+from ashe_live.render.cast_shadows import lit_past, shadow_hull
+from ashe_live.render.lighting import RGB, Lighting, Sun
 
 PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
 # Where nothing can be measured: paper comes out a little below the display's white, as in a well exposed photo.
@@ -32,6 +33,8 @@ BOX_VARIANCE_PX2 = 1 / 12  # of a pixel, which the model's own pixels have too
 INTERPOLATION_VARIANCE_PX2 = 1 / 6  # of bilinear sampling, on average
 NOISE_WINDOW_PX = 160
 BODY_PRINT_SHARE = 0.7  # of a body's edge: the black square on its faces, as `tracking.cube.faces` has it printed
+MOST_BORDER_PX = 1.5  # in a picture 640 pixels wide
+LEAST_SINE = 0.1  # of a light's elevation, for how long its shadows are
 COARSE_CHROMA = 0.6  # between the 1/2 of repeated pixels and the 1 of independent ones
 LEAST_CHROMA_DETAIL = 0.05  # levels squared, that there is something to tell it by
 
@@ -136,6 +139,33 @@ def edge_blur_px(grey: Image, corners_px: Float) -> float:
     variance = 1 / (2 * math.pi * max(slope, 1e-3) ** 2) - 4 * wide**2 * STEP_PX**2 / 12
     variance -= BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2
     return float(np.clip(math.sqrt(max(variance, 0.0)), *BLUR_RANGE_PX))
+
+
+def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> float:
+    """Standard deviation (px) by which the real shadow's border is softer than lens and sun make it; 0 if by none.
+
+    A camera's sharpening makes the marker's strong edges steeper than the weak ones of shadows, its denoising makes
+    those softer, and a sun of unknown size counts as a bare one.
+    """
+    assert tracked.marker is not None
+    T = tracked.marker.T_cam_marker
+    body = proxy.points_marker()
+    hull = shadow_hull(body, sun)
+    points = np.column_stack([hull, np.zeros(len(hull))])
+    if len(points) < 3 or (points @ T[2, :3] + T[2, 3]).min() <= 1e-3:
+        return 0.0
+    grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
+    corners = tracked.marker.corners_px
+    border = edge_blur_px(grey, project(tracked.camera, T, points))
+    sides_px = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
+    # A disc's standard deviation is half its radius; heights are spread evenly along the border, the root of whose mean
+    # square is 1 / sqrt(3) of the whole.
+    sine = max(float(sun.to_light[2]), LEAST_SINE)
+    penumbra_m = sun.tan_half_size * float(body[:, 2].max()) / math.sqrt(3) / sine / 2
+    penumbra = penumbra_m * float(sides_px.mean()) / tracked.marker.side_m
+    # The shadow maps' own texels blur about as much as a pixel does.
+    rest = border**2 - edge_blur_px(grey, corners) ** 2 - penumbra**2 - BOX_VARIANCE_PX2
+    return min(math.sqrt(max(rest, 0.0)), MOST_BORDER_PX * tracked.frame.size[0] / 640)
 
 
 def noise_sigma(grey: Image) -> float:
