@@ -35,7 +35,6 @@ ONLY_PARSED = {
     "cameras": "needs a camera",
     "marker --show": "needs a window",
     "bench": "takes minutes",
-    "estimate photo.jpg --marker cube": "needs a photo of a folded cube",
 }
 # A window is replaced by a few frames without one.
 WITHOUT_WINDOW = {"demo": ["--headless", "--frames", "2"], "play": ["--headless"]}

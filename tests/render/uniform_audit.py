@@ -81,7 +81,7 @@ def begin_audit(patch: pytest.MonkeyPatch) -> UniformAudit:
         audit.drawn(self.program)
         draw(self, *arguments, **settings)
 
-    for found in pkgutil.iter_modules(render.__path__, "ashe_live.render."):
+    for found in pkgutil.walk_packages(render.__path__, "ashe_live.render."):
         module = importlib.import_module(found.name)
         for name, audited in (("build_program", audited_build), ("set_uniforms", audited_set)):
             if hasattr(module, name):
