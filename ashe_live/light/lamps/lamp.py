@@ -39,8 +39,11 @@ from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.predicted import predicted
 
 BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
-SURE_DEVIANCE = 40.0  # of a sun, from which on there is a lamp even if the ground's slope does not tell: one overhead
+SURE_DEVIANCE = 60.0  # of a sun, from which on there is a lamp even if the ground's slope does not tell: one overhead
 LEAST_SIGMAS = 3.0  # standard errors by which the nearness of a lamp must differ from 0
+# The same where one object alone tells it: then it is the fall of light that does, and uneven ground, which has wider
+# tails than a normal distribution, has no second witness against it.
+ALONE_SIGMAS = 4.0
 WORTH_ALIGNING = 2.0  # standard errors from which on borders are aligned as a lamp's
 WORTH_LOOKING = 1.0  # standard errors from which on other objects are looked for
 UNTOLD_NEARNESS = 0.5  # 1/m, standard error of the nearness above which a sun is not certain either
@@ -105,7 +108,8 @@ def stated(
                 from_sun, place_seen_from_a_sun(objects, ratios, fall_off), key=attrgetter("standard_errors")
             )
     deviance = deviance_of_sun(objects, place, ratios, fall_off)
-    is_told = from_sun.standard_errors > LEAST_SIGMAS and deviance > LEAST_SIGMAS**2
+    needed = ALONE_SIGMAS if len(objects) == 1 else LEAST_SIGMAS
+    is_told = from_sun.standard_errors > needed and deviance > needed**2
     is_sun = kind == AUTO and not is_told and deviance < SURE_DEVIANCE
     now, at = objects, place
     for _ in range(ALIGNMENTS):
