@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.estimators.estimator import OF_ONE_FRAME
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
@@ -26,6 +27,7 @@ class LightWatch:
         self.frozen: TrackedFrame | None = None  # of the last request
         self._others: Sequence[TrackedFrame] = ()  # that went with it
         self._is_awaited = False
+        self._waiting: tuple[TrackedFrame, Draw | None] | None = None  # a person's request, while another is made
         self._worker = worker
 
     @property
@@ -35,11 +37,11 @@ class LightWatch:
     @property
     def is_awaited(self) -> bool:
         """Whether an estimate is under way that a person waits for."""
-        return self._worker.busy and self._is_awaited
+        return self._worker.busy and (self._is_awaited or self._waiting is not None)
 
     def begin_anew(self) -> None:
         """Forgets the scene, and gives up what is under way."""
-        self.frozen, self._others = None, ()
+        self.frozen, self._others, self._waiting = None, (), None
         self.held, self.sharpening = HeldAnswer(), Sharpening()
         self.key_views.drop()
         self._worker.give_up()
@@ -54,8 +56,12 @@ class LightWatch:
     ) -> bool:
         """Asks for an estimate of a frame with the key views at hand; False, and nothing happens, while one is made.
 
-        What `is_awaited` by a person replaces whatever stands. Of what is `known` only a change is estimated.
+        What `is_awaited` by a person replaces whatever stands, and waits for what nobody does. Of what is `known` only
+        a change is estimated.
         """
+        if is_awaited and self._worker.busy and not self.is_awaited:
+            self._waiting = frozen, draw
+            return True
         views = self.key_views.views
         others = tuple(view for view in views if view.frame.index != frozen.frame.index)
         if not self._worker.request(frozen, self.preset, draw, is_awaited, others, known):
@@ -69,7 +75,10 @@ class LightWatch:
     def sharpen(self, now_s: float, draw: Draw | None) -> bool:
         """Asks for an estimate of the key views, once there is one to sharpen and they tell more; returns whether."""
         views = self.key_views.views
-        if self.held.estimate is None or self.is_estimating or not self.sharpening.is_due_for(views, now_s):
+        held = self.held.estimate
+        if held is None or held.estimator in OF_ONE_FRAME or self.is_estimating:
+            return False
+        if not self.sharpening.is_due_for(views, now_s):
             return False
         return self.ask(views[-1], now_s, draw, is_awaited=False)
 
@@ -85,7 +94,12 @@ class LightWatch:
 
     def poll(self) -> Outcome | None:
         """The worker's outcome, once."""
-        return self._taken(self._worker.poll())
+        outcome = self._taken(self._worker.poll())
+        if self._waiting is not None and not self._worker.busy:
+            (frozen, draw), self._waiting = self._waiting, None
+            self.ask(frozen, self.asked_s, draw)
+            return None  # what nobody has asked for would be taken for what somebody did
+        return outcome
 
     def wait(self, timeout_s: float) -> Outcome | None:
         """As `poll`, but waits for it."""

@@ -51,6 +51,8 @@ def _paper(preset: ProxySteps) -> Estimator:  # noqa: ARG001 - as published, it 
 # Factories that take a preset; modules are imported on use, as whoever only names an estimator need not load OpenCV.
 ESTIMATORS: Mapping[str, Callable[[ProxySteps], Estimator]] = {"proxy": _proxy, "paper": _paper}
 
+OF_ONE_FRAME = frozenset({"paper"})  # those that ignore other views
+
 
 def make_estimator(name: str, preset: ProxySteps = BALANCED) -> Estimator:
     """A new estimator of that name in ESTIMATORS; the estimator `paper`, as published, has no presets.
