@@ -60,8 +60,13 @@ float lit_past_real(int light, float covered) {
     float share = dot(sun_on_ground[light], LUMINANCE) * ground_falloff(light, ground);
     float seen = dot(video_here(), LUMINANCE) / lit_ground;
     float gone = clamp((dot(level_at(ground), LUMINANCE) - seen) / max(share, 1e-3), 0.0, 1.0);
-    float clearly = 1.0 - smoothstep(0.4, 0.8, gone) * (most - far);
-    return min(mix(known, 1.0 - gone, most - least), clearly);
+    float measured = mix(known, 1.0 - gone, most - least);
+#if LAMPS == 0
+    return min(measured, 1.0 - smoothstep(0.4, 0.8, gone) * (most - far));
+#else
+    // Beside an object that a lamp lights, hidden sky is as dark as a shadow.
+    return measured;
+#endif
 }
 #endif
 
