@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
     from ashe_live.errors import ModelWarning, UserError
     from ashe_live.models.catalogue import model_names
-    from ashe_live.render.light_map import write_light_map
+    from ashe_live.render.lights.light_map import write_light_map
 
 __version__ = "0.1.0"
 
@@ -55,7 +55,7 @@ _HOMES = {
     "open_source": "capture.sources",
     "read_camera_file": "core.camera",
     "read_photo": "api",
-    "write_light_map": "render.light_map",
+    "write_light_map": "render.lights.light_map",
     "write_png": "capture.snapshot",
 }
 

@@ -21,7 +21,7 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
 from ashe_live.quality import QUALITIES, Quality
 from ashe_live.tracking import tracker
-from ashe_live.tracking.layout import parse_target, usual_side_m
+from ashe_live.tracking.families.layout import parse_target, usual_side_m
 
 MARKER = "aruco:4x4_50:0"
 ASSUMED_FPS = 30.0
@@ -145,7 +145,7 @@ class Renderer:
         Raises UserError when there is no OpenGL 3.3.
         """
         # Only here, so that estimating and tracking do without OpenGL.
-        from ashe_live.render.offscreen import offscreen_context
+        from ashe_live.render.gl.offscreen import offscreen_context
         from ashe_live.render.renderer import SceneRenderer
 
         size = arguments.picture_size(size, "size")

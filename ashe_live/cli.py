@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
 
-from ashe_live.commands.options import parsed
+from ashe_live.commands.flags.options import parsed
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import tell
 from ashe_live.process.module_path import safe_module_path

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from ashe_live.light.estimators import steps as lighting
 from ashe_live.light.estimators.steps import ProxySteps
-from ashe_live.render import preset as rendering
-from ashe_live.render.preset import RenderPreset
+from ashe_live.render.gl import preset as rendering
+from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.tracking import preset as tracking
 from ashe_live.tracking.preset import TrackingPreset
 

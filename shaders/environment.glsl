@@ -1,5 +1,5 @@
 // The radiance from a direction, blurred by the surface's roughness: the ground as seen in the picture, at the point
-// where the ray meets it, and the sky. The layouts of the maps are those of render/surroundings.py.
+// where the ray meets it, and the sky. The layouts of the maps are those of render/lights/surroundings.py.
 
 uniform sampler2D ground_map;  // linear RGB of the picture
 uniform sampler2D sky_map;  // relative to the mean sky

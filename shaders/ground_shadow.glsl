@@ -1,4 +1,4 @@
-// Look-up of the shadows on the ground, which render/ground_shadows.py has filtered.
+// Look-up of the shadows on the ground, which render/lights/ground_shadows.py has filtered.
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
 

@@ -4,7 +4,7 @@
 // BLOCKER_TAPS 0: percentage-closer filtering with PCF_RADIUS, 1 or more (Reeves, Salesin, Cook, "Rendering
 // antialiased shadows with depth maps", SIGGRAPH 1987). Else SOFT_TAPS over the penumbra by the light's size
 // (Fernando, "Percentage-closer soft shadows", SIGGRAPH 2005; here for parallel rays, as which those of a lamp are seen
-// in its map's coordinates (render/light_view.py): the blocker search covers the light as seen from the receiver).
+// in its map's coordinates (render/lights/light_view.py): the blocker search covers the light as seen from the receiver).
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
 

@@ -14,7 +14,7 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import direction_from_angles, project, rigid
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 
 SIDE_M = 0.08
 FPS = 30.0

@@ -17,11 +17,11 @@ import pytest
 
 from ashe_live import cli
 from ashe_live.commands import view
-from ashe_live.commands.options import parsed
-from ashe_live.commands.settings_file import read_settings
+from ashe_live.commands.flags.options import parsed
+from ashe_live.commands.flags.settings_file import read_settings
 from ashe_live.errors import ExitStatus
 from ashe_live.files.resources import resource
-from ashe_live.viewer.controls import BINDINGS
+from ashe_live.viewer.hands.controls import BINDINGS
 from tests.commands.conftest import InstantWorker
 
 CHECKOUT = Path(__file__).parents[1]

@@ -11,7 +11,7 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.tracker import MarkerTracker
-from ashe_live.viewer.pipeline import Pipeline
+from ashe_live.viewer.sources.pipeline import Pipeline
 
 # Frames before the measurement, in which shaders are compiled, textures are made and the marker is first found.
 WARM_UP_FRAMES = 30

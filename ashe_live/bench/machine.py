@@ -32,7 +32,7 @@ def _machine_json() -> Json:
 
 
 def _opengl_json() -> Json:
-    from ashe_live.render.offscreen import offscreen_context
+    from ashe_live.render.gl.offscreen import offscreen_context
 
     ctx = offscreen_context()
     try:

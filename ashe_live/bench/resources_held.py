@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ashe_live.core.contract import Json
-from ashe_live.render.offscreen import live_gl_objects
+from ashe_live.render.gl.offscreen import live_gl_objects
 
 PROC = Path("/proc")
 # Growth over the whole run, relative to the amount held, that is still flat: an allocator's fluctuations stay below it.

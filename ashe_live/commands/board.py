@@ -4,8 +4,8 @@ import argparse
 
 from ashe_live.errors import ExitStatus
 from ashe_live.process.messages import say
-from ashe_live.tracking.calibration_board import CalibrationBoard
-from ashe_live.tracking.printing import write_board_sheet
+from ashe_live.tracking.boards.calibration_board import CalibrationBoard
+from ashe_live.tracking.families.printing import write_board_sheet
 
 
 def run(options: argparse.Namespace) -> int:

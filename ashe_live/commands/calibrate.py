@@ -20,9 +20,9 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, write_json
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import tell
-from ashe_live.tracking.calibration import Calibration
-from ashe_live.tracking.calibration_board import BoardView, CalibrationBoard
-from ashe_live.tracking.calibration_guide import CalibrationGuide, KeptView
+from ashe_live.tracking.boards.calibration import Calibration
+from ashe_live.tracking.boards.calibration_board import BoardView, CalibrationBoard
+from ashe_live.tracking.boards.calibration_guide import CalibrationGuide, KeptView
 
 RECONNECT_EVERY_S = 0.5
 
@@ -118,7 +118,7 @@ def _lines() -> Iterator[Guidance]:
 def _window(source: Source) -> Iterator[Guidance]:
     """Lines where there is no display."""
     from ashe_live.commands.view import has_display
-    from ashe_live.viewer.calibration_window import CalibrationWindow
+    from ashe_live.viewer.windows.calibration_window import CalibrationWindow
 
     with CalibrationWindow(source.name, source.size) if has_display() else _lines() as guidance:
         yield guidance

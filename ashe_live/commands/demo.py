@@ -7,7 +7,7 @@ from pathlib import Path
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.capture.snapshot import write_png
-from ashe_live.commands.setup import make_tracker
+from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, has_display, show_in_window, show_without_window
 from ashe_live.core.arrays import Image
 from ashe_live.drawing.contact_sheet import contact_sheet

@@ -13,8 +13,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from ashe_live import __version__
-from ashe_live.commands.options import parsed
-from ashe_live.commands.settings_file import settings_path
+from ashe_live.commands.flags.options import parsed
+from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.resources import resource
 from ashe_live.process.apart import NoAnswerError, called_apart
@@ -101,7 +101,7 @@ def _display() -> str:
 
 def window_probe() -> str:
     """Opens a window for a moment. Raises UserError when that fails."""
-    from ashe_live.viewer.glfw_window import GlfwWindow
+    from ashe_live.viewer.windows.glfw_window import GlfwWindow
 
     with GlfwWindow("ashe-live doctor", (320, 240)) as window:
         return _described(window.context.info)
@@ -109,7 +109,7 @@ def window_probe() -> str:
 
 def offscreen_probe() -> str:
     """Raises UserError when there is no OpenGL 3.3 without a window."""
-    from ashe_live.render.offscreen import offscreen_context
+    from ashe_live.render.gl.offscreen import offscreen_context
 
     return _described(offscreen_context().info)
 

@@ -9,11 +9,11 @@ from pathlib import Path
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from ashe_live.commands.file_answers import FileEstimator
-from ashe_live.commands.light_page import LightPage, picture_of
-from ashe_live.commands.marker_choice import others_said
-from ashe_live.commands.named_files import named_files
-from ashe_live.commands.setup import camera_chooser, light_steps, make_tracker
+from ashe_live.commands.answers.file_answers import FileEstimator
+from ashe_live.commands.answers.light_page import LightPage, picture_of
+from ashe_live.commands.flags.marker_choice import others_said
+from ashe_live.commands.flags.named_files import named_files
+from ashe_live.commands.flags.setup import camera_chooser, light_steps, make_tracker
 from ashe_live.core.contract import FileRecord
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.files.writing import check_outputs, make_folder

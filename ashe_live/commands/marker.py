@@ -6,8 +6,8 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import say
 from ashe_live.tracking.cube.faces import CUBE, USUAL_EDGE_M
 from ashe_live.tracking.cube.sheet import write_cube_sheet
-from ashe_live.tracking.layout import Layout, cube_layout, parse_target
-from ashe_live.tracking.printing import write_marker_sheet
+from ashe_live.tracking.families.layout import Layout, cube_layout, parse_target
+from ashe_live.tracking.families.printing import write_marker_sheet
 
 SHOWN_PX = 960  # a multiple of what a cell may take, and larger than most windows show it
 
@@ -21,7 +21,7 @@ def run(options: argparse.Namespace) -> int:
     if options.show:
         # Only here, so that printing needs neither GLFW nor OpenGL.
         from ashe_live.commands.view import has_display
-        from ashe_live.viewer.marker_window import show_marker
+        from ashe_live.viewer.windows.marker_window import show_marker
 
         if not has_display():
             raise UserError("there is no display to show a marker on", "give --out marker.pdf instead, and print it")

@@ -3,8 +3,8 @@
 import argparse
 
 from ashe_live.capture.sources import open_source
-from ashe_live.commands.marker_choice import with_marker, with_marker_in
-from ashe_live.commands.setup import make_tracker
+from ashe_live.commands.flags.marker_choice import with_marker, with_marker_in
+from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, show
 from ashe_live.tracking.tracker import MarkerTracker
 

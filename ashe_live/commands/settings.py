@@ -4,8 +4,8 @@ import argparse
 import json
 from pathlib import Path
 
-from ashe_live.commands.options import parsed
-from ashe_live.commands.settings_file import SETTINGS, read_settings, settings_path
+from ashe_live.commands.flags.options import parsed
+from ashe_live.commands.flags.settings_file import SETTINGS, read_settings, settings_path
 from ashe_live.errors import ExitStatus
 from ashe_live.process.messages import say, say_exactly
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from ashe_live.capture.cut_short import rescue_recordings
 from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.sources import Source, open_source
-from ashe_live.commands.marker_choice import others_said, with_marker, with_marker_in
-from ashe_live.commands.setup import light_steps, make_tracker, quality_of
+from ashe_live.commands.flags.marker_choice import others_said, with_marker, with_marker_in
+from ashe_live.commands.flags.setup import light_steps, make_tracker, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size, drawn_size
 from ashe_live.errors import ExitStatus, UserError
@@ -22,16 +22,16 @@ from ashe_live.models.catalogue import model_names
 from ashe_live.models.memory import ModelMemory
 from ashe_live.process.messages import say, tell
 from ashe_live.process.signals import ended_by_signals
-from ashe_live.render.offscreen import graphics_failures_told, offscreen_context
+from ashe_live.render.gl.offscreen import graphics_failures_told, offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.in_view import markers_in_view
-from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.headless import HeadlessRun, play_headless
-from ashe_live.viewer.report import Report
+from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.session import EstimatePolicy, Session
 from ashe_live.viewer.shelf import Shelf
 from ashe_live.viewer.status import camera_line, light_line
@@ -97,10 +97,10 @@ def show(setup: ViewerSetup) -> int:
 def show_in_window(setup: ViewerSetup) -> int:
     """Until it is closed."""
     # Only here, so that playing without a display does without GLFW.
-    from ashe_live.viewer.glfw_window import GlfwWindow
     from ashe_live.viewer.live import LiveViewer
-    from ashe_live.viewer.pipeline import Pipeline
-    from ashe_live.viewer.recording import Recording
+    from ashe_live.viewer.output.recording import Recording
+    from ashe_live.viewer.sources.pipeline import Pipeline
+    from ashe_live.viewer.windows.glfw_window import GlfwWindow
 
     options = setup.options
     if not has_display():

@@ -4,11 +4,11 @@ import argparse
 
 from ashe_live.capture.cameras import connected, name_of
 from ashe_live.capture.webcam import WebcamSource
-from ashe_live.commands.marker_choice import with_marker
-from ashe_live.commands.setup import make_tracker
+from ashe_live.commands.flags.marker_choice import with_marker
+from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, show
 from ashe_live.process.messages import tell
-from ashe_live.tracking.focal_memory import FocalMemory
+from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.tracker import MarkerTracker
 
 

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.models.malformed import MalformedError
 from ashe_live.models.material import Material
 from ashe_live.models.mesh import Float32, Indices, Mesh
+from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.shading_normals import corner_normals, face_normals, is_inside_out, row_keys, unit_rows
 
 

@@ -9,28 +9,28 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
 from ashe_live.core.proxy import Proxy
 from ashe_live.models.placement import PlacedModel
-from ashe_live.render.composite import Composite
-from ashe_live.render.environment import Environment
-from ashe_live.render.framing import framing, grown, letterbox
-from ashe_live.render.geometry import GpuModel
-from ashe_live.render.ground import ShadowCatcher
-from ashe_live.render.ground_shadows import GroundShadows
-from ashe_live.render.hidden_marker import HiddenMarker
-from ashe_live.render.lens import Lens
-from ashe_live.render.light_sign import LightSign, LightSigns, light_sign
-from ashe_live.render.model_pass import LookedUp, ModelPass, ShadingInputs
-from ashe_live.render.offscreen import check_graphics
-from ashe_live.render.overlays import OverlayPass
-from ashe_live.render.photometry import Photometry
-from ashe_live.render.prepared import ModelSwitch
-from ashe_live.render.preset import RenderPreset
-from ashe_live.render.programs import Programs
-from ashe_live.render.real_object import RealObject
+from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.gl.framing import framing, grown, letterbox
+from ashe_live.render.gl.geometry import GpuModel
+from ashe_live.render.gl.offscreen import check_graphics
+from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.gl.programs import Programs
+from ashe_live.render.lights.environment import Environment
+from ashe_live.render.lights.ground_shadows import GroundShadows
+from ashe_live.render.lights.photometry import Photometry
+from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.passes.composite import Composite
+from ashe_live.render.passes.ground import ShadowCatcher
+from ashe_live.render.passes.lens import Lens
+from ashe_live.render.passes.light_sign import LightSign, LightSigns, light_sign
+from ashe_live.render.passes.model_pass import LookedUp, ModelPass, ShadingInputs
+from ashe_live.render.passes.overlays import OverlayPass
+from ashe_live.render.passes.prepared import ModelSwitch
+from ashe_live.render.passes.real_object import RealObject
+from ashe_live.render.passes.standing import StandingModel
+from ashe_live.render.passes.surface import Surface
+from ashe_live.render.passes.video import Video
 from ashe_live.render.scene import Scene
-from ashe_live.render.shadow_maps import ShadowMaps
-from ashe_live.render.standing import StandingModel
-from ashe_live.render.surface import Surface
-from ashe_live.render.video import Video
 
 
 class SceneRenderer:

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 from ashe_live.core.camera import FOCAL_SIGMA, Camera, Size
 from ashe_live.core.types import Frame, TrackedFrame
-from ashe_live.tracking.focal import FOUND_SIGMA, KNOWN_SIGMA, MUCH_SURER, FocalEstimate, FocalEstimator
-from ashe_live.tracking.focal_memory import FocalMemory
-from ashe_live.tracking.focal_view import focal_of_view
-from ashe_live.tracking.layout import Layout
-from ashe_live.tracking.markers import Marker
+from ashe_live.tracking.families.layout import Layout
+from ashe_live.tracking.families.markers import Marker
+from ashe_live.tracking.focal.focal import FOUND_SIGMA, KNOWN_SIGMA, MUCH_SURER, FocalEstimate, FocalEstimator
+from ashe_live.tracking.focal.focal_memory import FocalMemory
+from ashe_live.tracking.focal.focal_view import focal_of_view
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
-from ashe_live.tracking.corners import (
+from ashe_live.tracking.edges.corners import (
     LAST_REACH_PX,
     REACH_RATIO,
     FittedSquare,
@@ -20,11 +20,11 @@ from ashe_live.tracking.corners import (
     region_around,
     side_lengths_px,
 )
-from ashe_live.tracking.covered_sides import checked
-from ashe_live.tracking.dictionary_marker import DictionaryMarker
-from ashe_live.tracking.lens import ideal_from_source
-from ashe_live.tracking.markers import Marker
-from ashe_live.tracking.quads import MIN_SIDE_PX
+from ashe_live.tracking.edges.covered_sides import checked
+from ashe_live.tracking.edges.lens import ideal_from_source
+from ashe_live.tracking.edges.quads import MIN_SIDE_PX
+from ashe_live.tracking.families.dictionary_marker import DictionaryMarker
+from ashe_live.tracking.families.markers import Marker
 
 # How far from where it is expected a marker may be that moves on as it did.
 NEAR_PX = 2.0

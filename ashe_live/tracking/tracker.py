@@ -12,14 +12,14 @@ from ashe_live.core.camera import Camera, Size
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.tracking.corners import FittedSquare
 from ashe_live.tracking.cube.folding import Folding
-from ashe_live.tracking.flow import flowed_corners
-from ashe_live.tracking.layout import Layout, members_of
-from ashe_live.tracking.lens import ideal_from_source, source_from_ideal
-from ashe_live.tracking.markers import Marker
-from ashe_live.tracking.pose import Sighting, pose_of_squares, poses_of_square
-from ashe_live.tracking.pose_filter import PoseFilter
+from ashe_live.tracking.edges.corners import FittedSquare
+from ashe_live.tracking.edges.flow import flowed_corners
+from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
+from ashe_live.tracking.families.layout import Layout, members_of
+from ashe_live.tracking.families.markers import Marker
+from ashe_live.tracking.poses.pose import Sighting, pose_of_squares, poses_of_square
+from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import NEAR_PX, along_edges, anywhere, nearby, refined
 

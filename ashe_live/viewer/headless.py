@@ -10,7 +10,7 @@ from ashe_live.errors import UserError
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.tracker import MarkerTracker
-from ashe_live.viewer.report import Report
+from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.session import Session
 
 # The paper's estimator takes seconds; one that takes minutes has failed.

@@ -12,25 +12,25 @@ from ashe_live.core.mailbox import Closed
 from ashe_live.errors import UserError
 from ashe_live.process.messages import say, tell
 from ashe_live.quality import QUALITIES, Quality
-from ashe_live.render.preset import RenderPreset
+from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.auto_quality import AutoQuality
-from ashe_live.viewer.controls import Command, Files, Request
 from ashe_live.viewer.display import Display
-from ashe_live.viewer.gestures import Gestures
-from ashe_live.viewer.keeping import Keeper
-from ashe_live.viewer.marker_hunt import MarkerHunt
-from ashe_live.viewer.menu import Menu, entries_for
-from ashe_live.viewer.opening import Opener, Opening, first_of_each_kind, paths_in
-from ashe_live.viewer.pipeline import Pipeline
+from ashe_live.viewer.hands.controls import Command, Files, Request
+from ashe_live.viewer.hands.gestures import Gestures
+from ashe_live.viewer.hands.menu import Menu, entries_for
+from ashe_live.viewer.hands.pointing import in_video
+from ashe_live.viewer.output.keeping import Keeper
+from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.playback import Playback
-from ashe_live.viewer.pointing import in_video
-from ashe_live.viewer.recording import Recording
 from ashe_live.viewer.session import Session
+from ashe_live.viewer.sources.marker_hunt import MarkerHunt
+from ashe_live.viewer.sources.opening import Opener, Opening, first_of_each_kind, paths_in
+from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.status import light_line
-from ashe_live.viewer.window import Window
+from ashe_live.viewer.windows.window import Window
 
 AUTO = "auto"
 QUALITY_NAMES = (*QUALITIES, AUTO)

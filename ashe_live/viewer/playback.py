@@ -4,10 +4,10 @@ import math
 
 from ashe_live.core.camera import Size
 from ashe_live.core.types import TrackedFrame
-from ashe_live.viewer.controls import Command, MouseAction, MouseEvent, Request
-from ashe_live.viewer.pipeline import Pipeline
+from ashe_live.viewer.drawn.time_bar import Moment, bar_at
+from ashe_live.viewer.hands.controls import Command, MouseAction, MouseEvent, Request
 from ashe_live.viewer.session import Session
-from ashe_live.viewer.time_bar import Moment, bar_at
+from ashe_live.viewer.sources.pipeline import Pipeline
 
 SPEEDS = (0.25, 0.5, 1.0, 2.0, 4.0)
 # How long the bar stays after the pointer has moved near it, or a key has sought or stepped.

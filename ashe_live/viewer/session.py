@@ -11,15 +11,15 @@ from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Draw, WorkerFailure
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.process.messages import tell
-from ashe_live.tracking.steadiness import Steadiness
-from ashe_live.viewer.beside import first_placement
-from ashe_live.viewer.controls import Command, Request
-from ashe_live.viewer.easing import LightEasing
-from ashe_live.viewer.hand import Hand, HandContext
-from ashe_live.viewer.light_watch import LightWatch
-from ashe_live.viewer.sharpening import Sharpening
+from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.viewer.estimates.beside import first_placement
+from ashe_live.viewer.estimates.easing import LightEasing
+from ashe_live.viewer.estimates.light_watch import LightWatch
+from ashe_live.viewer.estimates.sharpening import Sharpening
+from ashe_live.viewer.hands.controls import Command, Request
+from ashe_live.viewer.hands.hand import Hand, HandContext
+from ashe_live.viewer.hands.undo import Undo
 from ashe_live.viewer.shelf import Shelf
-from ashe_live.viewer.undo import Undo
 
 NOTICE_S = 4.0
 READ_PER_S = 15.0  # letters, by who reads slowly

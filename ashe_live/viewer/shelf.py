@@ -10,7 +10,7 @@ from ashe_live.models.memory import ModelMemory
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
 from ashe_live.models.up import UPS
-from ashe_live.viewer.background import begun
+from ashe_live.viewer.sources.background import begun
 
 # A line that is gone before it can be read would only flicker.
 SILENT_S = 0.3

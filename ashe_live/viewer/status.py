@@ -4,7 +4,7 @@ import math
 
 from ashe_live.core.transforms import angle_between, transform_points
 from ashe_live.core.types import TrackedFrame
-from ashe_live.render.light_view import sees
+from ashe_live.render.lights.light_view import sees
 from ashe_live.viewer.session import Session
 
 FIRST_STEP = "put something that casts a shadow next to the marker, press Space"

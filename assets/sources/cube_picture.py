@@ -19,7 +19,7 @@ from ashe_live.bench.cube.scenes import CAMERA, looking, sun
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import outlines
 from ashe_live.tracking.cube.sheet import write_cube_sheet
-from ashe_live.tracking.layout import cube_layout
+from ashe_live.tracking.families.layout import cube_layout
 
 BLUE, ORANGE = (220, 120, 0), (0, 140, 255)
 HEIGHT_PX = 480

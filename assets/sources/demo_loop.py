@@ -17,11 +17,11 @@ from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.quality import QUALITIES
+from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.hud import Hud, HudText
-from ashe_live.render.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.viewer.easing import LightEasing
+from ashe_live.viewer.estimates.easing import LightEasing
 
 SIZE = (480, 360)
 EVERY = 2  # frames of the clip

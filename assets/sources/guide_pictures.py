@@ -16,7 +16,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import ashe_live as al
-from ashe_live.commands.light_page import picture_of
+from ashe_live.commands.answers.light_page import picture_of
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.transforms import angle_between, direction_from_angles, project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
@@ -24,10 +24,10 @@ from ashe_live.models.catalogue import load_model
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.quality import QUALITIES
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 
 SIZE = (640, 480)
 SIDE_M = 0.08

@@ -15,7 +15,7 @@ import numpy as np
 
 from ashe_live.bench.render.error import read_references
 from ashe_live.quality import BALANCED
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 
 LEFT, TOP, WIDTH, HEIGHT = 100, 60, 320, 250  # of the picture

@@ -21,7 +21,7 @@ from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.quality import QUALITIES
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 

@@ -14,7 +14,7 @@ from ashe_live.commands import calibrate
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera, read_camera_file
 from ashe_live.core.types import Frame
-from ashe_live.tracking.calibration_board import CalibrationBoard
+from ashe_live.tracking.boards.calibration_board import CalibrationBoard
 from tests.tracking.board_pictures import Lens, seen_from
 
 BOARD = CalibrationBoard()

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from ashe_live.commands import doctor
-from ashe_live.commands.settings_file import settings_path
+from ashe_live.commands.flags.settings_file import settings_path
 from ashe_live.errors import UserError
 
 

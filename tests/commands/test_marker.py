@@ -5,7 +5,7 @@ import sys
 import cv2
 import pytest
 
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 
 
 def test_the_printed_marker_is_found_again(run, tmp_path):

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from ashe_live.commands.options import parsed
-from ashe_live.commands.parser import DEFAULT_MARKER
-from ashe_live.commands.settings_file import SETTINGS, settings_path
+from ashe_live.commands.flags.options import parsed
+from ashe_live.commands.flags.parser import DEFAULT_MARKER
+from ashe_live.commands.flags.settings_file import SETTINGS, settings_path
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import pytest
 
 from ashe_live.capture.cameras import Device
 from ashe_live.commands import demo, start, webcam
-from ashe_live.commands.parser import START
+from ashe_live.commands.flags.parser import START
 
 
 @pytest.fixture

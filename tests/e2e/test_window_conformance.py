@@ -13,9 +13,9 @@ from contextlib import AbstractContextManager
 import pytest
 
 from ashe_live.bench.soak.offscreen_window import OffscreenWindow
-from ashe_live.render.offscreen import Framebuffer, offscreen_context
-from ashe_live.viewer.glfw_window import GlfwWindow
-from ashe_live.viewer.window import Window
+from ashe_live.render.gl.offscreen import Framebuffer, offscreen_context
+from ashe_live.viewer.windows.glfw_window import GlfwWindow
+from ashe_live.viewer.windows.window import Window
 from tests.e2e.conftest import CHECKOUT, PATIENCE_S
 from tests.viewer.scripted_window import ScriptedWindow
 

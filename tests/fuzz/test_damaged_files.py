@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from ashe_live.capture.sources import open_source
 from ashe_live.core.camera import read_camera_file
 from ashe_live.errors import UserError
-from ashe_live.tracking.pattern_files import read_marker_picture, read_pattern_file
+from ashe_live.tracking.families.pattern_files import read_marker_picture, read_pattern_file
 from tests.fuzz.damaged import files
 
 # Pillow's own words about what it skips.

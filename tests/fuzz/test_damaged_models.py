@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from ashe_live.errors import UserError
 from ashe_live.models.loading import load_model_file
-from ashe_live.models.malformed import MalformedError
+from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from tests.fuzz.damaged import HUNTED, files
 from tests.models.gltf_files import UVS, Document, png

@@ -17,8 +17,9 @@ import pytest
 from PIL import Image
 
 from ashe_live.errors import UserError
-from ashe_live.models import limits, loading, reading
+from ashe_live.models import loading, reading
 from ashe_live.models.loading import load_model_file
+from ashe_live.models.parsing import limits
 from ashe_live.models.reading import read_model
 from ashe_live.process.children import Limits
 from tests.models.gltf_files import UVS, Document, png

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from ashe_live.commands import parser
+from ashe_live.commands.flags import parser
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.memory import ModelMemory
 from ashe_live.models.up import UPS, z_up_from

@@ -16,7 +16,7 @@ from ashe_live.files.resources import resource
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.capture.clip import ClipSource
 from ashe_live.quality import FAST
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 
 package = Path(ashe_live.__file__).parent

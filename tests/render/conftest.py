@@ -15,8 +15,8 @@ from ashe_live.errors import UserError
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
 from ashe_live.quality import FAST
-from ashe_live.render.offscreen import offscreen_context
-from ashe_live.render.preset import RenderPreset
+from ashe_live.render.gl.offscreen import offscreen_context
+from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from tests.render.uniform_audit import UniformAudit, begin_audit
 

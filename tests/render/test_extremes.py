@@ -116,7 +116,7 @@ def test_opengl_3_3_is_enough() -> None:
     code = """
 import numpy as np
 from ashe_live.quality import QUALITIES
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.bench.render.cost import lights_around, orbit, round_model
 from ashe_live.render.renderer import SceneRenderer
 ctx = offscreen_context()

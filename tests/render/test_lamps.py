@@ -14,9 +14,9 @@ from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import Illumination, Light
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, QUALITIES
-from ashe_live.render.framing import box_corners
-from ashe_live.render.light_view import view_of
-from ashe_live.render.lighting import lighting_of
+from ashe_live.render.gl.framing import box_corners
+from ashe_live.render.lights.light_view import view_of
+from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.scene import Scene
 
 GREEN = (0.0, 1.0, 0.0, 1.0)

@@ -11,9 +11,9 @@ from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
-from ashe_live.render.lighting import GROUND_ALBEDO, MIN_BALANCED_SINE, lighting_of
+from ashe_live.render.lights.lighting import GROUND_ALBEDO, MIN_BALANCED_SINE, lighting_of
+from ashe_live.render.lights.video_look import ASSUMED_WHITE as EXPOSURE
 from ashe_live.render.scene import Scene
-from ashe_live.render.video_look import ASSUMED_WHITE as EXPOSURE
 
 SIDE = 0.06
 TOP = [(-0.03, -0.03, SIDE), (0.03, -0.03, SIDE), (0.03, 0.03, SIDE), (-0.03, 0.03, SIDE)]

@@ -14,7 +14,7 @@ from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST, QUALITIES
-from ashe_live.render.offscreen import live_gl_objects
+from ashe_live.render.gl.offscreen import live_gl_objects
 from ashe_live.render.scene import Scene
 
 GROUND = 200

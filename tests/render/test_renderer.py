@@ -14,9 +14,9 @@ from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import ACCURATE, BALANCED, FAST
-from ashe_live.render.offscreen import graphics_failures_told, live_gl_objects
+from ashe_live.render.gl.offscreen import graphics_failures_told, live_gl_objects
+from ashe_live.render.passes.surface import supported_samples
 from ashe_live.render.scene import Overlay, Scene
-from ashe_live.render.surface import supported_samples
 
 
 def test_frame_is_uploaded_once_however_often_it_is_shown(make_renderer, stage) -> None:

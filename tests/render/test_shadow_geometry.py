@@ -12,7 +12,7 @@ from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Illumination, Light
 from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
-from ashe_live.render.framing import box_corners
+from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.scene import Scene
 
 SCENES = Path(__file__).resolve().parents[2].parent / "shared" / "scenes"

@@ -9,7 +9,7 @@ from ashe_live.core.transforms import direction_from_angles
 from ashe_live.core.types import Illumination, Light
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
-from ashe_live.render.lighting import SUN_ANGULAR_SIZE_RAD, lighting_of
+from ashe_live.render.lights.lighting import SUN_ANGULAR_SIZE_RAD, lighting_of
 from ashe_live.render.scene import Scene
 
 HEIGHT = 0.06

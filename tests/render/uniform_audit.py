@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from ashe_live import render
-from ashe_live.render import programs
-from ashe_live.render.programs import shader_source
+from ashe_live.render.gl import programs
+from ashe_live.render.gl.programs import shader_source
 
 UNIFORM = re.compile(r"^uniform \w+ (\w+)", re.MULTILINE)
 

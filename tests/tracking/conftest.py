@@ -12,7 +12,7 @@ from ashe_live.core.camera import Camera, Size
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame
-from ashe_live.tracking.markers import Marker, parse_marker
+from ashe_live.tracking.families.markers import Marker, parse_marker
 
 SIDE_M = 0.08
 GROUND = 120

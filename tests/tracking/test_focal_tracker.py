@@ -12,11 +12,11 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.focal import FocalEstimate
-from ashe_live.tracking.focal_memory import FocalMemory
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.focal.focal import FocalEstimate
+from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
-from ashe_live.tracking.markers import parse_marker
-from ashe_live.tracking.pose import square_corners
+from ashe_live.tracking.poses.pose import square_corners
 
 CLIP = shipped_clip()
 WRONG_HFOV_DEG = 75.0

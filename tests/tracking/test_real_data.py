@@ -12,7 +12,7 @@ import pytest
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import TrackedFrame
 from ashe_live.quality import BALANCED, FAST
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.tracking.conftest import frame
 

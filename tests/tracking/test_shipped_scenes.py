@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.shipped_scenes import CASES

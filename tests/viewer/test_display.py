@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
-from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display, bare_scene
-from ashe_live.viewer.easing import EASED_OVER_S
+from ashe_live.viewer.estimates.easing import EASED_OVER_S
 from ashe_live.viewer.session import EstimatePolicy, Session
 
 SIZE = (640, 480)

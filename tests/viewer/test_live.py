@@ -18,14 +18,15 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.quality import FAST
-from ashe_live.render.offscreen import graphics_failures_told
-from ashe_live.tracking.steadiness import Steadiness
-from ashe_live.viewer import keeping, marker_hunt
-from ashe_live.viewer import recording as recording_module
-from ashe_live.viewer.controls import Command, Files, MouseAction, MouseEvent, Request
+from ashe_live.render.gl.offscreen import graphics_failures_told
+from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
+from ashe_live.viewer.hands.controls import Command, Files, MouseAction, MouseEvent, Request
 from ashe_live.viewer.live import UNCHANGED_PICTURES, LiveViewer
+from ashe_live.viewer.output import keeping
+from ashe_live.viewer.output import recording as recording_module
 from ashe_live.viewer.session import EstimatePolicy, Session
+from ashe_live.viewer.sources import marker_hunt
 from ashe_live.viewer.status import guidance
 from tests.viewer.scripted_window import ScriptedWindow
 

@@ -8,9 +8,9 @@ import pytest
 
 from ashe_live.capture.sources import SourceLost
 from ashe_live.core.types import TrackedFrame
-from ashe_live.viewer import capture_loop
-from ashe_live.viewer import pipeline as pipeline_module
-from ashe_live.viewer.pipeline import Pipeline
+from ashe_live.viewer.sources import capture_loop
+from ashe_live.viewer.sources import pipeline as pipeline_module
+from ashe_live.viewer.sources.pipeline import Pipeline
 
 PATIENCE_S = 20.0
 

@@ -14,11 +14,11 @@ from ashe_live.light.live.worker_process import WorkerFailure
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, placed_on_marker
 from ashe_live.models.primitives import box
-from ashe_live.tracking.steadiness import Steadiness
-from ashe_live.viewer.controls import Command, Request
+from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
+from ashe_live.viewer.hands.controls import Command, Request
 from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, EstimatePolicy, Session
-from ashe_live.viewer.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
 from ashe_live.viewer.status import (
     LAMP_BELOW,
     LAMP_INSIDE,

@@ -20,8 +20,8 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, LightEstimate
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.quality import Quality
-from ashe_live.tracking.layout import Layout, cube_layout
-from ashe_live.tracking.markers import Marker, parse_marker
+from ashe_live.tracking.families.layout import Layout, cube_layout
+from ashe_live.tracking.families.markers import Marker, parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
 
 TILTS_DEG = (30, 75, 85)

@@ -18,7 +18,7 @@ from ashe_live.core.arrays import Float, Float32, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
-from ashe_live.tracking.layout import cube_layout
+from ashe_live.tracking.families.layout import cube_layout
 
 PAPER, INK = 0.78, 0.035  # linear reflectances
 TEXTURE_PX = 300  # of a face: 6 cells of 35 pixels, and 45 pixels of margin on either side

@@ -19,7 +19,7 @@ from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
 
 EVERY = 10  # frames

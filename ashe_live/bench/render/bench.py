@@ -35,11 +35,11 @@ from ashe_live.files.resources import resource
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.quality import BALANCED, FAST, QUALITIES
-from ashe_live.render.offscreen import Context, offscreen_context
-from ashe_live.render.preset import RenderPreset
+from ashe_live.render.gl.offscreen import Context, offscreen_context
+from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 

@@ -13,8 +13,8 @@ from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel, placed_on_marker
-from ashe_live.render.offscreen import Context, live_gl_objects
-from ashe_live.render.preset import RenderPreset
+from ashe_live.render.gl.offscreen import Context, live_gl_objects
+from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 

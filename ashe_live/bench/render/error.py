@@ -18,13 +18,13 @@ from ashe_live.core.transforms import direction_from_angles, project, raycast_to
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
-from ashe_live.render.cast_shadows import lit_past
-from ashe_live.render.lighting import lighting_of
-from ashe_live.render.offscreen import Context
-from ashe_live.render.preset import RenderPreset
+from ashe_live.render.gl.offscreen import Context
+from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.lights.cast_shadows import lit_past
+from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.pose import square_corners
+from ashe_live.tracking.poses.pose import square_corners
 
 GROUND_POINTS = 5
 PATCH_PX = 5  # the side of a square around each, of which the mean counts

@@ -24,11 +24,11 @@ from ashe_live.errors import UserError
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import Placement, placed_on_marker
-from ashe_live.render.offscreen import Context
-from ashe_live.render.preset import RenderPreset
+from ashe_live.render.gl.offscreen import Context
+from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.pose import square_corners
+from ashe_live.tracking.poses.pose import square_corners
 
 CHANGED_LEVELS = 8  # of any channel, by which the model or its shadow has changed a photo
 SEEN_SHADOW = 0.5  # of the sun's light that is gone where a pixel counts as shadow

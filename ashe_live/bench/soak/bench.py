@@ -20,15 +20,15 @@ from ashe_live.light.estimators.estimator import Estimator
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.quality import Quality
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
-from ashe_live.tracking.markers import parse_marker
-from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.live import LiveViewer
-from ashe_live.viewer.pipeline import Pipeline
 from ashe_live.viewer.session import EstimatePolicy, Session
 from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.sources.pipeline import Pipeline
 
 MODEL = "cube"
 # Rate of camera and display: about the fastest that two cores reach without a graphics card.

@@ -9,9 +9,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
-from ashe_live.render.offscreen import Context
-from ashe_live.viewer.controls import MouseEvent, Request
-from ashe_live.viewer.window import Presentable
+from ashe_live.render.gl.offscreen import Context
+from ashe_live.viewer.hands.controls import MouseEvent, Request
+from ashe_live.viewer.windows.window import Presentable
 
 
 class ShownPicture(NamedTuple):

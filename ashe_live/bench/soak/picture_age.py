@@ -10,7 +10,7 @@ import numpy as np
 from ashe_live.bench.soak.offscreen_window import OffscreenWindow, ShownPicture
 from ashe_live.bench.soak.time_code import TimeCodeCamera, read_number
 from ashe_live.core.contract import Json
-from ashe_live.viewer.report import frame_time_percentiles
+from ashe_live.viewer.output.report import frame_time_percentiles
 from ashe_live.viewer.session import Session
 
 # Hand-over between threads: a thread must be woken and get Python's lock, which its holder releases within 5 ms.

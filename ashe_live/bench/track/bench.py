@@ -34,7 +34,7 @@ from ashe_live.bench.track.trade import COST, SETTLED_FRAMES, print_trade, sweep
 from ashe_live.core.camera import Camera
 from ashe_live.core.contract import Json
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.corner_errors import FITTED
+from ashe_live.tracking.edges.corner_errors import FITTED
 from ashe_live.tracking.preset import TrackingPreset
 
 TRADE = "trade"

@@ -16,8 +16,8 @@ from ashe_live.core.transforms import angle_between, project
 from ashe_live.core.types import MarkerPose
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
-from ashe_live.tracking.markers import parse_marker
-from ashe_live.tracking.pose import square_corners
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.poses.pose import square_corners
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 

@@ -9,8 +9,8 @@ from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import FPS, SIDE_M, SMALL, SPEC, Take, pose_at
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera
-from ashe_live.tracking.focal import FocalEstimator
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.focal.focal import FocalEstimator
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 

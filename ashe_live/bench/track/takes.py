@@ -12,7 +12,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 
 SPEC, CELLS, SIDE_M = "aruco:4x4_50:3", 6, 0.08
 FPS = 30.0

@@ -26,19 +26,19 @@ from ashe_live.light.live.held_answer import HeldAnswer
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.worker import LightWorker
 from ashe_live.quality import Quality
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.markers import parse_marker
-from ashe_live.tracking.steadiness import Steadiness
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.headless import LONGEST_ESTIMATE_S
-from ashe_live.viewer.pipeline import Pipeline
-from ashe_live.viewer.report import frame_time_percentiles
+from ashe_live.viewer.output.report import frame_time_percentiles
 from ashe_live.viewer.session import EstimatePolicy, Session
 from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.sources.pipeline import Pipeline
 
 DISPLAY_HZ = 60.0
 # Runs with and without estimates alternate, so that other load on the machine affects both equally.

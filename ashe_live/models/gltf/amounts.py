@@ -14,7 +14,7 @@ from ashe_live.models.gltf.schema import (
     DISPLACED,
     INDICES,
 )
-from ashe_live.models.malformed import MalformedError
+from ashe_live.models.parsing.malformed import MalformedError
 
 TRIANGLES, STRIP, FAN = 4, 5, 6  # modes of primitives; the others are points and lines
 

@@ -10,7 +10,7 @@ from ashe_live.models.gltf.amounts import compression_of, item_bytes
 from ashe_live.models.gltf.container import Buffers
 from ashe_live.models.gltf.meshopt import decompressed
 from ashe_live.models.gltf.schema import COMPONENTS
-from ashe_live.models.malformed import MalformedError
+from ashe_live.models.parsing.malformed import MalformedError
 
 Numbers = NDArray[Any]
 DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}

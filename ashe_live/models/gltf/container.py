@@ -9,8 +9,8 @@ from typing import Any
 from urllib.parse import unquote_to_bytes
 
 from ashe_live.errors import UserError
-from ashe_live.models.folder import Folder
-from ashe_live.models.malformed import MalformedError
+from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.process.messages import printable
 
 GLB_JSON, GLB_BINARY = 0x4E4F534A, 0x004E4942

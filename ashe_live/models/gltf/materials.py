@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 
 from ashe_live.core.arrays import Image
-from ashe_live.models.folder import Folder
 from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.container import named_content
 from ashe_live.models.gltf.schema import CLAMP_TO_EDGE, MIRRORED_REPEAT, REPEAT
 from ashe_live.models.gltf.specular import metal_rough_from_specular
-from ashe_live.models.malformed import MalformedError
 from ashe_live.models.material import BLACK, MAP_SETS, UNKNOWN, WHITE, Alpha, LinearRGBA, MapLayout, Material
-from ashe_live.models.notes import Notes
-from ashe_live.models.pictures import Pictures
+from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.malformed import MalformedError
+from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.pictures import Pictures
 
 NEAREST = 9728
 ALPHAS = {"OPAQUE": Alpha.OPAQUE, "MASK": Alpha.CUT_OUT, "BLEND": Alpha.BLEND}

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.models.malformed import MalformedError
+from ashe_live.models.parsing.malformed import MalformedError
 
 Bytes = NDArray[np.uint8]
 GROUP = 16  # elements that share the width of their deltas

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ashe_live.models.notes import Notes, listed
+from ashe_live.models.parsing.notes import Notes, listed
 
 PLAIN = {
     "KHR_materials_clearcoat": "clear coats",

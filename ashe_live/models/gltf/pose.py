@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.models.gltf.arrays import Arrays
-from ashe_live.models.malformed import MalformedError
+from ashe_live.models.parsing.malformed import MalformedError
 
 PATHS = {"translation": 3, "rotation": 4, "scale": 3}
 VERTICES_AT_ONCE = 1 << 16

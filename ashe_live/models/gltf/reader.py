@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
-from ashe_live.models.folder import Folder
 from ashe_live.models.geometry import RawMesh
 from ashe_live.models.gltf.amounts import FAN, STRIP, TRIANGLES, amounts_of, check_layout
 from ashe_live.models.gltf.arrays import Arrays
@@ -23,9 +22,10 @@ from ashe_live.models.gltf.materials import Materials
 from ashe_live.models.gltf.missing import note_what_is_missing
 from ashe_live.models.gltf.pose import Pose, skinned
 from ashe_live.models.gltf.schema import UV_SETS, checked
-from ashe_live.models.limits import check_gltf
-from ashe_live.models.malformed import MalformedError
-from ashe_live.models.notes import Notes
+from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.limits import check_gltf
+from ashe_live.models.parsing.malformed import MalformedError
+from ashe_live.models.parsing.notes import Notes
 from ashe_live.process.messages import printable
 
 DRACO = "KHR_draco_mesh_compression"

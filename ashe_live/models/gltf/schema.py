@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ashe_live.models.malformed import MalformedError
+from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.process.messages import printable
 
 Json = dict[str, Any]

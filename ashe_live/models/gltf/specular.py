@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.models.material import WHITE, LinearRGBA
-from ashe_live.models.pictures import resized
+from ashe_live.models.parsing.pictures import resized
 
 Values = NDArray[np.float32]
 DIELECTRIC = 0.04

@@ -17,8 +17,8 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
-from ashe_live.tracking.pose import Sighting, corners_information, corners_noise
-from ashe_live.tracking.pose_refinement import pixels_by_points, pixels_by_pose
+from ashe_live.tracking.poses.pose import Sighting, corners_information, corners_noise
+from ashe_live.tracking.poses.pose_refinement import pixels_by_points, pixels_by_pose
 
 # Standard deviations of careful folding: of a face's turn about each axis, and of its shift over the edge, which is
 # 0.7 mm of 6 cm.

@@ -7,8 +7,8 @@ import numpy as np
 
 from ashe_live.errors import UserError
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE, Face
-from ashe_live.tracking.layout import Layout
-from ashe_live.tracking.page import PAPERS_MM, PRINTER_EDGE_MM, Millimetres, Page, check_page_file
+from ashe_live.tracking.families.layout import Layout
+from ashe_live.tracking.families.page import PAPERS_MM, PRINTER_EDGE_MM, Millimetres, Page, check_page_file
 
 ROWS, COLUMNS = 4, 3
 SMALLEST_MM = 30

@@ -21,7 +21,7 @@ from ashe_live.models.mesh import Model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 
 SIZE = (160, 120)
 

@@ -6,7 +6,7 @@ import pytest
 
 from ashe_live.bench.render.error import picture_error, read_references
 from ashe_live.quality import BALANCED, FAST
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 
 REFERENCES = read_references(Path(__file__).resolve().parents[3] / "assets" / "reference")
 

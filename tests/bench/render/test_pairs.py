@@ -13,7 +13,7 @@ from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.errors import UserError
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.quality import FAST
-from ashe_live.render.offscreen import offscreen_context
+from ashe_live.render.gl.offscreen import offscreen_context
 
 TEN_TO_NINETY_SIGMAS = 2.563
 

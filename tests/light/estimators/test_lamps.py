@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.commands.parser import LIGHTS, build_parser
-from ashe_live.commands.setup import light_steps
+from ashe_live.commands.flags.parser import LIGHTS, build_parser
+from ashe_live.commands.flags.setup import light_steps
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Light, LightEstimate

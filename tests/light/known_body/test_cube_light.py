@@ -12,7 +12,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.layout import cube_layout
+from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, frame_of, looking, sun
 

@@ -6,7 +6,7 @@ from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.same_scene import PlanePicture, differs, outdated
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import BALANCED
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.light.painted_scenes import BOX, Caster, paint

@@ -10,7 +10,7 @@ import pytest
 from ashe_live.errors import UserError
 from ashe_live.models.gltf.meshopt import decompressed
 from ashe_live.models.loading import load_model_file
-from ashe_live.models.malformed import MalformedError
+from ashe_live.models.parsing.malformed import MalformedError
 from tests.models.gltf_files import CORNERS, NORMALS, TRIANGLES, UVS, Document
 
 # 5 x 5 points (1000 x, 1000 y, 37 x y) as 16-bit integers and the triangles between them, by meshoptimizer's encoder.

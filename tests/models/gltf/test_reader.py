@@ -8,9 +8,9 @@ import pytest
 from PIL import Image
 
 from ashe_live.errors import UserError
-from ashe_live.models import limits
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import Alpha
+from ashe_live.models.parsing import limits
 from tests.models.gltf_files import CORNERS, UVS, Document, png
 
 RED, GREEN = (255, 0, 0, 255), (0, 200, 0, 255)

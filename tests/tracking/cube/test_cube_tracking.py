@@ -9,7 +9,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Frame, MarkerPose
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.layout import cube_layout
+from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
 

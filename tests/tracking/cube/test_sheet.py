@@ -11,8 +11,8 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.errors import UserError
 from ashe_live.tracking.cube.faces import CORNERS, DICTIONARY, FACES, FIRST_ID
 from ashe_live.tracking.cube.sheet import largest_edge_mm, write_cube_sheet
-from ashe_live.tracking.dictionary_marker import DICTIONARIES
-from ashe_live.tracking.layout import cube_layout
+from ashe_live.tracking.families.dictionary_marker import DICTIONARIES
+from ashe_live.tracking.families.layout import cube_layout
 
 EDGE_M = 0.06
 MM_PER_INCH = 25.4

@@ -14,7 +14,7 @@ from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
-from ashe_live.tracking.markers import parse_marker
+from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 

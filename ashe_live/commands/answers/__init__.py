@@ -1,0 +1,1 @@
+"""What `ashe-live estimate` says of each file."""

@@ -1,0 +1,204 @@
+"""Where the light is in files: in each by itself, or in several that show one scene."""
+
+import argparse
+import dataclasses
+import statistics
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import datetime
+from pathlib import Path
+
+from ashe_live.capture.photo import PhotoSource
+from ashe_live.capture.snapshot import write_png
+from ashe_live.capture.sources import Source, open_source
+from ashe_live.commands.answers.looked_at import LookedAt, Wanted, look_at, of_one_scene, renumbered
+from ashe_live.commands.flags.marker_choice import with_marker, with_marker_in
+from ashe_live.commands.flags.setup import AssumedCamera, CameraFor, make_tracker
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.contract import FileRecord
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.drawing.contact_sheet import contact_sheet
+from ashe_live.drawing.steps import DebugPicture, debug_pictures
+from ashe_live.errors import UserError
+from ashe_live.files.writing import unused_name
+from ashe_live.light.estimators.estimator import Estimator, TracingEstimator
+from ashe_live.process.messages import printable, tell
+from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.tracking.tracker import MarkerTracker
+
+STEP_WIDTH_PX = 480
+
+FileAnswer = tuple[FileRecord, TrackedFrame | None]  # what is said, and the frame that was used, unless none could be
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class FileEstimator:
+    """An estimator with the options that concern files."""
+
+    estimator: Estimator
+    camera_for: CameraFor
+    options: argparse.Namespace
+
+    def of(self, path: Path) -> FileAnswer:
+        """The answer for a file."""
+        looked = self._looked_at(path, self.options, {})
+        return looked if isinstance(looked, tuple) else self._answered(looked)
+
+    def of_all(self, paths: Sequence[Path]) -> Iterator[FileAnswer]:
+        """One answer for all files together, after those for the files that are of no use for it.
+
+        Raises UserError when there is only one file.
+        """
+        if len(paths) < 2:
+            raise UserError("--together needs two files or more", "name them, or leave it out")
+        options, cameras = self._marker_of_all(paths), self._cameras_of_all(paths)
+        used: list[_Looked] = []
+        for path in paths:
+            looked = self._looked_at(path, options, cameras)
+            if isinstance(looked, tuple):
+                yield looked
+            else:
+                used.append(looked)
+        if used:
+            yield self._answered(*used)
+
+    def _looked_at(
+        self, path: Path, options: argparse.Namespace, cameras: Mapping[Size, Camera]
+    ) -> "_Looked | FileAnswer":
+        """What the file shows, or what is said where that is nothing. `cameras`: of photos that tell none."""
+        record = FileRecord(str(path), options.quality, options.estimator)
+        if path.is_dir():  # in the place of others stand the files in them
+            problem = "there is no photo or clip in it: name another folder, or files"
+            return dataclasses.replace(record, error=problem), None
+        first, last = options.frames
+        wanted = Wanted(options.views, options.estimate_at, first, last)
+        try:
+            with open_source(path) as source:
+                is_known = _tells_no_camera(source) and source.size in cameras
+                camera_for = cameras.__getitem__ if is_known else self.camera_for
+                tracker = make_tracker(with_marker_in(source, options), camera_for, source=source)
+                seen = look_at(source, tracker, wanted)
+        except UserError as error:
+            return dataclasses.replace(record, error=printable(error)), None
+        tracked = seen.frozen
+        record = dataclasses.replace(record, frame=tracked.frame.index, camera=tracked.camera, marker=tracked.marker)
+        if tracked.marker is not None:
+            return _Looked(path, record, seen, tracker)
+        in_view = markers_in_view(tracked.frame.image_bgr)
+        times = {"detect": tracked.detect_ms, "total": tracked.detect_ms}
+        return dataclasses.replace(record, timing_ms=times, in_view=in_view), tracked
+
+    def _answered(self, first: "_Looked", *more: "_Looked") -> FileAnswer:
+        """The answer for the first file's frozen frame, from all views."""
+        places: dict[int, tuple[str, int]] = {}
+        frozen, *others = _renumbered([first, *more], places) if more else (first.seen.frozen, *first.seen.others)
+        others = self._of_one_scene(frozen, others, places)
+        if len(others) >= self.options.views:
+            tell(f"of {len(others) + 1} views the first {self.options.views} are used")
+            others = others[: self.options.views - 1]
+        estimate, timing_ms = self._timed(first.tracker, frozen, others)
+        if self.options.debug is not None:
+            trace = None
+            if isinstance(self.estimator, TracingEstimator):
+                estimate, trace = self.estimator.traced(frozen, others)
+            sheet = _write_steps(self.options.debug, first.path, debug_pictures(frozen, estimate, trace))
+            tell(f"{first.path}: steps in {sheet}")
+        record = dataclasses.replace(
+            first.record,
+            estimate=estimate,
+            timing_ms=timing_ms,
+            places=tuple(places[view] for view in estimate.views) if more else (),
+        )
+        return record, first.seen.frozen
+
+    def _of_one_scene(
+        self, frozen: TrackedFrame, others: Sequence[TrackedFrame], places: Mapping[int, tuple[str, int]]
+    ) -> list[TrackedFrame]:
+        of_it = of_one_scene(frozen, others)
+        if places and len(of_it) < len(others):
+            kept = {view.frame.index for view in of_it}
+            gone = sorted({places[view.frame.index][0] for view in others if view.frame.index not in kept})
+            tell(f"{' and '.join(gone)}: another light or arrangement than in {places[0][0]}, and left out")
+        return of_it
+
+    def _marker_of_all(self, paths: Sequence[Path]) -> argparse.Namespace:
+        """The options with the marker of the first file that can be read."""
+        for source in _sources(paths):
+            options = with_marker_in(source, self.options)
+            return with_marker(options, options.marker)
+        return self.options
+
+    def _cameras_of_all(self, paths: Sequence[Path]) -> dict[Size, Camera]:
+        """The cameras that photos of each size tell together, where nothing is known of them."""
+        cameras: dict[Size, Camera] = {}
+        if not isinstance(self.camera_for, AssumedCamera):
+            return cameras
+        trackers: dict[Size, MarkerTracker] = {}
+        for source in _sources(paths):
+            if _tells_no_camera(source):
+                tracker = trackers.setdefault(source.size, make_tracker(self.options, self.camera_for))
+                frame = source.read()
+                assert frame is not None
+                cameras[source.size] = tracker.track(frame).camera
+                tracker.reset()
+        return cameras
+
+    def _timed(
+        self, tracker: MarkerTracker, tracked: TrackedFrame, others: Sequence[TrackedFrame]
+    ) -> tuple[LightEstimate, Mapping[str, float]]:
+        """Once; or, after a warm-up, `--repeat` times with the median time of every stage."""
+        repeat, runs = self.options.repeat, []
+        for _ in range(1 if repeat is None else repeat + 1):
+            if repeat is not None:
+                tracker.reset()
+                tracked = tracker.track(tracked.frame)
+            estimate = self.estimator.estimate(tracked, others)
+            runs.append({**estimate.timing_ms, "detect": tracked.detect_ms})
+            runs[-1]["total"] = estimate.timing_ms["total"] + tracked.detect_ms
+        counted = runs[1:] or runs
+        return estimate, {stage: statistics.median(run[stage] for run in counted) for stage in counted[0]}
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class _Looked:
+    """A file in which there is a marker."""
+
+    path: Path
+    record: FileRecord
+    seen: LookedAt
+    tracker: MarkerTracker
+
+
+def _renumbered(looked: Sequence[_Looked], places: dict[int, tuple[str, int]]) -> list[TrackedFrame]:
+    """All views with numbers of their own, the first as large as it is; notes in `places` where they are from."""
+    views: list[TrackedFrame] = []
+    for each in looked:
+        for view in (each.seen.frozen, *each.seen.others):
+            places[len(views)] = str(each.path), view.frame.index
+            views.append(renumbered(view, len(views), is_kept_large=not views))
+    return views
+
+
+def _sources(paths: Sequence[Path]) -> Iterator[Source]:
+    """Those that can be opened, each until the next is asked for."""
+    for path in paths:
+        if path.is_dir():
+            continue
+        try:
+            source = open_source(path)
+        except UserError:
+            continue  # its own line says so
+        with source:
+            yield source
+
+
+def _tells_no_camera(source: Source) -> bool:
+    return isinstance(source, PhotoSource) and source.focal_px is None
+
+
+def _write_steps(folder: Path, file: Path, pictures: Sequence[DebugPicture]) -> Path:
+    """One sheet with all steps of an estimate, under a name that is not taken yet. Raises UserError."""
+    sheet = contact_sheet(
+        [picture.image_bgr for picture in pictures], [picture.title for picture in pictures], 4, STEP_WIDTH_PX
+    )
+    path = unused_name(folder, file.stem, ".png", datetime.now())
+    return write_png(path, sheet, beside=True)

@@ -1,0 +1,130 @@
+"""What of a photo or clip the estimator looks at: the frame that is answered for, and other views of its scene."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NoReturn
+
+from ashe_live.capture.sources import Seekable, Source
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.light.live.key_views import KeyViews, direction_of_view, kept_size, scaled
+from ashe_live.light.live.same_scene import PlanePicture, outdated
+from ashe_live.tracking.focal_tracker import FocalTracker
+from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.tracking.tracker import MarkerTracker
+
+# Of a clip by an unknown camera: so much of it is watched for the focal length, before the frame is chosen.
+LEARNING_S = 10.0
+# So long a clip is watched for other views after the frame that is answered for, if nobody says until where.
+WATCHED_S = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """Which frames of a source may be looked at."""
+
+    views: int  # at most, the frame that is answered for among them
+    estimate_at: int | None = None  # the index of that frame; None: the first one with a steady marker
+    first: int = 0
+    last: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LookedAt:
+    """The frame that is answered for, and the other views, with markers."""
+
+    frozen: TrackedFrame
+    others: tuple[TrackedFrame, ...] = ()
+
+
+def look_at(source: Source, tracker: MarkerTracker, wanted: Wanted) -> LookedAt:
+    """The frame that `wanted` names, or the first one with a steady marker, with a marker at all, or else the last.
+
+    Raises UserError when the source has no such frame.
+    """
+    if isinstance(tracker, FocalTracker):
+        _learn_focal_length(source, tracker)
+    steadiness = Steadiness(1) if source.is_photo else Steadiness()
+    kept = KeyViews(max(2, wanted.views))
+    frozen: TrackedFrame | None = None
+    found: TrackedFrame | None = None
+    last: TrackedFrame | None = None
+    if wanted.first and isinstance(source, Seekable):
+        source.seek_frame(wanted.first)
+    while (frame := source.read()) is not None:
+        if frame.index < wanted.first:
+            continue
+        last = tracker.track(frame)
+        kept.add(last)
+        if frozen is None:
+            is_steady = steadiness.add(last.marker)
+            is_it = is_steady if wanted.estimate_at is None else frame.index == wanted.estimate_at
+            frozen = last if is_it else None
+        if last.marker is not None:
+            found = found or last
+        if _has_seen_enough(frozen, last, source, wanted):
+            break
+    if last is None:
+        _refuse(source, wanted)
+    if wanted.estimate_at is not None and frozen is None:
+        raise UserError(
+            f"there is no frame {wanted.estimate_at} in it",
+            f"choose one from {wanted.first} to {last.frame.index} for --estimate-at",
+        )
+    frozen = frozen or found or last
+    if frozen.camera is not last.camera and frozen.marker is not None:
+        # The focal length has been learned meanwhile, and the views' poses are by that one.
+        tracker.reset()
+        frozen = tracker.track(frozen.frame)
+    return LookedAt(frozen, _spread(frozen, kept.views, wanted.views - 1))
+
+
+def of_one_scene(frozen: TrackedFrame, others: Sequence[TrackedFrame]) -> list[TrackedFrame]:
+    """The others without those that show another scene than the frozen frame."""
+    if not others:
+        return []
+    gone = outdated(PlanePicture.of(frozen), [PlanePicture.of(other) for other in others])
+    return [other for place, other in enumerate(others) if place not in gone]
+
+
+def renumbered(tracked: TrackedFrame, index: int, is_kept_large: bool) -> TrackedFrame:
+    """As one of several views from several files; at the size at which views are kept, unless it stays large."""
+    kept = tracked if is_kept_large else scaled(tracked, kept_size(tracked.frame.size))
+    return replace(kept, frame=Frame(kept.frame.image_bgr, index, kept.frame.time_s))
+
+
+def _has_seen_enough(frozen: TrackedFrame | None, last: TrackedFrame, source: Source, wanted: Wanted) -> bool:
+    if wanted.last is not None and last.frame.index >= wanted.last:
+        return True
+    if frozen is None:
+        return False
+    is_watched = wanted.last is None and last.frame.time_s - frozen.frame.time_s >= WATCHED_S
+    return wanted.views == 1 or source.is_photo or is_watched
+
+
+def _refuse(source: Source, wanted: Wanted) -> NoReturn:
+    if not wanted.first:
+        raise UserError("there is no readable picture in it", "copy or record it again")
+    source.rewind()
+    frames = sum(1 for _ in source)
+    raise UserError(f"there is no frame {wanted.first} in it", f"begin --frames between 0 and {frames - 1}")
+
+
+def _spread(frozen: TrackedFrame, views: Sequence[TrackedFrame], most: int) -> tuple[TrackedFrame, ...]:
+    """At most so many of the other views: of too many those are left out that are nearest to the frozen frame's."""
+    if frozen.marker is None:
+        return ()
+    here = direction_of_view(frozen.marker)
+    others = [view for view in views if view.frame.index != frozen.frame.index and view.marker is not None]
+    others.sort(key=lambda view: view.marker is not None and float(direction_of_view(view.marker) @ here))
+    return tuple(sorted(others[:most], key=lambda view: view.frame.index))
+
+
+def _learn_focal_length(source: Source, tracker: FocalTracker) -> None:
+    """Watches a clip's beginning, as far as it has something to tell, and goes back to its start."""
+    if source.is_photo:
+        return
+    while not tracker.is_sure and (frame := source.read()) is not None and frame.time_s <= LEARNING_S:
+        tracker.track(frame)
+    source.rewind()
+    tracker.reset()

@@ -1,0 +1,1 @@
+"""The command line's flags and settings, and what they stand for."""

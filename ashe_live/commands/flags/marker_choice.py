@@ -1,0 +1,48 @@
+"""Which marker is followed where nobody has named one: the one of a known family that is in view."""
+
+import argparse
+
+from ashe_live.capture.sources import Source
+from ashe_live.process.messages import tell
+from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.tracking.families.markers import parse_marker
+
+# Of a clip; at its beginning the marker may still be half hidden.
+LOOKED_AT = 5
+
+
+def with_marker(options: argparse.Namespace, spec: str) -> argparse.Namespace:
+    """`options` as if that marker had been named."""
+    return argparse.Namespace(**{**vars(options), "marker": spec, "takes_any_marker": False})
+
+
+def with_marker_in(source: Source, options: argparse.Namespace) -> argparse.Namespace:
+    """`options`, with the one marker in the beginning of a clip, or in a photo, unless one was named or it has that.
+
+    The source is rewound.
+    """
+    if source.is_live or not options.takes_any_marker:
+        return options
+    named = parse_marker(options.marker)
+    try:
+        for _ in range(LOOKED_AT):
+            frame = source.read()
+            if frame is None:
+                break
+            in_view = markers_in_view(frame.image_bgr)
+            if options.marker in in_view or (not in_view and named.find(frame.image_bgr[..., 1].copy())):
+                break
+            if len(in_view) == 1:
+                tell(f"{source.name}: {in_view[0]} is in view and is followed, as no --marker was given")
+                return with_marker(options, in_view[0])
+            if in_view:
+                tell(f"{source.name}: {' and '.join(in_view)} are in view: choose one with --marker")
+                break
+    finally:
+        source.rewind()
+    return options
+
+
+def others_said(in_view: tuple[str, ...]) -> str:
+    """What to do about markers in view none of which is the one that was looked for."""
+    return f"{' and '.join(in_view)} {'is' if len(in_view) == 1 else 'are'} in view: --marker {in_view[0]}"

@@ -1,0 +1,50 @@
+"""What holds for a command: its flags, else the settings, else the defaults."""
+
+import argparse
+from collections.abc import Sequence
+from typing import NoReturn
+
+from ashe_live.commands.flags.parser import START, UPS, build_parser
+from ashe_live.errors import UserError
+
+
+def with_command(arguments: Sequence[str]) -> Sequence[str]:
+    """START where there is none."""
+    is_there = bool(arguments) and (not arguments[0].startswith("-") or arguments[0] in ("-h", "--help", "--version"))
+    return arguments if is_there else [START, *arguments]
+
+
+def _with_axes_joined(arguments: Sequence[str]) -> Sequence[str]:
+    """`--up -z` as one word: argparse would take the axis for a flag."""
+    joined: list[str] = []
+    for word in arguments:
+        if joined and joined[-1] == "--up" and word in UPS:
+            joined[-1] = f"--up={word}"
+        else:
+            joined.append(word)
+    return joined
+
+
+def parsed(arguments: Sequence[str]) -> argparse.Namespace:
+    """The options, with the settings where no flag says otherwise. Raises UserError for settings that cannot be."""
+    arguments = _with_axes_joined(with_command(arguments))
+    options = build_parser().parse_args(arguments)
+    # Only here, as --help and wrong use do not come so far.
+    from ashe_live.commands.flags.settings_file import COMMANDS, ONE_OF, flags_of, read_settings, settings_path
+
+    if options.command not in COMMANDS:
+        return options
+    settings = read_settings(settings_path())
+    if any(getattr(options, key.replace("-", "_")) is not None for key in ONE_OF):
+        settings = {key: value for key, value in settings.items() if key not in ONE_OF}
+    first, *rest = arguments
+    return build_parser(_SettingsParser).parse_args([first, *flags_of(settings, options.command), *rest])
+
+
+class _SettingsParser(argparse.ArgumentParser):
+    """Says that what is wrong is not on the command line."""
+
+    def error(self, message: str) -> NoReturn:
+        from ashe_live.commands.flags.settings_file import settings_path
+
+        raise UserError(f"{settings_path()}: {message.removeprefix('argument --')}", "mend that line, or remove it")

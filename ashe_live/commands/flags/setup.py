@@ -1,0 +1,93 @@
+"""What several commands make of the same options: the camera, the tracker."""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import replace
+
+from ashe_live.capture.photo import PhotoSource
+from ashe_live.capture.sources import Source
+from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
+from ashe_live.errors import UserError
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.process.messages import tell
+from ashe_live.quality import BALANCED, QUALITIES, Quality
+from ashe_live.tracking.families.layout import parse_target, usual_side_m
+from ashe_live.tracking.focal.focal_memory import FocalMemory
+from ashe_live.tracking.focal_tracker import FocalTracker
+from ashe_live.tracking.tracker import MarkerTracker
+
+CameraFor = Callable[[Size], Camera]
+
+
+def quality_of(options: argparse.Namespace) -> Quality:
+    """`auto` starts in the middle."""
+    return QUALITIES.get(options.quality, BALANCED)
+
+
+def light_steps(options: argparse.Namespace) -> ProxySteps:
+    """The estimator's preset, with what lights are taken for."""
+    return replace(quality_of(options).light, light=options.light)
+
+
+def camera_chooser(options: argparse.Namespace) -> CameraFor:
+    """The camera for frames of a size, from --camera-file, --focal-px or --hfov, or assumed."""
+    if options.camera_file is not None:
+        return _calibrated(read_camera_file(options.camera_file), str(options.camera_file))
+    if options.focal_px is not None:
+        return lambda size: Camera.from_focal(size, options.focal_px)
+    if options.hfov is not None:
+        return lambda size: Camera.from_hfov(size, options.hfov)
+    return AssumedCamera()
+
+
+class AssumedCamera:
+    """A camera for frames of any size about which nothing is known; says so when it is first needed."""
+
+    def __init__(self) -> None:
+        self._is_said = False
+
+    def __call__(self, size: Size) -> Camera:
+        if not self._is_said:
+            self._is_said = True
+            tell(
+                f"the camera's field of view is not known: {ASSUMED_HFOV_DEG:g} degrees are assumed until views of the "
+                "marker from several sides determine it; give it by --hfov, --focal-px or --camera-file"
+            )
+        return Camera.from_hfov(size, ASSUMED_HFOV_DEG, "assumed")
+
+
+def make_tracker(
+    options: argparse.Namespace,
+    camera_for: CameraFor | None = None,
+    memory: FocalMemory | None = None,
+    source: Source | None = None,
+) -> MarkerTracker:
+    """One that learns the focal length where nobody gave it, recalled from and kept in `memory`.
+
+    `source` may be a photo that states it.
+    """
+    marker = parse_target(options.marker)
+    camera_for = camera_for or camera_chooser(options)
+    side_m = usual_side_m(options.marker) if options.marker_size is None else options.marker_size
+    preset = quality_of(options).tracking
+    tracker = (
+        FocalTracker(marker, camera_for, side_m, preset, memory)
+        if isinstance(camera_for, AssumedCamera)
+        else MarkerTracker(marker, camera_for, side_m, preset)
+    )
+    if isinstance(tracker, FocalTracker) and isinstance(source, PhotoSource) and source.focal_px is not None:
+        tracker.tell(Camera.from_focal(source.size, source.focal_px, "exif"))
+    tracker.filters = not options.no_filter
+    return tracker
+
+
+def _calibrated(camera: Camera, name: str) -> CameraFor:
+    def camera_for(size: Size) -> Camera:
+        try:
+            return camera.resized(size)
+        except ValueError as error:
+            raise UserError(
+                f"the calibration {name} does not fit ({error})", "calibrate at this aspect ratio"
+            ) from error
+
+    return camera_for

@@ -1,0 +1,1 @@
+"""Readers of OBJ, PLY and STL."""

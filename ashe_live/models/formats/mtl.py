@@ -1,0 +1,165 @@
+"""MTL: what an OBJ's surfaces look like, in Phong's terms.
+
+http://paulbourke.net/dataformats/mtl/
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Image
+from ashe_live.core.colour import linear_from_srgb
+from ashe_live.errors import UserError
+from ashe_live.models.material import UNKNOWN, Alpha, Material
+from ashe_live.models.parsing.limits import MAX_MATERIALS
+from ashe_live.models.parsing.malformed import MalformedError
+from ashe_live.models.parsing.notes import Notes
+
+BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+# How many numbers follow an option of a map; what is left is the file's name, spaces and all.
+OPTIONS = {
+    **dict.fromkeys(("-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-texres", "-type", "-bm", "-boost"), 1),
+    "-mm": 2,
+    **dict.fromkeys(("-o", "-s", "-t"), 3),
+}
+# In what order the files beside the diffuse one would be looked for; none of them is drawn.
+NOT_DRAWN = {
+    "map_bump": "bump maps",
+    "bump": "bump maps",
+    "map_kn": "normal maps",
+    "norm": "normal maps",
+    "map_ke": "maps of emission",
+    "map_pr": "maps of roughness",
+    "map_pm": "maps of metal",
+}
+
+
+@dataclass(slots=True)
+class _Described:
+    """One material's lines so far."""
+
+    diffuse: tuple[float, ...] | None = None
+    emission: tuple[float, ...] = (0.0, 0.0, 0.0)
+    opacity: float = 1.0
+    shininess: float = 0.0
+    picture: str | None = None
+    cut_out: str | None = None
+
+
+def text_of(content: bytes) -> str:
+    """Text of another encoding is taken for Latin-1: only names may then look odd, and they are not shown."""
+    content = content.removeprefix(BYTE_ORDER_MARK)
+    try:
+        return content.decode()
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+def read_mtl(content: bytes, texels: Callable[[str], Image], notes: Notes) -> dict[str, Material]:
+    """Materials by their names. `texels` gives a picture's (h, w, 4) uint8 by its file's name.
+
+    Raises UserError for more materials than the limit, MalformedError for a line that is no MTL.
+    """
+    described: dict[str, _Described] = {}
+    one = _Described()
+    count = 0
+    for line in text_of(content).splitlines():
+        key, _, value = line.strip().partition(" ") if "\t" not in line.strip() else _parted(line)
+        key, value = key.lower(), value.strip()
+        if key == "newmtl":
+            one = described[value] = _Described()
+            count += 1
+            if count > MAX_MATERIALS:
+                raise UserError(f"a material file holds more than {MAX_MATERIALS:,} materials", "export it with fewer")
+        elif value:
+            _take(one, key, value)
+            if key in NOT_DRAWN:
+                notes.add(f"{NOT_DRAWN[key]} of its materials are left out")
+    return {name: _material(one, texels) for name, one in described.items()}
+
+
+def _parted(line: str) -> tuple[str, str, str]:
+    key, *rest = line.split(None, 1)
+    return key, " ", rest[0] if rest else ""
+
+
+def _take(one: _Described, key: str, value: str) -> None:
+    if key in ("kd", "ke"):
+        numbers = _numbers(value)
+        if len(numbers) in (1, 2):
+            numbers = numbers[:1] * 3
+        if len(numbers) >= 3:
+            setattr(one, "diffuse" if key == "kd" else "emission", numbers[:3])
+    elif key in ("d", "tr"):
+        # 0 is invisible for the one, and opaque for the other.
+        (*_, last) = _numbers(value.replace("-halo", "")) or (1.0,)
+        one.opacity = last if key == "d" else 1 - last
+    elif key == "ns":
+        one.shininess = next(iter(_numbers(value)), 0.0)
+    elif key == "map_kd":
+        one.picture = _file_name(value)
+    elif key == "map_d":
+        one.cut_out = _file_name(value)
+
+
+def _numbers(value: str) -> tuple[float, ...]:
+    """None for what is said in other terms, as a spectrum or in CIE XYZ."""
+    try:
+        numbers = tuple(float(word) for word in value.split())
+    except ValueError:
+        return ()
+    if not np.isfinite(numbers).all():
+        raise MalformedError("a material's number is not finite")
+    return numbers
+
+
+def _file_name(value: str) -> str:
+    words = value.split(" ")
+    while words and words[0].lower() in OPTIONS:
+        count, words = OPTIONS[words[0].lower()], words[1:]
+        while words and count and not _is_name(words[0]):
+            count, words = count - 1, words[1:]
+    return " ".join(words).strip().strip('"')
+
+
+def _is_name(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return word.lower() not in ("on", "off", "r", "g", "b", "m", "l", "z", "")
+    return False
+
+
+def _material(one: _Described, texels: Callable[[str], Image]) -> Material:
+    opacity = min(max(one.opacity, 0.0), 1.0)
+    red, green, blue = linear_from_srgb(np.clip(one.diffuse or (0.8, 0.8, 0.8), 0, 1)).tolist()
+    glow_red, glow_green, glow_blue = linear_from_srgb(np.clip(one.emission, 0, 1)).tolist()
+    # Phong's lobe of that exponent is about as wide as this roughness's.
+    roughness = float(np.sqrt(np.sqrt(2 / (one.shininess + 2)))) if one.shininess > 0 else UNKNOWN.roughness
+    plain = replace(
+        UNKNOWN,
+        base_colour=(red, green, blue, opacity),
+        emissive=(glow_red, glow_green, glow_blue),
+        roughness=roughness,
+        alpha=Alpha.BLEND if opacity < 1 else Alpha.OPAQUE,
+    )
+    if one.picture is not None:
+        return pictured(plain, texels(one.picture), None if one.cut_out is None else texels(one.cut_out))
+    return plain
+
+
+def pictured(plain: Material, base_map: Image, cut_out: Image | None = None) -> Material:
+    """`plain` with a picture in the place of its colour; `cut_out`'s red is its alpha, where it is of the same size."""
+    if cut_out is not None and cut_out.shape == base_map.shape and base_map[..., 3].min() == 255:
+        # A mask that is one picture with the colours would be given with alpha, and its red is no mask.
+        has_alpha = cut_out[..., 3].min() < 255
+        base_map = np.dstack([base_map[..., :3], cut_out[..., 3] if has_alpha else cut_out[..., 0]])
+    has_holes = base_map[..., 3].min() < 255
+    return replace(
+        plain,
+        # OBJ exporters write an arbitrary grey beside a texture.
+        base_colour=(1.0, 1.0, 1.0, plain.base_colour[3]),
+        base_map=base_map,
+        alpha=Alpha.CUT_OUT if has_holes and plain.alpha is Alpha.OPAQUE else plain.alpha,
+    )

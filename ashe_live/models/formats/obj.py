@@ -1,0 +1,210 @@
+"""OBJ: places, texture coordinates, normals, and polygons of them in groups of one material each.
+
+http://paulbourke.net/dataformats/obj/
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.colour import linear_from_srgb
+from ashe_live.errors import UserError
+from ashe_live.models.formats.mtl import read_mtl, text_of
+from ashe_live.models.formats.polygons import triangulated
+from ashe_live.models.formats.words import numbers_in
+from ashe_live.models.geometry import RawMesh
+from ashe_live.models.material import UNKNOWN, Material
+from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.malformed import MalformedError
+from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.pictures import Pictures
+from ashe_live.process.messages import printable
+
+Indices = NDArray[np.int64]
+NAME_CHARACTERS = 60
+CONTINUED = re.compile(rb"\\\r?\n")
+
+
+@dataclass(slots=True)
+class _Lines:
+    """A file's lines by what they say, without their first word."""
+
+    values: tuple[list[bytes], list[bytes], list[bytes]] = field(default_factory=lambda: ([], [], []))
+    faces: list[bytes] = field(default_factory=list)
+    before: list[tuple[int, int, int]] = field(default_factory=list)  # how many values came before each face
+    materials: list[int] = field(default_factory=list)  # of each face: a place in `names`
+    names: dict[bytes, int] = field(default_factory=dict)
+    libraries: list[bytes] = field(default_factory=list)
+    has_lines: bool = False
+
+
+def read_obj(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
+    """One mesh for each material. Raises UserError for what it names and cannot be read, MalformedError for no OBJ."""
+    lines = _sorted(CONTINUED.sub(b" ", content))
+    if lines.has_lines:
+        notes.add("points and lines are left out")
+    if not lines.faces:
+        return
+    materials = _materials(lines, folder, notes)
+    places, colours = _places(lines.values[0])
+    uvs, normals = (_table(values, width) for values, width in zip(lines.values[1:], (2, 3), strict=True))
+    corners, counts = _corners(lines, (len(places), len(uvs), len(normals)))
+    faces = np.asarray(lines.materials)
+    names = list(lines.names)
+    for number in np.unique(faces):
+        some = faces == number
+        triangles = triangulated(places, corners[np.repeat(some, counts), 0], counts[some])
+        own = corners[np.repeat(some, counts)]
+        yield _mesh(own, triangles, (places, uvs, normals), colours, materials.get(names[number], UNKNOWN))
+
+
+def _sorted(content: bytes) -> _Lines:
+    found = _Lines()
+    places, uvs, normals = found.values
+    material = found.names.setdefault(b"", 0)
+    for line in content.splitlines():
+        key, _, rest = line.strip().replace(b"\t", b" ").partition(b" ")
+        if key == b"v":
+            places.append(rest)
+        elif key == b"f":
+            found.faces.append(rest)
+            found.before.append((len(places), len(uvs), len(normals)))
+            found.materials.append(material)
+        elif key == b"vt":
+            uvs.append(rest)
+        elif key == b"vn":
+            normals.append(rest)
+        elif key == b"usemtl":
+            material = found.names.setdefault(rest.strip(), len(found.names))
+        elif key == b"mtllib":
+            found.libraries.append(rest.strip())
+        elif key in (b"l", b"p"):
+            found.has_lines = True
+    return found
+
+
+def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Material]:
+    """By the names that the OBJ gives them; the first of several libraries that has one."""
+    pictures = Pictures()
+    found: dict[str, Material] = {}
+
+    def texels(name: str) -> Image:
+        return pictures.texels(name, lambda: folder.get(name), f"texture {name}")
+
+    for library in lines.libraries:
+        try:
+            contents = [folder.get(text_of(library))]
+        except UserError as refusal:
+            if "which is missing" not in refusal.message:
+                raise
+            # Several names may stand on one line, and one name may hold spaces.
+            contents = [content for name in library.split() if (content := _there(folder, name, notes)) is not None]
+        for content in contents:
+            read = read_mtl(content, texels, notes)
+            for name, material in read.items():
+                found.setdefault(name, material)
+    wanted = {name: text_of(name) for name in lines.names}
+    return {name: found[said] for name, said in wanted.items() if said in found}
+
+
+def _there(folder: Folder, name: bytes, notes: Notes) -> bytes | None:
+    try:
+        return folder.get(text_of(name))
+    except UserError as refusal:
+        if "which is missing" not in refusal.message:
+            raise
+        said = printable(text_of(name), NAME_CHARACTERS)
+        notes.add(f"its materials {said} are missing: it is drawn as plain plastic")
+        return None
+
+
+def _places(lines: list[bytes]) -> tuple[Float, Float | None]:
+    """(n, 3), and linear colours (n, 4) where every line goes on with them, as some programs write."""
+    table = _table(lines, 3)
+    if table.shape[1] < 6:
+        return table[:, :3], None
+    # Of seven numbers the fourth is the weight of a curve's point.
+    encoded = np.clip(table[:, -3:], 0, 1)
+    return table[:, :3], np.column_stack([linear_from_srgb(encoded), np.ones(len(table))])
+
+
+def _table(lines: list[bytes], least: int) -> Float:
+    """(n, at least `least`) numbers of lines that have as many each, or the first `least` of each."""
+    if not lines:
+        return np.empty((0, least))
+    numbers = numbers_in(b" ".join(lines))
+    width, rest = divmod(len(numbers), len(lines))
+    if rest == 0 and width >= least and all(len(line.split()) == width for line in (lines[0], lines[-1])):
+        counts = {len(line.split()) for line in lines} if width > least else {width}
+        if len(counts) == 1:
+            return numbers.reshape(-1, width)
+    short = [(line.split() + [b"0"] * least)[:least] for line in lines]  # a coordinate may be left out of vt
+    return numbers_in(b" ".join(word for words in short for word in words)).reshape(-1, least)
+
+
+def _corners(lines: _Lines, there: tuple[int, int, int]) -> tuple[Indices, Indices]:
+    """(k, 3) places of each face's corners in v, vt and vn, -1 for none; and how many corners each face has."""
+    counts = np.fromiter((len(face.split()) for face in lines.faces), np.int64, len(lines.faces))
+    if counts.min() < 1:
+        raise MalformedError("a face has no corners")
+    words = b" ".join(lines.faces).split()
+    indices = _parsed(words)
+    before = np.repeat(np.asarray(lines.before, dtype=np.int64), counts, axis=0)
+    # From 1 on, or from the last one backwards; 0 stands for none.
+    absolute = np.where(indices < 0, before + indices, indices - 1)
+    if absolute[:, 0].min() < 0 or (absolute >= there).any() or (absolute[indices < 0] < 0).any():
+        raise MalformedError(f"a face names what is not there: there are {there[0]:,} places")
+    return absolute, counts
+
+
+def _parsed(words: list[bytes]) -> Indices:
+    """(k, 3) numbers of corners such as 1, 1/2, 1//3 and 1/2/3; 0 for what is left out."""
+    slashes = words[0].count(b"/")
+    text = b" ".join(words)
+    is_same = all(word.count(b"/") == slashes for word in words) and (b"//" in words[0]) == (b"//" in text)
+    if is_same and slashes < 3 and (b"//" not in text or text.count(b"//") == len(words)):
+        numbers = numbers_in(text.replace(b"//", b"/0/").replace(b"/", b" "))
+        if len(numbers) == (slashes + 1) * len(words):
+            table = np.zeros((len(words), 3))
+            table[:, : slashes + 1] = numbers.reshape(len(words), -1)
+            return _whole(table)
+    rows = [[*word.split(b"/"), b"", b""][:3] for word in words]
+    return _whole(numbers_in(b" ".join(part or b"0" for row in rows for part in row)).reshape(-1, 3))
+
+
+def _whole(numbers: Float) -> Indices:
+    if not (np.abs(numbers) < 2**53).all() or (numbers != np.floor(numbers)).any():
+        raise MalformedError("a face names a vertex by what is no whole number")
+    return numbers.astype(np.int64)
+
+
+def _mesh(
+    corners: Indices, triangles: Indices, tables: tuple[Float, Float, Float], colours: Float | None, material: Material
+) -> RawMesh:
+    """Of the corners (k, 3) of one material's faces; each combination that there is becomes a vertex."""
+    places, uvs, normals = tables
+    _, first, vertex = np.unique(_keys(corners), return_index=True, return_inverse=True)
+    used = corners[first]
+    has_uvs, has_normals = (bool((used[:, column] >= 0).all()) for column in (1, 2))
+    return RawMesh(
+        vertices=places[used[:, 0]],
+        triangles=vertex[triangles],
+        material=material,
+        normals=normals[used[:, 2], :3] if has_normals else None,
+        uvs=uvs[used[:, 1], :2] if has_uvs else None,
+        colours=None if colours is None else colours[used[:, 0]],
+    )
+
+
+def _keys(corners: Indices) -> Indices:
+    """(k,) one number for each row (k, 3), the same for the same."""
+    sizes = corners.max(axis=0) + 2
+    keys = corners[:, 0]
+    for column in (1, 2):
+        # As many as there are rows, so that products stay small.
+        _, keys = np.unique(keys * sizes[column] + corners[:, column] + 1, return_inverse=True)
+    return keys

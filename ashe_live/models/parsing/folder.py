@@ -1,0 +1,77 @@
+"""What a model file may read beside itself: files of its own folder, small enough together, never a network."""
+
+import os
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from urllib.parse import unquote
+
+from ashe_live.errors import UserError
+from ashe_live.files.reading import read_bytes
+from ashe_live.models.parsing.limits import MAX_NAMED_FILES
+
+MOST_ENTRIES = 10_000  # of a folder that are looked at for a name in other capitals
+
+
+class Folder:
+    """Lets a model file read what lies in its own folder.
+
+    Names are taken as other systems write them: with backslashes, with other capitals, percent-encoded. Of a path that
+    leads elsewhere (absolute, `../textures/a.png`) the end is looked for within the folder: exporters write where a
+    picture lay on the machine of its maker, and people copy it beside the model.
+    """
+
+    def __init__(self, model: Path, most_bytes: int) -> None:
+        self._model = model
+        self._folder = model.parent.resolve()
+        self._bytes_left = most_bytes
+        self._named = 0
+
+    def get(self, name: str) -> bytes:
+        """The content of the file of that name. Raises UserError where it must not or cannot be read."""
+        self._named += 1
+        if self._named > MAX_NAMED_FILES:
+            raise UserError(
+                f"the model file {self._model} names files more than {MAX_NAMED_FILES:,} times", "export it with fewer"
+            )
+        content = read_bytes(self._found(name), self._bytes_left)
+        self._bytes_left -= len(content)
+        return content
+
+    def _found(self, name: str) -> Path:
+        relative = unquote(name.strip()).replace("\\", "/")
+        # Before it is looked at: on Windows that of another machine would be asked for.
+        is_elsewhere = bool(PureWindowsPath(relative).anchor) or "\0" in relative or not self._is_within(relative)
+        if not is_elsewhere:
+            if (path := self._named_like(relative)) is not None:
+                return path
+        elif "\0" not in relative and "://" not in relative:
+            parts = [part for part in PurePosixPath(relative).parts if part not in ("..", "/")]
+            for first in range(max(1 if len(parts) > 1 else 0, len(parts) - 3), len(parts)):
+                if (path := self._named_like("/".join(parts[first:]))) is not None and path.is_file():
+                    return path
+        why = "outside its own folder" if is_elsewhere else "which is missing"
+        raise UserError(f"the model file {self._model} names {name}, {why}", "put what it needs beside it")
+
+    def _is_within(self, relative: str) -> bool:
+        return Path(os.path.realpath(self._folder / relative)).is_relative_to(self._folder)
+
+    def _named_like(self, relative: str) -> Path | None:
+        """Within the folder, also in other capitals; None when there is nothing, or a link leads elsewhere."""
+        path = self._folder
+        for part in PurePosixPath(relative).parts:
+            inside = path / part
+            if part != ".." and not os.path.lexists(inside):
+                try:
+                    with os.scandir(path) as entries:
+                        alike = sorted(
+                            entry.name
+                            for entry, _ in zip(entries, range(MOST_ENTRIES), strict=False)
+                            if entry.name.casefold() == part.casefold()
+                        )
+                except OSError:
+                    return None
+                if not alike:
+                    return None
+                inside = path / alike[0]
+            path = inside
+        real = Path(os.path.realpath(path))
+        return real if real.is_relative_to(self._folder) else None

@@ -1,0 +1,83 @@
+"""Pictures of a model's materials: decoded within limits, reduced, each once."""
+
+import io
+from collections.abc import Callable, Hashable
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as PillowImage
+
+from ashe_live.core.arrays import Image
+from ashe_live.errors import UserError
+from ashe_live.models.parsing.limits import MAX_TEXTURE_PX, check_decoded, check_picture, check_texels
+from ashe_live.models.parsing.malformed import MalformedError
+
+DEEP_MODES = ("I;16", "I;16B", "I;16L", "I;16N", "I", "F")  # one channel of more than 8 bits
+
+
+class Pictures:
+    """Of one file; what is used several times is one value."""
+
+    def __init__(self) -> None:
+        self._texels: dict[Hashable, Image] = {}
+        self._decoded = 0  # texels, of all pictures so far
+
+    def texels(self, key: Hashable, content: Callable[[], bytes], name: str) -> Image:
+        """(h, w, 4) uint8 as the file has it, no side longer than MAX_TEXTURE_PX; `content` is asked for a new `key`.
+
+        Raises UserError when it is too large or of a kind that is not read, MalformedError naming `name` when it is
+        damaged.
+        """
+        if key not in self._texels:
+            self.keep(key, self._decoded_from(content(), name))
+        return self._texels[key]
+
+    def keep(self, key: Hashable, texels: Image) -> Image:
+        """Counts `texels` (h, w, 4) uint8 among the model's, under `key`. Raises UserError when they are too many."""
+        self._texels[key] = texels
+        check_texels(sum(kept.size // 4 for kept in self._texels.values()))
+        return texels
+
+    def get(self, key: Hashable) -> Image | None:
+        return self._texels.get(key)
+
+    def _decoded_from(self, content: bytes, name: str) -> Image:
+        try:
+            picture = PillowImage.open(io.BytesIO(content))
+        except PillowImage.DecompressionBombError:
+            raise MalformedError(f"its {name} cannot be read") from None
+        except (OSError, ValueError, SyntaxError, TypeError):
+            raise MalformedError(f"its {name} cannot be read") from None
+        with picture:
+            check_picture(picture)
+            # Before the conversion, which would make four channels of the large one.
+            if max(picture.size) > MAX_TEXTURE_PX and picture.mode == "RGB":
+                picture.draft("RGB", (MAX_TEXTURE_PX, MAX_TEXTURE_PX))
+            self._decoded += picture.width * picture.height
+            check_decoded(self._decoded)
+            try:
+                reduced = _in_8_bits(picture).convert("RGBA")
+            except (MemoryError, UserError):
+                raise
+            except Exception:  # Pillow's decoders raise anything
+                raise MalformedError(f"its {name} is damaged") from None
+        reduced.thumbnail((MAX_TEXTURE_PX, MAX_TEXTURE_PX), PillowImage.Resampling.LANCZOS)
+        return np.asarray(reduced, dtype=np.uint8)
+
+
+def _in_8_bits(picture: PillowImage.Image) -> PillowImage.Image:
+    """Of deeper pictures Pillow would cut off what is above 255: all of 16 bits but the darkest would be white."""
+    if picture.mode not in DEEP_MODES:
+        return picture
+    given: NDArray[np.float32] = np.asarray(picture).astype(np.float32)
+    values = np.where(np.isfinite(given), given, np.float32(0))
+    of_one = values if picture.mode == "F" else values / 65535
+    grey: NDArray[np.uint8] = np.round(np.clip(of_one, 0, 1) * 255).astype(np.uint8)
+    return PillowImage.fromarray(grey)
+
+
+def resized(texels: Image, size: tuple[int, int]) -> Image:
+    """(h, w, 4) uint8 brought to `size`, width and height."""
+    if (texels.shape[1], texels.shape[0]) == size:
+        return texels
+    return np.asarray(PillowImage.fromarray(texels).resize(size, PillowImage.Resampling.BILINEAR))

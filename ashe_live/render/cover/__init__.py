@@ -1,0 +1,1 @@
+"""The marker and its sheet, painted over by the ground around them."""

@@ -1,0 +1,180 @@
+"""Keeps a cover of the marker's sheet on the graphics card, steady from frame to frame.
+
+The cover is made once and then only drawn in perspective, its brightness following the camera's exposure. It is made
+anew for another light, or when the camera has come so much nearer, or moved so far around, that the old one would show.
+"""
+
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import cv2
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.transforms import inverse_rigid, project
+from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
+from ashe_live.render.gl.programs import set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
+from ashe_live.render.lights.shadow_maps import same_objects
+
+NEARER = 1.5  # times as large, the marker has more detail around it than the cover
+TURNED_COS = np.cos(np.radians(30.0))  # seen from another side, the ground's relief looks different
+RETRIED_S = 1.0  # of the video, after no cover could be made
+GAIN_HELD_S = 0.2
+EASED = 0.4  # of the way to the exposure just measured, each time
+STILL = 0.004  # a smaller change of exposure is none
+GAIN_RANGE = 0.4, 2.5
+OUTLIER = 0.3  # of a point's own change over the median's: something has come there
+FEWEST_POINTS = 30
+
+
+class HiddenMarker:
+    """What covers the sheet, once there is something."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._texture: moderngl.Texture | None = None
+        self._cover: GroundCover | None = None
+        self._made_from: tuple[TrackedFrame, Illumination] | None = None
+        self._asked_for: tuple[TrackedFrame, Illumination] | None = None
+        self._seen_lit_by: Illumination | None = None
+        self._maker: ThreadPoolExecutor | None = None
+        self._coming: Future[GroundCover | None] | None = None
+        self._gain = np.ones(3)
+        self._gained_s = -np.inf
+        self._failed_s: float | None = None
+
+    @property
+    def is_settled(self) -> bool:
+        return self._coming is None
+
+    @property
+    def corners(self) -> Float:
+        """(4, 2) metres, marker frame, of what is covered; (0, 2) while there is no cover."""
+        if self._cover is None:
+            return np.zeros((0, 2))
+        half = self._cover.extent_m
+        return np.array([(half[0], half[1]), (half[2], half[1]), (half[2], half[3]), (half[0], half[3])])
+
+    def follow(self, tracked: TrackedFrame, illumination: Illumination, at_once: bool) -> None:
+        """Takes a cover that is ready, has another made where that is called for, and follows the exposure.
+
+        `at_once`: waits for it, as a picture without a window does; else another thread makes it.
+        """
+        self._take()
+        steady = self._seen_lit_by is not None and _same_light(illumination, self._seen_lit_by)
+        self._seen_lit_by = illumination
+        # While a light eases to another one, each frame has one of its own.
+        if self._coming is None and (steady or at_once or self._cover is None) and self._is_due(tracked, illumination):
+            self._asked_for = tracked, illumination
+            if at_once:
+                self._accept(ground_cover(tracked, illumination))
+            else:
+                self._maker = self._maker or ThreadPoolExecutor(1, "ground cover")
+                self._coming = self._maker.submit(ground_cover, tracked, illumination)
+        self._follow_exposure(tracked)
+
+    def bind(self, program: moderngl.Program) -> None:
+        """For a program that was built with `covers`."""
+        assert self._texture is not None
+        assert self._cover is not None
+        self._texture.use(UNIT_OF["cover"])
+        set_uniforms(program, cover_half_m=self._cover.half_m, cover_gain=tuple(self._gain))
+
+    def forget(self) -> None:
+        """Nothing is covered until another cover is made."""
+        self._release_texture()
+        self._cover = self._made_from = self._seen_lit_by = self._failed_s = None
+
+    def release(self) -> None:
+        if self._maker is not None:
+            self._maker.shutdown(wait=True, cancel_futures=True)
+        self._maker = self._coming = None
+        self.forget()
+
+    def _take(self) -> None:
+        if self._coming is not None and self._coming.done():
+            coming, self._coming = self._coming, None
+            self._accept(coming.result())
+
+    def _accept(self, cover: GroundCover | None) -> None:
+        assert self._asked_for is not None
+        if cover is None:
+            self._failed_s = self._asked_for[0].frame.time_s
+            return
+        self._release_texture()
+        size = len(cover.image_rgba)
+        self._texture = self._ctx.texture((size, size), 4, np.ascontiguousarray(cover.image_rgba[::-1]))
+        self._texture.repeat_x = self._texture.repeat_y = False
+        self._cover, self._made_from, self._failed_s = cover, self._asked_for, None
+        self._gain, self._gained_s = np.ones(3), -np.inf
+
+    def _is_due(self, tracked: TrackedFrame, illumination: Illumination) -> bool:
+        if self._failed_s is not None and 0 <= tracked.frame.time_s - self._failed_s < RETRIED_S:
+            return False
+        if self._made_from is None:
+            return True
+        was, lit_by = self._made_from
+        assert was.marker is not None
+        assert tracked.marker is not None
+        if was.marker.side_m != tracked.marker.side_m or not _same_light(illumination, lit_by):
+            return True
+        nearer = _longest_side_px(tracked) > NEARER * _longest_side_px(was)
+        ways = [camera_centre(each.marker.T_cam_marker) for each in (was, tracked) if each.marker is not None]
+        cosine = float(ways[0] @ ways[1] / (np.linalg.norm(ways[0]) * np.linalg.norm(ways[1])))
+        return nearer or cosine < TURNED_COS
+
+    def _follow_exposure(self, tracked: TrackedFrame) -> None:
+        if self._cover is None or 0 <= tracked.frame.time_s - self._gained_s < GAIN_HELD_S:
+            return
+        measured = _gain(tracked, self._cover)
+        if measured is None:
+            return
+        is_first = self._gained_s == -np.inf
+        self._gained_s = tracked.frame.time_s
+        if np.abs(measured / self._gain - 1).max() > STILL:
+            self._gain = measured if is_first else self._gain * (measured / self._gain) ** EASED
+
+    def _release_texture(self) -> None:
+        if self._texture is not None:
+            self._texture.release()
+        self._texture = None
+
+
+def _gain(tracked: TrackedFrame, cover: GroundCover) -> Float | None:
+    """(3,) brightness of the ground beside the sheet over that in the picture of the cover; None where too little of
+    it is seen.
+    """
+    assert tracked.marker is not None
+    T = tracked.marker.T_cam_marker
+    points = np.column_stack([cover.around, np.zeros(len(cover.around))])
+    ahead = points @ T[2, :3] + T[2, 3] > 1e-6
+    if ahead.sum() < FEWEST_POINTS:
+        return None
+    at = project(tracked.camera, T, points[ahead])
+    inside = ((at > 1) & (at < np.array(tracked.frame.size) - 2)).all(axis=1)
+    if inside.sum() < FEWEST_POINTS:
+        return None
+    x, y = at[inside].astype(np.float32).T
+    seen = cv2.remap(tracked.frame.image_bgr, x, y, cv2.INTER_LINEAR).reshape(-1, 3)
+    now, then = LINEAR_FROM_SRGB_8BIT[seen[:, ::-1]], cover.around_rgb[ahead][inside]
+    logs = np.log(now.sum(axis=1) + 1e-3) - np.log(then.sum(axis=1) + 1e-3)
+    same = np.abs(logs - np.median(logs)) < OUTLIER
+    return np.asarray(np.clip(now[same].mean(axis=0) / np.maximum(then[same].mean(axis=0), 1e-4), *GAIN_RANGE))
+
+
+def camera_centre(T_cam_marker: Float) -> Float:
+    """(3,) metres, marker frame."""
+    return np.asarray(inverse_rigid(T_cam_marker)[:3, 3])
+
+
+def _same_light(one: Illumination, other: Illumination) -> bool:
+    return one.real_object is other.real_object and same_objects(one.lights, other.lights)
+
+
+def _longest_side_px(tracked: TrackedFrame) -> float:
+    assert tracked.marker is not None
+    corners = tracked.marker.corners_px
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).max())

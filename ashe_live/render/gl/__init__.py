@@ -1,0 +1,1 @@
+"""OpenGL without a scene: programs, textures, framebuffers, meshes on the graphics card."""

@@ -1,0 +1,180 @@
+"""A model on the graphics card, uploaded in steps small enough for one picture each."""
+
+import itertools
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.models.material import MAPS, SRGB_MAPS, Alpha
+from ashe_live.models.mesh import Mesh
+from ashe_live.models.placement import PlacedModel
+from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
+
+GL_RGBA8, GL_SRGB8_ALPHA8 = 0x8058, 0x8C43
+STEP_BYTES = 1 << 20  # about what a software rasteriser uploads in a millisecond
+
+
+class GpuPart:
+    """One mesh, in buffers of position 3f, normal 3f and, where it has them, one or two uv 2f and colour 4f."""
+
+    def __init__(self, ctx: moderngl.Context, mesh: Mesh) -> None:
+        self.mesh = mesh
+        self.material = mesh.material
+        self.centre: Float = mesh.vertices.mean(axis=0, dtype=np.float64)  # (3,) metres, marker frame
+        self.maps: dict[str, moderngl.Texture] = {}
+        columns = {
+            "in_position": mesh.vertices,
+            "in_normal": mesh.normals,
+            "in_uv": mesh.uvs,
+            "in_more_uv": mesh.more_uvs,
+            "in_colour": mesh.colours,
+        }
+        self._columns = {name: values for name, values in columns.items() if values is not None}
+        self._ctx = ctx
+        self._pieces: list[tuple[moderngl.Buffer, moderngl.Buffer]] = []
+        self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}
+
+    def upload(self) -> Iterator[None]:
+        """In steps of about STEP_BYTES at most: a driver may clear memory before it hands it out."""
+        row_bytes = 4 * sum(values.shape[1] for values in self._columns.values())
+        triangles_at_once = max(1, STEP_BYTES // (3 * row_bytes))
+        triangles = self.mesh.triangles
+        is_small = len(self.mesh.vertices) * row_bytes <= STEP_BYTES and triangles.nbytes <= STEP_BYTES
+        at_once = len(triangles) if is_small else triangles_at_once
+        for first in range(0, len(triangles), at_once):
+            piece = triangles[first : first + at_once]
+            used, indices = (slice(None), piece) if is_small else np.unique(piece, return_inverse=True)
+            vertices = np.hstack([values[used] for values in self._columns.values()])
+            self._pieces.append((self._ctx.buffer(vertices), self._ctx.buffer(indices.astype(np.uint32))))
+            yield
+
+    def draw(self, program: moderngl.Program) -> None:
+        """Draws with the vertex attributes that `program` reads; its uniforms are set by the caller."""
+        if program not in self._arrays:
+            self._arrays[program] = [self._array(program, *piece) for piece in self._pieces]
+        for array in self._arrays[program]:
+            array.render()
+
+    def release(self) -> None:
+        for array in itertools.chain.from_iterable(self._arrays.values()):
+            array.release()
+        for buffer in itertools.chain.from_iterable(self._pieces):
+            buffer.release()
+        self._arrays.clear()
+        self._pieces.clear()
+
+    def _array(
+        self, program: moderngl.Program, vertices: moderngl.Buffer, indices: moderngl.Buffer
+    ) -> moderngl.VertexArray:
+        # Attributes that the program does not read are skipped.
+        names, formats = [], []
+        for name, values in self._columns.items():
+            is_read = isinstance(program.get(name, None), moderngl.Attribute)
+            formats.append(f"{values.shape[1]}f" if is_read else f"{4 * values.shape[1]}x")
+            names += [name] if is_read else []
+        return self._ctx.vertex_array(program, [(vertices, " ".join(formats), *names)], indices)
+
+
+class TextureKey(NamedTuple):
+    """Maps that are alike in this are one texture."""
+
+    texels: int  # a picture that several parts use is one array: its id
+    is_srgb: bool
+    repeats: tuple[bool, bool]
+    is_sharp: bool
+
+
+class GpuModel:
+    """A placed model's buffers and textures; it can be drawn once every step of `upload` has been taken."""
+
+    def __init__(self, ctx: moderngl.Context, placed: PlacedModel, programs: Programs) -> None:
+        self.placed = placed
+        self.points = placed.outline
+        self.mirrors = any(part.material.is_mirror for part in placed.model.parts)
+        self.parts: list[GpuPart] = []
+        self._ctx = ctx
+        self._programs = programs
+        self._textures: dict[TextureKey, moderngl.Texture] = {}
+
+    def upload(self) -> Iterator[None]:
+        """One step of at most STEP_BYTES or one texture's mipmaps at a time."""
+        for mesh in self.placed.model.parts:
+            part = GpuPart(self._ctx, mesh)
+            self.parts.append(part)
+            yield from part.upload()
+            for name, texels in mesh.material.maps.items():
+                layout = mesh.material.layout(name)
+                key = TextureKey(id(texels), name in SRGB_MAPS, layout.repeats, layout.is_sharp)
+                if key not in self._textures:
+                    yield from self._fill(key, texels)
+                part.maps[name] = self._textures[key]
+
+    def render_depth(self, clip_from_marker: Float) -> None:
+        """Draws into the depth buffer that is bound; surfaces with holes or partial transparency only in part."""
+        for part in self.parts:
+            material = part.material
+            constants = {}
+            if material.alpha is not Alpha.OPAQUE:
+                constants = {material.alpha.name: 1}
+                if "base_map" in part.maps:
+                    constants |= {"base_map": 1, **layout_constants(part)}
+            program = self._programs.get("depth", **constants)
+            if "base_map" in constants:
+                part.maps["base_map"].use(UNIT_OF["base_map"])
+            set_uniforms(program, **layout_uniforms(part, constants))
+            set_uniforms(
+                program,
+                clip_from_marker=clip_from_marker,
+                base_alpha=material.base_colour[3],
+                alpha_cutoff=material.alpha_cutoff,
+            )
+            part.draw(program)
+
+    def release(self) -> None:
+        for part in self.parts:
+            part.release()
+        for texture in self._textures.values():
+            texture.release()
+        self.parts.clear()
+        self._textures.clear()
+
+    def _fill(self, key: TextureKey, texels: Image) -> Iterator[None]:
+        height, width = texels.shape[:2]
+        internal_format = GL_SRGB8_ALPHA8 if key.is_srgb else GL_RGBA8
+        texture = self._ctx.texture((width, height), 4, internal_format=internal_format)
+        self._textures[key] = texture
+        texture.repeat_x, texture.repeat_y = key.repeats
+        rows = max(1, STEP_BYTES // (4 * width))
+        for bottom in range(0, height, rows):
+            band = texels[::-1][bottom : bottom + rows]
+            texture.write(np.ascontiguousarray(band), viewport=(0, bottom, width, len(band)))
+            yield
+        if max(width, height) > 1:
+            texture.build_mipmaps()
+            near = moderngl.NEAREST if key.is_sharp else moderngl.LINEAR
+            texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, near
+            yield
+
+
+def layout_constants(part: GpuPart) -> dict[str, int]:
+    """The macros of a shader that looks maps up otherwise than by the first texture coordinates as they are."""
+    if all(part.material.layout(name).is_plain for name in part.maps):
+        return {}
+    return {"laid_out": 1, **({"more_uvs": 1} if part.mesh.more_uvs is not None else {})}
+
+
+def layout_uniforms(part: GpuPart, constants: dict[str, int]) -> dict[str, Any]:
+    """What such a shader needs to know: rows (10, 4) and offsets (5, 2), in the order of MAPS; nothing for others."""
+    if "laid_out" not in constants:
+        return {}
+    rows, offsets = np.zeros((len(MAPS), 2, 4)), np.zeros((len(MAPS), 2))
+    for place, name in enumerate(MAPS):
+        layout = part.material.layout(name)
+        matrix = np.array(layout.matrix).reshape(2, 3)
+        rows[place, :, 2 * layout.uv_set : 2 * layout.uv_set + 2] = matrix[:, :2]
+        offsets[place] = matrix[:, 2]
+    return {"map_rows": rows.reshape(-1, 4), "map_offsets": offsets}

@@ -1,0 +1,64 @@
+"""Where shadows lie on the ground, as polygons: for what needs to know before, or without, drawing them."""
+
+import math
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import light_view
+from ashe_live.render.lights.lighting import Sun
+
+MAX_SHADOW_HEIGHTS = 30.0  # a shadow is drawn this many heights of the model long at most
+RIM_POINTS = 8  # that stand for a light's disc
+LEAST_DISTANCE = 1e-9  # of a lamp from what it shines on, over that from the marker's centre
+
+
+def shadow_hull(points: Float, sun: Sun) -> Float:
+    """(n, 2) convex: the shadow on the ground, penumbra and all, of a body whose hull is that of points (m, 3)."""
+    return _hull(_cast(points, _around(sun)))
+
+
+def lit_past(body: Proxy, sun: Sun, ground: Float) -> Float:
+    """(n,) 1 where all of a light reaches points (n, 2) of the ground past a body, 0 where none does, NaN between."""
+    points = body.points_marker()
+    inside = np.array([_is_inside(_hull(shadow), ground) for shadow in _cast(points, _around(sun))])
+    shaded, lit = inside.all(axis=0), ~_is_inside(shadow_hull(points, sun), ground)
+    return np.where(lit, 1.0, np.where(shaded, 0.0, np.nan))
+
+
+def _hull(points: Float) -> Float:
+    """(n, 2) corners of the convex hull of points (..., 2)."""
+    return np.asarray(cv2.convexHull(points.reshape(-1, 2).astype(np.float32)).reshape(-1, 2), dtype=np.float64)
+
+
+def _is_inside(hull: Float, points: Float) -> NDArray[np.bool_]:
+    """(n,) whether points (n, 2) are within a convex polygon (m, 2)."""
+    edges = np.roll(hull, -1, axis=0) - hull
+    x, y = np.moveaxis(points[:, None] - hull, 2, 0)
+    sides = edges[:, 0] * y - edges[:, 1] * x
+    return np.asarray((sides >= 0).all(axis=1) | (sides <= 0).all(axis=1))
+
+
+def _around(sun: Sun) -> Float:
+    """(RIM_POINTS, 4) homogeneous points around the light, between which it lies."""
+    across, along = light_view(sun.to_light)[:2, :3]
+    angles = np.arange(RIM_POINTS) * (math.tau / RIM_POINTS)
+    radius = sun.tan_half_size / math.cos(math.pi / RIM_POINTS)
+    rim = sun.to_light + radius * (np.outer(np.cos(angles), across) + np.outer(np.sin(angles), along))
+    return np.column_stack([rim, np.full(RIM_POINTS, sun.inverse_distance)])
+
+
+def _cast(points: Float, lights: Float) -> Float:
+    """(k, n, 2) where lights (k, 4) cast the shadows of points (n, 3), or that way as far as they are drawn."""
+    height = points[:, 2]
+    towards, inverse = lights[:, None, :3], lights[:, None, 3:]
+    away = inverse * points[:, :2] - towards[..., :2]  # from the light, over its distance
+    length = np.sqrt(away[..., 0] ** 2 + away[..., 1] ** 2)
+    above = towards[..., 2] - inverse[..., 0] * height
+    cast = np.divide(height * length, above, out=np.full_like(above, np.inf), where=above > 0)
+    farthest = MAX_SHADOW_HEIGHTS * np.maximum(height, 0.0)
+    stretch = np.minimum(cast, farthest) / np.maximum(length, LEAST_DISTANCE)
+    return np.asarray(points[:, :2] + stretch[..., None] * away)

@@ -1,0 +1,76 @@
+"""The environment maps that polished surfaces mirror, as textures."""
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.render.gl.programs import set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
+from ashe_live.render.lights.lighting import GROUND_ALBEDO, RGB
+from ashe_live.render.lights.shadow_maps import same_objects
+from ashe_live.render.lights.surroundings import (
+    LinearPicture,
+    blurred_levels,
+    even_surroundings,
+    level_count,
+    surroundings_of,
+)
+
+
+class Environment:
+    """Two maps of `size` texels a side, a power of two; refilled only when what they show has changed."""
+
+    def __init__(self, ctx: moderngl.Context, size: int) -> None:
+        self._size = size
+        self._ground, self._sky = (_blank(ctx, size) for _ in range(2))
+        self._half_radius_m = 1.0
+        self._shown: tuple[TrackedFrame | None, Float | None, RGB | None] | None = None
+
+    def show(self, illumination: Illumination, white_rgb: RGB) -> None:
+        """Fills the maps from the frame that the illumination was seen in, or with even ground where there is none.
+
+        `white_rgb`: of a fully lit white surface in the video, linear.
+        """
+        seen_in, ground_rgb = illumination.seen_in, illumination.ground_rgb
+        wanted = seen_in, ground_rgb, white_rgb if seen_in is None else None
+        if self._shown is not None and same_objects(self._shown[:2], wanted[:2]) and self._shown[2] == wanted[2]:
+            return
+        if seen_in is not None:
+            surroundings = surroundings_of(seen_in, self._size, ground_rgb)
+        else:
+            assumed = GROUND_ALBEDO * np.array(white_rgb)
+            surroundings = even_surroundings(self._size, assumed if ground_rgb is None else ground_rgb)
+        _fill(self._ground, surroundings.ground)
+        _fill(self._sky, surroundings.sky)
+        self._half_radius_m = surroundings.half_radius_m
+        self._shown = wanted
+
+    def bind(self, program: moderngl.Program) -> None:
+        """Gives `program` what environment.glsl reads."""
+        self._ground.use(UNIT_OF["ground_map"])
+        self._sky.use(UNIT_OF["sky_map"])
+        set_uniforms(
+            program,
+            half_radius_m=self._half_radius_m,
+            environment_size=float(self._size),
+        )
+
+    def release(self) -> None:
+        self._shown = None
+        self._ground.release()
+        self._sky.release()
+
+
+def _blank(ctx: moderngl.Context, size: int) -> moderngl.Texture:
+    texture = ctx.texture((size, size), 4, dtype="f2")
+    texture.build_mipmaps(0, level_count(size) - 1)
+    texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+    texture.repeat_x = texture.repeat_y = False
+    return texture
+
+
+def _fill(texture: moderngl.Texture, picture: LinearPicture) -> None:
+    for level, blurred in enumerate(blurred_levels(picture)):
+        opaque = np.ones((*blurred.shape[:2], 1), np.float32)
+        texture.write(np.dstack([blurred, opaque]).astype(np.float16), level=level)

@@ -1,0 +1,100 @@
+"""The shadows on the ground, filtered once: they depend on casters and suns only, so that a frame just looks them up.
+
+Each caster and light has a tile that shows the ground as that light sees it: as fine as its depth map where the ground
+is seen at a grazing angle, too.
+"""
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import translated_and_scaled
+from ashe_live.render.gl.canvas import Canvas
+from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
+from ashe_live.render.lights.lighting import Lighting
+from ashe_live.render.lights.shadow_maps import NOTHING_SEEN, ShadowMaps, tile_corners
+
+# A penumbra wider than this share of the caster's width is cut off.
+WIDEST_PENUMBRA = 1.0
+
+
+class GroundShadows:
+    """Tiles of `preset.ground_shadow_size` texels a side in one texture, in the order of the depth maps'."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs, preset: RenderPreset) -> None:
+        self._ctx = ctx
+        self._programs = programs
+        self._preset = preset
+        self._size = preset.ground_shadow_size
+        self._canvas = Canvas(ctx, 1, "f2")
+        self._texture: moderngl.Texture | None = None
+        self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
+        self._drawn = 0
+        self._uniforms: dict[str, Float] = {}
+
+    def render(self, shadows: ShadowMaps, lighting: Lighting) -> None:
+        """Filters the depth maps, unless these have not changed."""
+        if self._drawn == shadows.renders or not lighting.suns:
+            return
+        self._drawn = shadows.renders
+        boxes = shadows.boxes
+        corners = tile_corners(len(boxes)) * self._size
+        width, height = corners.max(axis=0) + self._size
+        self._texture, framebuffer = self._canvas.of_size((int(width), int(height)))
+        texture_size = np.array(framebuffer.size, dtype=np.float64)
+        program = self._programs.get(
+            "ground_shadow",
+            **shadows.constants | {"casters": shadows.caster_count, "blocker_taps": self._preset.blocker_taps},
+        )
+        if self._rectangle is None or self._rectangle[0] is not program:
+            self._release_rectangle()
+            self._rectangle = program, self._ctx.vertex_array(program, [])
+        shadows.bind(program)
+        framebuffer.use()
+        framebuffer.clear(1.0)
+        self._ctx.enable_only(moderngl.NOTHING)
+        texture_from_marker = []
+        for number, (box, corner) in enumerate(zip(boxes, corners, strict=True)):
+            caster, light = divmod(number, len(lighting.suns))
+            # Wider by the penumbra of what is a tenth higher, and by two texels that are lit.
+            beyond = np.minimum(1.1 * box.penumbra_m / box.extent[:2], WIDEST_PENUMBRA)
+            beyond = (beyond + 2 / self._size) / (1 - 4 / self._size)
+            tile_from_unit = translated_and_scaled((*beyond, 0), (*(1 / (1 + 2 * beyond)), 1))
+            tile_from_marker = tile_from_unit @ box.unit_from_marker
+            if box.unit_from_marker is not NOTHING_SEEN:
+                self._ctx.viewport = (int(corner[0]), int(corner[1]), self._size, self._size)
+                ground = _ground_from_tile(tile_from_marker)
+                set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
+                self._rectangle[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+            texture_from_tile = translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1))
+            texture_from_marker.append(texture_from_tile @ tile_from_marker)
+        self._uniforms = {
+            "ground_shadow_from_marker": np.array(texture_from_marker),
+            "ground_shadow_lower": (corners + 0.5) / texture_size,
+            "ground_shadow_upper": (corners + self._size - 0.5) / texture_size,
+            "light_point": lighting.light_points,
+        }
+
+    def bind(self, program: moderngl.Program) -> None:
+        if self._texture is not None:
+            self._texture.use(UNIT_OF["ground_shadows"])
+            set_uniforms(program, **self._uniforms)
+
+    def release(self) -> None:
+        self._release_rectangle()
+        self._canvas.release()
+
+    def _release_rectangle(self) -> None:
+        if self._rectangle is not None:
+            self._rectangle[1].release()
+        self._rectangle = None
+
+
+def _ground_from_tile(tile_from_marker: Float) -> Float:
+    """(4, 4): from a tile's coordinates to where the light's ray there meets the marker plane, homogeneous."""
+    on_plane = np.ix_((0, 1, 3), (0, 1, 3))
+    found = np.zeros((4, 4))
+    found[on_plane] = np.linalg.inv(tile_from_marker[on_plane])
+    return found

@@ -1,0 +1,60 @@
+"""The light as a picture of the sky, for other programs: an equirectangular radiance map (.hdr)."""
+
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core import arguments
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import Illumination
+from ashe_live.files.writing import written_whole
+from ashe_live.render.lights.lighting import lighting_of
+
+HEIGHT_PX = 512
+
+
+def light_map(illumination: Illumination, height_px: int = HEIGHT_PX) -> NDArray[np.float32]:
+    """(h, 2 h, 3) linear RGB radiance from all around, in units in which lit level white ground has radiance 1.
+
+    In the marker's frame, as Blender lays out an equirectangular world: z up, x in the middle, y a quarter from the
+    left. The upper half is the sky, with each light's disc in it, a lamp's as seen from the marker's centre; the lower
+    half is black, where the ground is.
+    """
+    lighting = lighting_of(illumination.lights, illumination.ambient_rgb_ratio)
+    elevations = math.pi * (0.5 - (np.arange(height_px) + 0.5) / height_px)
+    azimuths = 2 * math.pi * (0.5 - (np.arange(2 * height_px) + 0.5) / (2 * height_px))
+    flat = np.cos(elevations)[:, None]
+    directions = np.stack(
+        np.broadcast_arrays(flat * np.cos(azimuths), flat * np.sin(azimuths), np.sin(elevations)[:, None]), -1
+    )
+    texel_sr: Float = np.broadcast_to((math.pi / height_px) ** 2 * flat, directions.shape[:2])
+    is_above = elevations > 0
+    radiance = np.zeros((height_px, 2 * height_px, 3))
+    # What gives level ground an irradiance of pi times this, from everywhere above.
+    radiance[is_above] = lighting.sky
+    for sun in lighting.suns:
+        along = directions @ sun.to_light
+        disc = (along >= math.cos(sun.angular_size_rad / 2)) & is_above[:, None]
+        if not disc.any():
+            disc = along >= along[is_above].max()
+        # Energy is kept whatever the texels make of the disc.
+        radiance[disc] += math.pi * np.array(sun.irradiance) / texel_sr[disc].sum()
+    return radiance.astype(np.float32)
+
+
+def write_light_map(
+    path: str | Path, illumination: Illumination, overwrite: bool = False, beside: bool = False
+) -> Path:
+    """Writes `light_map` as Radiance HDR; returns where it is: `beside` a file that has appeared at `path` meanwhile.
+
+    Raises UserError when `path` exists (without `overwrite`) or cannot be written.
+    """
+    target = arguments.path(path, "path")
+    arguments.instance(illumination, Illumination, "illumination")
+    _, encoded = cv2.imencode(".hdr", np.ascontiguousarray(light_map(illumination)[..., ::-1]))
+    with written_whole(target, overwrite, beside) as file:
+        file.stream.write(encoded.tobytes())
+    return file.path

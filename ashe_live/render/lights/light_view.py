@@ -1,0 +1,106 @@
+"""How a light sees what casts its shadows: a projective frame in which its rays are parallel, for suns and lamps alike.
+
+Rotated so that z points towards the lamp, points are divided by w = 1 - k (z - z_c), their distance from it along z
+over that of the casters' middle; for a sun k is 0. There a plane is a plane, and the light's disc, seen from a
+receiver, covers a disc whose radius is the distance along z from the receiver times one constant. So whatever holds
+for the shadows of a sun holds for those of a lamp.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import light_view, normalised
+from ashe_live.core.types import Light
+from ashe_live.render.lights.lighting import Sun, lighting_of
+
+# Of a lamp's view: beyond that an even projection has no room, and the lamp is within the casters or touches them.
+WIDEST_HALF_ANGLE_COSINE = 0.17
+NEAREST_RATIO = 1e-3  # of the nearest of the casters over the farthest: a depth map has 24 bits
+CONE_STEPS = 24
+LEAST_NEARER = 0.4  # of the light's elevation above its own radius; lower lights' penumbrae are cut off
+LEVEL: Float = np.array([0.0, 0.0, 1.0, 0.0])  # the plane z = 0, homogeneous
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LightView:
+    """Coordinates in metres: across the light, where the casters' middle is, and towards it."""
+
+    from_marker: Float  # (4, 4) projective, z towards the light
+    tan_half_size: float  # the light's radius over its distance from the casters
+
+    def seen(self, points: Float) -> Float:
+        """(n, 3) points (n, 3) of the marker frame that are before the light."""
+        homogeneous = points @ self.from_marker[:, :3].T + self.from_marker[:, 3]
+        return np.asarray(homogeneous[:, :3] / homogeneous[:, 3:])
+
+    def penumbra_m(self, points: Float) -> float:
+        """Width, across the light, of the outer half of the widest penumbra on the ground of points (n, 3) above it."""
+        # Planes are carried over by the inverse transpose.
+        along_x, along_y, along_z, offset = np.linalg.solve(self.from_marker.T, LEVEL)
+        seen = self.seen(points)
+        ground = -(seen[:, :2] @ (along_x, along_y) + offset) / along_z
+        below = seen[:, 2] - np.maximum(ground, self._farthest)
+        # Outwards it falls on ground that is farther away; under a light that reaches down to the horizon, for ever.
+        nearer = 1 - self.tan_half_size * np.hypot(along_x, along_y) / along_z
+        return float(self.tan_half_size * max(below.max(), 0.0) / max(nearer, LEAST_NEARER))
+
+    @property
+    def _farthest(self) -> float:
+        """The coordinate towards the light of what is infinitely far away from it."""
+        along, divisor = self.from_marker[2:, :3]
+        return float(along @ divisor / (divisor @ divisor)) if divisor.any() else -np.inf
+
+
+def view_of(light: Sun, points: Float) -> LightView | None:
+    """How `light` sees a body whose hull is that of points (n, 3), marker frame; None from within or too near it."""
+    axis = light.to_light
+    if light.inverse_distance > 0:
+        rays = -light.towards(points)
+        lengths = np.linalg.norm(rays, axis=1, keepdims=True)
+        if lengths.min() <= NEAREST_RATIO * lengths.max():
+            return None
+        axis, least_cosine = _enclosing_cone(rays / lengths)
+        if least_cosine < WIDEST_HALF_ANGLE_COSINE:
+            return None
+        axis = -axis
+    view = light_view(axis)
+    x, y, z = view[:3, :3] @ light.to_light
+    depths = points @ view[2, :3]
+    middle = float(depths.min() + depths.max()) / 2
+    distance = z - light.inverse_distance * middle  # of the lamp from there along z, over that from the marker's centre
+    shear_x, shear_y, k = np.array((x, y, light.inverse_distance)) / distance
+    if light.inverse_distance == 0:
+        shear_x = shear_y = 0.0
+    projection = np.eye(4)
+    projection[:, 2] = -shear_x, -shear_y, 1 - middle * k, -k
+    projection[:, 3] = shear_x * middle, shear_y * middle, middle * middle * k, 1 + middle * k
+    return LightView(projection @ view, light.tan_half_size / distance)
+
+
+def sees(light: Light, points: Float) -> bool:
+    """Whether the shadow of a body whose hull is that of points (n, 3), marker frame, can be drawn."""
+    if light.to_light_marker[2] <= 0:
+        return False
+    centre = points.mean(axis=0)
+    away = np.linalg.norm(light.to_light_marker - light.inverse_distance * centre)
+    # Beyond a ball of twice its radius a body is within a narrow cone.
+    if away > 2 * light.inverse_distance * np.linalg.norm(points - centre, axis=1).max():
+        return True
+    return all(view_of(each, points) is not None for each in lighting_of((light,)).suns)
+
+
+def _enclosing_cone(directions: Float) -> tuple[Float, float]:
+    """Axis (3,) of the narrowest cone around unit vectors (n, 3), nearly, and the cosine of its half angle.
+
+    Badoiu and Clarkson, "Smaller core-sets for balls", SODA 2003: the smallest ball around the vectors' ends.
+    """
+    centre = directions.mean(axis=0)
+    for step in range(CONE_STEPS):
+        farthest = directions[((directions - centre) ** 2).sum(axis=1).argmax()]
+        centre = centre + (farthest - centre) / (step + 2)
+    if np.linalg.norm(centre) < 1e-6:
+        return directions[0], -1.0
+    axis = normalised(centre)
+    return axis, float((directions @ axis).min())

@@ -1,0 +1,69 @@
+"""The scene's irradiances and the video's exposure, blur and noise, measured again only when they may have changed."""
+
+import math
+from dataclasses import replace
+
+from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.lights.lighting import Lighting, lighting_of
+from ashe_live.render.lights.shadow_maps import same_objects
+from ashe_live.render.lights.video_look import (
+    INTERPOLATION_VARIANCE_PX2,
+    VideoLook,
+    look_of,
+    unexplained_border_px,
+    white_of,
+)
+
+LOOK_HELD_S = 0.2  # of the video's time
+
+
+class Photometry:
+    """A cache of both; every frame must have a marker."""
+
+    def __init__(self, preset: RenderPreset) -> None:
+        self._preset = preset
+        self._look: tuple[TrackedFrame, Lighting, VideoLook] | None = None
+        self._lighting: tuple[tuple[object, ...], Lighting] | None = None
+        self._border: tuple[Lighting, float] | None = None
+
+    def lighting(self, of: Illumination) -> Lighting:
+        """The irradiances; the same object for the same illumination."""
+        known = (*of.lights, of.ambient_rgb_ratio, of.ground_rgb, of.seen_in, of.real_object)
+        if self._lighting is None or not same_objects(self._lighting[0], known):
+            albedo = None
+            if of.ground_rgb is not None and of.seen_in is not None:
+                lighting = lighting_of(of.lights, of.ambient_rgb_ratio)
+                albedo = of.ground_rgb / white_of(of.seen_in, lighting, of.real_object)
+            self._lighting = known, lighting_of(of.lights, of.ambient_rgb_ratio, albedo)
+        return self._lighting[1]
+
+    def border_share(self, of: Illumination) -> float:
+        """Standard deviation of the real shadow's border beyond what lens and sun explain, over the picture's width."""
+        lighting = self.lighting(of)
+        if self._border is None or self._border[0] is not lighting:
+            share = 0.0
+            if self._preset.matches_blur and of.seen_in is not None and of.real_object is not None and lighting.suns:
+                width_px = of.seen_in.frame.size[0]
+                share = unexplained_border_px(of.seen_in, of.real_object, lighting.suns[0]) / width_px
+            self._border = lighting, share
+        return self._border[1]
+
+    def look(self, tracked: TrackedFrame, of: Illumination) -> VideoLook:
+        """What the preset matches of the video. Exposure and white balance follow the camera's a few times a second."""
+        lighting = self.lighting(of)
+        if self._look is not None:
+            measured_in, measured_by, look = self._look
+            since_s = tracked.frame.time_s - measured_in.frame.time_s
+            if measured_in is tracked or 0 < since_s < LOOK_HELD_S:
+                if measured_by is not lighting:
+                    look = replace(look, white_rgb=white_of(measured_in, lighting, of.real_object))
+                    self._look = measured_in, lighting, look
+                return look
+        look = look_of(tracked, self._preset.matches_blur, self._preset.matches_noise, lighting, of.real_object)
+        if self._preset.matches_lens and tracked.camera.is_distorted and look.blur_sigma_px is not None:
+            # The composite interpolates then, which blurs as well.
+            variance = max(0.0, look.blur_sigma_px**2 - INTERPOLATION_VARIANCE_PX2)
+            look = replace(look, blur_sigma_px=math.sqrt(variance))
+        self._look = tracked, lighting, look
+        return look

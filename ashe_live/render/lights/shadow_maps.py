@@ -1,0 +1,232 @@
+"""Shadow maps: depth as the lights see it, one map for each caster and light, redrawn only when one of them changes.
+
+Lance Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978. A map's frustum encloses its caster alone
+and depends on caster and light alone: it is as tight as can be, and the shadow's edges stand still on the ground while
+the camera moves.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import orthographic, translated_and_scaled
+from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.gl.programs import set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
+from ashe_live.render.lights.light_view import LightView, view_of
+from ashe_live.render.lights.lighting import Lighting, Sun
+
+# No side is shorter than this share of the longest: a flat model seen edge on still has a map.
+MIN_EXTENT_RATIO = 1e-3
+CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
+UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))
+
+
+class Caster(Protocol):
+    """Whatever casts shadows; the same object always casts the same ones."""
+
+    @property
+    def points(self) -> Float: ...  # (n, 3) metres, marker frame; its hull encloses the caster
+
+    def render_depth(self, clip_from_marker: Float) -> None: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LightBox:
+    """What one map shows of one light's view."""
+
+    unit_from_marker: Float  # (4, 4) projective, to the map's coordinates and depth, all in [0, 1]
+    extent: Float  # (3,) metres in the light's view, across and along the light
+    tan_half_size: float  # the light's radius over its distance from the caster
+    penumbra_m: float  # the widest on the ground, in the light's view
+
+
+# Of a lamp within its caster: every point counts as nearer to the light than anything else.
+NOTHING_SEEN = np.zeros((4, 4))
+NOTHING_SEEN[:, 3] = 0.5, 0.5, -1.0, 1.0
+
+
+class ShadowMaps:
+    """Tiles of `preset.shadow_map_size` texels a side in one texture, in the order of casters, then lights."""
+
+    def __init__(self, ctx: moderngl.Context, preset: RenderPreset) -> None:
+        self.renders = 0
+        self.texel_m = 0.0  # the largest side of a texel across a light, metres
+        self.boxes: tuple[LightBox, ...] = ()
+        self.caster_count = 0
+        # Conservative, by the bounding boxes of model and real object.
+        self.shadows_meet = self.real_shades_model = self.model_shades_real = False
+        self._ctx = ctx
+        self._preset = preset
+        # Empty texels at a tile's border: what lies outside it is lit.
+        self._margin = preset.pcf_radius + 2
+        self._depths = ctx.sampler(repeat_x=False, repeat_y=False, filter=(moderngl.NEAREST, moderngl.NEAREST))
+        self._depths.compare_func = ""
+        self._texture: moderngl.Texture | None = None
+        self._framebuffer: moderngl.Framebuffer | None = None
+        self._lights = Lighting((), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)).constants
+        self._content: tuple[tuple[Caster, ...], bytes] | None = None
+        self._uniforms: dict[str, Float] = {}
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """What a shader that includes shadow.glsl is built with, to be drawn on the model or the real object."""
+        preset = self._preset
+        return {
+            **self._lights,
+            "casters": 2 if self.real_shades_model else 1,
+            "pcf_radius": preset.pcf_radius,
+            "blocker_taps": preset.blocker_taps if preset.soft_on_model else 0,
+            "soft_taps": preset.soft_taps,
+        }
+
+    @property
+    def blur_texels(self) -> int:
+        """How far the filter blurs a hard edge, at most; the penumbra comes on top."""
+        return 2 * (self._preset.pcf_radius + 1)
+
+    def render(self, casters: Sequence[Caster], lighting: Lighting) -> None:
+        """Draws the maps of one or two casters (the model first), unless they hold that already."""
+        suns = lighting.suns
+        lights = np.array([[*sun.homogeneous, sun.angular_size_rad] for sun in suns]).tobytes()
+        if self._content is not None and self._content[1] == lights and same_objects(self._content[0], casters):
+            return
+        self._content = tuple(casters), lights
+        self._lights, self.caster_count = lighting.constants, len(casters)
+        model, *real = casters
+        pairs = [(_overlaps(other, model, sun), _overlaps(model, other, sun)) for other in real for sun in suns]
+        self.shadows_meet = any(onto_model[0] for onto_model, _ in pairs)
+        self.real_shades_model = any(onto_model[1] for onto_model, _ in pairs)
+        self.model_shades_real = any(onto_real[1] for _, onto_real in pairs)
+        self.renders += 1
+        if not suns:
+            return
+        size = self._preset.shadow_map_size
+        tiles = tile_corners(len(suns) * len(casters)) * size
+        self._allocate(tiles.max(axis=0) + size)
+        assert self._framebuffer is not None
+        self.boxes = tuple(
+            _fitted(view_of(sun, caster.points), caster.points, size, self._margin)
+            for caster in casters
+            for sun in suns
+        )
+        self._framebuffer.viewport = (0, 0, *self._framebuffer.size)
+        self._framebuffer.use()
+        self._framebuffer.clear(depth=1.0)
+        self._ctx.enable_only(moderngl.DEPTH_TEST)
+        for number, (box, corner) in enumerate(zip(self.boxes, tiles, strict=True)):
+            self._ctx.viewport = (int(corner[0]), int(corner[1]), size, size)
+            if box.unit_from_marker is not NOTHING_SEEN:
+                casters[number // len(suns)].render_depth(CLIP_FROM_UNIT @ box.unit_from_marker)
+        extents = np.array([box.extent for box in self.boxes])
+        self.texel_m = float(extents[:, :2].max()) / size
+        self._uniforms = {
+            "shadow_texture_size": np.array(self._framebuffer.size, dtype=np.float64),
+            "shadow_tile": tiles.astype(np.float64),
+            "shadow_from_marker": np.array([box.unit_from_marker for box in self.boxes]),
+            "shadow_extent": extents,
+            "shadow_planes_from_marker": np.array([_plane_transform(box.unit_from_marker) for box in self.boxes]),
+            "tan_half_size": np.array([box.tan_half_size for box in self.boxes]),
+            "light_point": lighting.light_points,
+        }
+
+    def bind(self, program: moderngl.Program) -> None:
+        """Gives `program`, built with `constants`, what shadow.glsl reads."""
+        if self._texture is None or not self._uniforms:
+            return
+        self._texture.use(UNIT_OF["shadow_maps"])
+        self._texture.use(UNIT_OF["shadow_depths"])
+        self._depths.use(UNIT_OF["shadow_depths"])
+        set_uniforms(
+            program,
+            shadow_map_size=float(self._preset.shadow_map_size),
+            **self._uniforms,
+        )
+
+    def forget(self) -> None:
+        """Drops the references to what was drawn last."""
+        self._content = None
+
+    def release(self) -> None:
+        self.forget()
+        self._release_texture()
+        self._depths.release()
+
+    def _allocate(self, size: Float) -> None:
+        wanted = (int(size[0]), int(size[1]))
+        if self._texture is not None and self._texture.size == wanted:
+            return
+        self._release_texture()
+        self._texture = self._ctx.depth_texture(wanted)
+        self._texture.compare_func = "<="
+        self._texture.filter = moderngl.LINEAR, moderngl.LINEAR
+        self._texture.repeat_x = self._texture.repeat_y = False
+        self._framebuffer = self._ctx.framebuffer(depth_attachment=self._texture)
+
+    def _release_texture(self) -> None:
+        if self._texture is not None and self._framebuffer is not None:
+            self._framebuffer.release()
+            self._texture.release()
+        self._texture = self._framebuffer = None
+
+
+def _overlaps(caster: Caster, receiver: Caster, sun: Sun) -> tuple[bool, bool]:
+    """Whether their shadows may meet on the ground, and whether the caster may shade the receiver; by their boxes."""
+    points = np.concatenate([caster.points, receiver.points])
+    view = view_of(sun, points)
+    if view is None:
+        return True, True
+    seen, seen_receiver = view.seen(caster.points), view.seen(receiver.points)
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    receiver_low, receiver_high = seen_receiver.min(axis=0), seen_receiver.max(axis=0)
+    wider = max(view.penumbra_m(points), view.tan_half_size * (high[2] - receiver_low[2]))
+    meets = not ((low - 2 * wider > receiver_high) | (high + 2 * wider < receiver_low))[:2].any()
+    return bool(meets), bool(meets and high[2] > receiver_low[2])
+
+
+def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:
+    return len(some) == len(others) and all(a is b for a, b in zip(some, others, strict=True))
+
+
+def tile_corners(count: int) -> Float:
+    """(count, 2) columns and rows of a nearly square arrangement."""
+    columns = int(np.ceil(np.sqrt(count)))
+    return np.array([(number % columns, number // columns) for number in range(count)])
+
+
+def _fitted(view: LightView | None, points: Float, size: int, margin: int) -> LightBox:
+    """Of a view of points (n, 3), marker frame, as tight as the margin (in texels) allows.
+
+    The extent is in whole multiples of a sixteenth of itself's power of two, and the box's corner on the texels' grid:
+    a caster that changes a little keeps its texels where they were.
+    """
+    if view is None:
+        return LightBox(NOTHING_SEEN, np.ones(3), 0.0, 0.0)
+    seen = view.seen(points)
+    lower, upper = seen.min(axis=0), seen.max(axis=0)
+    extent = np.maximum(upper - lower, MIN_EXTENT_RATIO * (upper - lower).max())
+    texel = _rounded_up(extent[:2] / (size - 2 * margin - 1))
+    corner = np.floor(((lower + upper)[:2] - size * texel) / 2 / texel) * texel
+    middle, depth = (lower + upper)[2] / 2, 1.01 * extent[2]
+    box_lower = np.array([*corner, middle - depth / 2])
+    box_extent = np.array([*(size * texel), depth])
+    clip_from_marker = orthographic(box_lower, box_lower + box_extent) @ view.from_marker
+    penumbra_m = view.penumbra_m(points)
+    return LightBox(UNIT_FROM_CLIP @ clip_from_marker, box_extent, view.tan_half_size, penumbra_m)
+
+
+def _plane_transform(unit_from_marker: Float) -> Float:
+    """(4, 4) for planes as rows (normal, offset): the inverse transpose."""
+    if unit_from_marker is NOTHING_SEEN:
+        return np.zeros((4, 4))
+    return np.asarray(np.linalg.inv(unit_from_marker).T)
+
+
+def _rounded_up(lengths: Float) -> Float:
+    """To five significant bits: at most 1/16 more."""
+    unit = 2.0 ** (np.floor(np.log2(lengths)) - 4)
+    return np.asarray(np.ceil(lengths / unit) * unit)

@@ -1,0 +1,1 @@
+"""What one picture is drawn in: each pass a module."""

@@ -1,0 +1,128 @@
+"""Puts the layers of what was drawn onto the video as the video's own camera would have formed them.
+
+A camera blurs the whole scene and adds its noise to the result. The video has both already, so the scene with a model
+in it is the video times the blurred fraction of light that is left of it, plus the blurred light of the model: border
+of model and border of shadow are as soft as everything else in the picture.
+"""
+
+import math
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.render.gl.framing import Rectangle, grown
+from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.lights.video_look import BOX_VARIANCE_PX2, VideoLook
+from ashe_live.render.passes.lens import Lens
+from ashe_live.render.passes.surface import Surface
+from ashe_live.render.passes.video import Video
+
+MAX_REACH = 4  # pixels; a wider blur is cut off there
+KERNEL_SIGMAS = 2.0  # of a Gaussian within its kernel's reach
+
+
+class Composite:
+    """The last pass of a picture with a model."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
+        self._ctx = ctx
+        self._programs = programs
+        self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
+
+    def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
+        """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
+        return _reach(_variance(viewport[2] / frame.size[0], look))
+
+    def draw(
+        self,
+        surface: Surface,
+        region: Rectangle,
+        viewport: Rectangle,
+        video: Video,
+        tracked: TrackedFrame,
+        look: VideoLook,
+        lens: Lens | None = None,
+    ) -> None:
+        """Onto `surface.colour`, whose `viewport` shows the video's frame, within `region` and its blur's reach.
+
+        The layers beside `region` must be empty for twice that reach. `lens`: what bends the pinhole camera's layers to
+        the frame.
+        """
+        frame = tracked.frame
+        scale = viewport[2] / frame.size[0]
+        variance = _variance(scale, look)
+        reach = _reach(variance)
+        constants = {"reach": reach}
+        constants |= dict.fromkeys(("coarse_chroma",) * look.has_coarse_chroma + ("bends",) * (lens is not None), 1)
+        program = self._programs.get("composite", **constants)
+        if self._rectangle is None or self._rectangle[0] is not program:
+            self._release_rectangle()
+            self._rectangle = program, self._ctx.vertex_array(program, [])
+        surface.bind_layers()
+        video.bind()
+        set_uniforms(
+            program,
+            viewport=tuple(map(float, viewport)),
+            weights=_weights(variance, reach),
+            noise_sigma=look.noise_sigma,
+            grain_px=(scale, viewport[3] / frame.size[1]),
+            seed=frame.index,
+        )
+        within = grown(region, reach, surface.size)
+        if lens is not None:
+            lens.bind(tracked.camera)
+            set_uniforms(program, region=tuple(map(float, within)))
+            within = viewport
+        surface.colour.scissor = within
+        surface.colour.use()
+        self._ctx.viewport = (0, 0, *surface.size)
+        self._ctx.enable_only(moderngl.NOTHING)
+        self._rectangle[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+        surface.colour.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
+        surface.colour.use()
+
+    def release(self) -> None:
+        self._release_rectangle()
+
+    def _release_rectangle(self) -> None:
+        if self._rectangle is not None:
+            self._rectangle[1].release()
+        self._rectangle = None
+
+
+def _variance(scale: float, look: VideoLook) -> float:
+    """Of the blur in pixels of the framebuffer, `scale` of which are one of the video.
+
+    A pixel of the video is a box of `scale` pixels. Shadows are drawn with one sample a pixel, however many the model's
+    edges have, so that all of that box is left to do.
+    """
+    if look.blur_sigma_px is None:
+        return 0.0
+    return scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2)
+
+
+def _reach(variance: float) -> int:
+    return min(MAX_REACH, math.ceil(KERNEL_SIGMAS * math.sqrt(variance) - 1)) if variance > 0 else 0
+
+
+def _weights(variance: float, reach: int) -> Float:
+    """(reach + 1,) of a row's middle and of the pixels at 1 to `reach` on both sides of it; all together 1.
+
+    The Gaussian's variance is raised until that of the kernel, which is cut off and sampled, is the wanted one.
+    """
+    at = np.arange(reach + 1)
+    twice = np.where(at == 0, 1.0, 2.0)
+    if variance <= 0 or reach == 0:
+        return np.where(at == 0, 1.0, 0.0)
+    if variance < 0.4:
+        # Narrower than the pixels' own grid: the three-tap kernel of this variance.
+        return np.array([1 - variance, variance / 2, *[0.0] * (reach - 1)])
+    low, high = variance / 4, 40.0 * variance
+    for _ in range(40):
+        raised = math.sqrt(low * high)
+        weights = np.exp(-(at**2) / (2 * raised))
+        weights /= (twice * weights).sum()
+        low, high = (raised, high) if (twice * weights * at**2).sum() < variance else (low, raised)
+    return weights

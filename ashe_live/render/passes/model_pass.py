@@ -1,0 +1,148 @@
+"""Draws the model, each part with the shader variant that computes only what its material needs."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import transform_points
+from ashe_live.models.material import BLACK, Alpha, Material
+from ashe_live.render.gl.framing import Framing
+from ashe_live.render.gl.geometry import GpuModel, GpuPart, layout_constants, layout_uniforms
+from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
+from ashe_live.render.lights.environment import Environment
+from ashe_live.render.lights.ground_shadows import GroundShadows
+from ashe_live.render.lights.lighting import RGB, Lighting
+from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.passes.standing import StandingModel
+
+NOWHERE: Float = np.zeros((4, 4))
+# A narrower specular lobe would be a point that flickers between pixels.
+MIN_ROUGHNESS = 0.06
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LookedUp:
+    """The textures that surfaces sample besides their own maps."""
+
+    shadows: ShadowMaps
+    ground_shadows: GroundShadows  # on the ground that they mirror
+    environment: Environment
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShadingInputs:
+    """What the shading of every part depends on besides its material."""
+
+    framing: Framing
+    lighting: Lighting
+    looked_up: LookedUp
+    exposure: RGB  # what white of radiance 1 becomes in the picture, linear RGB
+
+
+class ModelPass:
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
+        self._ctx = ctx
+        self._programs = programs
+
+    def build_for(self, model: GpuModel, looked_up: LookedUp) -> Iterator[None]:
+        """Has the driver compile the model's shader variants, one each step, into the framebuffer that is bound then.
+
+        A software rasteriser takes 100 ms for one that this machine has never drawn (later ones come from its disk).
+        """
+        for part in model.parts:
+            program = self._bound_program(part, looked_up)
+            set_uniforms(program, clip_from_marker=NOWHERE)
+            self._ctx.enable_only(gl_flags(part.material))
+            part.draw(program)
+            yield
+
+    def draw_opaque(self, standing: StandingModel, inputs: ShadingInputs) -> None:
+        """Draws opaque and cut-out parts."""
+        for part in standing.model.parts:
+            if part.material.alpha is not Alpha.BLEND:
+                self._ctx.enable_only(gl_flags(part.material))
+                self._draw(part, standing, inputs)
+
+    def draw_blended(self, standing: StandingModel, inputs: ShadingInputs) -> None:
+        """Draws blended parts, after everything behind them: far before near, back faces before front faces."""
+        blended = [part for part in standing.model.parts if part.material.alpha is Alpha.BLEND]
+        if not blended:
+            return
+        (eye_placed,) = transform_points(standing.placed_from_marker, inputs.framing.eye_marker[None])
+        blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - eye_placed)))
+        self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        for part in blended:
+            self._ctx.enable_only(gl_flags(part.material))
+            for culled in ("front", "back") if part.material.double_sided else ("back",):
+                self._ctx.cull_face = culled
+                self._draw(part, standing, inputs)
+        self._ctx.cull_face = "back"
+
+    def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs) -> None:
+        material = part.material
+        program = self._bound_program(part, inputs.looked_up)
+        set_uniforms(program, **layout_uniforms(part, layout_constants(part)))
+        set_uniforms(
+            program,
+            clip_from_marker=inputs.framing.clip_from_marker,
+            marker_from_placed=standing.marker_from_placed,
+            eye=tuple(inputs.framing.eye_marker),
+            exposure=inputs.exposure,
+            base_colour=material.base_colour,
+            metallic=material.metallic,
+            roughness=material.roughness,
+            normal_scale=material.normal_scale,
+            occlusion_strength=material.occlusion_strength,
+            emissive=material.emissive,
+            alpha_cutoff=material.alpha_cutoff,
+            sky=inputs.lighting.sky,
+            ground_bounce=inputs.lighting.bounce,
+            sun=inputs.lighting.irradiances,
+            sun_on_ground=inputs.lighting.ground_shares,
+        )
+        part.draw(program)
+
+    def _bound_program(self, part: GpuPart, looked_up: LookedUp) -> moderngl.Program:
+        """The part's shader variant with all its textures bound: a driver may recompile for another kind of texture."""
+        program = self._programs.get(
+            "model", min_roughness=MIN_ROUGHNESS, **shading_constants(part), **looked_up.shadows.constants
+        )
+        looked_up.shadows.bind(program)
+        if part.material.is_mirror:
+            looked_up.ground_shadows.bind(program)
+            looked_up.environment.bind(program)
+        for name, texture in part.maps.items():
+            texture.use(UNIT_OF[name])
+        return program
+
+
+def gl_flags(material: Material) -> int:
+    """The OpenGL state for such a surface; the faces of a blended one are drawn in two passes."""
+    if material.alpha is Alpha.BLEND:
+        return moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND
+    return moderngl.DEPTH_TEST | (0 if material.double_sided else moderngl.CULL_FACE)
+
+
+def shading_constants(part: GpuPart) -> dict[str, int]:
+    """What the part's shader variant computes, as macros."""
+    material, mesh = part.material, part.mesh
+    found = dict.fromkeys(part.maps, 1)
+    if material.alpha is not Alpha.OPAQUE:
+        found[material.alpha.name] = 1
+    if mesh.colours is not None:
+        found["vertex_colours"] = 1
+    if material.emissive == BLACK:
+        found.pop("emissive_map", None)
+    else:
+        found["emits"] = 1
+    if not material.is_matt:
+        found["glossy"] = 1
+    if material.is_mirror:
+        found["mirrors"] = 1
+    if part.maps:
+        found |= {"has_maps": 1, **layout_constants(part)}
+    return found

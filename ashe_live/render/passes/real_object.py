@@ -1,0 +1,75 @@
+"""The real object's proxy: it occludes what is behind it, casts its shadow, and receives the model's."""
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.proxy import Proxy
+from ashe_live.render.gl.framing import Framing
+from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.lights.lighting import Lighting
+from ashe_live.render.lights.shadow_maps import ShadowMaps
+
+GL_DEPTH_CLAMP = 0x864F
+
+
+class RealObject:
+    """A proxy on the graphics card; casts shadows as a Caster."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs, proxy: Proxy) -> None:
+        self.proxy = proxy
+        self.points, triangles = proxy.surface()
+        self._ctx = ctx
+        self._programs = programs
+        self._vertices = ctx.buffer(self.points.astype(np.float32))
+        self._indices = ctx.buffer(triangles)
+        self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
+
+    def render_depth(self, clip_from_marker: Float) -> None:
+        program = self._programs.get("depth")
+        set_uniforms(program, clip_from_marker=clip_from_marker)
+        self._array(program).render()
+
+    def draw(self, framing: Framing, lighting: Lighting, shadows: ShadowMaps) -> None:
+        """Draws its depth and, where the model shades it, the fraction of light that it loses."""
+        program = self._programs.get("depth")
+        if shadows.model_shades_real:
+            program = self._programs.get("real_object", **shadows.constants | {"casters": 1})
+            shadows.bind(program)
+            set_uniforms(
+                program,
+                sky=lighting.sky,
+                ground_bounce=lighting.bounce,
+                sun_on_ground=lighting.ground_shares,
+                sun=lighting.irradiances,
+            )
+        set_uniforms(program, clip_from_marker=framing.clip_from_marker)
+        self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        # Near and far enclose the model and its shadow; the object may stand before and behind both.
+        self._ctx.enable_direct(GL_DEPTH_CLAMP)
+        framebuffer = self._ctx.fbo
+        framebuffer.color_mask = _for_both_layers(shadows.model_shades_real)
+        framebuffer.use()
+        self._array(program).render()
+        framebuffer.color_mask = _for_both_layers(True)
+        framebuffer.use()
+        self._ctx.disable_direct(GL_DEPTH_CLAMP)
+
+    def release(self) -> None:
+        for array in self._arrays.values():
+            array.release()
+        self._arrays.clear()
+        self._vertices.release()
+        self._indices.release()
+
+    def _array(self, program: moderngl.Program) -> moderngl.VertexArray:
+        if program not in self._arrays:
+            layout = [(self._vertices, "3f", "in_position")]
+            self._arrays[program] = self._ctx.vertex_array(program, layout, self._indices)
+        return self._arrays[program]
+
+
+def _for_both_layers(is_written: bool) -> Any:  # moderngl's stub knows masks of one attachment
+    return ((is_written,) * 4,) * 2

@@ -1,0 +1,35 @@
+"""A model on the graphics card at its place in the marker frame: moving it changes a matrix and uploads nothing."""
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import transform_points
+from ashe_live.models.placement import Placement
+from ashe_live.render.gl.framing import box_corners
+from ashe_live.render.gl.geometry import GpuModel
+from ashe_live.render.passes.contact import ContactPatch
+
+
+class StandingModel:
+    """A Caster; another object for another placement."""
+
+    def __init__(self, model: GpuModel, contact: ContactPatch, placement: Placement) -> None:
+        self.model = model
+        self.contact = contact  # in the model's own frame: what it hides of the sky does not depend on where it stands
+        self.placement = placement
+        self.marker_from_placed: Float = placement.marker_from_placed
+        self.placed_from_marker: Float = np.linalg.inv(self.marker_from_placed).astype(np.float64)
+        # (n, 3) metres, marker frame; its hull encloses the model
+        self.points = transform_points(self.marker_from_placed, model.points)
+        # (8, 3) of the box around it, metres, marker frame
+        self.corners = transform_points(self.marker_from_placed, box_corners(model.placed.bounds))
+
+    @property
+    def contact_corners(self) -> Float:
+        """(4, 2) metres, marker frame: where the contact patch ends."""
+        (x0, y0), (x1, y1) = self.contact.bounds
+        corners = np.array([(x0, y0, 0), (x1, y0, 0), (x1, y1, 0), (x0, y1, 0)])
+        return np.asarray(transform_points(self.marker_from_placed, corners)[:, :2])
+
+    def render_depth(self, clip_from_marker: Float) -> None:
+        self.model.render_depth(clip_from_marker @ self.marker_from_placed)

@@ -1,0 +1,78 @@
+"""The renderer's own framebuffer, and the layers of what is drawn, which the composite puts onto the video."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import cv2
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Size
+from ashe_live.render.gl.framing import Rectangle
+from ashe_live.render.gl.texture_units import UNIT_OF
+
+
+class Surface:
+    """Colour, layers and depth of `size`; `samples` are as many as the context has, if fewer.
+
+    The layers hold linear light, so that they can be blurred: `added_light` is the light that the model sends to the
+    camera (alpha: the fraction of the pixel that it covers), `removed` the fraction of the video's light that it takes
+    away, by covering it or by its shadow. What is drawn blends into both alike, premultiplied.
+    """
+
+    def __init__(self, ctx: moderngl.Context, size: Size, samples: int) -> None:
+        self.size = size
+        self.samples = supported_samples(samples, ctx.max_samples)
+        self._ctx = ctx
+        self._colour = ctx.renderbuffer(size)
+        self.colour = ctx.framebuffer([self._colour])
+        self.layers = [ctx.texture(size, 4, dtype="f2") for _ in range(2)]
+        many = [ctx.renderbuffer(size, samples=self.samples, dtype="f2") for _ in range(2)] if self.samples else []
+        self._depth = ctx.depth_renderbuffer(size, samples=self.samples)
+        self._drawn = ctx.framebuffer(many or self.layers, self._depth)
+        # Framebuffers without depth, for copies: OpenGL refuses to copy between depth buffers of different kinds.
+        self._resolved = ctx.framebuffer(self.layers)
+        self._many = ctx.framebuffer(many) if many else None
+        self._held: list[Any] = [self.colour, self._drawn, self._resolved, *([self._many] if self._many else [])]
+        self._held += [self._colour, *self.layers, *many, self._depth]
+        self._rgba = np.empty((size[1], size[0], 4), np.uint8)
+        self._bgr = np.empty((size[1], size[0], 3), np.uint8)
+
+    @contextmanager
+    def drawing(self, region: Rectangle) -> Iterator[None]:
+        """Binds the layers, `region` of which is empty and has fresh depth, and has that region ready at the end."""
+        self._drawn.clear(viewport=region)
+        # moderngl tells OpenGL of a scissor only when the framebuffer is bound after it was set.
+        self._drawn.scissor = region
+        self._drawn.use()
+        try:
+            yield
+        finally:
+            if self._many is not None:
+                # Still within the scissor.
+                self._ctx.copy_framebuffer(self._resolved, self._many)
+            self.colour.use()
+
+    def bind_layers(self) -> None:
+        """For programs that read them as `added_light` and `removed`."""
+        for texture, name in zip(self.layers, ("added_light", "removed"), strict=True):
+            texture.use(UNIT_OF[name])
+
+    def read_bgr(self) -> Image:
+        """(h, w, 3) uint8 sRGB in OpenCV's order, top row first; waits for what is being drawn."""
+        # Fresh memory costs more than the conversion: only the result is newly allocated.
+        self.colour.read_into(self._rgba, components=4)
+        cv2.cvtColor(self._rgba, cv2.COLOR_RGBA2BGR, dst=self._bgr)
+        return np.asarray(cv2.flip(self._bgr, 0), dtype=np.uint8)
+
+    def release(self) -> None:
+        for held in self._held:
+            held.release()
+
+
+def supported_samples(wanted: int, available: int) -> int:
+    """The largest power of two that is neither more than wanted nor more than there are; 0 below two."""
+    samples = min(wanted, available)
+    return 1 << (samples.bit_length() - 1) if samples >= 2 else 0

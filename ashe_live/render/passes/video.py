@@ -1,0 +1,111 @@
+"""The video in the background: uploaded once a frame, copied where the size fits, drawn scaled where it does not."""
+
+from typing import Any
+
+import cv2
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.types import TrackedFrame
+from ashe_live.render.gl.framing import Rectangle
+from ashe_live.render.gl.programs import build_program, set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
+
+WHOLE_VIEWPORT = (-1.0, -1.0, 1.0, 1.0)
+
+
+class Video:
+    """The latest frame as a texture, bottom row first."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self.uploads = 0
+        self._ctx = ctx
+        self._program = build_program(ctx, "screen")
+        self._rectangle = ctx.vertex_array(self._program, [])
+        self._texture: moderngl.Texture | None = None
+        self._framebuffer: moderngl.Framebuffer | None = None
+        self._flipped: Image = np.empty((0, 0, 3), np.uint8)
+        self._rgba: Image = np.empty((0, 0, 4), np.uint8)
+        self._shown: TrackedFrame | None = None
+        self._lens: tuple[Camera, Camera, Any, Any] | None = None
+        self._pinhole: Camera | None = None
+
+    def show(self, tracked: TrackedFrame, viewport: Rectangle, pinhole: Camera | None = None) -> None:
+        """Uploads the frame unless it is there already, and readies the sampler for `viewport`.
+
+        `pinhole`: as a camera with its K and without distortion sees it; as it came if None.
+        """
+        size = tracked.frame.size
+        if self._texture is None or self._texture.size != size:
+            self._allocate(size)
+        assert self._texture is not None
+        is_same = self._shown is not None and self._shown.frame is tracked.frame and self._pinhole is pinhole
+        if self._shown is None or not is_same or self._shown.camera is not tracked.camera:
+            image = tracked.frame.image_bgr
+            if pinhole is not None and tracked.camera.is_distorted:
+                image = self._without_distortion(image, tracked.camera, pinhole)
+            # Mesa takes four channels thirty times as fast as three, and new memory costs more than the conversion.
+            cv2.flip(image, 0, dst=self._flipped)
+            cv2.cvtColor(self._flipped, cv2.COLOR_BGR2RGBA, dst=self._rgba)
+            self._texture.write(self._rgba)
+            self._shown, self._pinhole = tracked, pinhole
+            self.uploads += 1
+        nearest_or_linear = moderngl.NEAREST if viewport[2:] == size else moderngl.LINEAR
+        self._texture.filter = nearest_or_linear, nearest_or_linear
+
+    def copy_or_draw(self, target: moderngl.Framebuffer, viewport: Rectangle) -> None:
+        """Fills `viewport` of a colour-only, single-sample framebuffer."""
+        assert self._texture is not None
+        assert self._framebuffer is not None
+        if viewport == (0, 0, *target.size) and target.size == self._texture.size:
+            # A software rasteriser copies memory a hundred times as fast as it shades.
+            self._ctx.copy_framebuffer(target, self._framebuffer)
+            return
+        target.use()
+        if viewport != (0, 0, *target.size):
+            target.clear()
+        self._ctx.viewport = viewport
+        self.draw()
+
+    def draw(self) -> None:
+        """Draws into the current viewport."""
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.BLEND)
+        assert self._texture is not None
+        self._texture.use(UNIT_OF["picture"])
+        set_uniforms(self._program, rectangle=WHOLE_VIEWPORT)
+        self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+
+    def bind(self) -> None:
+        """For programs that read it as `video`."""
+        assert self._texture is not None
+        self._texture.use(UNIT_OF["video"])
+
+    def release(self) -> None:
+        self._release_texture()
+        self._rectangle.release()
+        self._program.release()
+
+    def _allocate(self, size: Size) -> None:
+        self._release_texture()
+        self._texture = self._ctx.texture(size, 4)
+        self._texture.repeat_x = self._texture.repeat_y = False
+        self._framebuffer = self._ctx.framebuffer([self._texture])
+        self._flipped = np.empty((size[1], size[0], 3), np.uint8)
+        self._rgba = np.empty((size[1], size[0], 4), np.uint8)
+
+    def _release_texture(self) -> None:
+        if self._texture is not None and self._framebuffer is not None:
+            self._framebuffer.release()
+            self._texture.release()
+        self._texture = self._framebuffer = self._shown = None
+
+    def _without_distortion(self, image: Image, camera: Camera, pinhole: Camera) -> Image:
+        """The frame as a pinhole camera sees it, which is what OpenGL draws."""
+        if self._lens is None or self._lens[0] is not camera or self._lens[1] is not pinhole:
+            maps = cv2.initUndistortRectifyMap(camera.K, camera.dist, np.eye(3), pinhole.K, camera.size, cv2.CV_16SC2)
+            self._lens = (camera, pinhole, *maps)
+        _, _, coarse, fine = self._lens
+        straight = cv2.remap(image, coarse, fine, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(straight, dtype=np.uint8)

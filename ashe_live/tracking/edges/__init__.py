@@ -1,0 +1,1 @@
+"""Borders and corners of black squares in a picture, to a fraction of a pixel."""

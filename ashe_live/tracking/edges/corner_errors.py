@@ -1,0 +1,78 @@
+"""How far a square's corners may be off beyond the noise of its edges: pixels, curled paper, and the camera's tones.
+
+A camera that does not follow sRGB's curve, or whose white is cut off, moves all edges towards black or towards white
+alike. The edges inside the print are moved as well, and tell by how much (`PrintAlignment.bleed`).
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.tracking.edges.corners import FittedSquare
+from ashe_live.tracking.edges.edge_lines import BEFORE, NEXT
+
+# What the print's inside says of the edges' common displacement is no more than noise below this.
+LEAST_BLEED_PX = 0.03
+# What noise bows a side by.
+BOW_NOISE_PX = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class CornerErrors:
+    """Standard deviations, fitted by `ashe-live bench track --scenes` to path-traced pictures with known poses."""
+
+    end_px: float  # of either end of each side, whatever the picture
+    curl: float  # the same over the sagitta of the side that bows most, beyond BOW_NOISE_PX
+    bleed_share: float  # how far the outer edges are displaced, over what the inside says
+    bleed_px: float  # of the displacement that is left when it is large
+    bleed_half_px: float  # the displacement at which half of that is left
+    weight: float  # of the errors stated here against those that the pose leaves, in degrees of freedom
+
+
+FITTED = CornerErrors(end_px=0.028, curl=0.49, bleed_share=0.68, bleed_px=0.078, bleed_half_px=0.079, weight=2.8)
+
+
+def corrected(square: FittedSquare, bleed_px: float, errors: CornerErrors = FITTED) -> FittedSquare:
+    """`square` with its sides moved back by what the inside says that all of them lie outwards."""
+    moved_px = errors.bleed_share * math.copysign(max(abs(bleed_px) - LEAST_BLEED_PX, 0.0), bleed_px)
+    corners = square.corners_px - moved_px * _outwards(square.corners_px) if moved_px else square.corners_px
+    return replace(square, corners_px=corners, bleed_px=bleed_px)
+
+
+def uncorrected_px(square: FittedSquare, errors: CornerErrors = FITTED) -> Float:
+    """(4, 2) the corners where `corrected` found them."""
+    if square.bleed_px is None:
+        return square.corners_px
+    moved_px = errors.bleed_share * math.copysign(max(abs(square.bleed_px) - LEAST_BLEED_PX, 0.0), square.bleed_px)
+    return np.asarray(square.corners_px + moved_px * _outwards(square.corners_px))
+
+
+def systematic(square: FittedSquare, errors: CornerErrors = FITTED) -> Float:
+    """(8, 8) covariance of corners_px.ravel(), px^2, beside the noise; none where edges were not looked at."""
+    if square.bows is None:
+        return np.zeros((8, 8))
+    by_normals = np.linalg.inv(_normals(square.corners_px))
+    sides = square.corners_px[NEXT] - square.corners_px
+    sagitta_px = float((square.bows * np.hypot(sides[:, 0], sides[:, 1])).max())
+    curl_px2 = errors.curl**2 * max(sagitta_px**2 - BOW_NOISE_PX**2, 0.0)
+    covariance = np.zeros((4, 2, 4, 2))
+    corner = np.arange(4)
+    covariance[corner, :, corner, :] = (errors.end_px**2 + curl_px2) * (by_normals @ by_normals.transpose(0, 2, 1))
+    bleed_px = math.inf if square.bleed_px is None else abs(square.bleed_px)
+    share = 1.0 if math.isinf(bleed_px) else bleed_px / (bleed_px + errors.bleed_half_px)
+    together = (errors.bleed_px * share) * by_normals.sum(axis=2).ravel()
+    return np.asarray(covariance.reshape(8, 8) + np.outer(together, together))
+
+
+def _normals(corners_px: Float) -> Float:
+    """(4, 2, 2) at each corner the outward normals of the side that begins and of the side that ends there."""
+    sides = corners_px[NEXT] - corners_px
+    outwards = np.column_stack([sides[:, 1], -sides[:, 0]]) / np.hypot(sides[:, 0], sides[:, 1])[:, None]
+    return np.stack([outwards, outwards[BEFORE]], axis=1)
+
+
+def _outwards(corners_px: Float) -> Float:
+    """(4, 2) how corners move when each side moves outwards by one."""
+    return np.asarray(np.linalg.inv(_normals(corners_px)).sum(axis=2))

@@ -1,0 +1,112 @@
+"""Whether a square's four sides are those of the print inside: what lies over an edge is taken for one by any line.
+
+A finger along a side moves that side alone. The three others and the print inside still agree, and give the pose.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.camera import Camera
+from ashe_live.tracking.edges.corner_errors import corrected
+from ashe_live.tracking.edges.corners import (
+    LAST_REACH_PX,
+    FittedSquare,
+    Light,
+    fitted_square,
+    is_front_of_square,
+    mean_side_px,
+)
+from ashe_live.tracking.edges.lens import source_from_ideal
+from ashe_live.tracking.edges.print_alignment import Aligned, PrintAlignment, in_units
+
+# Correlation of the print's inside with what is seen, where a side is covered.
+MIN_INSIDE = 0.85
+# What a side may lie off where the inside has it: of the square's side, and in standard deviations of the alignment.
+TOLERANCE, SIGMAS = 0.008, 3.0
+SURE_SIGMA = 0.004  # of the side
+# So many sides may be covered; so many must be seen where the rest is beyond the picture: they just determine the pose.
+MOST_COVERED, LEAST_SEEN = 2, 3
+# And so far may more than these lie off, over the side: a finger covers no three sides.
+MOST_BENT = 0.12
+# Of the corners' coordinates, x and y in turn, those across each side at its two ends.
+ACROSS_SIDES = np.array([(1, 3), (2, 4), (5, 7), (6, 0)])
+
+
+def checked(
+    square: FittedSquare,
+    light: Light,
+    alignment: PrintAlignment,
+    camera: Camera,
+    origin_px: tuple[int, int],
+    samples: int,
+) -> FittedSquare | None:
+    """`square` as it is, or without the sides that are not the print's; None when it is not the print.
+
+    `light`, `samples`, `camera` and `origin_px` as in fitted_square.
+    """
+    side_px = mean_side_px(square.corners_px)
+    blurred = alignment.blurred(light, square.corners_px)
+    seen_print = alignment.sampled(blurred, square.corners_px, camera, origin_px)
+    is_print = alignment.is_print(seen_print)
+    if leaves_frame(square, camera):
+        return square if is_print and square.sides_seen >= LEAST_SEEN else None
+    if not alignment.tells_place:
+        return square if is_print and square.sides_seen == 4 else None
+    tolerance = max(TOLERANCE, square.curl_of_two_sides)
+    seen = alignment.look(seen_print, side_px)
+    # A print that lies elsewhere explains the samples badly: then one step says little, and is as unsure.
+    if seen is not None and square.sides_seen == 4 and seen.sigma <= SURE_SIGMA:
+        even = corrected(square, alignment.bleed(seen_print) * side_px)
+        if not _off(seen.step - in_units(even.corners_px, square.corners_px), seen, tolerance).any():
+            return even if is_print else None
+    found = alignment.aligned(blurred, square.corners_px, camera, origin_px)
+    if found is None or found.seen.inside < MIN_INSIDE:
+        return None
+    square = corrected(square, found.seen.bleed * side_px)
+    off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
+    if off.sum() > MOST_COVERED:
+        # Other edges than the print's were taken, as of its paper on a bright floor: the inside says where to look.
+        again = fitted_square(light, found.corners_px, samples, 1.0, camera, origin_px, LAST_REACH_PX)
+        if again is not None:
+            square = corrected(again, found.seen.bleed * side_px)
+            off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
+            is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, camera, origin_px))
+    if not off.any():
+        return square if is_print else None
+    if off.sum() > MOST_COVERED:
+        # No finger does that, but paper that bends does, or a shadow's edge that misleads the inside.
+        astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())
+        is_whole = is_print and square.sides_seen == 4 and astray_px <= MOST_BENT * side_px
+        return dataclasses.replace(square, by_side=_no_surer(square.by_side, astray_px)) if is_whole else None
+    sides = square.by_side[~off].sum(axis=0)
+    total = sides + found.information
+    corners = np.linalg.solve(
+        total, sides @ square.corners_px.ravel() + found.information @ found.corners_px.ravel()
+    ).reshape(4, 2)
+    if not is_front_of_square(corners):
+        return None
+    by_side = square.by_side.copy()
+    by_side[off] = found.information / off.sum()
+    return dataclasses.replace(square, corners_px=corners, by_side=by_side, seen=~off)
+
+
+def _no_surer(by_side: Float, sigma_px: float) -> Float:
+    """(4, 8, 8) of corners whose coordinates have `sigma_px` more, all of them by themselves."""
+    total = by_side.sum(axis=0)
+    shared = np.linalg.solve(np.eye(8) + sigma_px**2 * total, total)
+    return np.asarray(np.tile(0.125 * (shared + shared.T), (4, 1, 1)))
+
+
+def leaves_frame(square: FittedSquare, camera: Camera) -> bool:
+    """Whether a corner lies beyond the picture."""
+    source = source_from_ideal(camera, square.corners_px)
+    return bool(((source < 0) | (source > np.subtract(camera.size, 1))).any())
+
+
+def _off(step: Float, seen: Aligned, tolerance: float) -> Mask:
+    """(4,) whether each side lies off by more than is explained."""
+    sigmas = np.sqrt(np.diag(seen.covariance))
+    allowed = tolerance + SIGMAS * sigmas
+    return np.asarray((np.abs(step.ravel()) > allowed)[ACROSS_SIDES].any(axis=1))

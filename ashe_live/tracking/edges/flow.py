@@ -1,0 +1,63 @@
+"""Where the marker's corners went while nobody can read it: optical flow of them and of the paper around.
+
+Lucas and Kanade's method in a pyramid; a point counts when following it back returns to where it came from.
+"""
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.tracking.edges.corners import is_front_of_square, region_around, side_lengths_px
+
+MARGIN_RATIO = 0.5
+# A marker larger than this is looked at smaller.
+WORKING_PX = 160.0
+MAX_POINTS, MIN_POINTS = 40, 5
+WINDOW, LEVELS = (15, 15), 3
+MAX_RETURN_PX = 0.7
+# Of the points, how many must agree on one motion: less than half, as a reflection may hide the rest.
+MIN_AGREEING = 0.25
+# How much a side may grow or shrink between two frames, as a logarithm.
+MAX_GROWTH = 0.15
+# The paper around the square moves with it; its size over the square's.
+PAPER = 1.4
+
+
+def flowed_corners(before_bgr: Image, now_bgr: Image, corners_px: Float) -> Float | None:
+    """Where `corners_px` (4, 2) of `before_bgr` are in `now_bgr`, both (h, w, 3); None when that is unclear."""
+    region = region_around(corners_px, 8, MARGIN_RATIO, before_bgr.shape)
+    if region is None or before_bgr.shape != now_bgr.shape:
+        return None
+    (left, top), (right, bottom) = region
+    if min(right - left, bottom - top) < 2 * WINDOW[0]:
+        return None
+    scale = min(1.0, WORKING_PX / max(np.ptp(corners_px, axis=0)))
+    before, now = (_grey(image[top:bottom, left:right], scale) for image in (before_bgr, now_bgr))
+    inside = (corners_px - (left, top) + 0.5) * scale - 0.5
+    mask = np.zeros(before.shape, dtype=np.uint8)
+    paper = inside.mean(axis=0) + PAPER * (inside - inside.mean(axis=0))
+    cv2.fillConvexPoly(mask, np.round(paper).astype(np.int32), 255)
+    found = cv2.goodFeaturesToTrack(before, MAX_POINTS, 0.02, 3, mask=mask)
+    own = inside.astype(np.float32)[:, None]
+    found = own if found is None else np.concatenate([own, found])
+    there, is_there, _ = cv2.calcOpticalFlowPyrLK(before, now, found, found.copy(), winSize=WINDOW, maxLevel=LEVELS)
+    back, is_back, _ = cv2.calcOpticalFlowPyrLK(now, before, there, there.copy(), winSize=WINDOW, maxLevel=LEVELS)
+    returns = np.linalg.norm((back - found).reshape(-1, 2), axis=1) <= MAX_RETURN_PX
+    good = (is_there.ravel() > 0) & (is_back.ravel() > 0) & returns
+    if good.sum() < max(MIN_POINTS, MIN_AGREEING * len(found)):
+        return None
+    # Between two frames the change of perspective is smaller than the flow's own error: affine is enough.
+    motion, agreeing = cv2.estimateAffine2D(found[good], there[good], ransacReprojThreshold=1.0)
+    if motion is None or agreeing.sum() < MIN_AGREEING * len(found):
+        return None
+    moved = inside @ motion[:, :2].T + motion[:, 2]
+    corners = (moved + 0.5) / scale - 0.5 + (left, top)
+    growth = side_lengths_px(corners) / side_lengths_px(corners_px)
+    return corners if is_front_of_square(corners) and np.abs(np.log(growth)).max() < MAX_GROWTH else None
+
+
+def _grey(image_bgr: Image, scale: float) -> Image:
+    grey = cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY)
+    if scale < 1:
+        grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+    return np.asarray(grey, dtype=np.uint8)

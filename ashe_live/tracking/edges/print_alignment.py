@@ -1,0 +1,264 @@
+"""Where a marker's print says that its corners are, by what is printed inside, whatever lies over its outer edges.
+
+Lucas and Kanade's alignment in its inverse compositional form (Baker and Matthews, "Lucas-Kanade 20 years on", IJCV
+2004): the picture, sampled in the print's own frame, is explained by the print, its gain, an offset, a slope of the
+light, edges that all give way to one side, and the displacements of the four corners. All but the picture is known
+beforehand, so that one step is one product of a matrix with the samples.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.tracking.edges.corners import Light, is_front_of_square, mean_side_px
+from ashe_live.tracking.edges.lens import source_from_ideal
+
+# Of the paper around the square, how much belongs to the print, and how much of the border to its inside: the edge
+# within the border is half of what tells the place, and a finger may lie over the rest.
+PAPER, RING = 0.5, 0.3  # over the border's width
+MOST_PAPER = 1 / 12  # over the side
+# The picture is averaged over so many samples: a sharp edge between two samples would tell nothing of its place.
+AVERAGED = 1.5
+# Standard deviations of the blur, in samples, with which the print is compared.
+BLURS = (0.0, 1.5, 3.0, 4.5)
+# The print seen whole correlates with itself by so much, blurred as it may be; the likest other things by less.
+MIN_LIKENESS = 0.83
+# No cell of it differs from its print by more than this part of the contrast: a shadow's edge leaves half, another
+# number's cell all of it.
+MOST_AMISS = 0.75
+# A print with next to nothing inside (4x4_50:17 is a single white block) does not tell its corners' place: one sample
+# wrong by its whole contrast moves them by so much of the side. It is known by its likeness alone, which must be sure.
+MOST_SPREAD, SURE_LIKENESS = 0.2, 0.96
+STEPS = 12
+SMALL_STEP = 1e-3  # of the side
+MIN_SIGMA_PX = 0.05
+LARGE_STEP = 0.08  # beyond which the linearised print means nothing
+UNIT = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+OUTWARDS = np.sign(UNIT - 0.5)
+
+
+@dataclass(frozen=True, slots=True)
+class Aligned:
+    """What one look at the samples within a square says of where the print is."""
+
+    step: Float  # (4, 2) by which the corners are wrong, in units of the print's side, x right, y down
+    covariance: Float  # (8, 8) of step.ravel()
+    sigma: float  # the largest standard deviation in it
+    inside: float  # correlation in [-1, 1] of the samples inside the border with the print
+    bleed: float  # how far all edges lie towards white, in units of the side
+
+
+class Alignment(NamedTuple):
+    """Where the inside of the print has the corners."""
+
+    corners_px: Float  # (4, 2) ideal pixels
+    information: Float  # (8, 8) inverse covariance of corners_px.ravel(), 1 / px^2
+    seen: Aligned  # the last look
+
+
+class PrintAlignment:
+    """Aligns one marker's print; made once, as it holds what does not depend on the picture."""
+
+    def __init__(
+        self,
+        print_grey: Image,
+        border: float,
+        tells_place: bool = True,
+        least_likeness: float = MIN_LIKENESS,
+        edge_error: float = 0.0,
+    ) -> None:
+        """`print_grey` (n, n): the whole black square, from which every sample is taken; `border` over its side.
+
+        `tells_place`: whether the inside lies exactly where `print_grey` has it within the border. `edge_error`: how
+        far off its edges may be in `print_grey`, over the side.
+        """
+        self._cells = round(1 / border)
+        self._edge_error = edge_error
+        n = len(print_grey)
+        self._margin = max(1, round(min(PAPER * border, MOST_PAPER) * n))
+        self._side = n + 2 * self._margin
+        padded = np.pad(print_grey.astype(np.float64) / 255, self._margin, constant_values=1.0)
+        self._places = (np.arange(self._side) + 0.5 - self._margin) / n
+        y, x = np.meshgrid(self._places, self._places, indexing="ij")
+        sharp = _averaged(padded)
+        ring = (1 - RING) * border
+        within = (np.minimum(x, y) > ring) & (np.maximum(x, y) < 1 - ring)
+        self._inside = np.flatnonzero(within)
+        dy, dx = n * np.gradient(sharp, axis=0), n * np.gradient(sharp, axis=1)
+        # A homography's derivatives by its entries at the identity, and these by the corners' displacements.
+        nothing, one = np.zeros_like(x), np.ones_like(x)
+        by_entries_x = np.stack([x, y, one, nothing, nothing, nothing, -x * x, -x * y], axis=-1)
+        by_entries_y = np.stack([nothing, nothing, nothing, x, y, one, -x * y, -y * y], axis=-1)
+        u, v = UNIT.T
+        none, all_one = np.zeros(4), np.ones(4)
+        corners_x = np.stack([u, v, all_one, none, none, none, -u * u, -u * v], axis=-1)
+        corners_y = np.stack([none, none, none, u, v, all_one, -u * v, -v * v], axis=-1)
+        entries_by_corners = np.linalg.inv(np.stack([corners_x, corners_y], axis=1).reshape(8, 8))
+        moved = (dx[..., None] * by_entries_x + dy[..., None] * by_entries_y) @ entries_by_corners
+        bloom = np.hypot(dx, dy)
+        columns = np.concatenate([sharp[..., None], -moved, np.stack([one, x, y, bloom], axis=-1)], axis=-1).reshape(
+            -1, 13
+        )[self._inside]
+        self._columns = columns.astype(np.float32)
+        self._solver = np.linalg.pinv(columns).astype(np.float32)
+        # All four corners outwards by one, and with them the edges inside, towards their white.
+        together = columns[:, 1:9] @ -OUTWARDS.ravel() - columns[:, 12]
+        one_shift = np.column_stack([columns[:, 0], columns[:, 9:12], together])
+        self._bleed_solver = np.linalg.pinv(one_shift)[[0, 4]].astype(np.float32)
+        self._spread = np.linalg.inv(columns.T @ columns + 1e-9 * np.eye(13))[1:9, 1:9]
+        self._largest_spread = float(np.diag(self._spread).max())
+        is_weak = tells_place and math.sqrt(self._largest_spread) > MOST_SPREAD
+        self.tells_place = tells_place and not is_weak
+        self._least_likeness = SURE_LIKENESS if is_weak else least_likeness
+        blurred = [sharp if sigma == 0 else cv2.GaussianBlur(sharp, (0, 0), sigma) for sigma in BLURS]
+        self._prints = np.stack([_normalised(np.asarray(one, dtype=np.float64).ravel()) for one in blurred])
+
+    def sampled(self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]) -> Light:
+        """(n, n) of `light` in the print's frame, of the square at ideal `corners_px` (4, 2); see fitted_square."""
+        n = self._side - 2 * self._margin
+        # Of the samples' indices, not their places.
+        ends = (UNIT * n + self._margin - 0.5).astype(np.float32)
+        H = cv2.getPerspectiveTransform(ends, (corners_px - origin_px).astype(np.float32))
+        if camera is None or not camera.is_distorted:
+            return np.asarray(
+                cv2.warpPerspective(
+                    light,
+                    H,
+                    (self._side, self._side),
+                    flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+                    borderMode=cv2.BORDER_REPLICATE,
+                ),
+                dtype=np.float32,
+            )
+        index = np.arange(self._side)
+        x, y, w = (a * index[None] + b * index[:, None] + c for a, b, c in H)
+        ideal = np.stack([x / w, y / w], axis=-1).reshape(-1, 2) + origin_px
+        source = (source_from_ideal(camera, ideal) - origin_px).astype(np.float32).T.reshape(2, self._side, self._side)
+        samples = cv2.remap(light, source[0], source[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(samples, dtype=np.float32)
+
+    def blurred(self, light: Light, corners_px: Float) -> Light:
+        """`light` averaged over what lies between a few samples of the square at `corners_px` (4, 2)."""
+        n = self._side - 2 * self._margin
+        width = _odd(AVERAGED * mean_side_px(corners_px) / n)
+        return np.asarray(cv2.blur(light, (width, width)), dtype=np.float32) if width > 1 else light
+
+    def likeness(self, samples: Light) -> float:
+        """Correlation in [-1, 1] of samples with the whole print and the paper around it, blurred as suits best.
+
+        In a curve like the eye's, in which a shadow over a part of the print changes less.
+        """
+        return float((self._prints @ _normalised(np.sqrt(samples.ravel()))).max())
+
+    def is_print(self, samples: Light) -> bool:
+        """Whether samples look like the whole print, and each of its cells like itself."""
+        seen = _normalised(np.sqrt(samples.ravel()))
+        correlations = self._prints @ seen
+        best = int(correlations.argmax())
+        likeness = float(correlations[best])
+        if likeness < self._least_likeness:
+            return False
+        whole = slice(self._margin, self._side - self._margin)
+        amiss = (seen / likeness - self._prints[best]).reshape(self._side, self._side)[whole, whole]
+        cells = np.abs(cv2.resize(amiss, (self._cells, self._cells), interpolation=cv2.INTER_AREA))
+        return float(cells.max()) <= MOST_AMISS * float(np.ptp(self._prints[0]))
+
+    def bleed(self, samples: Light) -> float:
+        """How far outwards all four sides of a square lie, in units of its side, from samples within it.
+
+        The edges inside lie as far towards white: a tone curve other than sRGB's, white that is cut off, or ink that
+        has spread moves all of them alike.
+        """
+        gain, displaced = (self._bleed_solver @ samples.ravel()[self._inside]).tolist()
+        bleed = displaced / gain if gain > 0 else 0.0
+        return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed)
+
+    def look(self, samples: Light, side_px: float) -> Aligned | None:
+        """One step from samples taken where the print is thought to be; None where nothing of it is seen."""
+        inside = samples.ravel()[self._inside]
+        coefficients = self._solver @ inside
+        gain = float(coefficients[0])
+        left = inside - self._columns @ coefficients
+        total = float(((inside - inside.mean()) ** 2).sum())
+        if gain <= 0 or total <= 0:
+            return None
+        squared = float(left @ left)
+        # Neighbouring samples see the same pixels.
+        per_sample_px = side_px / (self._side - 2 * self._margin)
+        alike = max(AVERAGED, 2 / per_sample_px) ** 2
+        variance = squared / max(1, len(inside) - 13) * alike / gain**2
+        own = _normalised(self._columns[:, 0])
+        return Aligned(
+            (coefficients[1:9] / gain).astype(np.float64).reshape(4, 2),
+            variance * self._spread,
+            math.sqrt(variance * self._largest_spread),
+            float(own @ _normalised(inside)),
+            -float(coefficients[12]) / gain,
+        )
+
+    def aligned(
+        self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]
+    ) -> Alignment | None:
+        """From near `corners_px` (4, 2) to where the inside of the print has them; None where it leads nowhere.
+
+        `light` as from `blurred`.
+        """
+        corners = corners_px
+        for _ in range(STEPS):
+            side_px = mean_side_px(corners)
+            seen = self.look(self.sampled(light, corners, camera, origin_px), side_px)
+            if seen is None:
+                return None
+            largest = float(np.abs(seen.step).max())
+            corners, by_unit = _moved(corners, seen.step * min(1.0, LARGE_STEP / max(largest, 1e-12)))
+            if not is_front_of_square(corners):
+                return None
+            if largest < SMALL_STEP:
+                covariance = by_unit @ seen.covariance @ by_unit.T
+                return Alignment(corners, _inverse(covariance + MIN_SIGMA_PX**2 * np.eye(8)), seen)
+        return None
+
+
+def in_units(corners_px: Float, others_px: Float) -> Float:
+    """(4, 2) how far `others_px` lie from `corners_px` (4, 2) in the frame of the latter, in units of its side."""
+    H = cv2.getPerspectiveTransform(corners_px.astype(np.float32), UNIT.astype(np.float32))
+    there = np.column_stack([others_px, np.ones(4)]) @ H.T
+    return np.asarray(there[:, :2] / there[:, 2:] - UNIT)
+
+
+def _moved(corners_px: Float, step: Float) -> tuple[Float, Float]:
+    """Corners after a step in units of the print, and the (8, 8) derivatives of pixels by such units."""
+    H = cv2.getPerspectiveTransform(UNIT.astype(np.float32), corners_px.astype(np.float32))
+    there = np.column_stack([UNIT + step, np.ones(4)]) @ H.T
+    derivatives = np.zeros((8, 8))
+    for corner, (x, y, w) in enumerate(np.column_stack([UNIT, np.ones(4)]) @ H.T):
+        block = slice(2 * corner, 2 * corner + 2)
+        derivatives[block, block] = (H[:2, :2] - np.outer((x / w, y / w), H[2, :2])) / w
+    return np.asarray(there[:, :2] / there[:, 2:], dtype=np.float64), derivatives
+
+
+def _averaged(picture: Float) -> Float:
+    """Over AVERAGED samples, as `blurred` does to the picture."""
+    fine = 5
+    enlarged = np.repeat(np.repeat(picture, fine, axis=0), fine, axis=1)
+    width = _odd(AVERAGED * fine)
+    return np.asarray(cv2.blur(enlarged, (width, width))[fine // 2 :: fine, fine // 2 :: fine], dtype=np.float64)
+
+
+def _inverse(matrix: Float) -> Float:
+    return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
+
+
+def _odd(width: float) -> int:
+    """The odd number next to `width`: an even window would move the picture by half a pixel."""
+    return 2 * max(0, round((width - 1) / 2)) + 1
+
+
+def _normalised(values: Float | Light) -> Light:
+    centred = values.astype(np.float32) - np.float32(values.mean())
+    return np.asarray(centred / np.float32(max(float(np.linalg.norm(centred)), 1e-12)))

@@ -1,0 +1,57 @@
+"""Which markers of the known families a picture shows, whichever one is looked for."""
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS
+from ashe_live.tracking.edges.quads import on_lighter, without_repeats
+from ashe_live.tracking.families.dictionary_marker import DICTIONARIES
+
+# Long codes first: a chance likeness to one of the short ones is no news where a long one is read.
+FAMILIES = ("apriltag_36h11", "7x7_1000", "6x6_1000", "original", "5x5_1000", "4x4_1000")
+SIZES = (50, 100, 250, 1000)  # of each ArUco family; the smaller ones are the beginning of the larger
+MIN_SIDE_PX = 20.0
+MOST_PX = 1280  # of the longer side: what is larger is looked at reduced
+# Of the black border's cells: a photo of anything square has darker and lighter ones.
+WRONG_IN_BORDER = 0.1
+# So many of the cube's tags are no chance: any of them may lie flat on a table by itself.
+FACES_OF_CUBE = 2
+
+
+def markers_in_view(image_bgr: Image) -> tuple[str, ...]:
+    """Specs such as "aruco:4x4_50:7" of the markers in (h, w, 3) uint8 sRGB, the largest first; two faces are a cube.
+
+    For a person who does not know which one it is: no cell may be wrong, so what is small or blurred is passed over.
+    """
+    grey: Image = np.asarray(cv2.cvtColor(image_bgr, cv2.COLOR_BGR2GRAY), dtype=np.uint8)
+    scale = min(1.0, MOST_PX / max(grey.shape))
+    if scale < 1:
+        grey = np.asarray(cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    parameters = cv2.aruco.DetectorParameters()
+    parameters.minMarkerPerimeterRate = min(1.0, 4 * MIN_SIDE_PX / max(grey.shape))
+    parameters.errorCorrectionRate = 0.0
+    parameters.maxErroneousBitsInBorderRate = WRONG_IN_BORDER
+    found: list[tuple[Float, str]] = []
+    for family in FAMILIES:
+        dictionary = cv2.aruco.getPredefinedDictionary(DICTIONARIES[family])
+        quads, ids, _ = cv2.aruco.ArucoDetector(dictionary, parameters).detectMarkers(grey)
+        for quad, number in zip(quads, () if ids is None else ids.ravel(), strict=True):
+            corners: Float = quad.reshape(4, 2).astype(float)
+            others = [other for other, _ in found]
+            if on_lighter(grey, [corners]) and len(without_repeats([*others, corners])) > len(others):
+                found.append((corners, _spec(family, int(number))))
+    found.sort(key=lambda one: -cv2.contourArea(one[0].astype("float32")))
+    specs = [spec for _, spec in found]
+    if sum(spec in CUBE_SPECS for spec in specs) < FACES_OF_CUBE:
+        return tuple(specs)
+    return tuple(dict.fromkeys(CUBE if spec in CUBE_SPECS else spec for spec in specs))
+
+
+def _spec(family: str, number: int) -> str:
+    if family.startswith("apriltag_"):
+        return f"apriltag:{family.removeprefix('apriltag_')}:{number}"
+    cells, _, size = family.partition("_")
+    if not size:
+        return f"aruco:{family}:{number}"
+    return f"aruco:{cells}_{next(one for one in SIZES if number < one)}:{number}"

@@ -1,0 +1,98 @@
+"""Several markers on one rigid thing, a sheet or a cube, tracked as one: seen by any, and surer than by each alone."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.errors import UserError
+from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS, FACES, TAG_SHARE, USUAL_EDGE_M
+from ashe_live.tracking.families.markers import Marker, parse_marker
+from ashe_live.tracking.poses.pose import square_corners
+
+# White between two neighbours of a grid, over the side of a square.
+GRID_GAP = 0.25
+# Each costs time in every frame.
+MOST_MEMBERS = 24
+USUAL_SIDE_M = 0.08
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """A marker and where it lies."""
+
+    marker: Marker
+    corners: Float  # (4, 3) in the layout's units and frame: top-left, top-right, bottom-right, bottom-left
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Markers on one rigid thing.
+
+    On a sheet: the unit is a square's side, and the frame has its origin in their middle, x right and y up as printed.
+    On the cube that stands on the table: the unit is its edge, and the plane z = 0 is the table's.
+    """
+
+    spec: str
+    members: tuple[Member, ...]
+    is_cube: bool = False  # printed on the faces of the folded cube; else on a sheet
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Width and height in units of a square's side."""
+        corners = np.concatenate([member.corners for member in self.members])
+        width, height, _ = np.ptp(corners, axis=0)
+        return float(width), float(height)
+
+
+def parse_target(spec: str) -> Marker | Layout:
+    """The marker that `spec` names, or the layout: grid:DICT:COLSxROWS[:FIRST], numbered row by row from FIRST (0), or
+    the folded cube.
+
+    Raises UserError when it names neither.
+    """
+    kind, _, rest = spec.partition(":")
+    if spec == CUBE:
+        return cube_layout()
+    if kind != "grid":
+        return parse_marker(spec)
+    family, _, numbers = rest.partition(":")
+    size, _, first = numbers.partition(":")
+    columns, _, rows = size.partition("x")
+    if not (family and columns.isdecimal() and rows.isdecimal() and (first or "0").isdecimal()):
+        raise UserError(f"there is no grid {spec!r}", "write grid:DICT:COLSxROWS[:FIRST], as grid:4x4_50:3x2")
+    count = int(columns[:4]) * int(rows[:4])
+    if not 2 <= count <= MOST_MEMBERS:
+        raise UserError(f"a grid of {columns} x {rows} markers cannot be tracked", f"take from 2 to {MOST_MEMBERS}")
+    start = int((first or "0")[:9])
+    markers = [parse_marker(f"aruco:{family}:{start + number}") for number in range(count)]
+    return grid_layout(spec, markers, int(columns))
+
+
+def grid_layout(spec: str, markers: list[Marker], columns: int) -> Layout:
+    """`markers` in rows of `columns`, from the top left."""
+    pitch = 1 + GRID_GAP
+    rows = -(-len(markers) // columns)
+    members = []
+    for number, marker in enumerate(markers):
+        row, column = divmod(number, columns)
+        centre = (column - (columns - 1) / 2) * pitch, ((rows - 1) / 2 - row) * pitch, 0.0
+        members.append(Member(marker, square_corners(1.0) + centre))
+    return Layout(spec, tuple(members))
+
+
+def cube_layout() -> Layout:
+    """The markers of the folded cube's faces; its unit is the cube's edge."""
+    named = zip(CUBE_SPECS, FACES, strict=True)
+    members = tuple(Member(parse_marker(spec), face.corners(TAG_SHARE)) for spec, face in named)
+    return Layout(CUBE, members, is_cube=True)
+
+
+def usual_side_m(spec: str) -> float:
+    """The size in metres of what `spec` names where nobody gave one: a square's side, the cube's edge."""
+    return USUAL_EDGE_M if spec == CUBE else USUAL_SIDE_M
+
+
+def members_of(target: Marker | Layout) -> tuple[Member, ...]:
+    """The markers that `target` consists of."""
+    return target.members if isinstance(target, Layout) else (Member(target, square_corners(1.0)),)

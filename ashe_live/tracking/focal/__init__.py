@@ -1,0 +1,1 @@
+"""Focal lengths from what markers look like."""

@@ -1,0 +1,123 @@
+"""Learns the focal length while a marker is tracked, where no calibration gave it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera, Size
+from ashe_live.core.transforms import project
+from ashe_live.core.types import MarkerPose, TrackedFrame
+from ashe_live.tracking.edges.lens import source_from_ideal
+from ashe_live.tracking.focal.focal_fit import fit_focal
+from ashe_live.tracking.poses.pose import square_corners
+
+# As many views as a fit in a few milliseconds can bear, and as few as it can be trusted with.
+MOST_VIEWS = 64
+MIN_VIEWS = 10
+# A fit is made when the views have become so many times more, or, once they are thinned out, newer.
+GROWTH = 1.4
+# What makes a view differ from another by 1: its way over the marker's diagonal, the logarithm of its growth, its turn.
+PLACE_SCALE = 0.1
+SIZE_SCALE = 0.05
+TURN_SCALE_RAD = math.radians(2.0)
+# When all places are taken, views must differ by so much more, and those that no longer do are dropped.
+THINNING = 1.3
+# What has been measured never fits a pose so well.
+LEAST_RESIDUAL_PX = 1e-4
+# Over the fit's own sigma: models are never the whole truth.
+CAUTION = 1.3
+SYSTEMATIC = 0.005
+# Relative sigmas: from here on a focal length is better than an assumed one; so much smaller a sigma is worth another
+# change of the camera; and from here on nothing more is to be learned.
+KNOWN_SIGMA = 0.08
+MUCH_SURER = 0.7
+FOUND_SIGMA = 0.012
+
+
+@dataclass(frozen=True, slots=True)
+class FocalEstimate:
+    """A focal length with how sure it is."""
+
+    size: Size
+    focal_px: float
+    sigma_px: float  # standard deviation, with what is systematic
+    views: int
+
+    @property
+    def relative_sigma(self) -> float:
+        return self.sigma_px / self.focal_px
+
+    def camera(self) -> Camera:
+        return Camera.from_focal(self.size, self.focal_px, "estimated", self.sigma_px)
+
+
+@dataclass(frozen=True, slots=True)
+class _View:
+    corners_px: Float  # (4, 2)
+    R: Float  # (3, 3) camera from marker
+
+    def distance(self, other: "_View") -> float:
+        diagonals_px = [float(np.linalg.norm(one.corners_px[0] - one.corners_px[2])) for one in (self, other)]
+        moved = np.linalg.norm(self.corners_px.mean(axis=0) - other.corners_px.mean(axis=0)) / max(diagonals_px)
+        resized = abs(math.log(diagonals_px[0] / diagonals_px[1]))
+        # Normals: a turn in the marker's own plane tells nothing new, but costs nothing either.
+        turned = math.acos(float(np.clip(self.R[:, 2] @ other.R[:, 2], -1, 1)))
+        return math.hypot(moved / PLACE_SCALE, resized / SIZE_SCALE, turned / TURN_SCALE_RAD)
+
+
+def _is_measured(marker: MarkerPose, camera: Camera) -> bool:
+    """False where the pose told the corners, as for a marker that is half out of the picture, or one of several."""
+    told = source_from_ideal(camera, project(camera, marker.measured_T_cam_marker, square_corners(marker.side_m)))
+    return bool(np.abs(told - marker.corners_px).max() > LEAST_RESIDUAL_PX)
+
+
+class FocalEstimator:
+    """Collects views of one marker that differ, and fits the focal length to them now and then."""
+
+    def __init__(self, size: Size) -> None:
+        self.estimate: FocalEstimate | None = None  # of the last fit, however unsure
+        self._size = size
+        self._views: list[_View] = []
+        self._spacing = 1.0
+        self._seen = 0  # different views, with those that were dropped
+        self._next_fit = MIN_VIEWS
+
+    def add(self, tracked: TrackedFrame) -> FocalEstimate | None:
+        """Takes what a frame showed; a new estimate when this led to one. Raises ValueError for another size."""
+        if tracked.frame.size != self._size:
+            raise ValueError(f"a frame of {tracked.frame.size} among frames of {self._size}")
+        marker = tracked.marker
+        if marker is None or marker.bridged or not _is_measured(marker, tracked.camera):
+            return None
+        view = _View(marker.corners_px, marker.measured_T_cam_marker[:3, :3])
+        if any(view.distance(kept) < self._spacing for kept in self._views):
+            return None
+        self._views.append(view)
+        self._seen += 1
+        if len(self._views) > MOST_VIEWS:
+            self._thin_out()
+        if self._seen < self._next_fit:
+            return None
+        self._next_fit = math.ceil(GROWTH * self._seen)
+        self.estimate = self._fitted(tracked.camera)
+        return self.estimate
+
+    def _thin_out(self) -> None:
+        while len(self._views) > 0.75 * MOST_VIEWS:
+            self._spacing *= THINNING
+            kept: list[_View] = []
+            for view in self._views:
+                if all(view.distance(other) >= self._spacing for other in kept):
+                    kept.append(view)
+            self._views = kept
+
+    def _fitted(self, camera: Camera) -> FocalEstimate | None:
+        corners = np.array([view.corners_px for view in self._views])
+        rotations = np.array([view.R for view in self._views])
+        fit = fit_focal(corners, rotations, float(camera.K[0, 0]), self._size)
+        if not (math.isfinite(fit.focal_px) and math.isfinite(fit.relative_sigma)):
+            return None
+        sigma = math.hypot(CAUTION * fit.relative_sigma, SYSTEMATIC) * fit.focal_px
+        return FocalEstimate(self._size, fit.focal_px, sigma, len(self._views))

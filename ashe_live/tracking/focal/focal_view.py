@@ -1,0 +1,50 @@
+"""What a single view of a marker tells of the focal length, by how much its far side is shorter than its near one."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import project
+from ashe_live.tracking.edges.corner_errors import FITTED
+from ashe_live.tracking.focal.focal import CAUTION, FocalEstimate
+from ashe_live.tracking.poses.pose import Sighting, corners_information, corners_noise, pose_of_squares
+
+# Logarithms of the focal lengths tried, over the assumed one.
+TRIED = np.linspace(-0.9, 0.9, 19)
+
+
+def focal_of_view(sightings: Sequence[Sighting], assumed: Camera, side_m: float) -> FocalEstimate | None:
+    """The mean and standard deviation of the focal length, given the view and what was assumed before.
+
+    The posterior of its logarithm on a grid: a normal prior by the assumed camera's own standard deviation, and the
+    likelihood of the corners under the best pose for each focal length. None where no focal length explains them.
+    """
+    points = np.concatenate([one.points for one in sightings])
+    pixels = np.concatenate([one.square.corners_px for one in sightings])
+    information = corners_information(sightings, corners_noise(sightings))
+    focal_px, sigma = float(assumed.K[0, 0]), assumed.focal_sigma_px / float(assumed.K[0, 0])
+
+    def cost(log_ratio: float) -> float:
+        camera = Camera.from_focal(assumed.size, focal_px * math.exp(log_ratio), "assumed")
+        pose = pose_of_squares(sightings, camera, side_m)
+        if pose is None:
+            return math.inf
+        error = (project(camera, pose.T_cam_marker, points) - pixels).ravel()
+        return float(error @ information @ error)
+
+    costs: Float = np.array([cost(float(tried)) for tried in TRIED])
+    least = float(costs.min())
+    if not math.isfinite(least):
+        return None
+    freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 7)
+    understated = (FITTED.weight + least) / (FITTED.weight + freedom)
+    weights = np.exp(-0.5 * ((costs - least) / understated + (TRIED / sigma) ** 2))
+    weights /= weights.sum()
+    mean = float(weights @ TRIED)
+    # Between two of the grid's focal lengths nothing is told apart.
+    spread = math.hypot(math.sqrt(float(weights @ (TRIED - mean) ** 2)), float(TRIED[1] - TRIED[0]) / math.sqrt(12))
+    found_px = focal_px * math.exp(mean)
+    return FocalEstimate(assumed.size, found_px, CAUTION * spread * found_px, 1)

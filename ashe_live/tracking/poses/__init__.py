@@ -1,0 +1,1 @@
+"""Poses from corners: solved, refined, filtered."""

@@ -1,0 +1,206 @@
+"""The marker's pose from its four corners: both solutions of IPPE, which of them is meant, and how sure it is.
+
+Collins and Bartoli, "Infinitesimal plane-based pose estimation", IJCV 2014.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import project, rigid
+from ashe_live.core.types import MarkerPose
+from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, systematic
+from ashe_live.tracking.edges.corners import FittedSquare, is_front_of_square, mean_side_px, side_lengths_px
+from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
+from ashe_live.tracking.poses.pose_refinement import Solution, covariances_of, refined_solution, solution_of
+
+# The smaller error alone decides when the other is so much larger: in ratio, and beyond what explains itself by noise
+# and by curled paper. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the error.
+DECISIVE_RATIO = 2.0
+NOISE_SIGMAS, MIN_NOISE_PX = 1.4, 0.1
+# What a pose may leave unexplained of the right print: in pixels, or over the square's side, as of curled paper.
+MOST_RMS_PX, MOST_RMS = 2.0, 0.04
+# The frame that IPPE is asked for, y down and z away, from the print's turned by so many quarters, from x towards y.
+R_ASKED_TURNED = [
+    np.diag((1.0, -1.0, -1.0))
+    @ np.linalg.matrix_power(np.array([(0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)]), n)
+    for n in range(4)
+]
+# What corners of unknown origin may be off.
+CORNER_SIGMA_PX = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """A square in the picture, and where it lies in the frame whose pose is asked for."""
+
+    points: Float  # (4, 3) metres: top-left, top-right, bottom-right, bottom-left
+    square: FittedSquare
+
+
+def square_corners(side_m: float) -> Float:
+    """(4, 3) top-left, top-right, bottom-right, bottom-left of the black square, in the marker frame."""
+    half = side_m / 2
+    return np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
+
+
+def estimate_pose(
+    corners_px: Float, camera: Camera, side_m: float, previous: MarkerPose | None = None, refines: bool = True
+) -> MarkerPose | None:
+    """The pose that explains `corners_px` (4, 2), source pixels, or None when no square seen from its front can.
+
+    A square seen nearly frontally or from far has two poses that explain it about as well. `previous` then decides;
+    without one, a pose that shows the surface from above is taken, as by a camera held upright over a table.
+    """
+    if not is_front_of_square(corners_px):
+        return None
+    square = FittedSquare.guessed(ideal_from_source(camera, corners_px), CORNER_SIGMA_PX)
+    return pose_of_squares([Sighting(square_corners(side_m), square)], camera, side_m, previous, refines)
+
+
+def pose_of_squares(
+    sightings: Sequence[Sighting],
+    camera: Camera,
+    side_m: float,
+    previous: MarkerPose | None = None,
+    refines: bool = True,
+    errors: CornerErrors = FITTED,
+) -> MarkerPose | None:
+    """The pose of the frame in which all `sightings` lie; see estimate_pose. Corners weigh as much as they are sure.
+
+    `errors`: what they may be off beside the noise.
+    """
+    sightings = [one for one in sightings if is_front_of_square(one.square.corners_px)]
+    if not sightings:
+        return None
+    points = np.concatenate([one.points for one in sightings])
+    pixels = np.concatenate([one.square.corners_px for one in sightings])
+    noise = corners_noise(sightings)
+    information = corners_information(sightings, noise, errors)
+    largest = max(sightings, key=lambda one: float(side_lengths_px(one.square.corners_px).sum()))
+    starts = (solution_of(R, t, points, pixels, information, camera.K) for R, t in _ippe(largest, camera))
+    solutions = [one for one in starts if one is not None]
+    if not solutions:
+        return None
+
+    def refined(solution: Solution) -> Solution:
+        return refined_solution(solution, points, pixels, information, camera.K)
+
+    refines = refines or len(sightings) > 1
+    # With a previous pose the choice is safe before refinement, which takes most of the time.
+    if refines and previous is None:
+        solutions = [refined(one) for one in solutions]
+    solutions.sort(key=lambda solution: solution.rms_px)
+    if not _is_decisive(solutions, _unexplained_px(sightings, information)):
+        solutions.sort(key=_is_from_below if previous is None else _turn_from(previous.measured_T_cam_marker))
+    chosen, *others = solutions
+    if refines and previous is not None:
+        chosen = refined(chosen)
+    # With another focal length than the camera's, the right print fits badly too.
+    is_known = camera.source in ("file", "flag")
+    largest_px = largest.square.corners_px
+    # Of several, those seen nearly edge-on have corners that are far off along what is foreshortened, and say so.
+    off_px = _rms_px(project(camera, rigid(chosen.R, chosen.t), largest.points) - largest_px)
+    if is_known and not off_px <= max(MOST_RMS_PX, MOST_RMS * mean_side_px(largest_px)):
+        return None
+    covariances = covariances_of(chosen, points, information, camera.K, noise)
+    log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
+    # The pose leaves what it cannot explain: where that is more than was stated, all of it was understated.
+    freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
+    understated = (errors.weight + chosen.cost) / (errors.weight + freedom)
+    T_cam_marker = rigid(chosen.R, chosen.t)
+    own = square_corners(side_m)
+    seen_whole = len(sightings) == 1 and largest.square.sides_seen == 4 and np.array_equal(points, own)
+    corners_px = pixels if seen_whole else project(camera, T_cam_marker, own)
+    if not np.isfinite(corners_px).all():
+        return None
+    return MarkerPose(
+        T_cam_marker=T_cam_marker,
+        corners_px=source_from_ideal(camera, corners_px),
+        side_m=side_m,
+        reprojection_rms_px=chosen.rms_px,
+        other_rms_px=others[0].rms_px if others else None,
+        covariance=understated * covariances.whole + log_focal_sigma**2 * covariances.by_log_focal,
+        noise_covariance=covariances.noise,
+    )
+
+
+def poses_of_square(sighting: Sighting, camera: Camera) -> list[Float]:
+    """Both poses (4, 4) that explain a single square, or the one that there is, the smaller error first."""
+    return [rigid(R, t) for R, t in _ippe(sighting, camera)]
+
+
+def corners_noise(sightings: Sequence[Sighting]) -> Float:
+    """(8n, 8n) covariance of all corners' coordinates in turn, px^2, by the noise of their edges."""
+    noise = np.zeros((8 * len(sightings), 8 * len(sightings)))
+    for number, one in enumerate(sightings):
+        block = slice(8 * number, 8 * number + 8)
+        noise[block, block] = np.linalg.inv(one.square.information)
+    return noise
+
+
+def corners_information(sightings: Sequence[Sighting], noise: Float, errors: CornerErrors = FITTED) -> Float:
+    """(8n, 8n) inverse covariance of all corners' coordinates in turn, 1 / px^2, with what `errors` allows for.
+
+    `noise` (8n, 8n) as from `corners_noise`.
+    """
+    information = np.zeros_like(noise)
+    for number, one in enumerate(sightings):
+        block = slice(8 * number, 8 * number + 8)
+        information[block, block] = np.linalg.inv(noise[block, block] + systematic(one.square, errors))
+    return information
+
+
+def _ippe(sighting: Sighting, camera: Camera) -> list[tuple[Float, Float]]:
+    """At most two rotations (3, 3) and translations (3,) of the sighting's frame, not necessarily in front."""
+    # OpenCV's IPPE returns nonsense for a half turn, as of a print seen upside down or exactly from above. So it is
+    # asked for a frame that lies near the camera's: from the corner that is upper left in the picture, y down, z away.
+    corners_px = sighting.square.corners_px
+    quarters = int(np.argmin(corners_px.sum(axis=1)))
+    lower_left_first = np.roll(corners_px, -quarters, axis=0)[::-1].copy()
+    centre = sighting.points.mean(axis=0)
+    x, y = sighting.points[1] - sighting.points[0], sighting.points[0] - sighting.points[3]
+    side_m = float(np.linalg.norm(x))
+    # np.cross would take as long as IPPE itself.
+    normal = (x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0])
+    R_square_whole = np.array([x, y, np.divide(normal, side_m)]) / side_m
+    R_asked_whole = R_ASKED_TURNED[quarters] @ R_square_whole
+    _, rvecs, tvecs, _ = cv2.solvePnPGeneric(
+        square_corners(side_m), lower_left_first, camera.K, None, flags=cv2.SOLVEPNP_IPPE_SQUARE
+    )
+    rotations = [cv2.Rodrigues(rvec)[0] @ R_asked_whole for rvec in rvecs]
+    return [(R, tvec.reshape(3) - R @ centre) for R, tvec in zip(rotations, tvecs, strict=True)]
+
+
+def _rms_px(offsets_px: Float) -> float:
+    """Of (n, 2) offsets."""
+    return math.sqrt(float((offsets_px**2).sum()) / len(offsets_px))
+
+
+def _unexplained_px(sightings: Sequence[Sighting], information: Float) -> float:
+    """What noise or curled paper may add to the right solution's error."""
+    noise_px = max(MIN_NOISE_PX, NOISE_SIGMAS * math.sqrt(len(information) / float(np.trace(information))))
+    curls_px = (one.square.curl * mean_side_px(one.square.corners_px) for one in sightings)
+    return max(noise_px, *curls_px)
+
+
+def _is_decisive(solutions: list[Solution], unexplained_px: float) -> bool:
+    if len(solutions) < 2:
+        return True
+    smaller, larger = (solution.rms_px for solution in solutions)
+    return larger > DECISIVE_RATIO * smaller and larger > math.hypot(smaller, unexplained_px)
+
+
+def _is_from_below(solution: Solution) -> bool:
+    """Whether the surface's normal points down in the picture."""
+    return bool(solution.R[1, 2] > 0)
+
+
+def _turn_from(T_previous: Float) -> Callable[[Solution], float]:
+    """What grows with the angle between a solution's rotation and the previous one."""
+    return lambda solution: float(np.linalg.norm(solution.R - T_previous[:3, :3]))

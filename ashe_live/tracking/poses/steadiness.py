@@ -1,0 +1,44 @@
+"""Whether the marker has stood still enough, for long enough, to trust a frame with an estimate."""
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import MarkerPose
+from ashe_live.tracking.edges.corners import side_lengths_px
+
+
+class Steadiness:
+    """Counts the frames in a row in which the marker was read and its corners hardly moved."""
+
+    def __init__(self, frames: int = 5, max_motion: float = 0.06) -> None:
+        """`frames`: how many in a row, 1 for a photo; `max_motion` from one to the next, over the shortest side."""
+        if frames < 1:
+            raise ValueError(f"{frames} frames are none")
+        self._frames = frames
+        self._max_motion = max_motion
+        self._last_px: Float | None = None
+        self._in_a_row = 0
+
+    def add(self, marker: MarkerPose | None) -> bool:
+        """Takes in the next frame's marker; returns `is_steady`."""
+        if marker is None or marker.bridged:
+            self.reset()
+            return False
+        self._in_a_row = self._in_a_row + 1 if self._is_near(marker.corners_px) else 1
+        self._last_px = marker.corners_px
+        return self.is_steady
+
+    @property
+    def is_steady(self) -> bool:
+        return self._in_a_row >= self._frames
+
+    def reset(self) -> None:
+        """Starts anew, as after a rewind."""
+        self._last_px = None
+        self._in_a_row = 0
+
+    def _is_near(self, corners_px: Float) -> bool:
+        if self._last_px is None:
+            return False
+        motion = np.linalg.norm(corners_px - self._last_px, axis=1).max()
+        return bool(motion <= self._max_motion * side_lengths_px(self._last_px).min())

@@ -1,0 +1,31 @@
+"""Where a model stands first if the marker is a body: beside it, clear of its shadow."""
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.models.placement import UNMOVED, Placement
+from ashe_live.viewer.hands.pointing import picture_axes
+
+# From the body's middle to the model's: half of each, and as much room between them as lets light through.
+AWAY_SIDES = 1.7
+# Directions about the body, and how much nearer to the camera counts beside a place to its side and one in its shadow.
+DIRECTIONS = 16
+NEARER, ASIDE, OUT_OF_SHADOW = 0.25, 0.5, 1.0
+
+
+def first_placement(tracked: TrackedFrame, light: Light | None) -> Placement:
+    """Over the marker, or, where that is a body, to its side in the picture and away from its shadow in `light`."""
+    if tracked.marker is None or tracked.marker.body is None:
+        return UNMOVED
+    right, away = picture_axes(tracked)
+    angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    around: Float = np.cos(angles)[:, None] * right + np.sin(angles)[:, None] * away
+    worth = ASIDE * np.abs(around @ right) - NEARER * (around @ away) + 1e-3 * (around @ right)
+    if light is not None:
+        shadow = -light.to_light_marker[:2]
+        length = float(np.linalg.norm(shadow))
+        # A light from above casts no shadow to avoid.
+        worth = worth - OUT_OF_SHADOW * np.maximum(around @ shadow, 0) / max(length, 0.2)
+    x, y = AWAY_SIDES * tracked.marker.side_m * around[int(worth.argmax())]
+    return Placement(shift_m=(float(x), float(y)))

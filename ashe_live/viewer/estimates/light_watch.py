@@ -1,0 +1,130 @@
+"""What is asked of the light worker as the camera moves, and which of its answers stands."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.estimators.estimator import OF_ONE_FRAME
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.live.held_answer import HeldAnswer
+from ashe_live.light.live.key_views import KeyViews
+from ashe_live.light.live.worker import LightWorker, Outcome
+from ashe_live.light.live.worker_process import Answer, Draw
+from ashe_live.viewer.estimates.sharpening import Sharpening
+
+
+class LightWatch:
+    """One scene's light: asked for by a person, then sharpened by the key views. For use by one thread."""
+
+    def __init__(self, worker: LightWorker) -> None:
+        self.preset = BALANCED
+        self.key_views = KeyViews()  # of what is shown; whoever tracks the frames adds them
+        self.camera_may_move = False  # as a person may move it
+        self.held = HeldAnswer()  # since the last request by a person
+        self.sharpening = Sharpening()
+        self.asked_s = -math.inf
+        self.frozen: TrackedFrame | None = None  # of the last request
+        self._others: Sequence[TrackedFrame] = ()  # that went with it
+        self._is_awaited = False
+        self._waiting: tuple[TrackedFrame, Draw | None] | None = None  # a person's request, while another is made
+        self._worker = worker
+
+    @property
+    def is_estimating(self) -> bool:
+        return self._worker.busy
+
+    @property
+    def is_awaited(self) -> bool:
+        """Whether an estimate is under way that a person waits for."""
+        return self._worker.busy and (self._is_awaited or self._waiting is not None)
+
+    def begin_anew(self) -> None:
+        """Forgets the scene, and gives up what is under way."""
+        self.frozen, self._others, self._waiting = None, (), None
+        self.held, self.sharpening = HeldAnswer(), Sharpening()
+        self.key_views.drop()
+        self._worker.give_up()
+
+    def ask(
+        self,
+        frozen: TrackedFrame,
+        now_s: float,
+        draw: Draw | None = None,
+        is_awaited: bool = True,
+        known: LightEstimate | None = None,
+    ) -> bool:
+        """Asks for an estimate of a frame with the key views at hand; False, and nothing happens, while one is made.
+
+        What `is_awaited` by a person replaces whatever stands, and waits for what nobody does. Of what is `known` only
+        a change is estimated.
+        """
+        if is_awaited and self._worker.busy and not self.is_awaited:
+            self._waiting = frozen, draw
+            return True
+        views = self.key_views.views
+        others = tuple(view for view in views if view.frame.index != frozen.frame.index)
+        if not self._worker.request(frozen, self.preset, draw, is_awaited, others, known):
+            return False
+        self.frozen, self._others, self.asked_s, self._is_awaited = frozen, others, now_s, is_awaited
+        if is_awaited:
+            self.sharpening = Sharpening()
+        self.sharpening.asked(views, now_s)
+        return True
+
+    def sharpen(self, now_s: float, draw: Draw | None) -> bool:
+        """Asks for an estimate of the key views, once there is one to sharpen and they tell more; returns whether."""
+        views = self.key_views.views
+        held = self.held.estimate
+        if held is None or held.estimator in OF_ONE_FRAME or self.is_estimating:
+            return False
+        if not self.sharpening.is_due_for(views, now_s):
+            return False
+        return self.ask(views[-1], now_s, draw, is_awaited=False)
+
+    def look_again(self, steady: TrackedFrame, now_s: float, draw: Draw | None) -> bool:
+        """Asks for an estimate of a steady frame, or, if the last one is not old, for its light to be followed."""
+        if self.is_estimating or not self.sharpening.is_due_again(now_s):
+            return False
+        held = self.held.estimate
+        known = None
+        if held is not None and self.sharpening.is_up_to_date(now_s):
+            known = replace(held, object_mask=None, shadow_mask=None)  # which nobody needs there
+        return self.ask(steady, now_s, draw, held is None, known)
+
+    def poll(self) -> Outcome | None:
+        """The worker's outcome, once."""
+        outcome = self._taken(self._worker.poll())
+        if self._waiting is not None and not self._worker.busy:
+            (frozen, draw), self._waiting = self._waiting, None
+            self.ask(frozen, self.asked_s, draw)
+            return None  # what nobody has asked for would be taken for what somebody did
+        return outcome
+
+    def wait(self, timeout_s: float) -> Outcome | None:
+        """As `poll`, but waits for it."""
+        return self._taken(self._worker.wait(timeout_s)) if self._worker.busy else None
+
+    def stands(self, estimate: LightEstimate | None) -> bool:
+        """Whether it is the answer that is held."""
+        return estimate is not None and estimate is self.held.estimate
+
+    def _taken(self, outcome: Outcome | None) -> Outcome | None:
+        if outcome is None:
+            return None
+        if not isinstance(outcome, Answer):
+            self.sharpening.answered(False)
+            return outcome
+        self.key_views.drop([self._others[place] for place in outcome.outdated])
+        has_changed = len(outcome.outdated) == len(self._others) > 0
+        if has_changed:
+            self.sharpening = Sharpening()
+        if outcome.is_followed and outcome.estimate is not None:
+            self.held.follow(outcome.estimate)
+            self.sharpening.verified()
+        elif outcome.estimate is not None:
+            if self._is_awaited:
+                self.held = HeldAnswer()
+            is_sharper = self.held.offer(outcome.estimate, has_changed)
+            self.sharpening.answered(is_sharper or self.held.is_disputed)
+        return outcome

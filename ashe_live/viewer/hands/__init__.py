@@ -1,0 +1,1 @@
+"""What keys and mouse ask for, and what they do to light and model."""

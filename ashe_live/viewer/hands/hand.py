@@ -1,0 +1,241 @@
+"""Light and model set by hand, in place of the estimate."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import angles_from_direction, direction_from_angles
+from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.models.placement import UNMOVED, PlacedModel
+from ashe_live.render.lights.lighting import angular_size, ground_ratio
+from ashe_live.viewer.hands.controls import Command, Drag, Request
+from ashe_live.viewer.hands.pointing import Pixel, ground_at, picture_axes, pixel_of
+
+# Of one key press, or one notch of the wheel.
+LIGHT_STEP_RAD = math.radians(2)
+TURN_STEP_RAD = math.radians(5)
+SCALE_STEP = 1.1
+MOVE_STEP_SIDES = 0.05
+# Limits of the elevation: keys stop before the zenith, where the azimuth would be undefined.
+LOWEST_RAD, HIGHEST_RAD = math.radians(5), math.radians(89)
+SMALLEST, LARGEST = 0.1, 5.0  # if it were larger, a camera at arm's length would be inside the model
+MOST_NOTCHES = 20.0
+FARTHEST_SIDES = 50.0
+# Where nothing was estimated, the light comes from the left in the picture.
+FIRST_ELEVATION_RAD = math.radians(45)
+# Of one key press on the light's angular size, on its shadow's depth, and on that of red over blue; and their limits.
+SOFTER_STEP, STRONGER_STEP, WARMER_STEP = 1.25, 1.15, 1.08
+SHARPEST_RAD, SOFTEST_RAD = math.radians(0.1), math.radians(40)
+FAINTEST = 0.03
+# Of one notch on a lamp's distance, and its limits in sides of the marker; beyond the farthest it is a sun.
+FARTHER_STEP = 1.1
+NEAREST_LAMP_SIDES, FARTHEST_LAMP_SIDES = 1.0, 40.0
+LEAST_ABOVE_MODEL = 1.05  # of the model's height: where a lamp is lower, the end of its shadow cannot be dragged
+LEAST_HEIGHT_SIDES = 0.25  # a flat model's shadow is dragged as if it were so high
+NEEDS_MARKER = "no marker in view: without it nobody knows where the table is"
+
+
+@dataclass(frozen=True, slots=True)
+class HandContext:
+    """What a request by hand refers to: the frame that is shown, the estimated light and the model."""
+
+    tracked: TrackedFrame | None
+    illumination: Illumination  # as estimated
+    model: PlacedModel | None
+
+
+class Hand:
+    """The state that drags and keys change; `light` is None while the estimate is in force."""
+
+    def __init__(self) -> None:
+        self.light: Illumination | None = None
+        self.frame_index = 0  # of the frame in which `light` was set last
+        self.placement = UNMOVED
+        self._shadow_end_px: Pixel = (0.0, 0.0)  # in the video, when the drag of the light began
+        self._held: tuple[Float, Float] | None = None  # the plane's point that a drag grabbed, and the shift then
+
+    def reset(self) -> None:
+        self.light, self.placement, self._held = None, UNMOVED, None
+
+    def obey(self, request: Request, context: HandContext) -> str | None:
+        """Changes light or model as the request asks; returns a message when that is not possible."""
+        match request:
+            case Request(Command.SCALE_MODEL, int() | float() as notches):
+                return self._scale(notches)
+            case Request(Command.TURN_MODEL, int() | float() as notches):
+                turned = (self.placement.turn_rad + notches * TURN_STEP_RAD) % math.tau
+                self.placement = replace(self.placement, turn_rad=turned)
+                return None
+        tracked = context.tracked
+        if tracked is None or tracked.marker is None:
+            return NEEDS_MARKER
+        match request:
+            case Request(Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR, int() as notches):
+                return self._change_light(tracked, context, request.command, notches)
+            case Request(Command.LIGHT_DISTANCE, int() | float() as notches):
+                return self._change_distance(tracked, context, notches)
+            case Request(Command.MOVE_LIGHT, (right, up)):
+                self._step_light(tracked, context, right, up)
+            case Request(Command.MOVE_LIGHT, Drag() as drag):
+                self._drag_light(tracked, context, drag)
+            case Request(Command.MOVE_MODEL, (right, up)):
+                to_right, away = picture_axes(tracked)
+                step = MOVE_STEP_SIDES * tracked.marker.side_m
+                self._move(tracked, self.placement.shift_m + step * (right * to_right + up * away))
+            case Request(Command.MOVE_MODEL, Drag() as drag):
+                self._drag_model(tracked, drag)
+        return None
+
+    def _scale(self, notches: float) -> str | None:
+        wanted = self.placement.scale * SCALE_STEP ** min(max(notches, -MOST_NOTCHES), MOST_NOTCHES)
+        scale = min(max(wanted, SMALLEST), LARGEST)
+        self.placement = replace(self.placement, scale=scale)
+        return None if scale == wanted else f"the model goes from {SMALLEST:.0%} to {LARGEST:.0%} of its size"
+
+    def _move(self, tracked: TrackedFrame, to_m: Float) -> None:
+        assert tracked.marker is not None
+        length, longest = float(np.linalg.norm(to_m)), FARTHEST_SIDES * tracked.marker.side_m
+        x, y = to_m * min(1.0, longest / max(length, longest))
+        self.placement = replace(self.placement, shift_m=(float(x), float(y)))
+
+    def _drag_model(self, tracked: TrackedFrame, drag: Drag) -> None:
+        if drag.is_first:
+            point = ground_at(tracked, drag.begin_px)
+            self._held = None if point is None else (point, np.array(self.placement.shift_m))
+        now = ground_at(tracked, drag.now_px)
+        if self._held is not None and now is not None:
+            point, shift_m = self._held
+            self._move(tracked, shift_m + now - point)
+
+    def _step_light(self, tracked: TrackedFrame, context: HandContext, right: float, up: float) -> None:
+        base = self._light_to_move(tracked, context)
+        azimuth, elevation = angles_from_direction(base.lights[0].to_light_marker)
+        elevation = min(max(elevation + up * LIGHT_STEP_RAD, LOWEST_RAD), HIGHEST_RAD)
+        self._set_light(tracked, base, direction_from_angles(azimuth + right * LIGHT_STEP_RAD, elevation))
+
+    def _drag_light(self, tracked: TrackedFrame, context: HandContext, drag: Drag) -> None:
+        """The end of the model's shadow follows the mouse; if it is outside the picture it jumps to the mouse first."""
+        assert tracked.marker is not None
+        base = self._light_to_move(tracked, context)
+        foot = np.array(self.placement.shift_m)
+        height = LEAST_HEIGHT_SIDES * tracked.marker.side_m
+        if context.model is not None:
+            height = max(height, float(context.model.bounds[1, 2])) * self.placement.scale
+        if drag.is_first:
+            end = _shadow_of(base.lights[0], foot, height)
+            end_px = None if end is None else pixel_of(tracked, end)
+            self._shadow_end_px = drag.begin_px if end_px is None else end_px
+        end_now = ground_at(tracked, _brought(drag, self._shadow_end_px))
+        if end_now is None:
+            return
+        to_light = _light_through(end_now, foot, height, base.lights[0].inverse_distance)
+        if to_light is not None:
+            self._set_light(tracked, base, to_light)
+
+    def _change_light(self, tracked: TrackedFrame, context: HandContext, command: Command, notches: int) -> str:
+        """Strength, softness or colour of the strongest light; returns what it is now."""
+        base = self._light_to_move(tracked, context)
+        light, *others = base.lights
+        size = angular_size(light)
+        # How often the light is dimmed in its shadow, as exponents: 0 casts none.
+        depth = -np.log(np.clip(ground_ratio(light), FAINTEST, 1 - FAINTEST))
+        if command is Command.LIGHT_SOFTNESS:
+            size = min(max(size * SOFTER_STEP**notches, SHARPEST_RAD), SOFTEST_RAD)
+        elif command is Command.LIGHT_STRENGTH:
+            depth = depth * STRONGER_STEP**notches
+        else:
+            depth = depth * WARMER_STEP ** (notches * np.array((1.0, 0.0, -1.0)))
+        ratio = np.clip(np.exp(-depth), FAINTEST, 1 - FAINTEST)
+        sized = _with_size(light, size)
+        changed = replace(sized, shadow_rgb_ratio=ratio, intensity_rgb_ratio=None)
+        # What was measured of the ambient light says the same as the shadow's ratio, and would hold against it.
+        self.light = replace(base, lights=(changed, *others), ambient_rgb_ratio=None)
+        self.frame_index = tracked.frame.index
+        red, green, blue = (f"{100 * value:.0f}" for value in 1 - ratio)
+        return f"light: {math.degrees(size):.1f}° wide; its shadow takes {red}, {green}, {blue} % of red, green, blue"
+
+    def _change_distance(self, tracked: TrackedFrame, context: HandContext, notches: float) -> str:
+        """Of the strongest light, as large as it is and as strong at the marker; returns what it is now."""
+        assert tracked.marker is not None
+        base = self._light_to_move(tracked, context)
+        light, *others = base.lights
+        farthest, nearest = (sides * tracked.marker.side_m for sides in (FARTHEST_LAMP_SIDES, NEAREST_LAMP_SIDES))
+        was_lamp = light.inverse_distance > 0
+        distance = min(1 / light.inverse_distance, farthest) if was_lamp else farthest
+        radius = distance * math.tan(angular_size(light) / 2)
+        if was_lamp:
+            distance *= FARTHER_STEP ** min(max(notches, -MOST_NOTCHES), MOST_NOTCHES)
+        if distance > farthest * (1 + 1e-9) or (not was_lamp and notches >= 0):
+            size = 2 * math.atan(radius / farthest)
+            changed, said = (
+                replace(light, inverse_distance=0.0, angular_size_rad=size, radius_m=None),
+                "a sun, far away",
+            )
+        else:
+            distance = max(distance, nearest)
+            radius = min(radius, distance * math.tan(SOFTEST_RAD / 2))
+            changed = replace(light, inverse_distance=1 / distance, radius_m=radius)
+            said = f"a lamp, {100 * distance:.0f} cm from the marker"
+        self.light = replace(base, lights=(_of_unknown_error(changed), *others))
+        self.frame_index = tracked.frame.index
+        return f"light: {said}"
+
+    def _light_to_move(self, tracked: TrackedFrame, context: HandContext) -> Illumination:
+        """The illumination as it was set last, else as estimated, else a default."""
+        if self.light is not None:
+            return self.light
+        if context.illumination.lights:
+            return context.illumination
+        right, _ = picture_axes(tracked)
+        first = direction_from_angles(math.atan2(-right[1], -right[0]), FIRST_ELEVATION_RAD)
+        return Illumination((Light(first),), seen_in=context.illumination.seen_in)
+
+    def _set_light(self, tracked: TrackedFrame, base: Illumination, to_light: Float) -> None:
+        """Turns the strongest light of `base`; measured colours are kept, the uncertainty of the direction is not."""
+        moved, *others = base.lights
+        light = _of_unknown_error(replace(moved, to_light_marker=to_light))
+        self.light, self.frame_index = replace(base, lights=(light, *others)), tracked.frame.index
+
+
+def _of_unknown_error(light: Light) -> Light:
+    return replace(light, covariance_rad2=None, sigma_rad=None, confidence=None, lamp_covariance=None)
+
+
+def _with_size(light: Light, size_rad: float) -> Light:
+    """The light as large as that, seen from the marker's centre."""
+    if light.inverse_distance == 0:
+        return replace(light, angular_size_rad=size_rad)
+    return replace(light, radius_m=math.tan(size_rad / 2) / light.inverse_distance)
+
+
+def _shadow_of(light: Light, foot: Float, height: float) -> Float | None:
+    """(2,) on the plane, of a point `height` above `foot` (2,); None where the light is not above it."""
+    x, y, z = light.to_light_marker
+    above = z - light.inverse_distance * height
+    return np.asarray((z * foot - height * np.array((x, y))) / above) if above > 0 else None
+
+
+def _light_through(end: Float, foot: Float, height: float, inverse_distance: float) -> Float | None:
+    """(3,) unit vector to the light, as far away as that, for which `_shadow_of` is `end` (2,); None if there is none.
+
+    No lower than LOWEST_RAD: a sun then stops there.
+    """
+    slope = (foot - end) / height
+    if inverse_distance == 0:
+        steepness = max(float(np.linalg.norm(slope)), 1e-12)
+        slope *= min(1.0, 1 / math.tan(LOWEST_RAD) / steepness)
+    # With (x, y) = z slope + q end, the larger z for which the vector's length is 1.
+    a, b, c = 1 + slope @ slope, inverse_distance * (slope @ end), inverse_distance**2 * (end @ end) - 1
+    if b * b < a * c:
+        return None
+    z = float((math.sqrt(b * b - a * c) - b) / a)
+    lowest = max(LEAST_ABOVE_MODEL * inverse_distance * height, math.sin(LOWEST_RAD) - 1e-12)
+    return np.array((*(z * slope + inverse_distance * end), z)) if z >= lowest else None
+
+
+def _brought(drag: Drag, pixel: Pixel) -> Pixel:
+    """`pixel`, moved by as much as the mouse since the drag began."""
+    (x0, y0), (x, y) = drag.begin_px, drag.now_px
+    return pixel[0] + x - x0, pixel[1] + y - y0

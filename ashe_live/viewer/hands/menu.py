@@ -1,0 +1,162 @@
+"""A menu at the pointer, opened by the right mouse button: what the keys do, for whoever does not know them yet."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ashe_live.core.arrays import Image, frozen_view
+from ashe_live.core.camera import Size
+from ashe_live.render.hud import FONT_PT, MIN_FONT_PX, SMALLER, RowLayout, row_layout, rows_plate
+from ashe_live.render.scene import Overlay
+from ashe_live.viewer.hands.controls import BINDINGS, Command, MouseAction, MouseEvent, Request
+
+OFFERED = (
+    Command.ESTIMATE,
+    Command.AUTOMATIC,
+    Command.TOGGLE_LIGHT,
+    Command.TOGGLE_MASKS,
+    Command.FOLLOW_OTHER,
+    Command.BEFORE_AFTER,
+    Command.RESET,
+    Command.OPEN,
+    Command.SNAPSHOT,
+    Command.KEEP_LIGHT,
+    Command.RECORD,
+    Command.QUALITY,
+    Command.FULLSCREEN,
+    Command.HELP,
+)
+POINTED_AT_SRGBA = (246, 246, 242, 56)
+CHOSEN, OTHER = ">", " "
+MOST_MODELS = 9  # as many as there are keys for
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One row."""
+
+    text: str
+    keys: str  # that do the same
+    request: Request
+    is_chosen: bool = False
+
+
+def entries_for(models: Sequence[str], chosen: int) -> tuple[Entry, ...]:
+    """The models by name, the one at `chosen` marked, then the commands as the table of keys words them."""
+    numbered = enumerate(models[:MOST_MODELS])
+    first = [
+        Entry(name, str(at + 1), Request(Command.CHOOSE_MODEL, at), is_chosen=at == chosen) for at, name in numbered
+    ]
+    bindings = {binding.command: binding for binding in BINDINGS}
+    rest = [Entry(bindings[each].help, bindings[each].shown, Request(each)) for each in OFFERED]
+    return tuple(first + rest)
+
+
+@dataclass(frozen=True, slots=True)
+class _Opened:
+    entries: tuple[Entry, ...]
+    size: Size  # of the framebuffer
+    font_px: float
+    left: int
+    top: int
+    layout: RowLayout
+
+    def at(self, x_px: float, y_px: float) -> int | None:
+        """The row at a place of the framebuffer."""
+        if not 0 <= x_px - self.left < self.layout.size[0]:
+            return None
+        row = int((y_px - self.top - self.layout.padding) // self.layout.line)
+        return row if 0 <= row < len(self.entries) else None
+
+    def holds(self, x_px: float, y_px: float) -> bool:
+        width, height = self.layout.size
+        return 0 <= x_px - self.left < width and 0 <= y_px - self.top < height
+
+
+class Menu:
+    """Opened, pointed at and chosen from by the mouse alone."""
+
+    def __init__(self) -> None:
+        self._opened: _Opened | None = None
+        self._pointed_at: int | None = None
+        self._request: Request | None = None
+        self._drawn: tuple[_Opened, int | None, tuple[Overlay, ...]] | None = None
+        self._swallows_release = False
+
+    @property
+    def is_open(self) -> bool:
+        return self._opened is not None
+
+    def close(self) -> None:
+        self._opened = None
+
+    def take_request(self) -> Request | None:
+        """What was chosen, once."""
+        request, self._request = self._request, None
+        return request
+
+    def take_mouse(self, event: MouseEvent, entries: tuple[Entry, ...], size: Size, content_scale: float) -> bool:
+        """Opens at the right button, chooses at the left one; False for what concerns the picture below.
+
+        A press beside the menu closes it and does nothing else.
+        """
+        if event.action is MouseAction.MENU:
+            self._opened = _placed(entries, (event.x_px, event.y_px), size, content_scale)
+            self._pointed_at = None
+            return True
+        if event.action is MouseAction.RELEASED and self._swallows_release:
+            self._swallows_release = False
+            return True
+        if self._opened is None:
+            return False
+        if self._opened.size != size:  # made for another window
+            self.close()
+            return False
+        self._pointed_at = self._opened.at(event.x_px, event.y_px)
+        if event.action is MouseAction.PRESSED:
+            self._swallows_release = True
+            if self._pointed_at is not None:
+                self._request = self._opened.entries[self._pointed_at].request
+            if self._pointed_at is not None or not self._opened.holds(event.x_px, event.y_px):
+                self.close()
+        return True
+
+    def overlays(self, size: Size) -> tuple[Overlay, ...]:
+        """The same objects while nothing changes; none while it is closed."""
+        opened = self._opened
+        if opened is None or opened.size != size:
+            return ()
+        if self._drawn is None or self._drawn[0] is not opened or self._drawn[1] != self._pointed_at:
+            plate = Overlay(_plate(_rows(opened.entries), opened.font_px), opened.left, opened.top)
+            shown: tuple[Overlay, ...] = (plate,)
+            if self._pointed_at is not None:
+                layout = opened.layout
+                top = opened.top + layout.padding + self._pointed_at * layout.line
+                shown += (Overlay(_bar(), opened.left, top, (layout.size[0], layout.line)),)
+            self._drawn = opened, self._pointed_at, shown
+        return self._drawn[2]
+
+
+def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], size: Size, content_scale: float) -> _Opened:
+    """Its corner at the pointer, or as near as it fits, with smaller letters where it is too high."""
+    rows, font_px = _rows(entries), FONT_PT * content_scale
+    while (layout := row_layout(rows, font_px)).size[1] > size[1] and font_px > MIN_FONT_PX:
+        font_px = max(MIN_FONT_PX, SMALLER * font_px)
+    left, top = (max(0, min(round(at), whole - own)) for at, whole, own in zip(at_px, size, layout.size, strict=True))
+    return _Opened(entries, size, font_px, left, top, layout)
+
+
+def _rows(entries: tuple[Entry, ...]) -> tuple[tuple[str, ...], ...]:
+    return tuple((CHOSEN if entry.is_chosen else OTHER, entry.text, entry.keys) for entry in entries)
+
+
+@lru_cache(maxsize=1)
+def _plate(rows: tuple[tuple[str, ...], ...], font_px: float) -> Image:
+    return frozen_view(rows_plate(rows, font_px))
+
+
+@lru_cache(maxsize=1)
+def _bar() -> Image:
+    return frozen_view(np.array(POINTED_AT_SRGBA, np.uint8).reshape(1, 1, 4))

@@ -1,0 +1,1 @@
+"""What leaves the viewer: snapshots, recordings, reports."""

@@ -1,0 +1,123 @@
+"""Snapshots and recordings: what is shown, without text and at the video's own size."""
+
+import json
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+
+from ashe_live.capture.snapshot import write_png
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import drawn_size
+from ashe_live.core.contract import SNAPSHOT_KEYWORD, Json, estimated_light_json, light_by_hand_json, snapshot_json
+from ashe_live.core.types import TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.files.writing import unused_name, write_json
+from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.lights.light_map import write_light_map
+from ashe_live.render.renderer import SceneRenderer
+from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.output.recording import Recording
+from ashe_live.viewer.session import Session
+
+
+class Keeper:
+    """Takes snapshots and recordings; it renders nothing while neither is asked for."""
+
+    def __init__(
+        self, shown: SceneRenderer, session: Session, tell: Callable[[str, float], None], recording: Recording | None
+    ) -> None:
+        """`shown` is the window's renderer, `tell` shows a line at a time in seconds, `recording` has begun already."""
+        self._shown = shown
+        self._session = session
+        self._tell = tell
+        self._recording = recording
+        self._renderer: SceneRenderer | None = None
+        self.clip_name: str | None = None  # of what is played, where it can be played again without a window
+
+    @property
+    def is_recording(self) -> bool:
+        return self._recording is not None
+
+    def snapshot(self, preset: RenderPreset, now_s: float) -> None:
+        """Writes a PNG that carries the estimate into the current folder; does nothing before the first frame."""
+        session = self._session
+        if session.tracked is None:
+            return
+        path = unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
+        known = self._known(session.tracked)
+        try:
+            path = write_png(path, self._picture(preset), texts={SNAPSHOT_KEYWORD: json.dumps(known)}, beside=True)
+            self._tell(f"saved {path}", now_s)
+        except UserError as error:
+            self._tell(str(error), now_s)
+
+    def light(self, now_s: float) -> None:
+        """Writes the light as a radiance map, and what is known beside it as JSON, into the current folder."""
+        session = self._session
+        if session.tracked is None:
+            return
+        if session.lit_by.light is None:
+            self._tell("no light is known yet: Space estimates it, or drag in the picture", now_s)
+            return
+        path = unused_name(Path.cwd(), "ashe-live", ".hdr", datetime.now())
+        try:
+            path = write_light_map(path, session.lit_by, beside=True)
+            record = write_json(path.with_suffix(".json"), self._known(session.tracked), beside=True)
+            self._tell(f"saved {path} and {record.name}", now_s)
+        except UserError as error:
+            self._tell(str(error), now_s)
+
+    def _known(self, tracked: TrackedFrame) -> Json:
+        session, hand = self._session, self._session.hand
+        light = None if session.estimate is None else estimated_light_json(session.estimate)
+        if hand.light is not None:
+            light = light_by_hand_json(hand.light, hand.frame_index)
+        return snapshot_json(tracked, session.model_name, light, hand.placement.marker_from_placed)
+
+    def record(self, fps: float, now_s: float) -> None:
+        """Begins a recording in the current folder, or ends the one under way."""
+        if self._recording is not None:
+            self.finish(now_s)
+            return
+        if self._session.tracked is None:
+            return
+        path = unused_name(Path.cwd(), "ashe-live", ".mp4", datetime.now())
+        try:
+            self._recording = Recording(path, drawn_size(self._session.tracked.frame.size), fps)
+            self._session.say(f"recording {path}: V stops", now_s)
+        except UserError as error:
+            self._tell(str(error), now_s)
+
+    def take(self, preset: RenderPreset, is_new: bool, now_s: float) -> None:
+        """Adds what is shown to the recording. `is_new`: it has a frame of the source that was not shown before."""
+        if self._recording is None or self._session.tracked is None:
+            return
+        # All frames of a clip have one size, so another source ends the recording.
+        if self._recording.size == drawn_size(self._session.tracked.frame.size):
+            self._recording.take(lambda: self._picture(preset), is_new, now_s)
+            if self._recording.failure is None:
+                return
+        self.finish(now_s)
+
+    def finish(self, now_s: float) -> None:
+        """Ends the recording, if there is one."""
+        if self._recording is not None:
+            recording, self._recording = self._recording, None
+            said = recording.finish()
+            if self.clip_name is not None and recording.has_gaps:
+                said += f"; every frame: ashe-live play {self.clip_name} --headless --out FILE.mp4"
+            self._tell(said, now_s)
+
+    def _picture(self, preset: RenderPreset) -> Image:
+        """(h, w, 3) uint8 BGR."""
+        assert self._session.tracked is not None
+        size = drawn_size(self._session.tracked.frame.size)
+        if self._renderer is None:
+            self._renderer = self._shown.beside(preset, size)
+        if self._renderer.size != size:
+            self._renderer.resize(size)
+        self._renderer.preset = preset
+        # A snapshot must show the model that was chosen; a recording must not stall the window.
+        self._renderer.switches_at_once = self._recording is None
+        self._renderer.render(bare_scene(self._session))
+        return self._renderer.read_bgr()

@@ -1,0 +1,233 @@
+"""The capture thread's own loop: it reads a frame, tracks the marker in it, and hands both over as one value.
+
+The main thread asks for everything by one immutable value, a Wish, and reads one immutable value, the State. So neither
+is ever seen half changed, and no lock is held while a frame is read or tracked.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ashe_live.capture.sources import Seekable, Source, SourceLost
+from ashe_live.core.mailbox import Closed, LatestMailbox
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.light.live.key_views import KeyViews
+from ashe_live.tracking.preset import TrackingPreset
+from ashe_live.tracking.tracker import MarkerTracker
+from ashe_live.viewer.sources.pace import Pace
+
+RECONNECT_EVERY_S = 0.5
+# No wait is without a timeout; a new wish, or the end, interrupts it at once.
+LONGEST_WAIT_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A frame of a clip."""
+
+    time_s: float
+    index: int | None = None  # None: what is shown at `time_s`
+
+
+FIRST_FRAME = Place(0.0, 0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Jump:
+    """A request to continue elsewhere. Compared by identity, because the same place may be asked for twice."""
+
+    place: Place
+    rewinds: bool = False  # to the first frame, with the tracker reset
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """Everything that is asked of the capture thread. A new wish replaces the one before, obeyed or not."""
+
+    loop: bool
+    paused: bool = False
+    speed: float = 1.0  # times a clip's own pace
+    jump: Jump | None = None  # the latest; obeyed once
+    tracking: TrackingPreset | None = None  # from the next frame on; None: as the tracker was made
+    marker: str | None = None  # the spec of another than the tracker was made for
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Where the capture thread is; only that thread replaces it."""
+
+    shown: Place = FIRST_FRAME  # the last frame that was handed over
+    at: Place = FIRST_FRAME  # the same, or the frame that a jump leads to
+    obeyed: Jump | None = None  # the latest jump that has begun
+    has_ended: bool = False  # a clip has been played to its end
+    status: str | None = None  # what a person should know of the source
+    asked_s: float | None = None  # when the read that is under way began, monotonic clock; None: none is under way
+
+
+class CaptureLoop:
+    """Used by the capture thread only, except for `state`, which any thread may read."""
+
+    def __init__(
+        self,
+        source: Source,
+        tracker: MarkerTracker,
+        wish: Wish,
+        wishes: LatestMailbox[Wish],
+        frames: LatestMailbox[TrackedFrame],
+        key_views: KeyViews,
+        tracker_for: Callable[[str], MarkerTracker] | None = None,
+    ) -> None:
+        self.state = State()
+        self._source = source
+        self._tracker = tracker
+        self._clip = source if isinstance(source, Seekable) else None
+        self._wish = wish
+        self._wishes = wishes
+        self._tracker_for = tracker_for
+        self._frames = frames
+        self._key_views = key_views
+        self._period_s = 1 / (source.fps or 30.0)
+        self._pace = Pace()
+        self._flaw: str | None = None  # of a looped clip: the note that its source had at the end
+        self._left_out: Frame | None = None  # the last frame, if it came too late
+
+    def run(self) -> None:
+        """Until `wishes` is closed, or the source fails for good: then `frames` is closed with the error."""
+        try:
+            while True:
+                self.step()
+        except Closed:
+            pass
+        except BaseException as error:  # whatever it is, the main thread must hear of it
+            self._frames.close(error)
+        finally:
+            self._source.close()
+
+    def step(self) -> None:
+        """Reads one frame and hands it over when it is due, or handles the source's end or loss. Raises Closed."""
+        self._take_wish(0.0)
+        if self._wish.paused:
+            self._wait(lambda: not self._wish.paused)
+            self._pace.begin_anew()
+        self._go_where_sent()
+        frame = self._read()
+        if frame is None:
+            if not self._source.is_live:
+                self._end_of_clip()
+            return
+        self._publish(status=self._flaw)
+        is_on_time = self._source.is_live or self._is_on_time(frame)
+        if self._is_sent:
+            return
+        self._left_out = None if is_on_time else frame
+        if is_on_time:
+            self._hand_over(frame)
+
+    @property
+    def _is_sent(self) -> bool:
+        """Whether there is a jump that has not begun."""
+        return self._wish.jump is not self.state.obeyed
+
+    def _publish(self, **changes: Any) -> None:
+        self.state = replace(self.state, **changes)
+
+    def _take_wish(self, timeout_s: float) -> None:
+        wish = self._wishes.take(timeout_s)
+        if wish is None:
+            return
+        if wish.marker is not None and wish.marker != self._wish.marker and self._tracker_for is not None:
+            before, self._tracker = self._tracker, self._tracker_for(wish.marker)
+            self._tracker.preset = before.preset
+            self._key_views.drop()
+        self._wish = wish
+        self._pace.speed = wish.speed
+        if wish.tracking is not None:
+            self._tracker.preset = wish.tracking
+
+    def _wait(self, until: Callable[[], bool], timeout_s: float | None = None) -> None:
+        """Waits until the condition holds, there is a jump, or the time is over. Raises Closed when asked to end."""
+        end_s = None if timeout_s is None else time.monotonic() + timeout_s
+        while not (self._is_sent or until()):
+            left_s = LONGEST_WAIT_S if end_s is None else end_s - time.monotonic()
+            if left_s <= 0:
+                return
+            self._take_wish(min(left_s, LONGEST_WAIT_S))
+
+    def _hand_over(self, frame: Frame) -> None:
+        place = Place(frame.time_s, frame.index)
+        self._publish(shown=place, at=place)
+        tracked = self._tracker.track(frame)
+        self._frames.put(tracked)
+        # Afterwards, so that no picture waits for it.
+        self._key_views.add(tracked)
+
+    def _end_of_clip(self) -> None:
+        self._publish(at=self.state.shown)
+        if self._wish.paused and self._clip is not None:  # stepped off the end
+            return
+        if self._wish.loop and not self._source.is_photo:
+            self._flaw = self._source.note
+            self._rewind()
+            self._pace.go_round(self._period_s)
+            return
+        if self._left_out is not None:  # it stays on the screen, so it must be shown
+            self._hand_over(self._left_out)
+            self._left_out = None
+        if not self._source.is_photo:
+            self._publish(status=self._source.note or "end of the clip: R starts it again")
+        self._publish(has_ended=self._clip is not None)
+        self._wait(lambda: self._wish.loop and self._clip is not None)
+        self._publish(has_ended=False)
+
+    def _read(self) -> Frame | None:
+        self._publish(asked_s=time.monotonic())
+        try:
+            frame = self._source.read()
+            if frame is not None and frame.size != self._source.size:
+                given, wanted = (f"{width}x{height}" for width, height in (frame.size, self._source.size))
+                raise UserError(f"{self._source.name} gives a picture of {given} and not {wanted}", "start again")
+            return frame
+        except SourceLost as lost:
+            self._publish(asked_s=None, status=f"{lost.message}: waiting for it to come back")
+            while not self._source.reopen():
+                # A camera cannot jump, and a pending jump would end the wait at once.
+                self._publish(obeyed=self._wish.jump)
+                self._wait(lambda: False, RECONNECT_EVERY_S)
+            self._tracker.reset()
+            self._key_views.drop()
+            return None
+        finally:
+            self._publish(asked_s=None)
+
+    def _is_on_time(self, frame: Frame) -> bool:
+        """Waits until the frame is due. False for one that is too late, or too soon after another, to be tracked."""
+        due = self._pace.next(frame.time_s, self._period_s, time.monotonic())
+        if due.wait_s > 0:
+            self._wait(lambda: self._wish.paused, due.wait_s)
+        return due.is_shown
+
+    def _go_where_sent(self) -> None:
+        """Carries out a pending jump. Only the very next frame is tracked from the last one; any other is a cut."""
+        jump, before = self._wish.jump, self.state.at
+        if jump is None or not self._is_sent:
+            return
+        self._publish(obeyed=jump, at=jump.place)
+        index = jump.place.index
+        if jump.rewinds:
+            self._rewind()
+        elif self._clip is not None:
+            if index is None:
+                self._clip.seek(jump.place.time_s)
+            else:
+                self._clip.seek_frame(index)
+            if index is None or before.index is None or index != before.index + 1:
+                self._tracker.jump()
+                self._key_views.drop()
+        self._pace.begin_anew()
+
+    def _rewind(self) -> None:
+        self._source.rewind()
+        self._tracker.reset()
+        self._key_views.drop()

@@ -1,0 +1,99 @@
+"""Opens a dropped file off the main thread; a file that cannot be shown changes nothing."""
+
+import mimetypes
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from ashe_live.core.types import TrackedFrame
+from ashe_live.errors import UserError
+from ashe_live.models.loading import SUFFIXES
+from ashe_live.viewer.sources.background import begun
+from ashe_live.viewer.sources.pipeline import Pipeline
+
+# Allows for a disk that must spin up, or a network.
+LONGEST_S = 20.0
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A source that plays, with its first tracked frame."""
+
+    name: str
+    pipeline: Pipeline
+    first: TrackedFrame
+
+
+# Opens the file and starts a pipeline on it; raises UserError.
+Opener = Callable[[Path], Pipeline]
+
+
+class Opening:
+    """Opens one file at a time: a later one replaces an earlier one. Used by the main thread only."""
+
+    def __init__(self, opener: Opener) -> None:
+        self._opener = opener
+        self._coming: Future[Opened] | None = None
+
+    def begin(self, path: Path) -> None:
+        self.close()
+        self._coming = begun(
+            "opening",
+            lambda: self._open(path),
+            lambda reason: UserError(f"cannot open {path} ({reason})", "convert it"),
+        )
+
+    def take(self) -> Opened | None:
+        """The file that has been opened, once, else None. Raises UserError, once, when it cannot be opened."""
+        if self._coming is None or not self._coming.done():
+            return None
+        coming, self._coming = self._coming, None
+        return coming.result()
+
+    def close(self) -> None:
+        """Abandons the file that is being opened."""
+        if self._coming is not None:
+            self._coming.add_done_callback(_close_pipeline)
+            self._coming = None
+
+    def _open(self, path: Path) -> Opened:
+        pipeline = self._opener(path)
+        try:
+            first = pipeline.frames.take(LONGEST_S)
+            if first is None:
+                raise UserError(f"{path} has given no picture for {LONGEST_S:.0f} s", "copy it to a faster disk")
+        except BaseException:
+            pipeline.close(0.0)
+            raise
+        return Opened(path.name, pipeline, first)
+
+
+def _close_pipeline(coming: "Future[Opened]") -> None:
+    if coming.exception() is None:
+        coming.result().pipeline.close(0.0)
+
+
+def paths_in(text: str) -> tuple[str, ...]:
+    """The files named in copied text, one a line, as file managers and shells write paths."""
+    lines = (line.strip().strip("\"'") for line in text.splitlines())
+    return tuple(_path_of_uri(line) if line.startswith("file://") else line for line in lines if line)
+
+
+def _path_of_uri(uri: str) -> str:
+    path = unquote(urlsplit(uri).path)
+    # Windows: file:///C:/name
+    return path[1:] if path[2:3] == ":" else path
+
+
+def first_of_each_kind(paths: Sequence[str]) -> tuple[str | None, str | None]:
+    """The first model of files that were dropped together, and the first of what else there is.
+
+    Beside a model only a video is that: pictures and other files that lie beside it belong to it.
+    """
+    models = [path for path in paths if Path(path).suffix.lower() in SUFFIXES]
+    others = [path for path in paths if path not in models]
+    if models:
+        others = [path for path in others if (mimetypes.guess_type(path)[0] or "").startswith("video/")]
+    return next(iter(models), None), next(iter(others), None)

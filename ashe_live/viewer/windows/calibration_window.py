@@ -1,0 +1,69 @@
+"""The window of `ashe-live calibrate`: the camera's picture, where the board has been, and where it should go."""
+
+from types import TracebackType
+from typing import Self
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Size
+from ashe_live.core.types import Frame
+from ashe_live.render.hud import HudText
+from ashe_live.tracking.boards.calibration_board import BoardView
+from ashe_live.tracking.boards.calibration_guide import CUTS, CalibrationGuide
+from ashe_live.viewer.hands.controls import Command
+from ashe_live.viewer.windows.picture_window import PictureWindow
+
+# Okabe and Ito's orange and bluish green.
+CORNER_BGR = (0, 159, 230)
+KEPT_BGR = (115, 158, 0)
+UNSEEN = 0.55  # brightness factor of the cells in which the board has not been seen yet
+
+
+class CalibrationWindow:
+    """Shows frames as they come. Used by the main thread only."""
+
+    def __init__(self, name: str, size: Size) -> None:
+        self._screen = PictureWindow(f"ashe-live: calibrate {name}", size)
+
+    def show(self, frame: Frame, view: BoardView | None, guide: CalibrationGuide, said: str | None) -> bool:
+        """Shows one frame; returns False when the window is closed or Esc is pressed."""
+        window = self._screen.window
+        if min(window.framebuffer_size) > 0:
+            hint = (said,) if said else ()
+            text = HudText(progress_lines(view, guide), (*hint, "Esc: end with the views so far"))
+            self._screen.show(guidance_picture(frame.image_bgr, view, guide), text)
+        wants_end = any(request.command is Command.LEAVE for request in window.take_requests(0.0))
+        return not (wants_end or window.is_closing)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._screen.close()
+
+
+def progress_lines(view: BoardView | None, guide: CalibrationGuide) -> tuple[str, ...]:
+    state = f"{100 * guide.progress:.0f} %   {len(guide.kept)} views"
+    return (state, "no board in view" if view is None else (guide.wanted() or "enough"))
+
+
+def guidance_picture(image_bgr: Image, view: BoardView | None, guide: CalibrationGuide) -> Image:
+    """(h, w, 3) uint8: unseen cells darkened, the kept views' outlines, and the corners found now."""
+    picture = image_bgr.copy()
+    height, width = picture.shape[:2]
+    columns, rows = (np.round(np.array(CUTS) * side).astype(int) for side in (width, height))
+    for row, cells in enumerate(guide.covered()):
+        for column, is_covered in enumerate(cells):
+            if not is_covered:
+                cell = picture[rows[row] : rows[row + 1], columns[column] : columns[column + 1]]
+                cell[:] = (cell * UNSEEN).astype(np.uint8)
+    line_px = max(1, round(height / 480))
+    for kept in guide.kept:
+        hull = cv2.convexHull(kept.view.corners_px.astype(np.float32))
+        cv2.polylines(picture, [np.round(hull * 16).astype(np.int32)], True, KEPT_BGR, line_px, cv2.LINE_AA, 4)
+    for corner in view.corners_px if view is not None else ():
+        x, y = np.round(corner * 16).astype(int)
+        cv2.circle(picture, (int(x), int(y)), 16 * 3 * line_px, CORNER_BGR, line_px, cv2.LINE_AA, 4)
+    return picture

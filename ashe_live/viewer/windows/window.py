@@ -1,0 +1,73 @@
+"""The window as the viewer's loop uses it: GLFW's on the screen, the bench's without a screen, and the tests'."""
+
+from typing import Protocol
+
+from ashe_live.core.camera import Size
+from ashe_live.render.gl.offscreen import Framebuffer
+from ashe_live.viewer.hands.controls import MouseEvent, Request
+
+
+class Presentable(Protocol):
+    """A renderer that has drawn a picture of the window's size."""
+
+    def present(self, target: Framebuffer) -> None:
+        """Copies the picture to `target`."""
+        ...
+
+
+class Window(Protocol):
+    """Used by the main thread only."""
+
+    @property
+    def framebuffer_size(self) -> Size:
+        """Width and height in pixels; 0x0 while minimised."""
+        ...
+
+    @property
+    def content_scale(self) -> float:
+        """Pixels a point, as text wants it."""
+        ...
+
+    @property
+    def refresh_rate_hz(self) -> float:
+        """Of the display."""
+        ...
+
+    @property
+    def clipboard(self) -> str:
+        """The text that was copied last, empty where there is none."""
+        ...
+
+    @property
+    def is_closing(self) -> bool:
+        """Whether a person has closed it."""
+        ...
+
+    def take_requests(self, wait_s: float) -> list[Request]:
+        """What the keys asked for until `wait_s` from now or the first event."""
+        ...
+
+    def take_mouse(self) -> list[MouseEvent]:
+        """What the mouse did since it was last asked, as of the last `take_requests`; of moves in a row the last."""
+        ...
+
+    def set_title(self, title: str) -> None:
+        """Shows `title` wherever the window's name is shown."""
+        ...
+
+    @property
+    def is_fullscreen(self) -> bool:
+        """Whether it fills the screen."""
+        ...
+
+    def toggle_fullscreen(self) -> None:
+        """Switches between the whole screen and the former size; `framebuffer_size` follows."""
+        ...
+
+    def present(self, picture: Presentable) -> None:
+        """Makes it what the next `swap` shows."""
+        ...
+
+    def swap(self) -> None:
+        """Shows what was presented last; may wait for the display."""
+        ...

@@ -1,0 +1,65 @@
+"""Where nobody names a marker, the one that is in view is followed; else it is said which ones there are."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.tracking.families.markers import parse_marker
+
+pytestmark = pytest.mark.usefixtures("instant")
+OTHER = "aruco:5x5_50:9"
+
+
+@pytest.fixture
+def photo(tmp_path):
+    """Of prints on grey, seen from above."""
+
+    def photo(*specs: str) -> str:
+        grey = np.full((480, 640), 190, np.uint8)
+        for place, spec in enumerate(specs):
+            grey[150:290, 80 + 240 * place : 220 + 240 * place] = parse_marker(spec).bitmap(140)
+        path = tmp_path / "photo.png"
+        cv2.imwrite(str(path), cv2.GaussianBlur(grey, (0, 0), 0.8))
+        return str(path)
+
+    return photo
+
+
+def test_the_one_marker_in_view_is_followed(run, photo):
+    outcome = run("estimate", photo(OTHER), "--hfov", "60", "--json")
+    assert outcome.status == 0
+    assert json.loads(outcome.out[0])["marker"]["found"]
+    assert f"{OTHER} is in view and is followed, as no --marker was given" in " ".join(outcome.err)
+
+
+def test_the_usual_marker_is_followed_whatever_else_is_in_view(run, photo):
+    outcome = run("estimate", photo("aruco:4x4_50:0", OTHER), "--hfov", "60", "--json")
+    assert json.loads(outcome.out[0])["marker"]["found"]
+    assert "is followed" not in " ".join(outcome.err)
+
+
+def test_of_several_none_is_taken(run, photo):
+    outcome = run("estimate", photo(OTHER, "apriltag:36h11:5"), "--hfov", "60")
+    assert outcome.status == 3
+    assert "choose one with --marker" in " ".join(outcome.err)
+    assert OTHER in " ".join(outcome.out)
+    assert "apriltag:36h11:5" in " ".join(outcome.out)
+
+
+def test_a_marker_that_is_named_is_never_replaced_and_what_is_there_is_said(run, photo):
+    outcome = run("estimate", photo(OTHER), "--hfov", "60", "--marker", "aruco:4x4_50:3")
+    assert outcome.status == 3
+    assert f"{OTHER} is in view: --marker {OTHER}" in " ".join(outcome.out)
+    record = json.loads(run("estimate", photo(OTHER), "--hfov", "60", "--marker", "aruco:4x4_50:3", "--json").out[0])
+    assert record["markers_in_view"] == [OTHER]
+
+
+def test_a_photo_is_shown_with_the_marker_that_is_in_it(run, photo):
+    outcome = run("play", photo(OTHER), "--hfov", "60", "--headless", "--frames", "2", "--quality", "fast")
+    assert outcome.status == 0
+    assert "marker in 1 of 1 frames" in " ".join(outcome.out)
+    outcome = run("play", photo(OTHER), "--hfov", "60", "--headless", "--marker", "aruco:4x4_50:3", "--quality", "fast")
+    assert outcome.status == 3
+    assert f"{OTHER} is in view: --marker {OTHER}" in " ".join(outcome.err)

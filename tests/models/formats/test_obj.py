@@ -1,0 +1,167 @@
+"""OBJ and MTL as programs write them: what a person sees there is seen here."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from ashe_live.errors import UserError
+from ashe_live.models.formats.polygons import triangulated
+from ashe_live.models.loading import load_model_file
+from ashe_live.models.material import Alpha, Material
+from ashe_live.models.mesh import Model
+from ashe_live.models.shading_normals import face_normals
+
+TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
+
+
+def read(folder: Path, text: str, **materials: str) -> Model:
+    for name, lines in materials.items():
+        (folder / f"{name}.mtl").write_text(lines)
+    (folder / "a.obj").write_text(text)
+    return load_model_file(folder / "a.obj")
+
+
+def surface(folder: Path, lines: str) -> Material:
+    return read(folder, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=f"newmtl m\n{lines}\n").parts[0].material
+
+
+def area(model: Model) -> float:
+    return sum(float(np.linalg.norm(face_normals(p.vertices, p.triangles), axis=1).sum()) / 2 for p in model.parts)
+
+
+@pytest.mark.parametrize(
+    ("line", "opacity"), [("d 0.25", 0.25), ("Tr 0.75", 0.25), ("d -halo 0.25", 0.25), ("Tr 0", 1)]
+)
+def test_opacity_is_said_in_either_of_two_ways(tmp_path: Path, line: str, opacity: float) -> None:
+    material = surface(tmp_path, f"Kd 1 0 0\n{line}")
+    assert material.base_colour == pytest.approx((1, 0, 0, opacity))
+    assert material.alpha is (Alpha.BLEND if opacity < 1 else Alpha.OPAQUE)
+
+
+def test_a_picture_keeps_the_opacity_beside_it(tmp_path: Path) -> None:
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    material = surface(tmp_path, "Kd 0.1 0.1 0.1\nd 0.5\nmap_Kd red.png")
+    assert material.base_colour == (1, 1, 1, 0.5)
+    assert material.alpha is Alpha.BLEND
+
+
+def test_a_mask_cuts_its_picture_out(tmp_path: Path) -> None:
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    Image.fromarray(np.uint8([[0, 255], [255, 255]])).save(tmp_path / "mask.png")
+    material = surface(tmp_path, "map_Kd red.png\nmap_d mask.png")
+    assert material.alpha is Alpha.CUT_OUT
+    np.testing.assert_array_equal(material.base_map[..., 3], [[0, 255], [255, 255]])
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "red.png",
+        ".\\red.png",
+        "RED.PNG",
+        "maps/../red.png",
+        "C:\\Users\\me\\models\\red.png",
+        "/home/me/models/red.png",
+        "../models/Red.png",
+        "-s 1 1 1 -o 0 0 red.png",
+        "-bm 0.5 red.png",
+        '"red.png"',
+    ],
+)
+def test_a_picture_beside_the_model_is_found(tmp_path: Path, name: str) -> None:
+    (tmp_path / "maps").mkdir()
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    assert tuple(surface(tmp_path, f"map_Kd {name}").base_map[0, 0]) == (255, 0, 0, 255)
+
+
+def test_a_picture_in_a_folder_beside_the_model_is_found_by_the_end_of_its_path(tmp_path: Path) -> None:
+    (tmp_path / "Textures").mkdir()
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "Textures" / "my red.png")
+    assert surface(tmp_path, "map_Kd D:/work/textures/my red.png").base_map is not None
+
+
+@pytest.mark.parametrize("libraries", ["mtllib a.mtl\nmtllib b.mtl", "mtllib a.mtl b.mtl"])
+def test_materials_come_from_several_libraries(tmp_path: Path, libraries: str) -> None:
+    text = f"{libraries}\nusemtl one\n{TRIANGLE}usemtl two\nf 1/1 3/3 2/2\n"
+    model = read(tmp_path, text, a="newmtl one\nKd 1 0 0", b="newmtl two\nKd 0 1 0")
+    assert sorted(part.material.base_colour for part in model.parts) == [(0, 1, 0, 1), (1, 0, 0, 1)]
+
+
+def test_a_library_that_is_missing_is_said_and_plain_plastic_drawn(tmp_path: Path) -> None:
+    model = read(tmp_path, f"mtllib gone.mtl\nusemtl m\n{TRIANGLE}")
+    assert model.notes == ("its materials gone.mtl are missing: it is drawn as plain plastic",)
+    assert model.parts[0].material.metallic == 0
+
+
+def test_what_is_not_drawn_of_a_material_is_said(tmp_path: Path) -> None:
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}l 1 2\n", a="newmtl m\nmap_Bump bumps.png\nKd 1 1 1")
+    assert model.notes == ("points and lines are left out", "bump maps of its materials are left out")
+
+
+L_SHAPE = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]
+ARROW = [(0, 0), (2, 1), (0, 2), (1, 1)]  # four corners, one of them inwards
+
+
+@pytest.mark.parametrize("turn", range(6))
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize(("shape", "size"), [(L_SHAPE, 5.0), (ARROW, 1.0)])
+@pytest.mark.parametrize("plane", [(0, 1, 2), (2, 0, 1), (1, 2, 0)])
+def test_a_polygon_that_is_not_convex_keeps_its_area_and_sense(shape, size, turn, backwards, plane) -> None:
+    """Wherever its first corner is, and whichever way it faces."""
+    flat = np.roll(np.array(shape, dtype=float), turn, axis=0)[:: -1 if backwards else 1]
+    places = np.column_stack([flat, 0.1 * flat.sum(axis=1)])[:, plane]
+    triangles = triangulated(places, np.arange(len(places)), np.array([len(places)]))
+    normals = face_normals(places.astype(np.float32), triangles)
+    whole = np.cross(places, np.roll(places, -1, axis=0)).sum(axis=0)
+    assert (normals @ whole > 0).all()
+    assert np.linalg.norm(normals, axis=1).sum() == pytest.approx(np.linalg.norm(whole), rel=1e-6)
+    assert np.linalg.norm(whole) == pytest.approx(2 * size * np.sqrt(1.02), rel=1e-6)
+
+
+def test_polygons_of_all_sizes_stand_beside_one_another(tmp_path: Path) -> None:
+    corners = [*L_SHAPE, *((x + 5, y) for x, y in ARROW), (10, 0), (11, 0), (10, 1)]
+    text = "".join(f"v {x} {y} 0\n" for x, y in corners)
+    model = read(tmp_path, text + "f 1 2 3 4 5 6\nf 7 8 9 10\nf -3 -2 -1\nf 1 2\n")
+    assert area(model) == pytest.approx(5 + 1 + 0.5)
+
+
+@pytest.mark.parametrize(
+    "face", ["f 1 2 3", "f 1/1 2/2 3/3", "f 1//1 2//1 3//1", "f 1/1/1 2/2/1 3/3/1", "f 1/1/1 2//1 3"]
+)
+def test_corners_are_named_in_every_way(tmp_path: Path, face: str) -> None:
+    values = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 -2\n"
+    part = read(tmp_path, f"{values}{face}\n").parts[0]
+    assert part.triangles.shape == (1, 3)
+    assert (part.uvs is not None) == (face.count("/") > 2 and "//" not in face)
+    has_normals = face.count("/1 ") > 1 and face.count("/") == 6
+    np.testing.assert_allclose(part.normals, [(0, 0, -1 if has_normals else 1)] * 3)
+
+
+def test_corners_of_several_kinds_in_one_face_are_told_apart(tmp_path: Path) -> None:
+    """As many slashes in all as if every corner had one."""
+    values = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\n"
+    part = read(tmp_path, f"{values}f 1/3 2/1/3 3\n").parts[0]
+    np.testing.assert_allclose(np.ptp(part.vertices, axis=0).max(), 1)
+    assert len(np.unique(part.vertices, axis=0)) == 3
+
+
+def test_negative_numbers_count_back_from_the_face(tmp_path: Path) -> None:
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 9 9 9\nv 9 8 9\nv 8 9 9\nf -3 -2 -1\n"
+    model = read(tmp_path, text)
+    np.testing.assert_allclose(np.ptp(model.bounds, axis=0), (9, 9, 9))
+    assert area(model) == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    "face", ["f 0 1 2", "f 1 2 4", "f -4 1 2", "f 1/9 2/9 3/9", "f a b c", "f 1.5 2 3", "f 1e300 2 3"]
+)
+def test_a_face_of_what_is_not_there_is_said(tmp_path: Path, face: str) -> None:
+    with pytest.raises(UserError, match=r"a\.obj is malformed"):
+        read(tmp_path, f"v 0 0 0\nv 1 0 0\nv 0 1 0\n{face}\n")
+
+
+def test_colours_behind_the_places_are_of_srgb(tmp_path: Path) -> None:
+    part = read(tmp_path, "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n").parts[0]
+    np.testing.assert_allclose(part.colours, [(1, 0, 0, 1)] * 3)

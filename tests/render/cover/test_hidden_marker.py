@@ -1,0 +1,215 @@
+"""The marker's sheet is covered by ground like that around it, which stays where it is and takes shadows."""
+
+import itertools
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import project, raycast_to_plane
+from ashe_live.core.types import Frame, Illumination, MarkerPose, TrackedFrame
+from ashe_live.models.primitives import box
+from ashe_live.quality import BALANCED, FAST
+from ashe_live.render.cover.ground_cover import ground_cover
+from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.cover.sheet import LEAST_HALF_SIDES, sheet_mask
+from ashe_live.render.scene import Scene
+
+SIDE = 0.08
+PAPER_HALF = 0.62 * SIDE
+RATIO = (0.3, 0.4, 0.5)
+
+
+def _ground(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """(..., 3) linear RGB of boards with a fine grain."""
+    grain = 0.04 * np.sin(900 * y + 3 * np.sin(60 * x)) + 0.03 * np.sin(210 * y) + 0.02 * np.sin(70 * x)
+    return np.stack([0.42 + grain, 0.28 + 0.7 * grain, 0.16 + 0.4 * grain], axis=-1)
+
+
+def _view(stage, has_sheet: bool = True, shaded=None, noise: float = 0.0, index: int = 0, gain: float = 1.0):
+    """A frame of the ground with a printed sheet on it; `shaded` (points) -> True where a shadow lies."""
+    T = stage.pose(-80, 55, 0.36, target=(0, 0, 0))
+    camera = stage.camera()
+    rows, columns = np.mgrid[0:360, 0:480]
+    pixels = np.column_stack([columns.ravel(), rows.ravel()]).astype(float)
+    x, y, _ = raycast_to_plane(camera, T, pixels).T
+    linear = _ground(x, y)
+    if has_sheet:
+        away = np.maximum(np.abs(x), np.abs(y))
+        linear[away < PAPER_HALF] = 0.75
+        linear[away < SIDE / 2] = 0.03
+    if shaded is not None:
+        linear[shaded(x, y)] *= RATIO
+    picture = 255 * srgb_from_linear(np.clip(gain * linear, 0, 1)).reshape(360, 480, 3)[..., ::-1]
+    picture = cv2.GaussianBlur(picture, (0, 0), 0.6)
+    picture += np.random.default_rng(index).normal(0, 1, picture.shape) * noise
+    corners = project(camera, T, SIDE / 2 * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)], float))
+    frame = Frame(np.ascontiguousarray(np.clip(np.round(picture), 0, 255).astype(np.uint8)), index, index / 30)
+    return TrackedFrame(frame, camera, MarkerPose(T, corners, SIDE, 0.0, None))
+
+
+def _on_sheet(tracked: TrackedFrame, margin_m: float = 0.0) -> np.ndarray:
+    """(h, w) where the sheet is, grown by a margin."""
+    half = PAPER_HALF + margin_m
+    corners = project(
+        tracked.camera, tracked.marker.T_cam_marker, half * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)])
+    )
+    mask = np.zeros((360, 480), np.uint8)
+    cv2.fillConvexPoly(mask, np.round(corners).astype(np.int32), 1)
+    return mask > 0
+
+
+def _difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """(h, w) CIE 1976 colour difference of what is alike after a blur: grain may lie elsewhere."""
+    labs = [cv2.cvtColor(cv2.GaussianBlur(np.float32(each) / 255, (0, 0), 2), cv2.COLOR_BGR2LAB) for each in (a, b)]
+    return np.linalg.norm(labs[0] - labs[1], axis=2)
+
+
+# Beside the marker and low, so that it hides nothing of the sheet: a model must stand there for anything to be drawn.
+def _aside(stage):
+    mesh = box((0.01, 0.01, 0.01))
+    return stage.placed(replace(mesh, vertices=mesh.vertices + np.array((-0.075, 0.06, 0.0), np.float32)))
+
+
+def test_sheet_is_covered_by_ground_like_that_around_it(make_renderer, stage) -> None:
+    tracked, bare = _view(stage, noise=0.7), _view(stage, has_sheet=False)
+    renderer = make_renderer(BALANCED.render)
+    renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+    picture = renderer.read_bgr()
+    around = _on_sheet(tracked, 0.008)
+    assert _difference(picture, bare.frame.image_bgr)[around].mean() < 3
+    assert _difference(tracked.frame.image_bgr, bare.frame.image_bgr)[around].mean() > 20
+    # Its grain, too: neither a smooth patch nor a wilder one.
+    deviations = [each[around].std(axis=0).mean() for each in (picture.astype(float), bare.frame.image_bgr)]
+    assert 0.6 < deviations[0] / deviations[1] < 1.4
+    far = ~_on_sheet(tracked, 0.03)
+    far[:150, :220] = False  # the model
+    np.testing.assert_array_equal(picture[far], tracked.frame.image_bgr[far])
+
+
+def test_no_object_is_taken_for_ground(stage) -> None:
+    """A blue block stands beside the sheet, and no estimate has told of it."""
+    tracked = _view(stage)
+    image = tracked.frame.image_bgr.copy()
+    image[60:200, 30:110] = (200, 60, 20)
+    cover = ground_cover(replace(tracked, frame=replace(tracked.frame, image_bgr=image)), Illumination())
+    red, _, blue, alpha = np.moveaxis(cover.image_rgba.astype(int), 2, 0)
+    assert not ((blue > red) & (alpha > 0)).any()
+
+
+def test_cover_is_steady_at_rest(make_renderer, stage) -> None:
+    renderer = make_renderer(replace(FAST.render, matches_noise=False))
+    pictures = []
+    for index in range(10):
+        renderer.render(Scene(_view(stage, noise=0.7, index=index), _aside(stage), hides_marker=True))
+        pictures.append(renderer.read_bgr().astype(float))
+    inside = _on_sheet(_view(stage), -0.005)
+    changes = [np.abs(b - a)[inside].mean() for a, b in itertools.pairwise(pictures)]
+    assert max(changes) <= 0.5
+
+
+def test_cover_follows_the_exposure(make_renderer, stage) -> None:
+    renderer = make_renderer(FAST.render)
+    bright, dark = 1.0, 0.6
+    renderer.render(Scene(_view(stage, gain=bright), _aside(stage), hides_marker=True))
+    for index in range(7, 140, 7):  # the camera has dimmed
+        tracked = _view(stage, gain=dark, index=index)
+        renderer.render(Scene(tracked, _aside(stage), hides_marker=True))
+    bare = _view(stage, has_sheet=False, gain=dark)
+    assert _difference(renderer.read_bgr(), bare.frame.image_bgr)[_on_sheet(tracked, 0.008)].mean() < 3
+
+
+def test_real_shadow_goes_on_where_it_crosses_the_sheet(make_renderer, stage) -> None:
+    light = stage.light(90, 45, RATIO)
+    # A post behind the sheet whose shadow falls across its left half.
+    radius, height, middle = 0.012, 0.1, (-0.02, 0.075)
+    post = Proxy("lathe", np.array([(*middle, 0.0, radius, 0.0), (*middle, height, radius, 0.0)]))
+
+    def shaded(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return (np.abs(x - middle[0]) < radius) & (y < middle[1]) & (y > middle[1] - height)
+
+    tracked, bare = _view(stage, shaded=shaded), _view(stage, has_sheet=False, shaded=shaded)
+    illumination = Illumination((light,), real_object=post, ground_rgb=np.array((0.42, 0.28, 0.16)))
+    renderer = make_renderer(FAST.render)
+    mesh = box((0.006, 0.006, 0.002))
+    aside = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((0.09, -0.06, 0.0), np.float32)))
+    renderer.render(Scene(tracked, aside, illumination, hides_marker=True))
+    picture = renderer.read_bgr()
+    places = project(
+        tracked.camera, tracked.marker.T_cam_marker, [(middle[0], y, 0.0) for y in np.linspace(0.03, -0.01, 9)]
+    )
+    lit = project(tracked.camera, tracked.marker.T_cam_marker, [(0.02, y, 0.0) for y in np.linspace(0.03, -0.01, 9)])
+    smooth = [cv2.GaussianBlur(each, (0, 0), 1.5) for each in (picture, bare.frame.image_bgr)]
+    for at in (places, lit):
+        columns, rows = np.round(at).astype(int).T
+        ours, truth = (LINEAR_FROM_SRGB_8BIT[each[rows, columns]].mean(axis=0) for each in smooth)
+        np.testing.assert_allclose(ours, truth, rtol=0.12)
+
+
+def test_models_shadow_lies_on_the_cover(make_renderer, stage) -> None:
+    tracked = _view(stage)
+    light = stage.light(-60, 35, RATIO)
+    model = stage.placed(box((0.012, 0.012, 0.06)))
+    renderer = make_renderer(FAST.render)
+    pictures = []
+    for casts_shadow in (False, True):
+        renderer.render(Scene(tracked, model, Illumination((light,)), casts_shadow=casts_shadow, hides_marker=True))
+        pictures.append(LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[..., ::-1]])
+    way = light.to_light_marker[:2] / light.to_light_marker[2]
+    place = project(tracked.camera, tracked.marker.T_cam_marker, [(*(-0.036 * way), 0.0)])
+    (column, row), *_ = np.round(place).astype(int)
+    beside = slice(row - 1, row + 2), slice(column - 1, column + 2)
+    np.testing.assert_allclose(
+        pictures[1][beside].mean(axis=(0, 1)) / pictures[0][beside].mean(axis=(0, 1)), RATIO, rtol=0.05
+    )
+
+
+def test_the_marker_stays_where_no_ground_is_seen(make_renderer, stage) -> None:
+    """The sheet fills the picture: nothing is known that could cover it."""
+    T = stage.pose(-80, 80, 0.09, target=(0, 0, 0))
+    image = np.full((360, 480, 3), 200, np.uint8)
+    corners = project(stage.camera(), T, SIDE / 2 * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)], float))
+    tracked = TrackedFrame(Frame(image, 0, 0.0), stage.camera(), MarkerPose(T, corners, SIDE, 0.0, None))
+    assert ground_cover(tracked, Illumination()) is None
+    renderer = make_renderer(FAST.render)
+    renderer.render(Scene(tracked, stage.placed(box((0.001, 0.001, 0.001))), hides_marker=True))
+    assert (np.abs(renderer.read_bgr().astype(int) - 200).max(axis=2) > 1).mean() < 0.01
+
+
+def test_another_thread_makes_the_cover_where_pictures_cannot_wait(ctx, stage) -> None:
+    hidden = HiddenMarker(ctx)
+    tracked = _view(stage)
+    hidden.follow(tracked, Illumination(), at_once=False)
+    assert not hidden.is_settled
+    hidden._coming.result()
+    hidden.follow(tracked, Illumination(), at_once=False)
+    assert hidden.is_settled
+    assert len(hidden.corners) == 4
+    hidden.release()
+
+
+@pytest.mark.parametrize("half_sides", [0.62, 0.75, 1.1])
+def test_sheet_is_found_whatever_its_size(half_sides: float) -> None:
+    size, side_px = 330, 60.0
+    x, y = np.meshgrid(*[np.abs(np.arange(size) + 0.5 - size / 2) / side_px] * 2)
+    away = np.maximum(x, y)
+    lit = np.full((size, size, 3), (0.4, 0.25, 0.15), np.float32)
+    lit[away < half_sides] = 0.75
+    lit[away < 0.5] = 0.03
+    mask = sheet_mask(lit, np.ones((size, size), bool), side_px)
+    assert mask[away < half_sides].all()
+    assert not mask[away > half_sides + 0.12].any()
+
+
+def test_on_white_ground_only_the_square_is_covered() -> None:
+    size, side_px = 330, 60.0
+    x, y = np.meshgrid(*[np.abs(np.arange(size) + 0.5 - size / 2) / side_px] * 2)
+    away = np.maximum(x, y)
+    lit = np.full((size, size, 3), 0.75, np.float32)
+    lit[away < 0.5] = 0.03
+    mask = sheet_mask(lit, np.ones((size, size), bool), side_px)
+    assert mask[away < 0.5].all()
+    assert not mask[away > LEAST_HALF_SIDES + 0.12].any()

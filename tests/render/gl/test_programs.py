@@ -1,0 +1,112 @@
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import moderngl
+import pytest
+
+from ashe_live.errors import UserError
+from ashe_live.files.resources import resource
+from ashe_live.render.gl import offscreen, programs
+from ashe_live.render.gl.programs import shader_source
+from ashe_live.render.gl.texture_units import UNIT_OF
+from tests.render.uniform_audit import UniformError
+
+LEAST_UNITS = 16  # that OpenGL 3.3 has for fragment shaders
+PASSES = sorted(path.stem for path in resource("shaders").glob("*.vert"))
+
+
+def test_every_pass_has_a_pair_of_shaders() -> None:
+    assert sorted(path.stem for path in resource("shaders").glob("*.frag")) == PASSES
+
+
+@pytest.mark.parametrize("name", PASSES)
+def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> None:
+    for suffix in (".vert", ".frag"):
+        assert shader_source(name + suffix).startswith("#version 330 core\n")
+    for lights, casters, blocker_taps in ((0, 1, 0), (1, 1, 0), (1, 2, 8), (4, 2, 16)):
+        constants = {"lights": lights, "casters": casters, "blocker_taps": blocker_taps, "soft_taps": 16}
+        constants |= {"reach": casters, **({"bends": 1, "coarse_chroma": 1} if casters == 2 else {})}
+        if name not in ("contact", "ground_shadow") or lights:
+            programs.build_program(ctx, name, pcf_radius=1, contact_fade=0.3, **constants).release()
+
+
+@pytest.mark.parametrize("name", PASSES)
+def test_what_a_pass_samples_has_units_of_its_own(name: str) -> None:
+    samplers = re.findall(r"uniform sampler\w+ (\w+)", shader_source(f"{name}.vert") + shader_source(f"{name}.frag"))
+    units = [UNIT_OF[sampler] for sampler in samplers]
+    assert len(set(units)) == len(units)
+    assert all(0 <= unit < LEAST_UNITS for unit in units)
+
+
+def test_no_other_sampler_is_read_from_where_the_depths_stay_bound() -> None:
+    assert list(UNIT_OF.values()).count(UNIT_OF["shadow_depths"]) == 1
+
+
+@pytest.fixture
+def screen(ctx: moderngl.Context) -> Iterator[tuple[moderngl.Program, moderngl.VertexArray]]:
+    """The simplest pass, ready to be drawn but for its uniforms."""
+    program = programs.build_program(ctx, "screen")
+    array, target = ctx.vertex_array(program, []), ctx.simple_framebuffer((8, 8))
+    target.use()
+    yield program, array
+    ctx.detect_framebuffer(0).use()  # moderngl binds again what was bound before
+    for held in (array, program, target):
+        held.release()
+
+
+def test_a_uniform_that_no_shader_declares_is_an_error_in_tests(screen) -> None:
+    program, _ = screen
+    with pytest.raises(UniformError, match="'rectangel'"):
+        programs.set_uniforms(program, rectangel=(-1.0, -1.0, 1.0, 1.0))
+
+
+def test_a_uniform_that_nobody_has_set_is_an_error_in_tests(screen) -> None:
+    program, array = screen
+    with pytest.raises(UniformError, match="'rectangle'"):
+        array.render(moderngl.TRIANGLE_STRIP, vertices=4)
+    programs.set_uniforms(program, rectangle=(-1.0, -1.0, 1.0, 1.0))
+    array.render(moderngl.TRIANGLE_STRIP, vertices=4)
+
+
+INTERRUPTED = """
+import signal, sys
+from ashe_live.render.gl.offscreen import offscreen_context
+from ashe_live.render.gl.programs import build_program
+
+def interrupt(frame, event, _argument):
+    if event == "call" and frame.f_code.co_name == "make_uniform":
+        sys.setprofile(None)
+        signal.raise_signal(signal.SIGINT)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+ctx = offscreen_context()
+sys.setprofile(interrupt)
+try:
+    build_program(ctx, "model", lights=1, casters=1, blocker_taps=0, soft_taps=16, pcf_radius=1, contact_fade=0.3)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+def test_an_interrupt_while_a_program_is_made_is_an_interrupt_and_no_crash() -> None:
+    run = subprocess.run([sys.executable, "-c", INTERRUPTED], capture_output=True, text=True)
+    assert (run.returncode, run.stdout) == (0, "interrupted\n"), run.stderr
+
+
+def test_include_and_constants_stand_after_the_version() -> None:
+    lines = shader_source("model.frag", "#define PCF_RADIUS 2\n").splitlines()
+    assert lines[:2] == ["#version 330 core", "#define PCF_RADIUS 2"]
+    assert not any(line.startswith("#include") for line in lines)
+    assert any("float shadow(int light, vec3 position" in line for line in lines)
+
+
+def test_missing_opengl_ends_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_args: object, **_settings: object) -> None:
+        raise Exception("libEGL.so.1 not found\nand more")
+
+    monkeypatch.setattr(offscreen.moderngl, "create_context", refuse)
+    with pytest.raises(UserError, match=r"no OpenGL 3.3.*libEGL.so.1 not found.*apt-get install") as caught:
+        offscreen.offscreen_context()
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,66 @@
+"""What polished surfaces mirror: the ground where it is, a sky of the measured strength."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.colour import linear_from_srgb
+from ashe_live.core.transforms import project
+from ashe_live.render.lights.surroundings import HALF_RADIUS_SIDES, blurred_levels, level_count, surroundings_of
+
+SIZE = 64
+SIDE_M = 0.08
+
+
+def _texel(point: tuple[float, float]) -> tuple[int, int]:
+    """Row and column of a point of the plane, metres."""
+    share = 0.5 + 0.5 * np.array(point) / (np.hypot(*point) + HALF_RADIUS_SIDES * SIDE_M)
+    column, row = (share * SIZE).astype(int)
+    return row, column
+
+
+def test_ground_is_where_the_picture_shows_it(stage) -> None:
+    """A red left half and a blue right half of the view stay on their sides, seen from any azimuth."""
+    for azimuth_deg in (-90, 20, 140):
+        T_cam_marker = stage.pose(azimuth_deg, 50)
+        image = np.zeros((360, 480, 3), np.uint8)
+        image[:, :240, 2] = image[:, 240:, 0] = 255
+        surroundings = surroundings_of(stage.tracked(image, T_cam_marker), SIZE)
+        for point in ((0.03, 0.0), (-0.03, 0.0), (0.0, 0.03), (0.0, -0.03)):
+            u = project(stage.camera(), T_cam_marker, [(*point, 0.0)])[0, 0]
+            if abs(u - 239.5) < 20:
+                continue
+            red, _, blue = surroundings.ground[_texel(point)]
+            assert (red > 0.9) == (u < 239.5)
+            assert (blue > 0.9) == (u > 239.5)
+
+
+def test_ground_beyond_the_picture_has_the_given_colour_or_its_mean(stage) -> None:
+    tracked = stage.tracked(128, stage.pose(-90, 60))
+    given = np.array([0.3, 0.2, 0.1])
+    np.testing.assert_allclose(surroundings_of(tracked, SIZE, given).ground[_texel((5.0, 5.0))], given, atol=1e-5)
+    mean = surroundings_of(tracked, SIZE).ground
+    np.testing.assert_allclose(mean, float(linear_from_srgb(128 / 255)), atol=1e-5)
+
+
+def test_sky_lights_level_ground_as_measured(stage) -> None:
+    """Its cosine-weighted mean over the hemisphere is one, whatever the picture."""
+    sky = surroundings_of(stage.tracked(stage.noise(), stage.pose(10, 40)), SIZE).sky
+    random = np.random.default_rng(3)
+    x, y = (random.uniform(-1, 1, 200_000) for _ in range(2))
+    x, y = x[x**2 + y**2 < 1], y[x**2 + y**2 < 1]  # by Malley's method: cosine-weighted directions
+    z = np.sqrt(1 - x**2 - y**2)
+    rows, columns = (((0.5 + 0.5 * value / (1 + z)) * SIZE).astype(int) for value in (y, x))
+    np.testing.assert_allclose(sky[rows, columns].mean(axis=0), 1.0, atol=0.01)
+    assert (sky > 0).all()
+
+
+def test_each_level_is_half_of_the_one_before() -> None:
+    levels = blurred_levels(np.ones((64, 64, 3), np.float32))
+    assert [level.shape[0] for level in levels] == [64, 32, 16, 8, 4]
+    assert len(levels) == level_count(64)
+    assert all(np.allclose(level, 1.0) for level in levels)
+
+
+def test_without_a_marker_there_is_no_ground(stage) -> None:
+    with pytest.raises(ValueError, match="marker"):
+        surroundings_of(stage.tracked(90, None), SIZE)

@@ -1,0 +1,144 @@
+"""What is measured of the video, and that the model takes it on."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.models.primitives import box
+from ashe_live.quality import BALANCED, FAST
+from ashe_live.render.lights.video_look import (
+    ASSUMED_WHITE,
+    BODY_PRINT_SHARE,
+    PAPER_ALBEDO,
+    edge_blur_px,
+    has_coarse_chroma,
+    look_of,
+    white_of,
+)
+from ashe_live.render.scene import Scene
+from ashe_live.tracking.cube.faces import TAG_SHARE
+from ashe_live.tracking.families.layout import cube_layout
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, frame_of, looking, sun
+
+SIDE = 0.08
+FINE = 4  # the printed sheet is drawn that much finer, then averaged
+
+
+def _corners(half: float) -> np.ndarray:
+    return half * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)], dtype=float)
+
+
+def _sheet(stage, white: tuple[float, ...] = (0.7, 0.7, 0.7), blur: float = 0.0, noise: float = 0.0) -> TrackedFrame:
+    """A black square on paper of a linear RGB, on darker ground."""
+    T_cam_marker = stage.pose(-80, 50, 0.3, target=(0, 0, 0))
+    camera = stage.camera()
+    canvas = np.full((camera.size[1] * FINE, camera.size[0] * FINE, 3), 0.25)
+    for half, colour in ((0.72 * SIDE, np.array(white) * PAPER_ALBEDO), (SIDE / 2, np.full(3, 0.02))):
+        outline = (project(camera, T_cam_marker, _corners(half)) + 0.5) * FINE - 0.5
+        mask = cv2.fillConvexPoly(np.zeros(canvas.shape[:2], np.uint8), np.round(outline * 16).astype(int), 1, shift=4)
+        canvas[mask > 0] = colour
+    linear = cv2.resize(canvas, camera.size, interpolation=cv2.INTER_AREA)
+    if blur:
+        linear = cv2.GaussianBlur(linear, (0, 0), blur)
+    encoded = (
+        255 * srgb_from_linear(linear) + np.random.default_rng(1).normal(0, 1, linear.shape[:2])[..., None] * noise
+    )
+    image = np.clip(np.round(encoded), 0, 255).astype(np.uint8)[..., ::-1]
+    corners = project(camera, T_cam_marker, _corners(SIDE / 2))
+    return TrackedFrame(
+        Frame(np.ascontiguousarray(image), 3, 0.0), camera, MarkerPose(T_cam_marker, corners, SIDE, 0, None)
+    )
+
+
+@pytest.mark.parametrize("white", [(0.7, 0.7, 0.7), (0.3, 0.3, 0.3), (0.9, 0.8, 0.6)])
+def test_white_is_the_papers(stage, white: tuple[float, ...]) -> None:
+    np.testing.assert_allclose(white_of(_sheet(stage, white)), white, rtol=0.02)
+
+
+def test_white_is_assumed_where_there_is_no_paper(stage) -> None:
+    assert white_of(stage.tracked(120, stage.pose(-80, 50))) == (ASSUMED_WHITE,) * 3
+
+
+@pytest.mark.parametrize("blur", [0.0, 0.6, 1.0, 1.6, 2.2])
+def test_blur_is_measured_at_the_markers_edges(stage, blur: float) -> None:
+    assert look_of(_sheet(stage, blur=blur, noise=1.0)).blur_sigma_px == pytest.approx(blur, abs=0.3)
+
+
+@pytest.mark.parametrize("noise", [1.0, 3.0, 8.0])
+def test_noise_is_measured_around_the_marker(stage, noise: float) -> None:
+    assert look_of(_sheet(stage, noise=noise)).noise_sigma * 255 == pytest.approx(noise, rel=0.2, abs=0.3)
+
+
+def test_models_edges_are_as_soft_as_the_markers(make_renderer, stage) -> None:
+    """A white sheet in the marker's place has edges to the dark ground that the same measure finds as blurred."""
+    tracked = _sheet(stage, (0.25, 0.25, 0.25), blur=1.4)
+    model = stage.placed(box((SIDE, SIDE, 0.0), (0.0, 0.0, 0.0, 1.0)))
+    renderer = make_renderer(BALANCED.render)
+    renderer.render(Scene(tracked, model))
+    grey = cv2.cvtColor(renderer.read_bgr(), cv2.COLOR_BGR2GRAY)
+    # The sharp paper around it is left as it is; what the model covers is the whole of the square.
+    assert edge_blur_px(grey, tracked.marker.corners_px) == pytest.approx(1.4, abs=0.5)
+
+
+@pytest.mark.parametrize("repeats", [True, False])
+def test_coarse_chroma_is_told_from_colours_of_every_pixel(repeats: bool) -> None:
+    rng = np.random.default_rng(3)
+    ycrcb = rng.integers(90, 160, (80, 80, 3), dtype=np.uint8)
+    coarse = np.ascontiguousarray(ycrcb[::2, ::2, 1:])
+    how = cv2.INTER_NEAREST if repeats else cv2.INTER_LINEAR
+    assert not has_coarse_chroma(cv2.cvtColor(ycrcb, cv2.COLOR_YCrCb2BGR))
+    ycrcb[..., 1:] = cv2.resize(coarse, (80, 80), interpolation=how)
+    assert has_coarse_chroma(cv2.cvtColor(ycrcb, cv2.COLOR_YCrCb2BGR))
+
+
+def test_a_picture_without_colour_tells_nothing_of_its_chroma() -> None:
+    grey = np.random.default_rng(3).integers(0, 255, (80, 80, 1), dtype=np.uint8)
+    assert not has_coarse_chroma(np.repeat(grey, 3, axis=2))
+
+
+def test_models_noise_is_the_videos_and_new_in_every_frame(make_renderer, stage) -> None:
+    renderer = make_renderer(BALANCED.render)
+    tracked = _sheet(stage, noise=4.0)
+    model = stage.placed(box((SIDE, SIDE, 0.0), (0.3, 0.3, 0.3, 1.0)))
+    inside = np.zeros((360, 480), np.uint8)
+    outline = project(tracked.camera, tracked.marker.T_cam_marker, _corners(0.4 * SIDE))
+    cv2.fillConvexPoly(inside, np.round(outline).astype(int), 1)
+    pictures = []
+    for index in (0, 1):
+        frame = Frame(tracked.frame.image_bgr, index, 0.0)
+        renderer.render(Scene(TrackedFrame(frame, tracked.camera, tracked.marker), model))
+        pictures.append(renderer.read_bgr().astype(float))
+        assert pictures[-1][inside > 0].std() == pytest.approx(look_of(tracked).noise_sigma * 255, rel=0.25)
+    assert (pictures[0] - pictures[1])[inside > 0].std() > 4.0
+    far = cv2.dilate(inside, np.ones((61, 61))) == 0
+    np.testing.assert_array_equal(pictures[0][far], tracked.frame.image_bgr[far])
+    quiet = make_renderer(replace(FAST.render, matches_noise=False))
+    quiet.render(Scene(tracked, model))
+    assert quiet.read_bgr()[inside > 0].std() < 0.5
+
+
+def test_exposure_and_white_balance_follow_the_camera(make_renderer, stage) -> None:
+    renderer = make_renderer(FAST.render)
+    model = stage.placed(box((SIDE, SIDE, 0.0), (0.5, 0.5, 0.5, 1.0)))
+    for white in ((0.9, 0.9, 0.9), (0.4, 0.4, 0.4), (0.8, 0.7, 0.5)):
+        tracked = _sheet(stage, white)
+        renderer.render(Scene(tracked, model))
+        (column, row), *_ = np.round(project(tracked.camera, tracked.marker.T_cam_marker, [(0, 0, 0)])).astype(int)
+        shown = linear_from_srgb(renderer.read_bgr()[row, column, ::-1] / 255)
+        np.testing.assert_allclose(shown, 0.5 * np.array(white), rtol=0.04)
+
+
+def test_of_a_cube_the_paper_on_its_top_is_white() -> None:
+    assert BODY_PRINT_SHARE == TAG_SHARE
+    scene = CubeScene(CAMERA, looking(0.35, 30, 40), [sun(200, 40)], blur_px=0.9)
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    look = look_of(tracked)
+    # The picture is exposed so that white in the open table's light has this level.
+    assert np.mean(look.white_rgb) == pytest.approx(scene.exposure, rel=0.1)
+    assert look.blur_sigma_px == pytest.approx(0.9, abs=0.3)

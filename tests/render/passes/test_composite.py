@@ -1,0 +1,84 @@
+"""The border of a virtual shadow, and of the model, is as sharp as the video that it stands in."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.bench.render.borders import shadow_border
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Illumination
+from ashe_live.light.explanation.border_widths import border_widths
+from ashe_live.models.primitives import box
+from ashe_live.quality import QUALITIES
+from ashe_live.render.gl.framing import box_corners
+from ashe_live.render.passes.composite import _weights
+from ashe_live.render.scene import Scene
+from tests.render.lights.test_video_look import _sheet
+
+TEN_TO_NINETY_SIGMAS = 2.563  # of a step that a Gaussian has blurred
+HEIGHT = 0.05
+
+
+@pytest.mark.parametrize("variance", [0.05, 0.3, 0.6, 1.0, 2.0])
+def test_kernel_has_the_variance_that_was_asked_for(variance: float) -> None:
+    reach = 5
+    weights = _weights(variance, reach)
+    at = np.arange(-reach, reach + 1)
+    kernel = weights[np.abs(at)]
+    assert kernel.sum() == pytest.approx(1)
+    assert (kernel >= 0).all()
+    assert (kernel * at**2).sum() == pytest.approx(variance, rel=1e-3)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize("blur", [0.5, 0.8, 1.2])
+def test_shadow_border_is_as_wide_as_the_cameras_blur_makes_it(make_renderer, stage, quality: str, blur: float) -> None:
+    tracked = _sheet(stage, blur=blur)
+    # A tall thin tower beside the marker, whose shadow falls on even ground.
+    light = stage.light(45, 50, (0.2, 0.2, 0.2))
+    points = box_corners(np.array([(-0.075, -0.02, 0.0), (-0.06, 0.02, HEIGHT)]))
+    renderer = make_renderer(QUALITIES[quality].render)
+    mesh = box((0.015, 0.04, HEIGHT))
+    tower = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((-0.0675, 0.0, 0.0), np.float32)))
+    renderer.render(Scene(tracked, tower, Illumination((light,))))
+    picture = renderer.read_bgr()
+    places, outward = shadow_border(points, light.to_light_marker, tracked.camera, tracked.marker.T_cam_marker)
+    widths = border_widths(picture, places, outward)
+    # The far edge, whose sun of half a degree adds little, and away from the box itself.
+    expected = TEN_TO_NINETY_SIGMAS * np.sqrt(blur**2 + 1 / 12)
+    assert np.isfinite(widths).sum() > 20
+    assert 0.85 < np.nanmedian(widths) / expected < 1.2
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_a_shadow_is_as_soft_as_the_real_one_though_the_camera_sharpens_its_marker(
+    make_renderer, stage, quality: str
+) -> None:
+    """Strong edges are steep and the shadow's are not, as in a phone's picture, and nobody knows why."""
+    tracked = _sheet(stage, blur=0.4)
+    light = stage.light(45, 50, (0.2, 0.2, 0.2))
+    post = Proxy("lathe", np.array([(-0.05, 0.06, 0.0, 0.012, 0.0), (-0.05, 0.06, 0.06, 0.012, 0.0)]))
+    camera, T = tracked.camera, tracked.marker.T_cam_marker
+    body = post.points_marker()
+    cast = body[:, :2] - body[:, 2:] * (light.to_light_marker[:2] / light.to_light_marker[2])
+    hull = cv2.convexHull(project(camera, T, np.column_stack([cast, np.zeros(len(cast))])).astype(np.float32))
+    shade = np.zeros(tracked.frame.image_bgr.shape[:2], np.uint8)
+    cv2.fillConvexPoly(shade, np.round(hull * 16).astype(int), 255, cv2.LINE_AA, 4)
+    share = cv2.GaussianBlur(shade / 255.0, (0, 0), 1.3)[..., None]
+    linear = LINEAR_FROM_SRGB_8BIT[tracked.frame.image_bgr] * (1 - 0.8 * share)
+    image = np.round(255 * srgb_from_linear(linear)).astype(np.uint8)
+    tracked = replace(tracked, frame=replace(tracked.frame, image_bgr=image))
+    mesh = box((0.015, 0.04, HEIGHT))
+    tower = stage.placed(replace(mesh, vertices=mesh.vertices + np.array((-0.0675, 0.0, 0.0), np.float32)))
+    renderer = make_renderer(QUALITIES[quality].render)
+    renderer.render(Scene(tracked, tower, Illumination((light,), real_object=post, seen_in=tracked)))
+    points = box_corners(np.array([(-0.075, -0.02, 0.0), (-0.06, 0.02, HEIGHT)]))
+    ours, real = (
+        np.nanmedian(border_widths(picture, *shadow_border(body_points, light.to_light_marker, camera, T)))
+        for picture, body_points in ((renderer.read_bgr(), points), (image, body))
+    )
+    assert 0.85 < ours / real < 1.2

@@ -1,0 +1,146 @@
+"""The shadow catcher: how dark, where, and that it touches nothing else."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.transforms import project, raycast_to_plane
+from ashe_live.core.types import Illumination
+from ashe_live.models.primitives import box, revolved
+from ashe_live.quality import QUALITIES
+from ashe_live.render.lights.lighting import ASSUMED_SHADOW_RATIO
+from ashe_live.render.scene import Scene
+
+POLE_HEIGHT = 0.06
+
+
+def _pole(stage):
+    return stage.placed(box((0.02, 0.02, POLE_HEIGHT)))
+
+
+def _pixel(picture: np.ndarray, tracked, point: tuple[float, ...]) -> np.ndarray:
+    (column, row), *_ = project(tracked.camera, tracked.marker.T_cam_marker, [point])
+    return picture[round(row), round(column)].astype(float)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize("grey", [60, 128, 200, 255])
+def test_shadow_multiplies_the_video_by_the_ratio_in_linear_light(
+    make_renderer, stage, quality: str, grey: int
+) -> None:
+    ratio_rgb = np.array((0.25, 0.4, 0.55))
+    renderer = make_renderer(QUALITIES[quality].render)
+    tracked = stage.tracked(grey, stage.pose(-90, 50, 0.5))
+    # At 25 degrees the shadow is 0.129 long, and well beyond the contact zone at 0.09.
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(180, 25, tuple(ratio_rgb)),))))
+    shadowed = _pixel(renderer.read_bgr(), tracked, (0.09, 0, 0))[::-1]
+    expected = LINEAR_FROM_SRGB_8BIT[grey] * ratio_rgb
+    # As near as eight bits can tell.
+    np.testing.assert_allclose(shadowed, srgb_from_linear(expected) * 255, atol=0.51)
+    if grey == 255:
+        np.testing.assert_allclose(LINEAR_FROM_SRGB_8BIT[shadowed.astype(int)], expected, rtol=0.01)
+
+
+def test_unmeasured_ratio_is_the_documented_one(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    tracked = stage.tracked(255, stage.pose(-90, 50, 0.5))
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(180, 25),))))
+    shadowed = _pixel(renderer.read_bgr(), tracked, (0.09, 0, 0))
+    np.testing.assert_allclose(LINEAR_FROM_SRGB_8BIT[shadowed.astype(int)], ASSUMED_SHADOW_RATIO, rtol=0.01)
+
+
+def _ground_beyond(tracked, half_width: float) -> np.ndarray:
+    """(h, w) True where the ground that a pixel shows is farther than `half_width` from the origin in x or y."""
+    rows, columns = np.mgrid[0:360, 0:480]
+    pixels = np.column_stack([columns.ravel(), rows.ravel()])
+    ground = raycast_to_plane(tracked.camera, tracked.marker.T_cam_marker, pixels)[:, :2]
+    return (np.abs(ground).max(axis=1) > half_width).reshape(360, 480)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_without_a_light_only_the_contact_zone_is_darkened(make_renderer, stage, quality: str) -> None:
+    renderer = make_renderer(QUALITIES[quality].render)
+    image = stage.noise()
+    tracked = stage.tracked(image, stage.pose(-70, 60, 0.4))
+    renderer.render(Scene(tracked, _pole(stage)))
+    picture = renderer.read_bgr()
+    # The pole seen from 60 degrees hides ground up to 0.035 behind its foot, the contact zone ends at 0.04.
+    far = _ground_beyond(tracked, 0.06)
+    assert far.mean() > 0.3
+    np.testing.assert_array_equal(picture[far], image[far])
+
+
+def test_contact_darkening_has_no_direction(make_renderer, stage) -> None:
+    """Nothing that could be taken for a sun: a round model darkens the ground alike on all sides."""
+    renderer = make_renderer()
+    round_model = stage.placed(revolved([(0, 0), (0.02, 0), (0.02, 0.05), (0, 0.05)], 48))
+    tracked = stage.tracked(255, stage.pose(-90, 89, 0.4, target=(0, 0, 0)))
+    renderer.render(Scene(tracked, round_model))
+    picture = renderer.read_bgr()
+    angles = np.radians(np.arange(0, 360, 15))
+    near, beyond = (
+        np.array([_pixel(picture, tracked, (r * np.cos(a), r * np.sin(a), 0))[0] for a in angles])
+        for r in (0.026, 0.06)
+    )
+    assert near.max() < 245
+    assert near.max() - near.min() < 16
+    assert (beyond == 255).all()
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_video_away_from_model_and_shadow_is_untouched(make_renderer, stage, quality: str) -> None:
+    renderer = make_renderer(QUALITIES[quality].render)
+    image = stage.noise()
+    tracked = stage.tracked(image, stage.pose(-90, 60, 0.5))
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(180, 45, (0.3, 0.3, 0.3)),))))
+    picture = renderer.read_bgr()
+    changed = (picture != image).any(axis=2)
+    assert changed.sum() > 500
+    far = _ground_beyond(tracked, 0.09)
+    assert far.mean() > 0.3
+    assert not changed[far].any()
+
+
+def test_ground_is_not_darkened_seen_from_below(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    image = stage.noise()
+    tracked = stage.tracked(image, stage.pose(-90, -40, 0.4))
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(180, 30),))))
+    picture = renderer.read_bgr()
+    shadow_only = _pixel(picture, tracked, (0.06, 0, 0))
+    np.testing.assert_array_equal(shadow_only, _pixel(image, tracked, (0.06, 0, 0)))
+    assert (picture != image).any()  # the model is there
+
+
+@pytest.mark.parametrize("light_elevation_deg", [90.0, 89.999, 5.0, 0.5, 0.01, 0.0, -10.0, -90.0])
+@pytest.mark.parametrize("scale", [0.001, 0.08, 10.0])
+def test_extreme_lights_and_sizes_are_drawn(make_renderer, stage, light_elevation_deg: float, scale: float) -> None:
+    renderer = make_renderer()
+    tracked = stage.tracked(220, stage.pose(-90, 40, 3 * scale, target=(0, 0, 0.4 * scale)))
+    model = stage.placed(box((0.8 * scale, 0.8 * scale, scale), (0.0, 1.0, 0.0, 1.0)))
+    renderer.render(Scene(tracked, model, Illumination((stage.light(200, light_elevation_deg),)), shows_light=True))
+    picture = renderer.read_bgr().astype(int)
+    is_model = picture[..., 1] > picture[..., 2] + 10
+    assert is_model.mean() > 0.05
+    if light_elevation_deg <= 0:
+        # No shadow is cast: the ground beside the contact zone is as it was.
+        beside = _pixel(picture, tracked, (1.4 * scale, 0.2 * scale, 0))
+        np.testing.assert_array_equal(beside, (220, 220, 220))
+
+
+@pytest.mark.parametrize("distance_m", [0.001, 0.02, 50.0])
+def test_camera_inside_the_model_or_far_away(make_renderer, stage, distance_m: float) -> None:
+    renderer = make_renderer()
+    tracked = stage.tracked(220, stage.pose(-90, 40, distance_m, target=(0, 0, 0.03)))
+    renderer.render(Scene(tracked, _pole(stage), Illumination((stage.light(200, 30),)), shows_light=True))
+    assert renderer.read_bgr().shape == (360, 480, 3)
+
+
+def test_flat_model_is_seen_above_its_ground(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    sheet = stage.placed(box((0.06, 0.06, 0.0), (0.0, 1.0, 0.0, 1.0)))
+    tracked = stage.tracked(200, stage.pose(-90, 40))
+    renderer.render(Scene(tracked, sheet, Illumination((stage.light(180, 40),))))
+    blue, green, red = _pixel(renderer.read_bgr(), tracked, (0.01, 0.01, 0))
+    assert green > red + 50
+    assert green > blue + 50

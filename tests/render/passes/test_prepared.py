@@ -1,0 +1,38 @@
+"""Switching models: the one before is shown until the next is ready, and no picture's share of the work is large."""
+
+import numpy as np
+
+from ashe_live.core.types import Illumination
+from ashe_live.models.primitives import box
+from ashe_live.quality import FAST
+from ashe_live.render.passes import prepared
+from ashe_live.render.renderer import SceneRenderer
+from ashe_live.render.scene import Scene
+
+
+def test_the_model_before_is_shown_until_the_next_is_ready(ctx, stage, monkeypatch) -> None:
+    monkeypatch.setattr(prepared, "BUDGET_S", 0.0)  # one step a picture
+    tracked = stage.tracked(90, stage.pose(20, 40))
+    small, large = stage.placed(box((0.02, 0.02, 0.02))), stage.placed(box((0.06, 0.06, 0.06)))
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
+    at_once = SceneRenderer(ctx, FAST.render, (480, 360))
+
+    def picture(of: SceneRenderer, model) -> np.ndarray:
+        of.render(Scene(tracked, model, Illumination((stage.light(10, 40),))))
+        return of.read_bgr()
+
+    small_alone, large_alone = picture(at_once, small), picture(at_once, large)
+    np.testing.assert_array_equal(picture(renderer, small), small_alone)  # nothing else to show
+    pictures = [picture(renderer, large) for _ in range(100)]
+    before = [np.array_equal(shown, small_alone) for shown in pictures]
+    after = [np.array_equal(shown, large_alone) for shown in pictures]
+    assert all(a != b for a, b in zip(before, after, strict=True))
+    assert 10 < before.count(True) < 90
+    assert before == sorted(before, reverse=True)
+    # Back and forth before it is ready, and away from everything.
+    for model in (small, large, small, large, None, small):
+        shown = picture(renderer, model)
+    np.testing.assert_array_equal(shown, small_alone)
+    renderer.release()
+    at_once.release()
+    assert ctx.error == "GL_NO_ERROR"

@@ -1,0 +1,158 @@
+"""Real and virtual share the light: what hides, shades and is shaded by what."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Illumination
+from ashe_live.models.primitives import box
+from ashe_live.quality import QUALITIES
+from ashe_live.render.lights.lighting import lighting_of
+from ashe_live.render.lights.video_look import ASSUMED_WHITE
+from ashe_live.render.scene import Scene
+
+RATIO = (0.3, 0.4, 0.5)
+GREY = 180
+PRESETS = [quality.render for quality in QUALITIES.values()]
+IDS = list(QUALITIES)
+
+
+def _proxy_box(x: float, y: float, half: float, height: float) -> Proxy:
+    corners = [(x + a, y + b, z, 0.0, 0.0) for a in (-half, half) for b in (-half, half) for z in (0.0, height)]
+    return Proxy("box", np.array(corners))
+
+
+def _pixel(picture: np.ndarray, tracked, point: tuple[float, ...]) -> np.ndarray:
+    (column, row), *_ = project(tracked.camera, tracked.marker.T_cam_marker, [point])
+    return picture[round(row), round(column), ::-1]
+
+
+def _volume(points: np.ndarray, triangles: np.ndarray) -> float:
+    """By the divergence theorem; positive for a closed surface whose triangles face outwards."""
+    a, b, c = (points[triangles[:, corner]] for corner in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def test_surface_of_a_box_is_the_box_and_that_of_a_ball_nearly_the_ball() -> None:
+    assert _volume(*_proxy_box(0.1, -0.2, 0.03, 0.08).surface()) == pytest.approx(0.06**2 * 0.08, rel=1e-9)
+    ball = Proxy("ball", np.array([(0.1, 0.0, 0.05, 0.05, 0.05)]))
+    assert _volume(*ball.surface()) == pytest.approx(4 / 3 * np.pi * 0.05**3, rel=0.02)
+    cup = Proxy("cup", np.array([(0, 0, 0, 0.03, 0), (0, 0, 0.1, 0.04, 0)]))
+    cone = np.pi * 0.1 / 3 * (0.03**2 + 0.03 * 0.04 + 0.04**2)
+    assert _volume(*cup.surface()) == pytest.approx(cone, rel=0.02)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_model_behind_the_object_is_hidden_by_it(make_renderer, stage, preset) -> None:
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(-90, 25, 0.5))
+    model = stage.placed(box((0.05, 0.03, 0.05), (0.0, 1.0, 0.0, 1.0)))
+    in_front = _proxy_box(0.0, -0.08, 0.02, 0.06)
+    behind = _proxy_box(0.0, 0.08, 0.02, 0.02)
+    point = (0.0, -0.015, 0.02)  # on the front of the model
+    for caster, seen in ((in_front, GREY), (behind, None)):
+        renderer.render(Scene(tracked, model, Illumination(real_object=caster)))
+        red, green, blue = (int(value) for value in _pixel(renderer.read_bgr(), tracked, point))
+        assert (red, green, blue) == (seen,) * 3 if seen else green > red + 30
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_object_shades_the_model(make_renderer, stage, preset) -> None:
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(-90, 60, 0.4))
+    model = stage.placed(box((0.08, 0.04, 0.01)))
+    light = stage.light(180, 45, RATIO)  # the tall object at x = -0.1 throws its shadow up to x = 0.02
+    brightness = []
+    for caster in (None, _proxy_box(-0.1, 0.0, 0.02, 0.1)):
+        renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster)))
+        picture = renderer.read_bgr()
+        brightness.append([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, (x, 0.0, 0.01))] for x in (-0.02, 0.03)])
+    np.testing.assert_allclose(brightness[0][0], ASSUMED_WHITE, rtol=0.02)
+    np.testing.assert_allclose(brightness[1][0], ASSUMED_WHITE * np.array(RATIO), rtol=0.03)
+    np.testing.assert_allclose(brightness[1][1], ASSUMED_WHITE, rtol=0.02)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_models_shadow_falls_on_the_object(make_renderer, stage, preset) -> None:
+    """Darker by what is left of the light on the side that it lights, and untouched above the shadow."""
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(125, 30, 0.5, target=(0.05, 0, 0.03)))
+    light = stage.light(180, 30, RATIO)
+    object_ = _proxy_box(0.1, 0.0, 0.03, 0.12)  # its lit side is at x = 0.07, where the shadow is 0.045 high
+    renderer.render(Scene(tracked, stage.placed(box((0.02, 0.05, 0.08))), Illumination((light,), real_object=object_)))
+    picture = renderer.read_bgr()
+    lighting = lighting_of((light,))
+    upright = (np.array(lighting.sky) + np.array(lighting.bounce)) / 2
+    sun = np.array(lighting.suns[0].irradiance) * np.cos(np.radians(30))
+    shaded = LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, (0.07, 0.015, 0.03))] / LINEAR_FROM_SRGB_8BIT[GREY]
+    np.testing.assert_allclose(shaded, upright / (upright + sun), rtol=0.03)
+    np.testing.assert_array_equal(_pixel(picture, tracked, (0.07, 0.0, 0.1)), GREY)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_ground_in_the_objects_shadow_is_not_darkened_again(make_renderer, stage, preset) -> None:
+    renderer = make_renderer(preset)
+    tracked = stage.tracked(GREY, stage.pose(-90, 60, 0.5))
+    light = stage.light(180, 30, RATIO)
+    model = stage.placed(box((0.03, 0.06, 0.05)))  # its shadow ends at x = 0.1
+    object_ = _proxy_box(0.0, 0.06, 0.02, 0.08)  # its shadow covers y > 0.04
+    places = [(0.07, 0.02, 0.0), (0.07, 0.028, 0.0), (0.085, 0.05, 0.0)]
+    lone, shared = [], []
+    for caster, found in ((None, lone), (object_, shared)):
+        renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster)))
+        found += [_pixel(renderer.read_bgr(), tracked, place).astype(int) for place in places]
+    assert (lone[0] < GREY - 30).all()
+    np.testing.assert_array_equal(shared[0], lone[0])
+    np.testing.assert_array_equal(shared[2], GREY)
+    overlap = _proxy_box(0.0, 0.0, 0.015, 0.05)  # the model's double: all of its shadow is there already
+    renderer.render(Scene(tracked, model, Illumination((light,), real_object=overlap)))
+    np.testing.assert_allclose(_pixel(renderer.read_bgr(), tracked, (0.07, 0.0, 0.0)), GREY, atol=1)
+
+
+@pytest.mark.parametrize("off_m", [-0.0015, 0.0015])
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_where_both_shadows_meet_there_is_no_seam_though_the_objects_outline_is_off(
+    make_renderer, stage, preset, off_m: float
+) -> None:
+    """All along a line across the outline the ground is as dark as in either shadow; no seam of twice or none."""
+    renderer = make_renderer(preset)
+    light = stage.light(180, 30, RATIO)
+    pose = stage.pose(-90, 60, 0.5)
+    double = stage.placed(box((0.04, 0.04, 0.08)).moved(1.0, np.array([0.0, 0.06, 0.0])))
+    renderer.render(Scene(stage.tracked(GREY, pose), double, Illumination((light,))))
+    tracked = stage.tracked(renderer.read_bgr(), pose)  # a video of an object whose shadow begins at y = 0.04
+    model = stage.placed(box((0.03, 0.12, 0.05)))  # its shadow crosses that
+    across = [(0.08, y, 0.0) for y in np.linspace(0.034, 0.046, 25)]
+    lit = LINEAR_FROM_SRGB_8BIT[GREY]
+    for ground_rgb in (None, np.full(3, lit)):
+        caster = _proxy_box(0.0, 0.06 + off_m, 0.02, 0.08)
+        renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=ground_rgb)))
+        picture = renderer.read_bgr()
+        left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in across]) / lit / RATIO
+        if ground_rgb is None:
+            assert left.min() < 0.6 or left.max() > 1.5
+        else:
+            np.testing.assert_allclose(left, 1, atol=0.3)
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=IDS)
+def test_a_shadow_in_the_video_is_not_darkened_again_where_a_poor_proxy_knows_of_none(
+    make_renderer, stage, preset
+) -> None:
+    """The proxy's shadow begins 4 mm, some pixels, farther in than the one that the video shows."""
+    renderer = make_renderer(preset)
+    light = stage.light(180, 30, RATIO)
+    pose = stage.pose(-90, 60, 0.5)
+    double = stage.placed(box((0.04, 0.04, 0.08)).moved(1.0, np.array([0.0, 0.06, 0.0])))
+    renderer.render(Scene(stage.tracked(GREY, pose), double, Illumination((light,))))
+    tracked = stage.tracked(renderer.read_bgr(), pose)
+    lit = LINEAR_FROM_SRGB_8BIT[GREY]
+    caster = _proxy_box(0.0, 0.064, 0.02, 0.08)
+    model = stage.placed(box((0.03, 0.12, 0.05)))
+    renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=np.full(3, lit))))
+    picture = renderer.read_bgr()
+    strip = [(0.08, y, 0.0) for y in np.linspace(0.0405, 0.0435, 7)]
+    left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in strip]) / lit / RATIO
+    np.testing.assert_allclose(left, 1, atol=0.3)

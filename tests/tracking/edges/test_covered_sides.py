@@ -1,0 +1,81 @@
+"""A square's sides are the print's, or what lies over them: what is covered is left out, never believed."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from ashe_live.bench.track.frames import Cover, Flaws, ground, painted
+from ashe_live.bench.track.measures import turn_deg
+from ashe_live.bench.track.takes import CELLS, SIDE_M, SMALL, SPEC, pose_at
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.transforms import project
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.edges.corners import linear_light
+from ashe_live.tracking.edges.print_alignment import in_units
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.poses.pose import square_corners
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.tracking.conftest import frame
+
+MARKER = parse_marker(SPEC)
+POSE = pose_at(0.55, 25, 20)
+CORNERS = project(SMALL, POSE, square_corners(SIDE_M))
+
+
+def picture(flaws: Flaws) -> Image:
+    return painted(MARKER.bitmap(CELLS), SIDE_M, SMALL, [POSE], flaws, np.random.default_rng(0), ground(SMALL), 4)
+
+
+def light_of(flaws: Flaws) -> Float:
+    return linear_light(picture(flaws)[:, :, 0])
+
+
+@pytest.mark.parametrize("light", [0.03, 0.3, 0.75])
+@pytest.mark.parametrize("side", range(4))
+@pytest.mark.parametrize("reach", [(0.1, 0.05), (0.04, 0.08)])
+@pytest.mark.parametrize("clean_frames", [0, 10])
+def test_a_strip_along_a_side_makes_no_confident_lie(
+    light: float, side: int, reach: tuple[float, float], clean_frames: int
+) -> None:
+    tracker = MarkerTracker(MARKER, SMALL, SIDE_M, BALANCED.tracking)
+    clean, covered = (picture(Flaws(cover=cover)) for cover in (None, Cover(side, *reach, (-0.2, 1.2), 0.01, light)))
+    for index in range(clean_frames):
+        tracker.track(frame(clean, index))
+    found = tracker.track(frame(covered, clean_frames)).marker
+    assert found is None or turn_deg(found.measured_T_cam_marker, POSE) < 2
+    if clean_frames:
+        assert found is not None
+
+
+def test_the_inside_of_the_print_leads_back_from_a_displaced_side() -> None:
+    light = light_of(Flaws())
+    for side in range(4):
+        displaced = CORNERS.copy()
+        ends, others = [side, (side + 1) % 4], [(side - 1) % 4, (side + 2) % 4]
+        displaced[ends] += 0.1 * (CORNERS[others] - CORNERS[ends])
+        alignment = MARKER.alignment
+        found = alignment.aligned(alignment.blurred(light, displaced), displaced, SMALL, (0, 0))
+        assert found is not None
+        assert np.abs(in_units(CORNERS, found.corners_px)).max() < 0.01
+
+
+def test_likeness_is_of_the_print_in_its_own_order() -> None:
+    alignment = MARKER.alignment
+    light = light_of(Flaws())
+    assert alignment.likeness(alignment.sampled(light, CORNERS, SMALL, (0, 0))) > 0.9
+    for turns in (1, 2, 3):
+        turned = np.roll(CORNERS, turns, axis=0)
+        assert alignment.likeness(alignment.sampled(light, turned, SMALL, (0, 0))) < 0.7
+    assert alignment.likeness(alignment.sampled(np.full_like(light, 0.3), CORNERS, SMALL, (0, 0))) == pytest.approx(
+        0, abs=1e-6
+    )
+
+
+def test_a_lens_is_undone_where_samples_are_taken() -> None:
+    lens = dataclasses.replace(SMALL, dist=np.array((-0.3, 0.1, 0.0, 0.0, 0.0)))
+    pose = pose_at(0.55, 25, 20, (0.1, 0.05))
+    image = painted(MARKER.bitmap(CELLS), SIDE_M, lens, [pose], Flaws(), np.random.default_rng(0), ground(lens), 4)
+    corners, alignment = project(lens, pose, square_corners(SIDE_M)), MARKER.alignment
+    samples = alignment.sampled(linear_light(image[:, :, 0]), corners, lens, (0, 0))
+    assert alignment.likeness(samples) > 0.95

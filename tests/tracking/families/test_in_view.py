@@ -1,0 +1,54 @@
+"""Any marker of a known family is named, and nothing else is taken for one."""
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.tracking.families.markers import parse_marker
+from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
+
+SPECS = ("aruco:4x4_50:7", "aruco:5x5_250:200", "apriltag:36h11:12", "aruco:6x6_100:50", "aruco:7x7_1000:999")
+
+
+def table(*specs: str, side_px: int = 120) -> np.ndarray:
+    """Prints side by side on grey, a little blurred and turned."""
+    grey = np.full((480, 640), 200, np.uint8)
+    for place, spec in enumerate(specs):
+        left = 60 + 200 * place
+        grey[100 : 100 + side_px, left : left + side_px] = parse_marker(spec).bitmap(side_px)
+        side_px -= 20
+    turned = cv2.warpAffine(grey, cv2.getRotationMatrix2D((320, 240), 12, 1), (640, 480), borderValue=200)
+    return cv2.cvtColor(cv2.GaussianBlur(turned, (0, 0), 1.0), cv2.COLOR_GRAY2BGR)
+
+
+@pytest.mark.parametrize("spec", SPECS)
+def test_a_marker_is_named_as_it_is_asked_for(spec: str) -> None:
+    assert markers_in_view(table(spec)) == (spec,)
+
+
+def test_several_are_named_the_largest_first() -> None:
+    assert markers_in_view(table(*SPECS[:3])) == SPECS[:3]
+
+
+def test_a_large_picture_is_looked_at_too() -> None:
+    large = cv2.resize(table(SPECS[0]), None, fx=4, fy=4, interpolation=cv2.INTER_CUBIC)
+    assert markers_in_view(large) == SPECS[:1]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_squares_and_noise_are_no_markers(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    picture = rng.integers(0, 255, (480, 640, 3), dtype=np.uint8)
+    for _ in range(40):
+        x, y, side = (int(value) for value in rng.integers((0, 0, 20), (560, 400, 80)))
+        picture[y : y + side, x : x + side] = rng.integers(0, 255, 3)
+    assert markers_in_view(cv2.GaussianBlur(picture, (0, 0), 1.5)) == ()
+    assert markers_in_view(np.full((480, 640, 3), 120, np.uint8)) == ()
+
+
+def test_two_faces_of_the_cube_are_the_cube_and_one_is_a_marker() -> None:
+    whole = painted(CubeScene(CAMERA, looking(0.35, 45, 40), [sun(200, 40)]))
+    assert markers_in_view(whole) == ("cube",)
+    from_above = painted(CubeScene(CAMERA, looking(0.35, 8, 0), [sun(200, 40)]))
+    assert markers_in_view(from_above) == ("aruco:4x4_50:18",)

@@ -1,0 +1,58 @@
+"""The focal lengths that are kept: recalled for the same camera and size, and never in anyone's way."""
+
+from pathlib import Path
+
+import pytest
+
+from ashe_live.tracking.focal.focal import FocalEstimate
+from ashe_live.tracking.focal.focal_memory import FocalMemory, default_path
+
+SIZE = (640, 480)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "new" / "focal_lengths.json"
+
+
+def test_it_is_recalled_for_the_same_camera_and_size_only(path: Path) -> None:
+    estimate = FocalEstimate(SIZE, 610.5, 12.25, 40)
+    FocalMemory("Webcam C1 (046D:082D)", path).keep(estimate)
+    FocalMemory("Another", path).keep(FocalEstimate(SIZE, 800.0, 20.0, 30))
+    assert FocalMemory("Webcam C1 (046D:082D)", path).recall(SIZE) == estimate
+    assert FocalMemory("Webcam C1 (046D:082D)", path).recall((1280, 720)) is None
+    assert FocalMemory("A third", path).recall(SIZE) is None
+
+
+def test_what_is_surer_stays(path: Path) -> None:
+    memory = FocalMemory("camera", path)
+    for sigma, kept in ((20.0, 20.0), (30.0, 20.0), (10.0, 10.0)):
+        memory.keep(FocalEstimate(SIZE, 600.0, sigma, 30))
+        recalled = memory.recall(SIZE)
+        assert recalled is not None
+        assert recalled.sigma_px == kept
+
+
+@pytest.mark.parametrize(
+    "content",
+    ["", "{", "[]", '{"camera, 640x480": 5}', '{"camera, 640x480": {"focal_px": -1, "sigma_px": 1, "views": 9}}'],
+)
+def test_a_file_that_is_damaged_is_as_if_it_were_not_there(path: Path, content: str) -> None:
+    path.parent.mkdir()
+    path.write_text(content)
+    memory = FocalMemory("camera", path)
+    assert memory.recall(SIZE) is None
+    memory.keep(FocalEstimate(SIZE, 600.0, 10.0, 30))
+    assert memory.recall(SIZE) is not None
+
+
+def test_a_place_that_cannot_be_written_is_no_error(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    memory = FocalMemory("camera", tmp_path / "file" / "focal_lengths.json")
+    memory.keep(FocalEstimate(SIZE, 600.0, 10.0, 30))
+    assert memory.recall(SIZE) is None
+
+
+def test_it_lies_in_the_user_s_configuration_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    assert "ashe-live" in str(default_path())

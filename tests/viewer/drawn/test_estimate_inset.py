@@ -1,0 +1,75 @@
+"""The inset behind the key D."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import Illumination, LightEstimate
+from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
+from ashe_live.drawing.steps_sheet import steps_sheet
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.estimators.trace import Trace
+from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.pixels.view import View
+from ashe_live.viewer.drawn.estimate_inset import inset_overlays
+
+SIZE = (640, 480)
+# A flat disc 10 cm above the marker plane, beside the optical axis; the camera looks straight down from 40 cm.
+DISC = Proxy("disc", np.array([[-0.05, 0.0, 0.1, 0.02, 0.0]]))
+
+
+def drawn(overlay, colour_bgr):
+    """(h, w): where the inset, grey elsewhere, is tinted as that colour is: towards blue or towards red."""
+    blue_over_red = overlay.image_rgba[:, :, 2].astype(int) - overlay.image_rgba[:, :, 0]
+    return blue_over_red * np.sign(colour_bgr[0] - colour_bgr[2]) > 60
+
+
+def centre_x(overlay, colour_bgr):
+    _, x = np.nonzero(drawn(overlay, colour_bgr))
+    return (x.min() + x.max()) / 2 / overlay.shown_size[0]
+
+
+@pytest.fixture
+def estimate(fakes):
+    """The light comes from the right, at 45 degrees; no masks."""
+    found = fakes.estimate()
+    lit_by = replace(found.illumination, real_object=DISC)
+    return replace(found, illumination=lit_by, object_mask=None, shadow_mask=None)
+
+
+def test_body_and_shadow_are_outlined_where_they_are(fakes, estimate):
+    inset, _ = inset_overlays(estimate, fakes.tracked(), SIZE)
+    focal = 64 / 2 / np.tan(np.radians(30)) / 64  # in widths of the picture
+    assert centre_x(inset, OBJECT_BGR) == pytest.approx(0.5 - focal * 0.05 / 0.3, abs=0.03)
+    assert centre_x(inset, SHADOW_BGR) == pytest.approx(0.5 - focal * 0.15 / 0.4, abs=0.03)
+
+
+def test_the_rose_stands_above_the_picture(fakes, estimate):
+    inset, rose = inset_overlays(estimate, fakes.tracked(), SIZE)
+    assert rose.shown_size[0] == rose.shown_size[1]
+    assert rose.top_px + rose.shown_size[1] < inset.top_px
+    assert rose.left_px + rose.shown_size[0] == inset.left_px + inset.shown_size[0]
+
+
+def test_a_trace_is_one_sheet_with_the_answer_in_it(fakes, estimate):
+    frozen = fakes.tracked()
+    trace = Trace(View.of(frozen, 64))
+    (answer,) = inset_overlays(estimate, frozen, SIZE, steps_sheet(frozen, estimate, trace))
+    trace.ground = fit_lit_ground(trace.view.image_bgr, trace.view.is_ground, BALANCED.ground)
+    trace.unlit = np.zeros_like(trace.view.is_ground)
+    (steps,) = inset_overlays(estimate, frozen, SIZE, steps_sheet(frozen, estimate, trace))
+    assert answer.shown_size[1] < steps.shown_size[1] <= SIZE[1]
+    assert drawn(steps, OBJECT_BGR).any()
+    for sheet in (answer, steps):
+        assert sheet.left_px >= SIZE[0] / 2
+        assert sheet.left_px + sheet.shown_size[0] <= SIZE[0]
+        assert sheet.top_px >= 0
+        assert sheet.top_px + sheet.shown_size[1] <= SIZE[1]
+
+
+def test_without_a_light_there_is_only_the_picture(fakes):
+    none = LightEstimate("fake", 0, Illumination(), "no shadow found")
+    (inset,) = inset_overlays(none, fakes.tracked(), SIZE)
+    assert not drawn(inset, OBJECT_BGR).any()

@@ -1,0 +1,68 @@
+"""Where the time bar's parts are and what it says."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at, clock, text_of
+
+PLACES = [
+    ((320, 240), 1.0),
+    ((640, 480), 1.0),
+    ((1920, 1080), 1.0),
+    ((3840, 2160), 2.0),
+    ((480, 640), 2.0),
+    ((40, 30), 1),
+]
+
+
+@pytest.mark.parametrize(("size", "scale"), PLACES)
+def test_it_lies_at_the_bottom_and_inside(size, scale):
+    plate, text, *line = TimeBar().overlays(Moment(3.0, 7.0, 90, 0.25, True), size, scale)
+    assert (plate.left_px, plate.top_px + plate.shown_size[1], plate.shown_size[0]) == (0, size[1], size[0])
+    if size[0] < 100:
+        return
+    for part in (text, *line):
+        assert plate.top_px <= part.top_px
+        assert part.top_px + part.shown_size[1] <= size[1]
+        assert 0 <= part.left_px <= part.left_px + part.shown_size[0] <= size[0]
+    assert text.left_px + text.shown_size[0] <= line[0].left_px
+    assert line[0].shown_size[0] > 0.25 * size[0]
+
+
+@pytest.mark.parametrize(("size", "scale"), PLACES)
+def test_a_click_goes_to_where_the_knob_then_stands(size, scale):
+    bar = bar_at(size, scale)
+    for x_px in np.linspace(bar.left, bar.right, 7):
+        *_, knob = TimeBar().overlays(Moment(10 * bar.share_at(x_px), 10.0), size, scale)
+        assert knob.left_px + knob.shown_size[0] // 2 == pytest.approx(x_px, abs=1)
+    assert (bar.share_at(-1e6), bar.share_at(1e6)) == (0, 1)
+
+
+def test_time_moves_the_knob_and_nothing_is_uploaded_anew():
+    bar = TimeBar()
+    drawn = [bar.overlays(Moment(second, 9.0), (640, 480), 1.0) for second in (2.0, 2.5, 2.9)]
+    knobs = [overlays[-1].left_px for overlays in drawn]
+    assert all(earlier < later for earlier, later in pairwise(knobs))
+    for before, after in pairwise(drawn):
+        assert all(a.image_rgba is b.image_rgba for a, b in zip(before, after, strict=True))
+
+
+def test_a_clip_of_one_frame_has_a_bar_too():
+    assert TimeBar().overlays(Moment(0.0, 0.0), (640, 480), 1.0)
+
+
+def test_it_says_where_the_picture_is():
+    assert text_of(Moment(61.26, 125.0), True) == "1:01 / 2:05"
+    assert text_of(Moment(61.26, 125.0, 1838), True) == "1:01.2 / 2:05.0   frame 1838"
+    assert text_of(Moment(61.26, 125.0, 1838, 0.25, True), True) == "1:01.2 / 2:05.0   frame 1838   0.25x loop"
+    assert text_of(Moment(61.26, 125.0, 1838, 0.25, True), False) == "1:01.2 / 2:05.0"
+    assert (clock(59.99, False), clock(59.99, True), clock(0.3, True)) == ("0:59", "0:59.9", "0:00.3")
+
+
+def test_a_bar_that_stands_still_is_the_same_objects():
+    bar = TimeBar()
+    first = bar.overlays(Moment(3.0, 7.0, 90), (640, 480), 1.0)
+    assert bar.overlays(Moment(3.0, 7.0, 90), (640, 480), 1.0) is first
+    assert bar.overlays(Moment(3.1, 7.0, 93), (640, 480), 1.0) is not first

@@ -1,0 +1,44 @@
+"""Beside a cube: the model stands clear of it and of its shadow, and over a flat marker as ever."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import direction_from_angles, project
+from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
+from ashe_live.models.placement import UNMOVED
+from ashe_live.tracking.cube.faces import CORNERS
+from ashe_live.viewer.estimates.beside import first_placement
+from tests.painted_cubes import CAMERA, EDGE_M, looking
+
+BODY = Proxy("box", np.column_stack([EDGE_M * CORNERS, np.zeros((8, 2))]))
+
+
+def tracked(azimuth_deg: float, body: Proxy | None = BODY) -> TrackedFrame:
+    marker = MarkerPose(looking(0.5, 50, azimuth_deg), np.zeros((4, 2)), EDGE_M, 0.0, None, body=body)
+    return TrackedFrame(Frame(np.zeros((480, 640, 3), np.uint8), 0, 0.0), CAMERA, marker)
+
+
+def test_over_a_flat_marker_and_without_one_nothing_is_moved() -> None:
+    assert first_placement(tracked(30, None), None) == UNMOVED
+    assert first_placement(dataclasses.replace(tracked(30), marker=None), None) == UNMOVED
+
+
+@pytest.mark.parametrize("azimuth_deg", [0, 75, 200])
+def test_it_stands_beside_the_cube_in_the_picture(azimuth_deg: float) -> None:
+    seen = tracked(azimuth_deg)
+    assert seen.marker is not None
+    x, y = first_placement(seen, None).shift_m
+    assert np.hypot(x, y) > 1.3 * EDGE_M
+    middle, beside = project(CAMERA, seen.marker.T_cam_marker, [(0, 0, 0), (x, y, 0)])
+    assert beside[0] > middle[0] + 40
+
+
+@pytest.mark.parametrize("sun_deg", range(0, 360, 30))
+def test_it_stands_out_of_the_cubes_shadow(sun_deg: float) -> None:
+    to_light = direction_from_angles(np.radians(sun_deg), np.radians(30))
+    place = np.array(first_placement(tracked(75), Light(to_light)).shift_m)
+    to_shadow = -to_light[:2] / np.linalg.norm(to_light[:2])
+    assert place @ to_shadow < 0.5 * np.linalg.norm(place)

@@ -1,0 +1,102 @@
+"""The light of a painted table, watched with the real worker: sharpened by views, followed, and found anew."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import angle_between, direction_from_angles
+from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.live.worker import LightWorker
+from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.preset import BALANCED
+from ashe_live.tracking.tracker import MarkerTracker
+from ashe_live.viewer.estimates.light_watch import LightWatch
+
+PATIENCE_S = 60.0
+SIDES_DEG = (-100, -97, -94, -91, -88)
+
+
+@pytest.fixture(scope="module")
+def table(picture_of_box) -> dict[float, list[TrackedFrame]]:
+    """The table from several sides, in the light of two azimuths."""
+    tracker = MarkerTracker(parse_marker("aruco:4x4_50:0"), Camera.from_hfov((640, 480), 55), 0.08, BALANCED)
+    frames: dict[float, list[TrackedFrame]] = {}
+    for light_deg in (200.0, 60.0):
+        frames[light_deg] = []
+        for side_deg in SIDES_DEG:
+            tracker.reset()
+            frames[light_deg].append(tracker.track(Frame(picture_of_box(side_deg, light_deg), 0, 0.0)))
+    return frames
+
+
+@pytest.fixture
+def watch() -> Iterator[LightWatch]:
+    with LightWorker("proxy") as worker:
+        watch = LightWatch(worker)
+        watch.preset = FAST
+        yield watch
+
+
+class Clock:
+    """Frames with numbers and times of their own, a second apart."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def now(self, tracked: TrackedFrame) -> tuple[TrackedFrame, float]:
+        self.count += 1
+        return replace(tracked, frame=Frame(tracked.frame.image_bgr, self.count, float(self.count))), float(self.count)
+
+
+def error_deg(watch: LightWatch, light_deg: float) -> float:
+    truth = direction_from_angles(np.radians(light_deg), np.radians(42))
+    return math.degrees(angle_between(watch.held.estimate.light.to_light_marker, truth))
+
+
+def test_an_answer_is_sharpened_then_followed_and_a_changed_light_replaces_it(watch, table) -> None:
+    clock = Clock()
+    first, now_s = clock.now(table[200.0][0])
+    watch.key_views.add(first)
+    assert watch.ask(first, now_s)
+    watch.wait(PATIENCE_S)
+    alone = watch.held.estimate
+    assert alone.views == (first.frame.index,)
+    assert not watch.sharpen(now_s + 10, None), "there is nothing new to look at"
+
+    sharpened = 0
+    for tracked in table[200.0][1:]:
+        seen, now_s = clock.now(tracked)
+        watch.key_views.add(seen)
+        if watch.sharpen(now_s, None):
+            watch.wait(PATIENCE_S)
+            sharpened += 1
+    assert sharpened >= 2
+    assert error_deg(watch, 200.0) < 10
+
+    answered = 0
+    while not watch.sharpening.is_settled and answered < 20:
+        seen, now_s = clock.now(table[200.0][0])
+        if watch.look_again(seen, now_s, None):
+            watch.wait(PATIENCE_S)
+            answered += 1
+    assert watch.sharpening.is_settled
+    before = watch.held.estimate
+    seen, now_s = clock.now(table[200.0][0])
+    seen, now_s = clock.now(table[200.0][0])
+    assert watch.look_again(seen, now_s, None)
+    watch.wait(PATIENCE_S)
+    assert watch.held.estimate is before, "an unchanged light is looked for, and stays"
+
+    views_before = watch.key_views.views
+    for _ in range(5):
+        seen, now_s = clock.now(table[60.0][0])
+        watch.key_views.add(seen)
+        if watch.look_again(seen, now_s, None):
+            watch.wait(PATIENCE_S)
+    assert error_deg(watch, 60.0) < 10
+    assert not any(view is old for view in watch.key_views.views for old in views_before)

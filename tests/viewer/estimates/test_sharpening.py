@@ -1,0 +1,69 @@
+"""When another estimate is worth its work."""
+
+import math
+
+from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE, RENEWED_AFTER_S, Sharpening
+
+
+def orbit(fakes, count: int, step_deg: float, first: int = 0) -> tuple:
+    return tuple(fakes.tracked(first + at, tilt_deg=step_deg * at) for at in range(count))
+
+
+def asked(views, now_s: float = 0.0) -> Sharpening:
+    sharpening = Sharpening()
+    sharpening.asked(views, now_s)
+    return sharpening
+
+
+def test_views_that_span_more_are_worth_another_estimate_and_the_same_again_are_not(fakes):
+    views = orbit(fakes, 3, 2.0)
+    sharpening = asked(views)
+    assert not sharpening.is_due_for(views, 10.0)
+    assert not sharpening.is_due_for((*views, fakes.tracked(9, tilt_deg=4.2)), 10.0)
+    assert sharpening.is_due_for((*views, fakes.tracked(9, tilt_deg=7.0)), 10.0)
+
+
+def test_one_estimate_at_a_time_and_not_too_often(fakes):
+    sharpening = asked(orbit(fakes, 2, 2.0))
+    wider = orbit(fakes, 4, 2.0)
+    assert not sharpening.is_due_for(wider, EVERY_S / 2)
+    assert sharpening.is_due_for(wider, EVERY_S)
+
+
+def test_new_views_over_the_same_span_are_worth_it_once_there_are_enough(fakes):
+    views = orbit(fakes, 6, 3.0)
+    sharpening = asked(views)
+    assert not sharpening.is_due_for((*views[:5], fakes.tracked(20, tilt_deg=15.0)), 10.0)
+    renewed = (*views[:3], *orbit(fakes, 6, 3.0, first=30)[3:])
+    assert sharpening.is_due_for(renewed, 10.0)
+
+
+def test_a_clip_that_begins_again_is_not_estimated_from_less_than_is_known(fakes):
+    sharpening = asked(orbit(fakes, 8, 4.0))
+    for count in range(1, 7):
+        assert not sharpening.is_due_for(orbit(fakes, count, 4.0, first=100), 10.0 * count)
+
+
+def test_it_ends_when_nothing_is_gained_and_goes_on_where_much_more_is_seen(fakes):
+    sharpening = Sharpening()
+    for at in range(FUTILE):
+        assert not sharpening.is_settled
+        sharpening.asked(orbit(fakes, 3 + at, 4.0), float(at))
+        sharpening.answered(is_sharper=False)
+    assert sharpening.is_settled
+    assert not sharpening.is_due_for(orbit(fakes, 6, 4.0), 10.0)
+    assert sharpening.is_due_for(orbit(fakes, 8, 4.0), 10.0)
+    sharpening.answered(is_sharper=True)
+    assert not sharpening.is_settled
+
+
+def test_a_watched_scene_is_looked_at_less_often_once_nothing_is_gained_and_estimated_again_in_the_end(fakes):
+    sharpening = asked(orbit(fakes, 1, 0.0), 100.0)
+    assert sharpening.is_due_again(100.0 + EVERY_S)
+    for _ in range(FUTILE):
+        sharpening.answered(is_sharper=False)
+    assert not sharpening.is_due_again(100.0 + EVERY_S)
+    assert sharpening.is_due_again(100.0 + CHECKED_EVERY_S)
+    assert sharpening.is_up_to_date(100.0 + CHECKED_EVERY_S)
+    assert not sharpening.is_up_to_date(101.0 + RENEWED_AFTER_S)
+    assert math.isclose(sharpening.span_rad, 0.0)

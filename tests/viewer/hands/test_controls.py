@@ -1,0 +1,80 @@
+"""The table of keys."""
+
+from collections import Counter
+
+import glfw
+import pytest
+
+from ashe_live.viewer.hands.controls import BINDINGS, HELD, REQUEST_BY_KEY, Command, Request, help_rows, request_for
+from ashe_live.viewer.windows.glfw_window import NAME_BY_GLFW_KEY, held
+
+
+def split(key: str) -> tuple[str, str]:
+    """Modifiers in the table's order, and the key's name."""
+    name = key
+    for modifier in HELD:
+        name = name.removeprefix(modifier)
+    return key.removesuffix(name), name
+
+
+def test_every_command_is_bound_exactly_once():
+    assert Counter(binding.command for binding in BINDINGS) == Counter(Command)
+
+
+def test_no_key_asks_for_two_things():
+    keys = [key for binding in BINDINGS for key in binding.keys]
+    assert len(keys) == len(set(keys)) == len(REQUEST_BY_KEY)
+
+
+def test_glfw_knows_every_key():
+    """By its name, where that is longer than what stands on a key."""
+    for key in REQUEST_BY_KEY:
+        _, name = split(key)
+        assert len(name) == 1 or name in NAME_BY_GLFW_KEY.values()
+
+
+def test_the_number_keys_choose_by_place():
+    chosen = [request_for(label, key) for key, label in zip("123456789", "&é\"'(-è_ç", strict=True)]  # French
+    assert chosen == [Request(Command.CHOOSE_MODEL, place) for place in range(9)]
+
+
+@pytest.mark.parametrize(
+    ("label", "place", "command"),
+    [
+        ("a", "A", Command.AUTOMATIC),
+        ("a", "Q", Command.AUTOMATIC),  # French: what stands on the key counts
+        ("ф", "A", Command.AUTOMATIC),  # Russian: no Latin letter stands there
+        ("", "LEFT", Command.PREVIOUS_MODEL),
+        ("o", "S", Command.LOOP),  # Dvorak
+        ("ö", "SEMICOLON", None),
+        (",", "M", Command.STEP),  # French
+        ("", None, None),
+    ],
+)
+def test_keys_are_known_by_what_stands_on_them(label, place, command):
+    request = request_for(label, place)
+    assert (None if request is None else request.command) is command
+
+
+def test_shift_is_heeded_only_where_that_is_bound():
+    assert request_for("s", "S", "SHIFT+") == Request(Command.SNAPSHOT)
+    assert request_for("s", "S", "CTRL+") is None
+    assert request_for("s", "S", "ALT+SHIFT+") is None
+
+
+def test_each_key_asks_for_what_the_table_says():
+    for key, request in REQUEST_BY_KEY.items():
+        modifiers, name = split(key)
+        assert request_for(name if len(name) == 1 else "", name, modifiers) is request
+
+
+def test_modifiers_have_names():
+    assert held(0) == ""
+    assert held(glfw.MOD_SHIFT | glfw.MOD_CONTROL) == "CTRL+SHIFT+"
+    assert held(glfw.MOD_SUPER) == "CTRL+"
+    assert held(glfw.MOD_CAPS_LOCK | glfw.MOD_ALT) == "ALT+"
+
+
+def test_the_help_lists_every_binding():
+    assert set(help_rows()) > {(binding.shown, binding.help) for binding in BINDINGS}
+    assert all(shown and text for shown, text in help_rows())

@@ -1,0 +1,95 @@
+"""The menu: whatever it shows can be chosen with the mouse, wherever it was opened, and does what its key does."""
+
+import numpy as np
+import pytest
+
+from ashe_live.viewer.hands.controls import BINDINGS, Command, MouseAction, MouseEvent, Request
+from ashe_live.viewer.hands.menu import OFFERED, Menu, entries_for
+
+SIZE = (640, 480)
+ENTRIES = entries_for(("mug", "tree"), 1)
+MENU, MOVED, PRESSED, RELEASED = MouseAction.MENU, MouseAction.MOVED, MouseAction.PRESSED, MouseAction.RELEASED
+
+
+def opened(x_px: float = 50, y_px: float = 40, size: tuple[int, int] = SIZE) -> Menu:
+    menu = Menu()
+    assert menu.take_mouse(MouseEvent(MENU, x_px, y_px), ENTRIES, size, 1.0)
+    return menu
+
+
+def plate(menu: Menu, size: tuple[int, int] = SIZE) -> tuple[int, int, int, int]:
+    (overlay, *_) = menu.overlays(size)
+    return overlay.left_px, overlay.top_px, *overlay.shown_size
+
+
+def chosen_at(x_px: float, y_px: float, menu: Menu, size: tuple[int, int] = SIZE) -> Request | None:
+    for action in (MOVED, PRESSED, RELEASED):
+        assert menu.take_mouse(MouseEvent(action, x_px, y_px), ENTRIES, size, 1.0)
+    return menu.take_request()
+
+
+def test_commands_are_worded_as_in_the_table_of_keys():
+    words = {(binding.command, binding.help) for binding in BINDINGS}
+    assert all((entry.request.command, entry.text) in words for entry in ENTRIES[2:])
+    assert [entry.request.command for entry in ENTRIES[2:]] == list(OFFERED)
+
+
+def test_the_chosen_model_is_marked():
+    assert [entry.is_chosen for entry in ENTRIES[:2]] == [False, True]
+
+
+@pytest.mark.parametrize("corner", [(0, 0), (639, 0), (0, 479), (639, 479)])
+def test_every_row_can_be_chosen_wherever_it_was_opened(corner):
+    found = set()
+    for row in range(480):
+        menu = opened(*corner)
+        left, top, width, height = plate(menu)
+        assert min(left, top) >= 0
+        assert (left + width, top + height) <= SIZE
+        assert top + height <= SIZE[1]
+        if top <= row < top + height:
+            found.add(chosen_at(left + width / 2, row, menu))
+    assert found - {None} == {entry.request for entry in ENTRIES}
+
+
+def test_a_press_beside_it_closes_it_and_reaches_nothing_below():
+    menu = opened()
+    left, top, width, height = plate(menu)
+    assert chosen_at(left + width + 5, top + height + 5, menu) is None
+    assert not menu.is_open
+    assert not menu.take_mouse(MouseEvent(PRESSED, 1, 1), ENTRIES, SIZE, 1.0)
+
+
+def test_while_it_is_closed_the_mouse_is_the_picture_s():
+    menu = Menu()
+    assert not any(
+        menu.take_mouse(MouseEvent(action, 5, 5), ENTRIES, SIZE, 1.0) for action in (MOVED, PRESSED, RELEASED)
+    )
+
+
+def test_the_row_under_the_pointer_is_brighter():
+    menu = opened()
+    left, top, width, height = plate(menu)
+    assert len(menu.overlays(SIZE)) == 1
+    menu.take_mouse(MouseEvent(MOVED, left + width / 2, top + height / 2), ENTRIES, SIZE, 1.0)
+    _, bar = menu.overlays(SIZE)
+    assert bar.top_px <= top + height / 2 < bar.top_px + bar.shown_size[1]
+    assert menu.overlays(SIZE) is menu.overlays(SIZE)
+
+
+def test_it_goes_when_the_window_changes_its_size():
+    menu = opened()
+    assert menu.overlays((800, 600)) == ()
+    assert not menu.take_mouse(MouseEvent(MOVED, 60, 60), ENTRIES, (800, 600), 1.0)
+    assert not menu.is_open
+
+
+@pytest.mark.parametrize("size", [(1, 1), (64, 48), (10_000, 30)])
+def test_no_window_is_too_small(size):
+    menu = opened(0, 0, size)
+    assert np.isfinite(plate(menu, size)).all()
+
+
+def test_names_of_any_length_and_number_are_offered_up_to_the_keys_there_are():
+    many = entries_for(tuple(f"model {number}" for number in range(40)), 39)
+    assert sum(entry.request.command is Command.CHOOSE_MODEL for entry in many) == 9

@@ -1,0 +1,72 @@
+"""Undo: gesture by gesture back to the beginning, and no further."""
+
+import numpy as np
+
+from ashe_live.core.types import Illumination, Light
+from ashe_live.viewer.hands.controls import Command, Drag, Request
+from ashe_live.viewer.hands.hand import Hand, HandContext
+from ashe_live.viewer.hands.undo import ONE_GESTURE_S, Undo
+
+LARGER = Request(Command.SCALE_MODEL, 1)
+TURN = Request(Command.TURN_MODEL, 1)
+
+
+class Table:
+    """A hand whose requests are noted first, as the session does."""
+
+    def __init__(self, fakes) -> None:
+        self.hand, self.undo = Hand(), Undo()
+        self._context = HandContext(fakes.tracked(), Illumination((Light(np.array((1.0, 0.0, 1.0))),)), None)
+
+    def obey(self, request: Request, now_s: float) -> None:
+        self.undo.note(self.hand, request, now_s)
+        self.hand.obey(request, self._context)
+
+
+def test_each_gesture_is_taken_back_by_itself(fakes):
+    table = Table(fakes)
+    states = [table.hand.placement]
+    for number, request in enumerate((LARGER, TURN, LARGER)):
+        table.obey(request, 10.0 * number)
+        states.append(table.hand.placement)
+    for state in reversed(states[:-1]):
+        assert table.undo.undo(table.hand)
+        assert table.hand.placement == state
+    assert not table.undo.undo(table.hand)
+
+
+def test_a_turning_wheel_is_one_gesture(fakes):
+    table = Table(fakes)
+    before = table.hand.placement
+    for number in range(20):
+        table.obey(LARGER, number * ONE_GESTURE_S / 2)
+    assert table.undo.undo(table.hand)
+    assert table.hand.placement == before
+
+
+def test_a_drag_is_one_gesture_however_slow(fakes):
+    table = Table(fakes)
+    for number in range(20):
+        drag = Drag((30.0, 20.0), (30.0 + number, 20.0), is_first=number == 0)
+        table.obey(Request(Command.MOVE_LIGHT, drag), 5.0 * number)
+    assert table.hand.light is not None
+    assert table.undo.undo(table.hand)
+    assert table.hand.light is None
+    assert not table.undo.undo(table.hand)
+
+
+def test_what_changed_nothing_takes_no_step(fakes):
+    table = Table(fakes)
+    table.obey(LARGER, 0.0)
+    before = table.hand.placement
+    for number in range(1, 4):
+        table.undo.note(table.hand, Request(Command.RESET), 10.0 * number)
+    assert table.undo.undo(table.hand)
+    assert table.hand.placement != before
+
+
+def test_the_steps_of_another_model_are_forgotten(fakes):
+    table = Table(fakes)
+    table.obey(LARGER, 0.0)
+    table.undo.forget()
+    assert not table.undo.undo(table.hand)

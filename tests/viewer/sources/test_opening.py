@@ -1,0 +1,143 @@
+"""Files that are dropped on the window: opened off the main thread, and without effect when they cannot be."""
+
+import threading
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from ashe_live.capture.sources import open_source
+from ashe_live.errors import UserError
+from ashe_live.viewer.hands.controls import Command, Files, Request
+from ashe_live.viewer.sources.opening import Opening, first_of_each_kind, paths_in
+from ashe_live.viewer.sources.pipeline import Pipeline
+from ashe_live.viewer.windows.glfw_window import GlfwWindow
+
+PATIENCE_S = 20.0
+
+
+@pytest.fixture
+def opening(fakes):
+    """With the real sources and a stand-in for the tracker."""
+
+    def opener(path: Path):
+        tracker = fakes.Tracker()
+        tracker.track = fakes.tracked_in
+        pipeline = Pipeline(open_source(path), tracker, True)
+        pipeline.start()
+        return pipeline
+
+    opening = Opening(opener)
+    yield opening
+    opening.close()
+
+
+def awaited(opening: Opening):
+    with_future = opening._coming
+    with_future.exception(PATIENCE_S)
+    return opening.take()
+
+
+def test_a_clip_comes_with_its_first_frame(opening, film):
+    opening.begin(film.path)
+    opened = awaited(opening)
+    assert opened.name == film.path.name
+    assert opened.first.frame.size == film.size
+    assert opened.pipeline.is_clip
+    assert opening.take() is None
+    opened.pipeline.close()
+
+
+def test_a_photo_comes_too(opening, tmp_path):
+    PIL.Image.fromarray(np.zeros((48, 64, 3), np.uint8)).save(tmp_path / "photo.png")
+    opening.begin(tmp_path / "photo.png")
+    opened = awaited(opening)
+    assert opened.pipeline.is_photo
+    assert opened.first.frame.size == (64, 48)
+    opened.pipeline.close()
+
+
+@pytest.mark.parametrize("name", ["missing.mp4", "empty.mp4", "nonsense.mp4", "torn.png", "notes.txt", "folder"])
+def test_what_cannot_be_opened_says_so_once(opening, tmp_path, name):
+    path = tmp_path / name
+    if name == "folder":
+        path.mkdir()
+    elif name != "missing.mp4":
+        path.write_bytes(b"" if name == "empty.mp4" else b"\x89PNG nonsense, and no picture")
+    opening.begin(path)
+    with pytest.raises(UserError) as error:
+        awaited(opening)
+    assert name in error.value.message
+    assert "\n" not in str(error.value)
+    assert opening.take() is None
+
+
+def test_whatever_a_file_does_to_its_reader_is_one_line():
+    def opener(_path: Path):
+        raise ZeroDivisionError("in a library")
+
+    opening = Opening(opener)
+    opening.begin(Path("strange.mp4"))
+    with pytest.raises(UserError, match=r"strange\.mp4"):
+        awaited(opening)
+
+
+def test_of_two_files_in_a_row_the_last_is_shown_and_the_first_is_closed(fakes):
+    go_on, pipelines = threading.Event(), {}
+
+    def opener(path: Path):
+        if path.name == "first":
+            go_on.wait(PATIENCE_S)
+        pipelines[path.name] = Pipeline(fakes.Source(), fakes.Tracker(), True)
+        pipelines[path.name].start()
+        return pipelines[path.name]
+
+    opening = Opening(opener)
+    opening.begin(Path("first"))
+    first = opening._coming
+    opening.begin(Path("last"))
+    assert awaited(opening).pipeline is pipelines["last"]
+    go_on.set()
+    assert first.result(PATIENCE_S).pipeline is pipelines["first"]
+    assert pipelines["first"]._source.closed.wait(PATIENCE_S)
+    pipelines["last"].close()
+
+
+@pytest.mark.parametrize(
+    ("paths", "model", "source"),
+    [
+        (["/a/chair.OBJ"], "/a/chair.OBJ", None),
+        (["/a/clip.mov"], None, "/a/clip.mov"),
+        (["/a/photo.jpg", "/a/other.jpg"], None, "/a/photo.jpg"),
+        (["/a/wood.png", "/a/chair.obj", "/a/chair.mtl", "/a/chair.bin"], "/a/chair.obj", None),  # what belongs to it
+        (["/a/clip.mp4", "/a/one.glb", "/a/two.glb", "/a/late.webm"], "/a/one.glb", "/a/clip.mp4"),
+        (["/a/notes.txt"], None, "/a/notes.txt"),  # which says that it is no clip
+        ([], None, None),
+    ],
+)
+def test_of_several_files_the_first_of_each_kind_counts(paths, model, source):
+    assert first_of_each_kind(paths) == (model, source)
+
+
+@pytest.mark.parametrize(
+    ("text", "paths"),
+    [
+        ("/a/b c.mp4\n", ("/a/b c.mp4",)),
+        ("file:///a/b%20c.mp4\r\nfile:///a/d.glb\r\n", ("/a/b c.mp4", "/a/d.glb")),
+        ('"/a/b.mp4"', ("/a/b.mp4",)),
+        ("'/a/b.mp4'", ("/a/b.mp4",)),
+        ("file:///C:/a/b%20c.glb", ("C:/a/b c.glb",)),
+        ("\n  \n", ()),
+        ("", ()),
+    ],
+)
+def test_copied_text_names_files(text, paths):
+    assert paths_in(text) == paths
+
+
+def test_the_windows_drop_is_a_request():
+    window = GlfwWindow.__new__(GlfwWindow)  # without a display
+    window._requests = []
+    window._on_drop(None, ["/a/b.glb", "/a/c d.mp4"])
+    assert window._requests == [Request(Command.OPEN, Files(("/a/b.glb", "/a/c d.mp4")))]

@@ -1,0 +1,579 @@
+"""The capture thread: pace, end, pause, restart, loss and shutdown. Everything is awaited, nothing slept for."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+
+from ashe_live.capture.sources import SourceLost
+from ashe_live.core.mailbox import Closed
+from ashe_live.core.types import Frame
+from ashe_live.errors import UserError
+from ashe_live.quality import ACCURATE, FAST
+from ashe_live.viewer.sources import capture_loop
+from ashe_live.viewer.sources import pipeline as pipeline_module
+from ashe_live.viewer.sources.pipeline import Pipeline
+
+PATIENCE_S = 20.0
+A_WHILE_S = 0.15  # many frames long at 200 a second
+
+
+def await_that(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        threading.Event().wait(0.002)
+
+
+def indices(pipeline: Pipeline, until: int) -> list[int]:
+    """Of the frames taken, up to and with the first from `until` on; some may have been overtaken by the next."""
+    taken: list[int] = []
+    while not taken or taken[-1] < until:
+        tracked = pipeline.frames.take(PATIENCE_S)
+        assert tracked is not None
+        taken.append(tracked.frame.index)
+    return taken
+
+
+def assert_settles(pipeline: Pipeline, at: int) -> None:
+    """Frame `at` comes, and no other after it."""
+    tracked = None
+    while tracked is None or tracked.frame.index != at:
+        tracked = pipeline.frames.take(PATIENCE_S)
+        assert tracked is not None
+    assert pipeline.frames.take(A_WHILE_S) is None
+
+
+@pytest.fixture
+def run(fakes) -> Iterator[Callable[..., Pipeline]]:
+    """Starts a pipeline, and closes it in the end."""
+    with ExitStack() as stack:
+
+        def run(source, loop: bool = False, tracker=None) -> Pipeline:
+            pipeline = Pipeline(source, tracker or fakes.Tracker(), loop)
+            stack.callback(pipeline.close)
+            pipeline.start()
+            return pipeline
+
+        yield run
+
+
+def test_frames_come_in_order_and_the_end_holds(run, fakes):
+    pipeline = run(fakes.Source(6))
+    taken = indices(pipeline, until=5)
+    assert taken == sorted(taken)
+    await_that(lambda: pipeline.status is not None)
+    assert "R starts it again" in pipeline.status
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert not pipeline.frames.is_closed
+
+
+def test_the_last_frame_is_shown_however_late(fakes, monkeypatch):
+    """It stays on screen. Where the others are late too, they are left out."""
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    monkeypatch.setattr(capture_loop, "time", clock)
+    source = fakes.Source(4, fps=200.0)
+
+    def be_late(_index: int) -> None:
+        clock.now += 0.01
+
+    source.hook = be_late
+    pipeline = Pipeline(source, fakes.Tracker(), False)
+    seen = []
+    monkeypatch.setattr(pipeline._capture, "_wait", lambda *_: None)
+    for _ in range(5):
+        pipeline._capture.step()
+        tracked = pipeline.frames.take(0.0)
+        seen += [] if tracked is None else [tracked.frame.index]
+    assert (seen[0], seen[-1], len(seen)) == (0, 3, 2)
+
+
+def test_restart_begins_anew_also_at_the_end(run, fakes):
+    source, tracker = fakes.Source(4), fakes.Tracker()
+    pipeline = run(source, tracker=tracker)
+    indices(pipeline, until=3)
+    await_that(lambda: pipeline.status is not None)
+    taken = threading.Event()
+    source.hook = lambda index: index < 3 or taken.wait(PATIENCE_S)  # else the last may overtake all before it
+    pipeline.restart()
+    assert pipeline.frames.take(PATIENCE_S).frame.index < 3
+    taken.set()
+    indices(pipeline, until=3)
+    assert source.rewinds == tracker.resets == 1
+
+
+def test_a_loop_goes_round(run, fakes):
+    source, tracker = fakes.Source(3), fakes.Tracker()
+    pipeline = run(source, loop=True, tracker=tracker)
+    for _ in range(3):
+        indices(pipeline, until=2)
+    assert source.rewinds >= 2
+    assert tracker.resets >= 2
+    assert pipeline.status is None
+
+
+def test_a_looped_clip_still_tells_that_it_is_damaged(run, fakes):
+    source = fakes.Source(3)
+    source.note = "the clip is truncated"
+    pipeline = run(source, loop=True)
+    await_that(lambda: source.rewinds >= 2)
+    indices(pipeline, until=2)
+    assert pipeline.status == "the clip is truncated"
+
+
+def test_a_looped_photo_is_read_once(run, fakes):
+    source = fakes.Source(1, fps=None, is_photo=True)
+    pipeline = run(source, loop=True)
+    indices(pipeline, until=0)
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert source.reads <= 2
+    assert pipeline.status is None
+
+
+def test_pause_holds_and_goes_on_where_it_was(run, fakes):
+    source = fakes.Source(10_000)
+    pipeline = run(source)
+    indices(pipeline, until=0)
+    pipeline.pause(True)
+    while pipeline.frames.take(A_WHILE_S) is not None:  # what was under way when the pause came
+        pass
+    next_index = source.reads
+    assert pipeline.frames.take(A_WHILE_S) is None
+    assert source.reads == next_index
+    pipeline.pause(False)
+    resumed = pipeline.frames.take(PATIENCE_S)
+    assert next_index <= resumed.frame.index <= next_index + 2
+
+
+def test_restart_while_paused_shows_the_first_frame_and_stays_paused(run, fakes):
+    pipeline = run(fakes.Source(10_000))
+    indices(pipeline, until=5)
+    pipeline.pause(True)
+    while pipeline.frames.take(A_WHILE_S) is not None:
+        pass
+    pipeline.restart()
+    assert pipeline.frames.take(PATIENCE_S).frame.index == 0
+    assert pipeline.frames.take(A_WHILE_S) is None
+
+
+@pytest.fixture
+def held(run, fakes) -> tuple[Pipeline, object, object]:
+    """A pipeline that is paused at frame 50 of 1000, with its clip and tracker."""
+    source, tracker = fakes.Clip(1000), fakes.Tracker()
+    pipeline = run(source, tracker=tracker)
+    pipeline.pause(True)
+    pipeline.seek(50 / source.fps)
+    assert_settles(pipeline, at=50)
+    tracker.jumps, source.sought = 0, []
+    return pipeline, source, tracker
+
+
+def test_steps_while_paused_are_tracked_and_shown(held):
+    pipeline, _, tracker = held
+    for by, wanted, jumps in ((1, 51, 0), (1, 52, 0), (-1, 51, 1), (-1, 50, 2), (-1, 49, 3), (1, 50, 3)):
+        pipeline.step(by)
+        tracked = pipeline.frames.take(PATIENCE_S)
+        assert (tracked.frame.index, tracked.marker is not None) == (wanted, True)
+        assert tracker.jumps == jumps  # the next one in a row is no cut
+    assert pipeline.frames.take(A_WHILE_S) is None
+
+
+def test_a_step_pauses_at_the_very_next_frame(run, fakes):
+    pipeline = run(fakes.Clip(10_000, fps=0.1))
+    assert pipeline.frames.take(PATIENCE_S).frame.index == 0
+    pipeline.step(1)  # while the next frame is waiting to be due
+    assert pipeline.frames.take(PATIENCE_S).frame.index == 1
+    pipeline.step(-1)
+    assert_settles(pipeline, at=0)
+
+
+def test_a_held_key_does_not_queue(held):
+    """While one jump is under way, all that is asked for becomes one more."""
+    pipeline, source, _ = held
+    jumps, may_go_on = threading.Event(), threading.Event()
+
+    def hang(_index: int) -> None:
+        jumps.set()
+        may_go_on.wait(PATIENCE_S)
+
+    source.hook = hang
+    pipeline.step(-1)
+    assert jumps.wait(PATIENCE_S)
+    for _ in range(20):
+        pipeline.step(-1)
+    may_go_on.set()
+    assert_settles(pipeline, at=50 - 21)
+    assert source.sought == [49, 29]
+    source.sought.clear()
+    may_go_on.clear()
+    jumps.clear()
+    pipeline.seek(0.5)
+    assert jumps.wait(PATIENCE_S)
+    for _ in range(10):
+        pipeline.seek_by(0.1)
+    may_go_on.set()
+    assert_settles(pipeline, at=300)
+    assert source.sought == [100, 300]
+
+
+@pytest.mark.parametrize("loop", [False, True])
+def test_stepping_off_the_ends_stays_there(run, fakes, loop):
+    source = fakes.Clip(10)
+    pipeline = run(source, loop=loop)
+    pipeline.step(0)
+    pipeline.seek(1.0)
+    assert_settles(pipeline, at=9)
+    pipeline.step(1)
+    pipeline.step(1)
+    await_that(lambda: pipeline._wish.jump is pipeline._capture.state.obeyed and pipeline._capture.state.at.index == 9)
+    assert pipeline.frames.take(A_WHILE_S) is None
+    pipeline.step(-1)
+    assert_settles(pipeline, at=8)
+    pipeline.step(-20)
+    assert_settles(pipeline, at=0)
+    pipeline.step(-1)
+    assert_settles(pipeline, at=0)
+
+
+def test_a_seek_is_a_cut_and_playing_goes_on_from_there(run, fakes):
+    source, tracker = fakes.Clip(10_000), fakes.Tracker()
+    pipeline = run(source, tracker=tracker)
+    indices(pipeline, until=3)
+    pipeline.seek(40.0)
+    indices(pipeline, until=8050)
+    assert tracker.jumps == 1
+    pipeline.seek_by(-20.0)
+    taken = [pipeline.frames.take(PATIENCE_S).frame.index for _ in range(30)]
+    first = next(index for index in taken if index < 8000)
+    assert 4000 <= first < 6000
+    assert taken == sorted(taken[: taken.index(first)]) + sorted(taken[taken.index(first) :])
+    assert tracker.jumps == 2
+
+
+def test_a_seek_back_from_the_end_plays_on(run, fakes):
+    pipeline = run(fakes.Clip(10))
+    indices(pipeline, until=9)
+    await_that(lambda: pipeline.has_ended)
+    pipeline.seek_by(-0.02)
+    taken = indices(pipeline, until=9)
+    assert taken[0] >= 5
+    await_that(lambda: pipeline.has_ended)
+    pipeline.play(1.0, loop=True)
+    await_that(lambda: not pipeline.has_ended)
+    assert pipeline.frames.take(PATIENCE_S) is not None
+
+
+def test_what_is_no_clip_cannot_be_gone_through(run, fakes):
+    pipeline = run(fakes.Source(1, fps=None, is_photo=True))
+    indices(pipeline, until=0)
+    assert (pipeline.is_clip, pipeline.duration_s) == (False, None)
+    pipeline.seek(1.0)
+    pipeline.seek_by(1.0)
+    pipeline.step(1)
+    assert pipeline.frames.take(A_WHILE_S) is None
+
+
+@pytest.mark.parametrize(("speed", "hz"), [(0.25, 7.5), (0.5, 15), (2.0, 60), (4.0, 60)])
+def test_speed_changes_the_pace_and_never_the_lag(fakes, monkeypatch, speed, hz):
+    """Frames are tracked when they are due; of more than a display shows, some are left out."""
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    source, tracker = fakes.Clip(240, fps=30.0), fakes.Tracker()
+    pipeline = Pipeline(source, tracker, False)
+    pipeline.play(speed, loop=False)
+    lags_s, seen = [], []
+
+    def wait(_until: object, timeout_s: float | None = None) -> None:
+        clock.now += timeout_s or 0.0
+
+    def note(frame) -> None:
+        lags_s.append(clock.now - frame.time_s / speed)
+        seen.append(clock.now)
+        clock.now += 0.004
+
+    tracker.hook = note
+    monkeypatch.setattr(capture_loop, "time", clock)
+    monkeypatch.setattr(pipeline._capture, "_wait", wait)
+    for _ in range(240):
+        pipeline._capture.step()
+    assert max(map(abs, lags_s)) < 1e-9
+    assert (len(seen) - 1) / (seen[-1] - seen[0]) == pytest.approx(hz, rel=0.02)
+
+
+def test_a_clip_is_played_at_its_own_pace(fakes, monkeypatch):
+    """The waits asked for add up to the clip's duration; a clock that only waiting moves makes that exact."""
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    source = fakes.Source(9, fps=30.0)
+    pipeline = Pipeline(source, fakes.Tracker(), False)
+
+    def wait(_until: object, timeout_s: float | None = None) -> None:
+        clock.now += timeout_s or 0.0
+
+    monkeypatch.setattr(capture_loop, "time", clock)
+    monkeypatch.setattr(pipeline._capture, "_wait", wait)
+    for _ in range(9):
+        pipeline._capture.step()
+    assert clock.now == pytest.approx(8 / 30)
+
+
+def test_a_slow_tracker_drops_frames_instead_of_lagging(fakes, monkeypatch):
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    monkeypatch.setattr(capture_loop, "time", clock)
+    source, tracker = fakes.Source(300, fps=30.0), fakes.Tracker()
+    lags_s, seen = [], []
+
+    def take_long(frame) -> None:
+        lags_s.append(clock.now - frame.time_s)
+        seen.append(frame.index)
+        clock.now += 0.09
+
+    tracker.hook = take_long
+    pipeline = Pipeline(source, tracker, False)
+    for _ in range(300):
+        pipeline._capture.step()
+    assert seen == sorted(set(seen))
+    assert 80 < len(seen) < 120
+    assert max(lags_s) <= 1 / 30 + 1e-9
+
+
+def test_a_machine_that_cannot_keep_up_at_all_still_shows_something(fakes, monkeypatch):
+    clock = type("Clock", (), {"now": 0.0, "monotonic": lambda self: self.now})()
+    monkeypatch.setattr(capture_loop, "time", clock)
+    source, tracker = fakes.Source(100, fps=30.0), fakes.Tracker()
+    seen = []
+    tracker.hook = lambda frame: seen.append(frame.index)
+
+    def decode_slowly(_index: int) -> None:
+        clock.now += 0.2
+
+    source.hook = decode_slowly
+    pipeline = Pipeline(source, tracker, False)
+    for _ in range(100):
+        pipeline._capture.step()
+    assert len(seen) > 30
+
+
+def test_a_lost_camera_is_told_and_comes_back(run, fakes, monkeypatch):
+    monkeypatch.setattr(capture_loop, "RECONNECT_EVERY_S", 0.01)
+    source, tracker = fakes.Source(10_000, is_live=True), fakes.Tracker()
+    plugged_in = threading.Event()
+    losses = iter([True])
+
+    def lose(index: int) -> None:
+        if index == 3 and next(losses, False):
+            raise SourceLost("the camera gives no more pictures", "plug it in")
+
+    source.hook = lose
+    source.reopen = plugged_in.is_set
+    pipeline = run(source, tracker=tracker)
+    await_that(lambda: pipeline.status is not None)
+    assert "waiting for it to come back" in pipeline.status
+    assert not pipeline.frames.is_closed
+    plugged_in.set()
+    await_that(lambda: pipeline.status is None)
+    assert pipeline.frames.take(PATIENCE_S) is not None
+    assert tracker.resets == 1
+
+
+@pytest.mark.parametrize("error", [UserError("the disk is gone", "look for it"), RuntimeError("a bug"), MemoryError()])
+def test_an_error_reaches_the_other_side(run, fakes, error):
+    source = fakes.Source(5)
+
+    def fail(index: int) -> None:
+        if index == 2:
+            raise error
+
+    source.hook = fail
+    pipeline = run(source)
+    await_that(lambda: pipeline.frames.is_closed)
+    pipeline.frames.take(0.0)  # the last frame before it
+    with pytest.raises(type(error)) as met:
+        pipeline.frames.take(0.0)
+    assert met.value is error
+    assert source.closed.wait(PATIENCE_S)
+
+
+def test_a_picture_of_another_size_is_an_error_that_names_both(run, fakes):
+    size = (128, 96)
+    source = fakes.Source(5)
+    whole = source.read
+
+    def read():
+        frame = whole()
+        return frame if frame.index < 2 else Frame(np.zeros((size[1], size[0], 3), np.uint8), frame.index, frame.time_s)
+
+    source.read = read
+    pipeline = run(source)
+    await_that(lambda: pipeline.frames.is_closed)
+    pipeline.frames.take(0.0)
+    with pytest.raises(UserError, match=f"{size[0]}x{size[1]} and not 64x48"):
+        pipeline.frames.take(0.0)
+
+
+def test_a_source_that_hangs_is_told_until_it_goes_on(run, fakes, monkeypatch):
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.02)
+    source, goes_on = fakes.Source(10_000), threading.Event()
+    source.hook = lambda index: index < 3 or goes_on.wait(PATIENCE_S)
+    pipeline = run(source)
+    await_that(lambda: pipeline.stall is not None)
+    assert "fake has given no picture" in pipeline.stall
+    monkeypatch.undo()
+    goes_on.set()
+    indices(pipeline, until=5)
+    assert pipeline.stall is None
+
+
+def test_waiting_for_the_user_or_at_the_end_is_no_stall(run, fakes, monkeypatch):
+    monkeypatch.setattr(pipeline_module, "STALLED_AFTER_S", 0.0)
+    pipeline = run(fakes.Source(2))
+    await_that(lambda: pipeline.status is not None)
+    assert pipeline.stall is None
+
+
+def test_who_looks_late_gets_the_newest_frame_and_never_one_before_it(run, fakes):
+    """No queue: however many frames were tracked since the display last looked, the last one is what it gets."""
+    source, tracked_up_to, gates = fakes.Source(10_000, is_live=True), threading.Semaphore(0), threading.Semaphore(0)
+
+    def wait_at_gate(_index: int) -> None:
+        tracked_up_to.release()  # all frames before this one have been handed over
+        assert gates.acquire(timeout=PATIENCE_S)
+
+    source.hook = wait_at_gate
+    pipeline = run(source)
+    assert tracked_up_to.acquire(timeout=PATIENCE_S)
+    shown = []
+    for batch in (1, 7, 2, 30):
+        for _ in range(batch):
+            gates.release()
+            assert tracked_up_to.acquire(timeout=PATIENCE_S)
+        shown.append(pipeline.frames.take(0.0).frame.index)
+        assert pipeline.frames.take(0.0) is None
+    assert shown == [0, 7, 9, 39]
+    source.hook = lambda _index: None
+    gates.release()
+
+
+def test_an_error_of_the_tracker_reaches_the_other_side(run, fakes):
+    tracker = fakes.Tracker()
+
+    def refuse(_frame) -> None:
+        raise UserError("the calibration does not fit", "calibrate again")
+
+    tracker.hook = refuse
+    with pytest.raises(UserError, match="calibration"):
+        run(fakes.Source(5), tracker=tracker).frames.take(PATIENCE_S)
+
+
+def test_the_tracking_preset_changes_between_frames_and_never_within_one(run, fakes):
+    """The main thread asks for another quality while a frame is being tracked."""
+    tracker, is_tracking, go_on = fakes.Tracker(), threading.Event(), threading.Event()
+    tracker.preset = FAST.tracking
+    used = []
+
+    def track(frame) -> None:
+        used.append((frame.index, tracker.preset))
+        is_tracking.set()
+        go_on.wait(PATIENCE_S)
+        used.append((frame.index, tracker.preset))
+
+    tracker.hook = track
+    pipeline = run(fakes.Clip(10_000), tracker=tracker)
+    assert is_tracking.wait(PATIENCE_S)
+    pipeline.track_with(ACCURATE.tracking)
+    go_on.set()
+    indices(pipeline, until=3)
+    pipeline.close()
+    presets = [preset for _, preset in used]
+    assert presets[:2] == [FAST.tracking] * 2
+    assert set(map(id, presets[2:])) == {id(ACCURATE.tracking)}
+
+
+def test_of_wishes_that_come_faster_than_frames_none_is_lost(held):
+    """They are one value: a pause does not undo a seek that nobody has obeyed yet. And where it was sent is shown,
+    however soon after another frame: at twice the pace frames in a row that come so soon are left out."""
+    pipeline, source, _ = held
+    jumps, may_go_on = threading.Event(), threading.Event()
+
+    def hang(_index: int) -> None:
+        jumps.set()
+        may_go_on.wait(PATIENCE_S)
+
+    source.hook = hang
+    pipeline.step(1)
+    assert jumps.wait(PATIENCE_S)
+    pipeline.restart()
+    pipeline.step(3)
+    pipeline.play(2.0, loop=True)
+    pipeline.pause(False)
+    pipeline.pause(True)
+    may_go_on.set()
+    assert_settles(pipeline, at=3)  # from the start, where it was sent before
+    assert (pipeline._capture._pace.speed, pipeline._capture._wish.loop) == (2.0, True)
+
+
+def playing(_pipeline, _source) -> None: ...
+
+
+def paused(pipeline, _source) -> None:
+    pipeline.pause(True)
+
+
+def at_the_end(pipeline, source) -> None:
+    source._count = 0
+    await_that(lambda: pipeline.status is not None)
+
+
+def without_camera(pipeline, source) -> None:
+    source.is_live = True
+
+    def lose(_index: int) -> None:
+        raise SourceLost("unplugged", "plug it in")
+
+    source.hook = lose
+    await_that(lambda: pipeline.status is not None)
+
+
+def failed(pipeline, source) -> None:
+    def fail(_index: int) -> None:
+        raise UserError("broken", "mend it")
+
+    source.hook = fail
+    await_that(lambda: pipeline.frames.is_closed)
+
+
+@pytest.mark.parametrize("state", [playing, paused, at_the_end, without_camera, failed])
+def test_closing_takes_no_second(run, fakes, state):
+    source = fakes.Source(10_000)
+    pipeline = run(source)
+    indices(pipeline, until=0)
+    state(pipeline, source)
+    begin = time.monotonic()
+    pipeline.close()
+    pipeline.close()
+    assert time.monotonic() - begin < 1.0
+    assert source.closed.wait(PATIENCE_S)
+
+
+def test_closing_leaves_a_driver_that_hangs_behind(run, fakes):
+    source, let_go, hangs = fakes.Source(5), threading.Event(), threading.Event()
+
+    def hang(_index: int) -> None:
+        hangs.set()
+        let_go.wait(PATIENCE_S)
+
+    source.hook = hang
+    pipeline = run(source)
+    assert hangs.wait(PATIENCE_S)
+    begin = time.monotonic()
+    pipeline.close()
+    assert time.monotonic() - begin < 1.0
+    with pytest.raises(Closed):
+        pipeline.frames.take(0.0)
+    let_go.set()
+    assert source.closed.wait(PATIENCE_S)
+
+
+def test_closing_before_the_start_is_allowed(fakes):
+    Pipeline(fakes.Source(5), fakes.Tracker(), False).close()
