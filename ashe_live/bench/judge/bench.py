@@ -30,10 +30,10 @@ from ashe_live.core.contract import Json
 from ashe_live.files.writing import write_json
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import PRESETS, ProxySteps
-from ashe_live.light.explanation.evidence import SIGNS
-from ashe_live.light.explanation.judge import Judge
-from ashe_live.light.explanation.judge_tables import Curve, Score, Tables
-from ashe_live.light.explanation.uncertainty import Calibration
+from ashe_live.light.explanation.judgement.evidence import SIGNS
+from ashe_live.light.explanation.judgement.judge import Judge
+from ashe_live.light.explanation.judgement.judge_tables import Curve, Score, Tables
+from ashe_live.light.explanation.judgement.uncertainty import Calibration
 
 TABLES = "judge.json"
 # The first round has no tables yet: every feature counts one unit of log odds over these ranges.

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from ashe_live.bench.judge.samples import Candidate
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.explanation.evidence import SIGNS
-from ashe_live.light.explanation.judge_tables import Curve, Score
+from ashe_live.light.explanation.judgement.evidence import SIGNS
+from ashe_live.light.explanation.judgement.judge_tables import Curve, Score
 
 # The quantiles between which a curve has a slope; beyond the outer ones it is constant.
 QUANTILES = (0.03, 0.35, 0.65, 0.97)

@@ -10,9 +10,9 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, tangent_basis
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import ProxySteps
-from ashe_live.light.explanation.company import Company
-from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.judge import GOOD_RAD, explanation_features, split_features
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.company import Company
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD, explanation_features, split_features
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,8 +10,8 @@ from ashe_live.bench.judge.calibration import squared_distances
 from ashe_live.bench.judge.validation import Judged, risk_curve
 from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95, calibration_error, risk_at
 from ashe_live.bench.tables import figures_table
-from ashe_live.light.explanation.judge_tables import Score
-from ashe_live.light.explanation.uncertainty import Calibration
+from ashe_live.light.explanation.judgement.judge_tables import Score
+from ashe_live.light.explanation.judgement.uncertainty import Calibration
 
 COVERAGES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 

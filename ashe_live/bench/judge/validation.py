@@ -11,7 +11,7 @@ from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
 from ashe_live.bench.metrics import risk_by_coverage
 from ashe_live.core.arrays import Float
 from ashe_live.light.estimators.steps import ProxySteps
-from ashe_live.light.explanation.judge import (
+from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
     LEAST_PROBABILITY,
     MOST_LOG_ODDS,
@@ -19,7 +19,7 @@ from ashe_live.light.explanation.judge import (
     probabilities_of,
     recalibrated,
 )
-from ashe_live.light.explanation.judge_tables import Average, Score
+from ashe_live.light.explanation.judgement.judge_tables import Average, Score
 
 FEWEST_PICTURES = 12  # of a family that is left out
 # The share of good answers at a confidence below which none is given. Their stated sigma is tens of degrees then.

@@ -9,8 +9,8 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
-from ashe_live.light.explanation.uncertainty import Calibration
 from ashe_live.light.known_body.lights import Found, FoundLight, Seen, darkenings_rgb, lights_of
 from ashe_live.light.known_body.silhouettes import direction_covariance, masks_of
 from ashe_live.light.pixels.view import View

@@ -6,9 +6,9 @@ import numpy as np
 
 from ashe_live.light.estimators.proposals import proposals_of
 from ashe_live.light.estimators.steps import FIRST_FIT
-from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import Proposal, explained
-from ashe_live.light.explanation.judge import Judge
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import distinct

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.explain import Proposal
-from ashe_live.light.explanation.judge import Judge
+from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import distinct, flat_areas, splits, with_near_shadow_undecided

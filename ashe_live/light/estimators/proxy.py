@@ -22,10 +22,11 @@ from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.together import contradicting, explained_together, scene_views, span_of
 from ashe_live.light.estimators.trace import Look, Trace
-from ashe_live.light.explanation.company import Company, company_features
-from ashe_live.light.explanation.evidence import Explanation, shadow_core
 from ashe_live.light.explanation.explain import are_alike, different, explained, refined, refined_by_tangents
-from ashe_live.light.explanation.judge import (
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.company import Company, company_features
+from ashe_live.light.explanation.judgement.evidence import shadow_core
+from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
     Judge,
     best_direction,

@@ -8,8 +8,8 @@ import numpy as np
 
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
-from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.judge import Judge
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import fit_lit_ground, with_on_plane
 from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.log_colour import log_opponent

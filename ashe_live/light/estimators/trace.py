@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 
 from ashe_live.core.arrays import Mask
-from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import Proposal
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region

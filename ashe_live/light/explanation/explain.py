@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion, lights_as_lamps
-from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split, distinct
 from ashe_live.light.labels.costs import Costs

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 
 from ashe_live.core.transforms import project
-from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import END_IN_VIEW
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.pixels.view import View
 
 TOO_LITTLE_GROUND = "too little lit ground around the marker"

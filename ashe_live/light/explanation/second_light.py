@@ -13,8 +13,8 @@ import numpy as np
 
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
-from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.second_shadow import ShadowCandidate, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import region_of

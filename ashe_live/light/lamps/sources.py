@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import lamp_borders, realigned
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
 from ashe_live.light.shape.directions import FittedLight

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.explanation.evidence import Explanation
-from ashe_live.light.explanation.judge import Judge, explanation_features
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.judge import Judge, explanation_features
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.views.joint import JointExplanation

@@ -22,8 +22,8 @@ from ashe_live.light.explanation.alignment import (
     normal_equations,
     placed_in,
 )
-from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import lights_of, refined_by_tangents, refitted_bodies
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.relabel import relabelled

@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.bench.judge.bench import TABLES, JudgeBench
 from ashe_live.files.resources import resource
-from ashe_live.light.explanation.judge_tables import read_tables
+from ashe_live.light.explanation.judgement.judge_tables import read_tables
 
 
 @pytest.fixture(scope="module")

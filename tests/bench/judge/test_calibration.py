@@ -5,7 +5,7 @@ import pytest
 
 from ashe_live.bench.judge.calibration import Answer, fitted_calibration, squared_distances
 from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95
-from ashe_live.light.explanation.uncertainty import FLOOR_RAD, Calibration
+from ashe_live.light.explanation.judgement.uncertainty import FLOOR_RAD, Calibration
 
 
 def drawn(calibration: Calibration, count: int = 3000) -> list[Answer]:

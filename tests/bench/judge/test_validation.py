@@ -22,8 +22,8 @@ from ashe_live.bench.judge.validation import (
     scores_by_others,
 )
 from ashe_live.light.estimators import steps
-from ashe_live.light.explanation.judge import recalibrated
-from ashe_live.light.explanation.judge_tables import Average, Curve, Score
+from ashe_live.light.explanation.judgement.judge import recalibrated
+from ashe_live.light.explanation.judgement.judge_tables import Average, Curve, Score
 
 FAST = of_one_view(steps.FAST)
 OTHER = of_one_view(steps.BALANCED)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.evidence import Explanation
 from ashe_live.light.explanation.explain import Proposal, are_alike, explained, refined, refined_by_tangents
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit import preset

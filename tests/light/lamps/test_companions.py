@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import SeenObject

@@ -9,8 +9,9 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.explanation.evidence import SIGNS, Explanation
-from ashe_live.light.explanation.judge import (
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.evidence import SIGNS
+from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
     Judge,
     best_direction,
@@ -18,7 +19,7 @@ from ashe_live.light.explanation.judge import (
     probabilities_of,
     recalibrated,
 )
-from ashe_live.light.explanation.judge_tables import Average, Curve, read_tables
+from ashe_live.light.explanation.judgement.judge_tables import Average, Curve, read_tables
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.directions import FittedLight

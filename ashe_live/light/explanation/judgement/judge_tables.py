@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ashe_live.light.explanation.uncertainty import Calibration
+from ashe_live.light.explanation.judgement.uncertainty import Calibration
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,8 +7,8 @@ import pytest
 
 from ashe_live.core.arrays import Mask
 from ashe_live.light.explanation.alignment import Alignment
-from ashe_live.light.explanation.evidence import LEAST_CONTRAST, SIGNS, appearance, evidence
-from ashe_live.light.explanation.shading import shading_of
+from ashe_live.light.explanation.judgement.evidence import LEAST_CONTRAST, SIGNS, appearance, evidence
+from ashe_live.light.explanation.judgement.shading import shading_of
 from ashe_live.light.labels.materials import Materials, materials_of
 from ashe_live.light.pixels.areas import grown, shrunk
 from ashe_live.light.shape.directions import FittedLight

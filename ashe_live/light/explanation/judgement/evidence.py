@@ -1,21 +1,17 @@
-"""Explanations of a region, and the features by which their probability of being right is judged."""
+"""Evidence: the features of an explanation by which its probability of being right is judged."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.core.proxy import Proxy
-from ashe_live.light.explanation.alignment import Alignment
-from ashe_live.light.explanation.shading import Shading, shading_of
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.shading import Shading, shading_of
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import hue_of
-from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials
 from ashe_live.light.pixels.areas import distance_to, grown, shrunk, window_around
-from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.predicted import Predicted
 
 # The ring on either side of an outline where its sharpness is measured; the outline's own pixels are mixed.
@@ -26,27 +22,6 @@ FLAT = 0.7  # log of breadth over height above which a body counts as flat
 # A strongly lit object may show no shading in the picture: where it is overexposed, translucent or painted.
 LEAST_CONTRAST = -0.5
 LEAST_SPREAD = 1e-3  # least standard deviation of values that have a meaningful correlation
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Explanation:
-    """A region explained as an object and its shadow, and the light that follows from that."""
-
-    region: Region
-    materials: Materials
-    split: Split
-    alignment: Alignment
-    lights: tuple[FittedLight, ...]
-    as_object: Float32  # (h, w) unary cost of the object's colours
-
-    @property
-    def predicted(self) -> Predicted:
-        return self.alignment.placed.predicted
-
-    @property
-    def proxy(self) -> Proxy:
-        return self.alignment.placed.lit.body.proxy
-
 
 # The features, and the sign with which physics lets each count for an explanation (docs/maths.md, "Evidence").
 SIGNS: Mapping[str, int] = {

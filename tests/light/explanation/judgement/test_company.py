@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.light.explanation.company import AGREEING_RAD, ALONE, Company, company_features
-from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.company import AGREEING_RAD, ALONE, Company, company_features
 from ashe_live.light.shape.body import LitBody
-from tests.light.explanation.test_judge import explanation
+from tests.light.explanation.judgement.test_judge import explanation
 from tests.light.synthetic_masks import direction
 
 NEAR, FAR = direction(204.0, 43.0), direction(240.0, 40.0)

@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import inverse_rigid
-from ashe_live.light.explanation.shading import BOUNCE, UNKNOWN, Shading, shading_of
+from ashe_live.light.explanation.judgement.shading import BOUNCE, UNKNOWN, Shading, shading_of
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import predicted

@@ -16,10 +16,11 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light, TrackedFrame
-from ashe_live.light.explanation.company import ALONE, Company, company_features
-from ashe_live.light.explanation.evidence import Explanation, appearance, evidence
-from ashe_live.light.explanation.judge_tables import Average, Tables, read_tables
-from ashe_live.light.explanation.uncertainty import Calibration, covariance_of_outlines
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.company import ALONE, Company, company_features
+from ashe_live.light.explanation.judgement.evidence import appearance, evidence
+from ashe_live.light.explanation.judgement.judge_tables import Average, Tables, read_tables
+from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials

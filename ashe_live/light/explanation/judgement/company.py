@@ -13,7 +13,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.evidence import Explanation
+from ashe_live.light.explanation.explanation import Explanation
 
 AGREEING_RAD = math.radians(10)
 

@@ -5,7 +5,7 @@ import pytest
 
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.explanation.uncertainty import Calibration
+from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import direction
 

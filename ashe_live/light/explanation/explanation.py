@@ -1,0 +1,32 @@
+"""An explanation: what a region of the picture may show, and the light that follows from that."""
+
+from dataclasses import dataclass
+
+from ashe_live.core.arrays import Float32
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.explanation.alignment import Alignment
+from ashe_live.light.ground.regions import Region
+from ashe_live.light.labels.associate import Split
+from ashe_live.light.labels.materials import Materials
+from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.shape.predicted import Predicted
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Explanation:
+    """A region explained as an object and its shadow, and the light that follows from that."""
+
+    region: Region
+    materials: Materials
+    split: Split
+    alignment: Alignment
+    lights: tuple[FittedLight, ...]
+    as_object: Float32  # (h, w) unary cost of the object's colours
+
+    @property
+    def predicted(self) -> Predicted:
+        return self.alignment.placed.predicted
+
+    @property
+    def proxy(self) -> Proxy:
+        return self.alignment.placed.lit.body.proxy

@@ -1,0 +1,1 @@
+"""How likely an explanation is: its features, the probability that it is right, and its uncertainty."""
