@@ -15,6 +15,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.cover.sheet import sheet_mask
@@ -62,9 +63,7 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCov
     if tracked.marker.body is not None:
         return None  # what stands there is no sheet
     side_m = tracked.marker.side_m
-    corners = tracked.marker.corners_px
-    longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).max())
-    side_px = float(np.clip(longest, LEAST_SIDE_PX, MOST_SIDE_PX))
+    side_px = float(np.clip(side_lengths_px(tracked.marker.corners_px).max(), LEAST_SIDE_PX, MOST_SIDE_PX))
     half_m = HALF_SIDES * side_m
     plane = _rectified(tracked, illumination, half_m, round(2 * HALF_SIDES * side_px))
     lit = np.asarray(plane.linear / np.maximum(plane.shade, 0.02), np.float32)
