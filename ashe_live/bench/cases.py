@@ -10,13 +10,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, set_frozen
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes, read_json
 from ashe_live.tracking import preset
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.pose import estimate_pose, square_corners
+from ashe_live.tracking.poses.pose import estimate_pose
 from ashe_live.tracking.tracker import MarkerTracker
 
 GROUND_TRUTH = "ground_truth.json"

@@ -21,7 +21,6 @@ from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.process.console import TerminalConsole
 from ashe_live.process.messages import printable, say, say_exactly, tell
 
-STEP_WIDTH_PX = 480
 WORST_FIRST = (
     ExitStatus.WRONG_USE,
     ExitStatus.NO_MARKER,

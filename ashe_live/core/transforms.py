@@ -99,6 +99,24 @@ def project(camera: Camera, T_cam_marker: Float, points_marker: ArrayLike) -> Fl
     return np.asarray((points_cam / depth[:, None]) @ camera.K[:2].T)
 
 
+def camera_centre(T_cam_marker: Float) -> Float:
+    """(3,) where the camera's centre is, marker frame."""
+    return np.asarray(inverse_rigid(T_cam_marker)[:3, 3])
+
+
+def view_direction(T_cam_marker: Float) -> Float:
+    """(3,) unit vector from the marker's centre towards the camera, marker frame."""
+    return normalised(camera_centre(T_cam_marker))
+
+
+def image_from_plane(camera: Camera, T_cam_marker: Float) -> Float:
+    """(3, 3) homography from the marker's plane, (x, y, 1) in metres, to undistorted pixels.
+
+    The third coordinate that it gives is the depth in front of the camera, metres.
+    """
+    return np.asarray(camera.K @ T_cam_marker[:3, [0, 1, 3]])
+
+
 def raycast_to_plane(camera: Camera, T_cam_marker: Float, pixels: ArrayLike) -> Float:
     """(n, 3) points where the rays through undistorted `pixels` (n, 2) meet the marker plane, in the marker frame.
 

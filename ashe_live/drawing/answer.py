@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Image
-from ashe_live.core.transforms import inverse_rigid
+from ashe_live.core.transforms import camera_centre
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.drawing.light_rose import light_rose
 from ashe_live.drawing.overlays import with_body, with_masks
@@ -32,4 +32,4 @@ def rose_picture(estimate: LightEstimate, frozen: TrackedFrame, height_px: int) 
     """(r, r, 3) BGR: the light rose for a picture of that height. The frame must have a marker."""
     assert frozen.marker is not None
     rose_px = max(LEAST_ROSE_PX, round(ROSE_HEIGHT * height_px))
-    return light_rose(estimate.lights, rose_px, inverse_rigid(frozen.marker.T_cam_marker)[:3, 3])
+    return light_rose(estimate.lights, rose_px, camera_centre(frozen.marker.T_cam_marker))

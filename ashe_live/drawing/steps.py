@@ -12,6 +12,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import camera_centre
 from ashe_live.core.types import Light, LightEstimate, TrackedFrame
 from ashe_live.drawing.colours import OBJECT_BGR, PAPER_BGR, SHADOW_BGR, UNEXPLAINED_BGR, UNSEEN_BGR
 from ashe_live.drawing.light_rose import light_rose
@@ -58,8 +59,7 @@ def debug_pictures(
         pictures.append(DebugPicture(f"fitted {body.family} and its shadow", fitted))
         rest = _with_residual(photo, view, estimate, body)
         pictures.append(DebugPicture("red: not explained, green: not seen", rest))
-    camera_marker = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
-    rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_marker)
+    rose = light_rose(estimate.lights, min(photo.shape[:2]), camera_centre(T_cam_marker))
     summary = "; ".join(light.summary() for light in estimate.lights) or f"none: {estimate.reason}"
     pictures.append(DebugPicture(summary, centred(rose, photo.shape)))
     return pictures

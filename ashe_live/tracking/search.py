@@ -10,6 +10,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.corners import (
     LAST_REACH_PX,
     REACH_RATIO,
@@ -18,7 +19,6 @@ from ashe_live.tracking.edges.corners import (
     is_front_of_square,
     linear_light,
     region_around,
-    side_lengths_px,
 )
 from ashe_live.tracking.edges.covered_sides import checked
 from ashe_live.tracking.edges.lens import ideal_from_source

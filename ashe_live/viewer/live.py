@@ -217,7 +217,7 @@ class LiveViewer:
     def _follow_mouse(self, now_s: float) -> None:
         size, scale = self._window.framebuffer_size, self._window.content_scale
         for event in self._window.take_mouse():
-            if self._menu.take_mouse(event, entries_for(*self._session.models), size, scale):
+            if self._menu.take_mouse(event, lambda: entries_for(*self._session.models), size, scale):
                 if (chosen := self._menu.take_request()) is not None:
                     self._obey(chosen, now_s)
                 continue

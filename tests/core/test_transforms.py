@@ -50,6 +50,20 @@ def test_points_behind_the_camera_have_no_pixel() -> None:
     assert np.isnan(tf.project(SKEWED, np.eye(4), [[0, 0, -1]])).all()
 
 
+def test_the_homography_of_the_plane_projects_its_points_and_gives_their_depths() -> None:
+    places, T = np.random.default_rng(3).uniform(-0.1, 0.1, (20, 2)), looking_down()
+    points = np.column_stack([places, np.zeros(20)])
+    image = np.column_stack([places, np.ones(20)]) @ tf.image_from_plane(SKEWED, T).T
+    np.testing.assert_allclose(image[:, :2] / image[:, 2:], tf.project(SKEWED, T, points), atol=1e-9)
+    np.testing.assert_allclose(image[:, 2], tf.transform_points(T, points)[:, 2])
+
+
+def test_the_camera_is_seen_from_the_marker_where_its_own_frame_begins() -> None:
+    T = looking_down(0.6)
+    np.testing.assert_allclose(tf.transform_points(T, [tf.camera_centre(T)]), 0, atol=1e-12)
+    np.testing.assert_allclose(tf.view_direction(T) * np.linalg.norm(T[:3, 3]), tf.camera_centre(T))
+
+
 def test_raycast_is_the_inverse_of_projection_on_the_plane() -> None:
     on_plane = np.column_stack([np.random.default_rng(3).uniform(-0.2, 0.2, (40, 2)), np.zeros(40)])
     T = looking_down()

@@ -9,6 +9,7 @@ import pytest
 from ashe_live.capture.clip import ClipSource
 from ashe_live.capture.known_clip import shipped_clip
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.quality import BALANCED
@@ -16,7 +17,6 @@ from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal import FocalEstimate
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
-from ashe_live.tracking.poses.pose import square_corners
 
 CLIP = shipped_clip()
 WRONG_HFOV_DEG = 75.0

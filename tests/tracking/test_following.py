@@ -7,11 +7,11 @@ import pytest
 from ashe_live.bench.track.frames import CLEAN_CAMERA, Flaws, painted
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 from ashe_live.tracking.tracker import BRIDGED_FRAMES, MarkerTracker
 from tests.tracking.conftest import SIDE_M, frame, pose
 from tests.tracking.test_tracker import turn_deg

@@ -8,12 +8,12 @@ import pytest
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose
 from ashe_live.errors import UserError
 from ashe_live.quality import BALANCED, FAST, QUALITIES, Quality
 from ashe_live.tracking.families.markers import Marker, parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.tracking.conftest import SIDE_M, SPECS, frame, picture, pose
 

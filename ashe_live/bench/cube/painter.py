@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Float32, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
+from ashe_live.core.transforms import image_from_plane
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
 from ashe_live.tracking.families.layout import cube_layout
 
@@ -148,7 +149,7 @@ def _table(scene: CubeScene, fine: Camera) -> Float32:
         grain += cv2.resize(coarse, size, interpolation=cv2.INTER_CUBIC)
     reflectance = (1 + scene.mottled * 0.7 * grain)[..., None] * scene.table_rgb.astype(np.float32)
     body = hull_of(scene)
-    from_pixel = np.linalg.inv(scene.camera.K @ scene.T_cam_cube[:3, [0, 1, 3]])
+    from_pixel = np.linalg.inv(image_from_plane(scene.camera, scene.T_cam_cube))
     x, y, w = (a * np.arange(width)[None] + b * np.arange(height)[:, None] + c for a, b, c in from_pixel)
     half = scene.edge_m / 2
     with np.errstate(divide="ignore", invalid="ignore"):

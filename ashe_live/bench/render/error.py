@@ -14,6 +14,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.contract import Json
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import direction_from_angles, project, raycast_to_plane, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.catalogue import load_model
@@ -24,7 +25,6 @@ from ashe_live.render.lights.cast_shadows import lit_past
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.poses.pose import square_corners
 
 GROUND_POINTS = 5
 PATCH_PX = 5  # the side of a square around each, of which the mean counts

@@ -18,6 +18,7 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.contract import Json
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
@@ -28,7 +29,6 @@ from ashe_live.render.gl.offscreen import Context
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
-from ashe_live.tracking.poses.pose import square_corners
 
 CHANGED_LEVELS = 8  # of any channel, by which the model or its shadow has changed a photo
 SEEN_SHADOW = 0.5  # of the sun's light that is gone where a pixel counts as shadow

@@ -10,11 +10,12 @@ from ashe_live.bench.cases import Case
 from ashe_live.bench.track.tables import Figure
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, corrected, uncorrected_px
 from ashe_live.tracking.edges.corners import FittedSquare
 from ashe_live.tracking.families.markers import Marker, parse_marker
-from ashe_live.tracking.poses.pose import Sighting, pose_of_squares, square_corners
+from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import anywhere, refined
 

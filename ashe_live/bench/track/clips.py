@@ -12,12 +12,12 @@ from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES
 from ashe_live.capture.clip import ClipSource
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, project
 from ashe_live.core.types import MarkerPose
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_json
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 

@@ -11,10 +11,10 @@ import numpy as np
 from ashe_live.bench.track.takes import SIDE_M, SPEC, Take
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import Frame, MarkerPose
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 

@@ -10,8 +10,8 @@ from ashe_live.bench.track.contenders import Answer
 from ashe_live.bench.track.takes import FPS, SIDE_M
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between, project
-from ashe_live.tracking.poses.pose import square_corners
 
 FLIP_DEG, LASTING_FRAMES = 10.0, 3
 

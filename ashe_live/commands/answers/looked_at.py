@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 from typing import NoReturn
 
 from ashe_live.capture.sources import Seekable, Source
+from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
-from ashe_live.light.live.key_views import KeyViews, direction_of_view, kept_size, scaled
+from ashe_live.light.live.key_views import KeyViews, kept_size, scaled
 from ashe_live.light.live.same_scene import PlanePicture, outdated
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.poses.steadiness import Steadiness
@@ -114,10 +115,14 @@ def _spread(frozen: TrackedFrame, views: Sequence[TrackedFrame], most: int) -> t
     """At most so many of the other views: of too many those are left out that are nearest to the frozen frame's."""
     if frozen.marker is None:
         return ()
-    here = direction_of_view(frozen.marker)
-    others = [view for view in views if view.frame.index != frozen.frame.index and view.marker is not None]
-    others.sort(key=lambda view: view.marker is not None and float(direction_of_view(view.marker) @ here))
-    return tuple(sorted(others[:most], key=lambda view: view.frame.index))
+    here = view_direction(frozen.marker.T_cam_marker)
+    others = [
+        (float(view_direction(view.marker.T_cam_marker) @ here), view)
+        for view in views
+        if view.frame.index != frozen.frame.index and view.marker is not None
+    ]
+    farthest = sorted(others, key=lambda pair: pair[0])[:most]
+    return tuple(sorted((view for _, view in farthest), key=lambda view: view.frame.index))
 
 
 def _learn_focal_length(source: Source, tracker: FocalTracker) -> None:

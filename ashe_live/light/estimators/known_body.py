@@ -11,7 +11,9 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
-from ashe_live.light.known_body.lights import Found, FoundLight, Seen, darkenings_rgb, lights_of
+from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb
+from ashe_live.light.known_body.lights import Found, lights_of
+from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.silhouettes import direction_covariance, masks_of
 from ashe_live.light.pixels.view import View
 
@@ -19,7 +21,8 @@ IN_SHADE = "the cube stands in another thing's shadow: move it into the light"
 BLOCKED = (
     "the cube's shadow falls on other things, or what darkens the table is no shadow of it: clear the table around it"
 )
-# Below it, as many answers are wrong as right.
+# Probability that the likeliest light is right (`Found.confidence`), below which there is no answer: of the painted
+# pictures below it as many are wrong as right.
 LEAST_CONFIDENCE = 0.4
 # Of an answer that may be wrong; an error of the folded paper is among the systematic ones.
 CALIBRATION = Calibration(1.0, np.radians(10.0).item(), 1.0)

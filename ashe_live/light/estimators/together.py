@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
@@ -27,7 +28,7 @@ from ashe_live.light.views.joint import (
 )
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 from ashe_live.light.views.seen import SceneView, costs_around
-from ashe_live.light.views.which import span_rad, towards_camera, usable
+from ashe_live.light.views.which import span_rad, usable
 
 # Number of others that the plane in the first view is compared with, and in another: more repeat what these tell.
 COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
@@ -60,7 +61,7 @@ def scene_views(
 
 def span_of(views: Sequence[SceneView]) -> float | None:
     """The largest angle between the views' directions to the marker; None for one view."""
-    return span_rad([towards_camera(view.coarse.T_cam_marker) for view in views])
+    return span_rad([view_direction(view.coarse.T_cam_marker) for view in views])
 
 
 def contradicting(

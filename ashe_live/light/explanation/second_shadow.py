@@ -12,7 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import angle_between
+from ashe_live.core.transforms import angle_between, image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
@@ -108,7 +108,7 @@ class _MatchedFilter:
 
     @staticmethod
     def of(proxy: Proxy, view: View, free: Mask, uneven: Float32) -> "_MatchedFilter":
-        image_from_ground = (view.camera.K @ view.T_cam_marker[:3])[:, [0, 1, 3]]
+        image_from_ground = image_from_plane(view.camera, view.T_cam_marker)
         precision = np.asarray(np.linalg.inv(np.cov(uneven[free][::5].T) + 1e-4 * np.eye(3)), dtype=np.float64)
         layers = np.dstack([uneven * free[..., None], free]).astype(np.float32)
         layers = np.asarray(cv2.GaussianBlur(layers, (0, 0), BLUR_PX), dtype=np.float32)

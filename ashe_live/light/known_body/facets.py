@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import camera_centre, project
 from ashe_live.light.pixels.view import View
 
 NORMALS: Float = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)], dtype=np.float64)
@@ -33,7 +33,7 @@ class Facets:
 def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
     """Those of a box along the marker's axes that are seen in `picture` (h, w, 3), linear light, B, G, R."""
     points = body.points_marker(4)
-    eye = -view.T_cam_marker[:3, :3].T @ view.T_cam_marker[:3, 3]
+    eye = camera_centre(view.T_cam_marker)
     found: list[tuple[Float, Float, Float, bool]] = []
     for normal in NORMALS:
         along = points @ normal

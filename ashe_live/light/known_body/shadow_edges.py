@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import image_from_plane, project
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
 from ashe_live.light.shape.layout import nearness_of
@@ -91,7 +91,7 @@ def _depths(view: View, places: Float) -> Float:
 
 def _with_slopes(view: View, places: Float) -> tuple[Float, Float]:
     """(n, 2) pixels of places (n, 2) on the table, and (n, 2, 2) their derivatives by these."""
-    H = view.camera.K @ view.T_cam_marker[:3, [0, 1, 3]]
+    H = image_from_plane(view.camera, view.T_cam_marker)
     image = places @ H[:, :2].T + H[:, 2]
     pixels = image[:, :2] / image[:, 2:]
     slopes = (H[None, :2, :2] - pixels[:, :, None] * H[None, 2:, :2]) / image[:, 2, None, None]

@@ -8,6 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.view import View
 
 # Cells to the body's height, and how far the map reaches from its foot: a shadow in a light of 12 degrees is within it.
@@ -49,7 +50,7 @@ def table_around(view: View, body: Proxy, picture: Float32) -> Table | None:
     foot = body.foot_marker
     cell = float(along[1] - along[0])
     marker_from_cell = np.array([(cell, 0, foot[0] + along[0]), (0, cell, foot[1] + along[0]), (0, 0, 1)])
-    H = view.camera.K @ view.T_cam_marker[:3, [0, 1, 3]] @ marker_from_cell
+    H = image_from_plane(view.camera, view.T_cam_marker) @ marker_from_cell
     index = np.arange(SIDE)
     depth = H[2, 0] * index[None] + H[2, 1] * index[:, None] + H[2, 2]
     middle = depth[SIDE // 2, SIDE // 2]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.mixtures import nearest_centres
@@ -150,7 +151,7 @@ def _log_fall(places: Float, light: Float) -> tuple[Float, Float]:
 def _on_ground(view: View, columns: NDArray[np.intp], rows: NDArray[np.intp]) -> Float:
     """(n, 2) metres on the plane, of pixels on the ground."""
     pixels = np.stack([columns, rows, np.ones(len(rows))])
-    on_plane = np.linalg.solve((view.camera.K @ view.T_cam_marker[:3])[:, [0, 1, 3]], pixels)
+    on_plane = np.linalg.solve(image_from_plane(view.camera, view.T_cam_marker), pixels)
     return np.asarray((on_plane[:2] / on_plane[2]).T)
 
 

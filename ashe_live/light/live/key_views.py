@@ -16,8 +16,9 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.ranges import VIEWS
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import project, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.light.views.which import span_rad
 
 MOST_VIEWS = int(VIEWS.high)
 # The widest picture that a preset of the estimator works on; halving keeps at least that.
@@ -42,16 +43,9 @@ MOST_BLUR_PX = 2.0
 CROP_PX = 64
 
 
-def direction_of_view(marker: MarkerPose) -> Float:
-    """(3,) unit, marker frame: from the marker's centre towards the camera."""
-    towards = -marker.T_cam_marker[:3, 3] @ marker.T_cam_marker[:3, :3]
-    return np.asarray(towards / math.sqrt(towards @ towards))
-
-
 def span_of(views: Sequence[TrackedFrame]) -> float:
     """The largest angle between two views' directions, seen from the marker, in radians; 0 for fewer than two."""
-    directions = np.array([direction_of_view(view.marker) for view in views if view.marker is not None])
-    return 0.0 if len(directions) < 2 else float(np.arccos(np.clip(directions @ directions.T, -1.0, 1.0).min()))
+    return span_rad(_directions(views)) or 0.0
 
 
 class KeyViews:
@@ -89,7 +83,7 @@ class KeyViews:
             self.drop()
             self._camera = tracked.camera
         time_s = tracked.frame.time_s
-        given_way = self._set.given_way(direction_of_view(marker), time_s, self._most)
+        given_way = self._set.given_way(view_direction(marker.T_cam_marker), time_s, self._most)
         if given_way is None:
             return False
         size = kept_size(tracked.frame.size)
@@ -112,7 +106,7 @@ class _ViewSet:
 
     def __init__(self, views: tuple[TrackedFrame, ...]) -> None:
         self.views = views
-        self._directions = np.array([direction_of_view(view.marker) for view in views if view.marker is not None])
+        self._directions = np.array(_directions(views))
         if len(views) > 1:
             between = np.arccos(np.clip(self._directions @ self._directions.T, -1.0, 1.0))
             np.fill_diagonal(between, np.inf)
@@ -134,6 +128,10 @@ class _ViewSet:
         cosines[self._redundant] = -1.0
         is_gain = math.acos(min(1.0, cosines.max())) > GAIN * self._narrowest_rad
         return (self.views[self._redundant],) if is_gain else None
+
+
+def _directions(views: Sequence[TrackedFrame]) -> list[Float]:
+    return [view_direction(view.marker.T_cam_marker) for view in views if view.marker is not None]
 
 
 def _is_well_posed(marker: MarkerPose) -> bool:

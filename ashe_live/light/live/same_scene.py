@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import camera_centre, image_from_plane
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
@@ -45,16 +45,16 @@ class PlanePicture:
         """It must have a marker."""
         view = View.of(tracked, VIEW_WIDTH_PX)
         cells = 2 * HALF_SIDES * CELLS_A_SIDE
-        pixels_from_cells = _pixels_from_plane(view.camera, view.T_cam_marker) @ _plane_from_cells(view.side_m)
+        image_from_cells = image_from_plane(view.camera, view.T_cam_marker) @ _plane_from_cells(view.side_m)
 
         def drawn(picture: Float32 | Mask) -> Float32:
             source = np.asarray(picture, np.float32)
             flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-            return np.asarray(cv2.warpPerspective(source, pixels_from_cells, (cells, cells), flags=flags), np.float32)
+            return np.asarray(cv2.warpPerspective(source, image_from_cells, (cells, cells), flags=flags), np.float32)
 
         is_told = view.is_ground & (view.image_bgr.max(axis=2) < SATURATED)
-        towards = -view.T_cam_marker[:3, 3] @ view.T_cam_marker[:3, :3]
-        slope = towards[:2] / max(abs(towards[2]), 1e-9)
+        camera = camera_centre(view.T_cam_marker)
+        slope = camera[:2] / max(abs(camera[2]), 1e-9)
         return PlanePicture(drawn(log_opponent(view.image_bgr)[..., 0]), drawn(is_told) > 0.99, slope)
 
 
@@ -81,11 +81,6 @@ def outdated(now: PlanePicture, before: Sequence[PlanePicture]) -> list[int]:
     told = [differs(now, each) for each in before]
     gone = [at for at, is_other in enumerate(told) if is_other]
     return list(range(len(before))) if 2 * len(gone) > told.count(True) + told.count(False) else gone
-
-
-def _pixels_from_plane(camera: Camera, T_cam_marker: Float) -> Float:
-    """(3, 3) homogeneous pixels of homogeneous points of the plane, metres."""
-    return np.asarray(camera.K @ T_cam_marker[:3, (0, 1, 3)])
 
 
 def _plane_from_cells(side_m: float) -> Float:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import inverse_rigid
+from ashe_live.core.transforms import camera_centre
 from ashe_live.light.shape.body import BodyFrame
 from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.sight import Sight
@@ -33,7 +33,7 @@ def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
     view allows no guess.
     """
     P = sight.P_marker
-    eye = inverse_rigid(sight.T_cam_marker)[:3, 3]
+    eye = camera_centre(sight.T_cam_marker)
     ground_from_image = _ground_from_image(P)
     if eye[2] <= 0 or ground_from_image is None:
         return "the camera looks along the ground or from below it"

@@ -12,6 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Size
+from ashe_live.core.square import square_corners
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.paper import geometry, masks
@@ -76,7 +77,7 @@ class PaperEstimator:
 
         cube_hull = masks.hull_of_points(camera, marker.T_cam_marker, geometry.cube_corners(marker.side_m))
         sheet_side_m = steps.sheet_over_marker * marker.side_m
-        sheet_hull = masks.hull_of_points(camera, marker.T_cam_marker, geometry.square_corners(sheet_side_m))
+        sheet_hull = masks.hull_of_points(camera, marker.T_cam_marker, square_corners(sheet_side_m))
         if cube_hull is None or sheet_hull is None:
             return answer(None, "the virtual object reaches behind the camera")
         # The marker lies inside the cube's mask, its white margin beside it: neither object nor shadow.

@@ -25,12 +25,6 @@ def cube_centre(side_m: float) -> Float:
     return np.array([0.0, 0.0, side_m / 2])
 
 
-def square_corners(side_m: float) -> Float:
-    """(4, 3) corners of a square on the marker's centre in the marker frame: the printed sheet."""
-    half = side_m / 2
-    return np.array([[-half, half, 0.0], [half, half, 0.0], [half, -half, 0.0], [-half, -half, 0.0]])
-
-
 def undistorted(camera: Camera, pixels: Float) -> Float:
     """(n, 2) pixels of a camera with the same K and no distortion."""
     if not camera.is_distorted:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.log_colour import log_opponent
 
 # Distances from the marker's centre, in its sides: where the margin is surely paper, and how far its end is looked for.
@@ -52,7 +53,7 @@ def measured_sheet(image_bgr: Image, camera: Camera, T_cam_marker: Float, side_m
     out, along = np.meshgrid(outwards, ALONG)
     places = np.stack([(out, along), (along, out), (-out, along), (along, -out)])  # right, above, left, below
     plane = np.insert(side_m * places.transpose(0, 2, 3, 1), 2, 1.0, axis=3)
-    image = plane @ (camera.K @ T_cam_marker[:3, [0, 1, 3]]).T
+    image = plane @ image_from_plane(camera, T_cam_marker).T
     depth = image[..., 2]
     if depth.min() <= 0:
         return USUAL_SHEET

@@ -18,6 +18,8 @@ JUDGED = 4  # number of views whose appearance is judged: more repeat what these
 PIXELS_PER_SAMPLE = 40.0  # of the region: colours, their edges and the errors of poses are alike over patches
 # Right labels are no right body, and under a sky without a sun they are found as well; but wrong ones are surely wrong.
 MOST_FOR, MOST_AGAINST = 0.5, 3.0
+# So much against labels of one view: what of their shadow the body hides in the others is not known.
+MOST_AGAINST_ONE_VIEW = 1.0
 BESIDE_PX = 1  # next to what a body hides, colours are mixed
 ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
@@ -74,11 +76,11 @@ def _hidden_elsewhere(explanation: JointExplanation) -> Mask:
     return hidden
 
 
-def plane_support(region: Region, body: Mask, shadow: Mask, most_against: float = 2 * MOST_FOR) -> float:
+def plane_support(region: Region, body: Mask, shadow: Mask, most_against: float = MOST_AGAINST_ONE_VIEW) -> float:
     """Log odds by which other views confirm that the shadow (h, w) lies on the plane and the body (h, w) does not.
 
-    most_against: that a shadow which shears, or a body which does not, counts against it; little, where it is not known
-    what of the shadow the body hides in other views. 0 where there are no other views, or they tell nothing.
+    most_against: as much as a shadow that shears, or a body that does not, counts against it at most. 0 where there are
+    no other views, or they tell nothing.
     """
     if region.on_plane is None:
         return 0.0

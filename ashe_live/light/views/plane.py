@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.core.transforms import inverse_rigid, project
+from ashe_live.core.transforms import camera_centre, image_from_plane, project
 from ashe_live.light.pixels.areas import shrunk, smoothed
 from ashe_live.light.pixels.view import View
 
@@ -51,7 +51,7 @@ class OnPlane:
 
 def plane_homography(of: View, to: View) -> Float:
     """(3, 3) homography from the pixels of one view to those of another, through the marker's plane."""
-    onto_of, onto_to = (view.camera.K @ view.T_cam_marker[:3][:, [0, 1, 3]] for view in (of, to))
+    onto_of, onto_to = (image_from_plane(view.camera, view.T_cam_marker) for view in (of, to))
     return np.asarray(onto_to @ np.linalg.inv(onto_of))
 
 
@@ -177,7 +177,7 @@ def _slope_squared(picture: Float32) -> Float32:
 def _shear_px(reference: View, other: View) -> Float:
     """(2,) pixels in the reference view from a point TALL above the marker to where `other` sees it on the plane."""
     height = TALL * reference.side_m
-    eye = inverse_rigid(other.T_cam_marker)[:3, 3]
+    eye = camera_centre(other.T_cam_marker)
     point = np.array([0.0, 0.0, height])
     if eye[2] <= height:
         return np.zeros(2)

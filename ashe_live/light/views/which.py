@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import inverse_rigid, normalised
+from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import TrackedFrame
 
 LEAST_HEIGHT = 0.02  # of a camera above the plane, over its distance from the marker
@@ -16,10 +16,12 @@ def usable(tracked: TrackedFrame, others: Sequence[TrackedFrame], most: int) -> 
     """The `most` others of the greatest use beside `tracked`: those with a marker, by how much their directions differ.
 
     Each is the one whose direction of view is farthest from the nearest of those chosen before, so that fewer are a
-    subset of more. Frames from the same place as one chosen before are left out.
+    subset of more. Frames from the same place as one chosen before are left out. `tracked` must have a marker.
     """
-    directions = [view_direction(tracked)]
-    left = [(other, view_direction(other)) for other in others if _is_usable(other)]
+    assert tracked.marker is not None
+    directions = [view_direction(tracked.marker.T_cam_marker)]
+    several = [(each, view_direction(each.marker.T_cam_marker)) for each in others if each.marker is not None]
+    left = [(other, towards) for other, towards in several if towards[2] > LEAST_HEIGHT]
     chosen: list[TrackedFrame] = []
     while left and len(chosen) < most:
         nearest = [max(float(towards @ one) for one in directions) for _, towards in left]
@@ -38,18 +40,3 @@ def span_rad(directions: Sequence[Float]) -> float | None:
         return None
     several = np.array(directions)
     return math.acos(float(np.clip((several @ several.T).min(), -1, 1)))
-
-
-def view_direction(tracked: TrackedFrame) -> Float:
-    """(3,) unit vector from the marker's centre to the camera, marker frame. The frame must have a marker."""
-    assert tracked.marker is not None
-    return towards_camera(tracked.marker.T_cam_marker)
-
-
-def towards_camera(T_cam_marker: Float) -> Float:
-    """(3,) unit vector from the marker's centre to the camera, marker frame."""
-    return normalised(inverse_rigid(T_cam_marker)[:3, 3])
-
-
-def _is_usable(tracked: TrackedFrame) -> bool:
-    return tracked.marker is not None and bool(view_direction(tracked)[2] > LEAST_HEIGHT)

@@ -12,7 +12,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.core.transforms import inverse_rigid, project
+from ashe_live.core.square import side_lengths_px
+from ashe_live.core.transforms import project, view_direction
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
 from ashe_live.render.gl.programs import set_uniforms
@@ -116,15 +117,15 @@ class HiddenMarker:
             return False
         if self._made_from is None:
             return True
-        was, lit_by = self._made_from
-        assert was.marker is not None
-        assert tracked.marker is not None
-        if was.marker.side_m != tracked.marker.side_m or not _same_light(illumination, lit_by):
+        made_from, lit_by = self._made_from
+        was, now = made_from.marker, tracked.marker
+        assert was is not None
+        assert now is not None
+        if was.side_m != now.side_m or not _same_light(illumination, lit_by):
             return True
-        nearer = _longest_side_px(tracked) > NEARER * _longest_side_px(was)
-        ways = [camera_centre(each.marker.T_cam_marker) for each in (was, tracked) if each.marker is not None]
-        cosine = float(ways[0] @ ways[1] / (np.linalg.norm(ways[0]) * np.linalg.norm(ways[1])))
-        return nearer or cosine < TURNED_COS
+        is_nearer = side_lengths_px(now.corners_px).max() > NEARER * side_lengths_px(was.corners_px).max()
+        turned = view_direction(was.T_cam_marker) @ view_direction(now.T_cam_marker) < TURNED_COS
+        return bool(is_nearer or turned)
 
     def _follow_exposure(self, tracked: TrackedFrame) -> None:
         if self._cover is None or 0 <= tracked.frame.time_s - self._gained_s < GAIN_HELD_S:
@@ -165,16 +166,5 @@ def _gain(tracked: TrackedFrame, cover: GroundCover) -> Float | None:
     return np.asarray(np.clip(now[same].mean(axis=0) / np.maximum(then[same].mean(axis=0), 1e-4), *GAIN_RANGE))
 
 
-def camera_centre(T_cam_marker: Float) -> Float:
-    """(3,) metres, marker frame."""
-    return np.asarray(inverse_rigid(T_cam_marker)[:3, 3])
-
-
 def _same_light(one: Illumination, other: Illumination) -> bool:
     return one.real_object is other.real_object and same_objects(one.lights, other.lights)
-
-
-def _longest_side_px(tracked: TrackedFrame) -> float:
-    assert tracked.marker is not None
-    corners = tracked.marker.corners_px
-    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).max())

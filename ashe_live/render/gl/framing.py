@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera, Size
-from ashe_live.core.transforms import T_gl_cam, gl_projection, inverse_rigid, transform_points
+from ashe_live.core.transforms import T_gl_cam, camera_centre, gl_projection, transform_points
 
 Rectangle = tuple[int, int, int, int]  # left, bottom, width, height in pixels of the framebuffer
 
@@ -51,7 +51,7 @@ def framing(camera: Camera, T_cam_marker: Float, points_marker: Float, viewport:
         region = _spanned(clip_from_marker, points_marker, viewport)
     if min(region[2:]) <= 0:
         return None
-    return Framing(viewport, region, clip_from_marker, inverse_rigid(T_cam_marker)[:3, 3])
+    return Framing(viewport, region, clip_from_marker, camera_centre(T_cam_marker))
 
 
 def box_corners(bounds: Float) -> Float:

@@ -21,6 +21,14 @@ def shadow_hull(points: Float, sun: Sun) -> Float:
     return _hull(_cast(points, _around(sun)))
 
 
+def shadow_hull_of_point(points: Float, light: Float) -> Float:
+    """(n, 2) convex: the shadow on the ground, of a body whose hull is that of points (m, 3), in a light without size.
+
+    light: (4,) homogeneous, above the horizon. Of a light with a size it is what ends in the middle of the penumbra.
+    """
+    return _hull(_cast(points, light[None]))
+
+
 def lit_past(body: Proxy, sun: Sun, ground: Float) -> Float:
     """(n,) 1 where all of a light reaches points (n, 2) of the ground past a body, 0 where none does, NaN between."""
     points = body.points_marker()

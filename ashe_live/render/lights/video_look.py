@@ -14,6 +14,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import mean_side_px
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.lights.cast_shadows import lit_past, shadow_hull
@@ -157,12 +158,11 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> floa
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
     corners = tracked.marker.corners_px
     border = edge_blur_px(grey, project(tracked.camera, T, points))
-    sides_px = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     # A disc's standard deviation is half its radius; heights are spread evenly along the border, the root of whose mean
     # square is 1 / sqrt(3) of the whole.
     sine = max(float(sun.to_light[2]), LEAST_SINE)
     penumbra_m = sun.tan_half_size * float(body[:, 2].max()) / math.sqrt(3) / sine / 2
-    penumbra = penumbra_m * float(sides_px.mean()) / tracked.marker.side_m
+    penumbra = penumbra_m * mean_side_px(corners) / tracked.marker.side_m
     # The shadow maps' own texels blur about as much as a pixel does.
     rest = border**2 - edge_blur_px(grey, corners) ** 2 - penumbra**2 - BOX_VARIANCE_PX2
     return min(math.sqrt(max(rest, 0.0)), MOST_BORDER_PX * tracked.frame.size[0] / 640)

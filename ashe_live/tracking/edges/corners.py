@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.square import side_lengths_px
 from ashe_live.tracking.edges.edge_lines import NEXT, information_by_side, meeting_points, robust_lines
 from ashe_live.tracking.edges.lens import source_from_ideal
 
@@ -96,18 +97,6 @@ class FittedSquare:
 
 def _curl(bow: float) -> float:
     return min(CURL, FLAT + CURL_PER_BOW * bow)
-
-
-def side_lengths_px(corners_px: Float) -> Float:
-    """(4,) lengths of the sides of a quadrilateral (4, 2), each from its corner to the next."""
-    sides = corners_px[NEXT] - corners_px
-    return np.asarray(np.hypot(sides[:, 0], sides[:, 1]))
-
-
-def mean_side_px(corners_px: Float) -> float:
-    """The mean length of the sides of a quadrilateral (4, 2)."""
-    corners = corners_px.tolist()
-    return sum(math.dist(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)) / 4
 
 
 def is_front_of_square(corners_px: Float) -> bool:

@@ -9,15 +9,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.corner_errors import corrected
-from ashe_live.tracking.edges.corners import (
-    LAST_REACH_PX,
-    FittedSquare,
-    Light,
-    fitted_square,
-    is_front_of_square,
-    mean_side_px,
-)
+from ashe_live.tracking.edges.corners import LAST_REACH_PX, FittedSquare, Light, fitted_square, is_front_of_square
 from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.tracking.edges.print_alignment import Aligned, PrintAlignment, in_units
 

@@ -7,7 +7,8 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.tracking.edges.corners import is_front_of_square, region_around, side_lengths_px
+from ashe_live.core.square import side_lengths_px
+from ashe_live.tracking.edges.corners import is_front_of_square, region_around
 
 MARGIN_RATIO = 0.5
 # A marker larger than this is looked at smaller.

@@ -15,7 +15,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
-from ashe_live.tracking.edges.corners import Light, is_front_of_square, mean_side_px
+from ashe_live.core.square import mean_side_px
+from ashe_live.tracking.edges.corners import Light, is_front_of_square
 from ashe_live.tracking.edges.lens import source_from_ideal
 
 # Of the paper around the square, how much belongs to the print, and how much of the border to its inside: the edge

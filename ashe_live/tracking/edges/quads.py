@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
+from ashe_live.core.square import side_lengths_px
 
 # Found on photos and renders: one threshold of this window and contrast finds all of their squares; the smaller window
 # finds small ones beside a shadow.
@@ -49,7 +50,7 @@ def _quad(outline: NDArray[Any], min_side_px: float) -> Float | None:
     if len(polygon) != 4 or not cv2.isContourConvex(polygon):
         return None
     corners = polygon.reshape(4, 2).astype(np.float64)
-    if np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).min() < min_side_px / 2:
+    if side_lengths_px(corners).min() < min_side_px / 2:
         return None
     # The picture's y points down, so a positive area is clockwise to the eye.
     return corners if cv2.contourArea(corners.astype(np.float32), oriented=True) > 0 else corners[::-1].copy()

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.square import square_corners
 from ashe_live.errors import UserError
 from ashe_live.tracking.cube.faces import CUBE, CUBE_SPECS, FACES, TAG_SHARE, USUAL_EDGE_M
 from ashe_live.tracking.families.markers import Marker, parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 
 # White between two neighbours of a grid, over the side of a square.
 GRID_GAP = 0.25

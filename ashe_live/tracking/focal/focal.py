@@ -7,11 +7,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera, Size
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.core.types import MarkerPose, TrackedFrame
 from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.tracking.focal.focal_fit import fit_focal
-from ashe_live.tracking.poses.pose import square_corners
 
 # As many views as a fit in a few milliseconds can bear, and as few as it can be trusted with.
 MOST_VIEWS = 64

@@ -12,7 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
-from ashe_live.tracking.poses.pose import square_corners
+from ashe_live.core.square import square_corners
 
 # In sides.
 SQUARE = square_corners(1.0)

@@ -12,10 +12,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import mean_side_px, side_lengths_px, square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, systematic
-from ashe_live.tracking.edges.corners import FittedSquare, is_front_of_square, mean_side_px, side_lengths_px
+from ashe_live.tracking.edges.corners import FittedSquare, is_front_of_square
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.poses.pose_refinement import Solution, covariances_of, refined_solution, solution_of
 
@@ -41,12 +42,6 @@ class Sighting:
 
     points: Float  # (4, 3) metres: top-left, top-right, bottom-right, bottom-left
     square: FittedSquare
-
-
-def square_corners(side_m: float) -> Float:
-    """(4, 3) top-left, top-right, bottom-right, bottom-left of the black square, in the marker frame."""
-    half = side_m / 2
-    return np.array([(-half, half, 0), (half, half, 0), (half, -half, 0), (-half, -half, 0)])
 
 
 def estimate_pose(

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.square import side_lengths_px
 from ashe_live.core.types import MarkerPose
-from ashe_live.tracking.edges.corners import side_lengths_px
 
 
 class Steadiness:

@@ -1,6 +1,6 @@
 """A menu at the pointer, opened by the right mouse button: what the keys do, for whoever does not know them yet."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -97,13 +97,16 @@ class Menu:
         request, self._request = self._request, None
         return request
 
-    def take_mouse(self, event: MouseEvent, entries: tuple[Entry, ...], size: Size, content_scale: float) -> bool:
+    def take_mouse(
+        self, event: MouseEvent, entries: Callable[[], tuple[Entry, ...]], size: Size, content_scale: float
+    ) -> bool:
         """Opens at the right button, chooses at the left one; False for what concerns the picture below.
 
-        A press beside the menu closes it and does nothing else.
+        A press beside the menu closes it and does nothing else. `entries` is called when it opens; size: of the
+        framebuffer.
         """
         if event.action is MouseAction.MENU:
-            self._opened = _placed(entries, (event.x_px, event.y_px), size, content_scale)
+            self._opened = _placed(entries(), (event.x_px, event.y_px), size, content_scale)
             self._pointed_at = None
             return True
         if event.action is MouseAction.RELEASED and self._swallows_release:

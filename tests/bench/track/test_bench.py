@@ -16,10 +16,10 @@ from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import FPS, SIDE_M, SMALL, pose_at, scattered, sliding
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.errors import UserError
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.poses.pose import square_corners
 
 BLACK = np.zeros((1, 1), np.uint8)
 PLAIN = Flaws(blur_px=0, noise=0, vignetting=0)

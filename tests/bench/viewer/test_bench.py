@@ -13,13 +13,13 @@ from ashe_live.bench.viewer.bench import ViewerBench
 from ashe_live.capture.known_clip import KnownClip, read_known_clip
 from ashe_live.capture.recorder import Recorder
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.quality import FAST
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 
 SIZE = (320, 240)
 SPEC, SIDE_M = "aruco:4x4_50:0", 0.08

@@ -10,7 +10,7 @@ import pytest
 
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import angle_between, project, rigid
+from ashe_live.core.transforms import angle_between, project, rigid, view_direction
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.light.live.key_views import (
     MOST_BLUR_PX,
@@ -21,7 +21,6 @@ from ashe_live.light.live.key_views import (
     WORKING_WIDTH_PX,
     KeyViews,
     blur_px,
-    direction_of_view,
     kept_size,
     scaled,
     span_of,
@@ -64,7 +63,7 @@ def kept_of(frames) -> KeyViews:
 
 
 def narrowest(views) -> float:
-    directions = [direction_of_view(each.marker) for each in views]
+    directions = [view_direction(each.marker.T_cam_marker) for each in views]
     return min(angle_between(a, b) for at, a in enumerate(directions) for b in directions[:at])
 
 

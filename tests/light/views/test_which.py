@@ -5,7 +5,8 @@ import math
 
 import pytest
 
-from ashe_live.light.views.which import span_rad, usable, view_direction
+from ashe_live.core.transforms import view_direction
+from ashe_live.light.views.which import span_rad, usable
 from tests.light.painted_scenes import paint
 from tests.light.synthetic_masks import camera_towards
 
@@ -32,6 +33,6 @@ def test_views_without_a_marker_or_from_one_place_are_left_out() -> None:
 
 def test_the_span_is_the_angle_at_the_marker() -> None:
     # Two views 45 degrees above the ground, a quarter turn apart: the cosine is sin(45)^2.
-    directions = [view_direction(seen_from(heading)) for heading in (0, 90, 45)]
+    directions = [view_direction(seen_from(heading).marker.T_cam_marker) for heading in (0, 90, 45)]
     assert span_rad(directions) == pytest.approx(math.acos(0.5), abs=1e-6)
     assert span_rad(directions[:1]) is None

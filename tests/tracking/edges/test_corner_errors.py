@@ -6,13 +6,13 @@ import pytest
 from ashe_live.bench.track.frames import Flaws, painted
 from ashe_live.bench.track.takes import CELLS, SIDE_M, SMALL, SPEC, pose_at
 from ashe_live.core.arrays import Float
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.edges.corner_errors import FITTED, corrected, systematic, uncorrected_px
 from ashe_live.tracking.edges.corners import FittedSquare
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 from ashe_live.tracking.tracker import MarkerTracker
 
 TRUTH = pose_at(SMALL.K[0, 0] * SIDE_M / 100, 30, 20)

@@ -9,12 +9,12 @@ from ashe_live.bench.track.frames import Cover, Flaws, ground, painted
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.takes import CELLS, SIDE_M, SMALL, SPEC, pose_at
 from ashe_live.core.arrays import Float, Image
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.edges.corners import linear_light
 from ashe_live.tracking.edges.print_alignment import in_units
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.tracking.conftest import frame
 

@@ -7,9 +7,9 @@ import pytest
 from ashe_live.bench.track.frames import Flaws, painted
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.tracking.families.markers import Marker, parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 from tests.tracking.conftest import SIDE_M, pose
 
 CAMERA = Camera.from_focal((320, 240), 700)

@@ -8,9 +8,10 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import MarkerPose
-from ashe_live.tracking.poses.pose import estimate_pose, square_corners
+from ashe_live.tracking.poses.pose import estimate_pose
 from tests.tracking.conftest import SIDE_M, pose
 
 CAMERA = Camera.from_focal((640, 480), 600)

@@ -13,7 +13,7 @@ MENU, MOVED, PRESSED, RELEASED = MouseAction.MENU, MouseAction.MOVED, MouseActio
 
 def opened(x_px: float = 50, y_px: float = 40, size: tuple[int, int] = SIZE) -> Menu:
     menu = Menu()
-    assert menu.take_mouse(MouseEvent(MENU, x_px, y_px), ENTRIES, size, 1.0)
+    assert menu.take_mouse(MouseEvent(MENU, x_px, y_px), lambda: ENTRIES, size, 1.0)
     return menu
 
 
@@ -24,7 +24,7 @@ def plate(menu: Menu, size: tuple[int, int] = SIZE) -> tuple[int, int, int, int]
 
 def chosen_at(x_px: float, y_px: float, menu: Menu, size: tuple[int, int] = SIZE) -> Request | None:
     for action in (MOVED, PRESSED, RELEASED):
-        assert menu.take_mouse(MouseEvent(action, x_px, y_px), ENTRIES, size, 1.0)
+        assert menu.take_mouse(MouseEvent(action, x_px, y_px), lambda: ENTRIES, size, 1.0)
     return menu.take_request()
 
 
@@ -57,13 +57,13 @@ def test_a_press_beside_it_closes_it_and_reaches_nothing_below():
     left, top, width, height = plate(menu)
     assert chosen_at(left + width + 5, top + height + 5, menu) is None
     assert not menu.is_open
-    assert not menu.take_mouse(MouseEvent(PRESSED, 1, 1), ENTRIES, SIZE, 1.0)
+    assert not menu.take_mouse(MouseEvent(PRESSED, 1, 1), lambda: ENTRIES, SIZE, 1.0)
 
 
 def test_while_it_is_closed_the_mouse_is_the_picture_s():
     menu = Menu()
     assert not any(
-        menu.take_mouse(MouseEvent(action, 5, 5), ENTRIES, SIZE, 1.0) for action in (MOVED, PRESSED, RELEASED)
+        menu.take_mouse(MouseEvent(action, 5, 5), lambda: ENTRIES, SIZE, 1.0) for action in (MOVED, PRESSED, RELEASED)
     )
 
 
@@ -71,7 +71,7 @@ def test_the_row_under_the_pointer_is_brighter():
     menu = opened()
     left, top, width, height = plate(menu)
     assert len(menu.overlays(SIZE)) == 1
-    menu.take_mouse(MouseEvent(MOVED, left + width / 2, top + height / 2), ENTRIES, SIZE, 1.0)
+    menu.take_mouse(MouseEvent(MOVED, left + width / 2, top + height / 2), lambda: ENTRIES, SIZE, 1.0)
     _, bar = menu.overlays(SIZE)
     assert bar.top_px <= top + height / 2 < bar.top_px + bar.shown_size[1]
     assert menu.overlays(SIZE) is menu.overlays(SIZE)
@@ -80,7 +80,7 @@ def test_the_row_under_the_pointer_is_brighter():
 def test_it_goes_when_the_window_changes_its_size():
     menu = opened()
     assert menu.overlays((800, 600)) == ()
-    assert not menu.take_mouse(MouseEvent(MOVED, 60, 60), ENTRIES, (800, 600), 1.0)
+    assert not menu.take_mouse(MouseEvent(MOVED, 60, 60), lambda: ENTRIES, (800, 600), 1.0)
     assert not menu.is_open
 
 
@@ -88,6 +88,19 @@ def test_it_goes_when_the_window_changes_its_size():
 def test_no_window_is_too_small(size):
     menu = opened(0, 0, size)
     assert np.isfinite(plate(menu, size)).all()
+
+
+def test_entries_are_asked_for_only_when_it_opens():
+    asked = []
+
+    def entries():
+        asked.append(True)
+        return ENTRIES
+
+    menu = Menu()
+    for action in (MOVED, PRESSED, RELEASED, MENU, MOVED, PRESSED, RELEASED):
+        menu.take_mouse(MouseEvent(action, 60, 60), entries, SIZE, 1.0)
+    assert len(asked) == 1
 
 
 def test_names_of_any_length_and_number_are_offered_up_to_the_keys_there_are():

@@ -12,9 +12,9 @@ from ashe_live.bench.track.contenders import Answer, OpencvReference, Ours, answ
 from ashe_live.bench.track.frames import Flaws
 from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import SIDE_M, SMALL, SPEC, scattered
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 from ashe_live.tracking.preset import TrackingPreset
 
 IMAGE_SIDES_PX = 20, 30, 45

@@ -14,10 +14,10 @@ from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.tables import Figure
 from ashe_live.bench.track.takes import CELLS, CLUTTER, FPS, SIDE_M, SMALL, SPEC, pose_at
 from ashe_live.core.arrays import Float, Image
+from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose
 from ashe_live.tracking.families.markers import parse_marker
-from ashe_live.tracking.poses.pose import square_corners
 from ashe_live.tracking.preset import TrackingPreset
 
 # Linear reflectances: of fair and dark skin, paper and tape.

@@ -23,9 +23,8 @@ class Company:
     """What an explanation is judged beside."""
 
     others: Sequence[Explanation] = ()  # all that were tried on the picture, itself among them or not
-    to_glint_marker: Float | None = (
-        None  # (3,) unit, marker frame: towards the light whose mirror image the ground shows
-    )
+    # (3,) unit vector, marker frame: towards the light whose mirror image the ground shows; None: it shows none.
+    to_glint_marker: Float | None = None
 
 
 ALONE = Company()

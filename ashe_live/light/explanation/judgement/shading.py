@@ -9,7 +9,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import inverse_rigid, project
+from ashe_live.core.transforms import camera_centre, project
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import shrunk
 from ashe_live.light.shape.light_points import relative_irradiance, towards
@@ -94,7 +94,7 @@ def _irradiances(
     first, second, third = points[triangles.T]
     normals = np.cross(second - first, third - first)
     lengths = np.linalg.norm(normals, axis=1)
-    eye = inverse_rigid(view.T_cam_marker)[:3, 3]
+    eye = camera_centre(view.T_cam_marker)
     pixels = project(view.camera, view.T_cam_marker, points)[triangles]
     in_view = np.isfinite(pixels).all(axis=(1, 2)) & (np.abs(np.nan_to_num(pixels)).max(axis=(1, 2)) < FARTHEST_PX)
     front = (lengths > 1e-9 * lengths.max()) & (((eye - first) * normals).sum(axis=1) > 0) & in_view

@@ -1,0 +1,45 @@
+"""The odds of a light by the edges that its shadow should have."""
+
+import math
+
+import numpy as np
+
+from ashe_live.light.known_body.fit import POINTS_A_SAMPLE, EdgeFit
+from ashe_live.light.known_body.shadow_edges import POINTS
+
+SHOWN, CHANCE = 0.85, 0.3  # probability that a place shows a step where there is an edge, and where there is none
+HIDDEN = 0.8  # factor of a probability whose edges cannot be seen
+ANYWHERE = 0.16  # robust scatter of what is no edge, over the reach in which it is looked for
+MOST_NEAR = 1.2  # log odds that one place may gain or lose by lying near to where it is predicted
+MOST_LOG_ODDS = 12.0  # of all places together
+# Part of the table's light, less of which casts no shadow to speak of; and less of which casts a pale one.
+PALEST, PALE = 0.12, 0.2
+
+
+def edge_log_odds(fit: EdgeFit | None) -> float:
+    """What the shadow's edges say for a light; 0 where they are hidden.
+
+    Each independent place shows a step with the probability SHOWN where there is an edge and CHANCE where there is
+    none; and an edge is found near where it is predicted, what is none anywhere within reach.
+    """
+    if fit is None:
+        return 0.0
+    places = fit.seen * POINTS / POINTS_A_SAMPLE
+    near = float(np.clip(math.log(ANYWHERE / max(fit.misfit_share, 1e-6)), -MOST_NEAR, MOST_NEAR))
+    shown = fit.clear * (math.log(SHOWN / CHANCE) + near)
+    return places * (shown + (1 - fit.clear) * math.log((1 - SHOWN) / (1 - CHANCE)))
+
+
+def with_edges(confidence: float, fit: EdgeFit | None, step: float) -> float:
+    """A probability of a direction, after a look at the edges that its shadow should have.
+
+    step: part of the table's light that the shadow lacks. One that is too pale is none, and of a pale one the edges
+    only speak against it, as stains have edges, too.
+    """
+    if step <= PALEST:
+        return 0.0
+    if fit is None:
+        return HIDDEN * confidence
+    most = MOST_LOG_ODDS if step > PALE else 0.0
+    for_it = confidence * math.exp(float(np.clip(edge_log_odds(fit), -MOST_LOG_ODDS, most)))
+    return for_it / (for_it + 1 - confidence)
