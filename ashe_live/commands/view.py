@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ashe_live.capture.cut_short import rescue_recordings
+from ashe_live.capture.clips.cut_short import rescue_recordings
 from ashe_live.capture.recorder import Recorder
 from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.flags.marker_choice import others_said, with_marker, with_marker_in

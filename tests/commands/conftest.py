@@ -16,6 +16,7 @@ from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFram
 from ashe_live.light.estimators import estimator
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker_process import Answer
+from tests.checkout import CHECKOUT
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def go_dark(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
 
 @pytest.fixture(scope="session")
 def schema() -> dict:
-    return json.loads((Path(__file__).parents[2] / "docs" / "contract.schema.json").read_text())
+    return json.loads((CHECKOUT / "docs" / "contract.schema.json").read_text())
 
 
 @pytest.fixture(scope="session")
