@@ -12,8 +12,9 @@ from rich.progress import track
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.light.clips import ClipResult, estimate_clip, read_clips
+from ashe_live.bench.light.preset_tables import print_preset
 from ashe_live.bench.light.results import CaseResult, Summary, case_result, grouped, stage_times, summarise
-from ashe_live.bench.light.tables import print_clips, print_lamps, print_preset, print_risk, print_takes
+from ashe_live.bench.light.set_tables import print_clips, print_lamps, print_risk, print_takes
 from ashe_live.bench.light.takes import Take, TakeResult, read_takes, take_results
 from ashe_live.bench.light.targets import Verdict, verdicts
 from ashe_live.bench.light.trade import COST, print_trade, sweep
