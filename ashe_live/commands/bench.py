@@ -2,7 +2,7 @@
 
 import argparse
 
-from ashe_live.commands.flags.parser import DEFAULT_ESTIMATOR
+from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.quality import QUALITIES, Quality
 

@@ -11,7 +11,7 @@ import pytest
 
 from ashe_live import cli
 from ashe_live.commands import view
-from ashe_live.commands.flags.parser import DEFAULT_ESTIMATOR
+from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
 from ashe_live.light.estimators.steps import ProxySteps

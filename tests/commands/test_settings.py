@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
 from ashe_live.commands.flags.options import parsed
-from ashe_live.commands.flags.parser import DEFAULT_MARKER
 from ashe_live.commands.flags.settings_file import SETTINGS, settings_path
 from tests.checkout import CHECKOUT
 
