@@ -1,1 +1,1 @@
-"""Clips: reading, seeking and writing video files, also such as were cut short."""
+"""Clips that are read: their pictures, and the way to any of them."""

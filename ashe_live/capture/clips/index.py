@@ -7,7 +7,7 @@ from typing import BinaryIO, Self
 
 import av
 
-from ashe_live.capture.clips.container import opened_container
+from ashe_live.capture.container import opened_container
 
 # Of a time that was computed from one of a frame; no two frames are that close.
 ROUNDING_S = 1e-6

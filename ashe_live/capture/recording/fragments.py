@@ -14,7 +14,7 @@ from av.container import InputContainer
 from av.packet import Packet
 from av.video.stream import VideoStream
 
-from ashe_live.capture.clips.container import WrittenContainer, opened_container
+from ashe_live.capture.container import WrittenContainer, opened_container
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NewFile
 
