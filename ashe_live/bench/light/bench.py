@@ -28,8 +28,8 @@ from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.quality import QUALITIES
 
 QUICK_PRESETS = ("balanced",)
-QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4
-TRADE, SWEEP_EVERY = "trade", 3
+QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4  # with --quick: every fifth scene, and so many frames of a clip
+TRADE, SWEEP_EVERY = "trade", 3  # the plot's name, and of how many scenes it takes one
 # Presets by estimator for the runs from true labels, which exist for `proxy` only.
 FROM_LABELS = {"proxy": PRESETS}
 

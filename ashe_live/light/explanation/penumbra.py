@@ -24,9 +24,9 @@ STEP_PX = 0.5
 END_SAMPLES = 6  # at each end of a profile, whose medians are the levels inside and outside
 LEAST_DEPTH = 0.6  # least step between these two levels, as a fraction of the shift, in an edge worth measuring
 APART_M, MOST_POINTS = 0.004, 50  # distance between the points on a straight edge, and their largest number
-ACROSS_M = 1e-3
-BESIDE_OBJECT_PX = 2
-FEWEST_EDGES = 12
+ACROSS_M = 1e-3  # step on the ground by which the picture's scale across an edge is measured
+BESIDE_OBJECT_PX = 2  # where edges are not looked for
+FEWEST_EDGES = 12  # places with a clear step, for a regression
 # The penumbra's variance at the widest edges, over that of the picture's blur, below which the two cannot be separated.
 LEAST_VARIANCE_RATIO = 0.5
 LEAST_SIGMAS = 3.0  # standard errors by which the squared diameter must differ from 0
