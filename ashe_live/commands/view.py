@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ashe_live.capture.cut_short import rescue_recordings
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.cut_short import rescue_recordings
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.flags.marker_choice import others_said, with_marker, with_marker_in
 from ashe_live.commands.flags.setup import light_steps, make_tracker, quality_of
