@@ -10,7 +10,7 @@ from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
 from ashe_live.tracking.cube.folding import Folding
-from ashe_live.tracking.edges.corners import FittedSquare
+from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.poses.pose import Sighting
 from ashe_live.tracking.tracker import MarkerTracker
