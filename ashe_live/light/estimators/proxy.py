@@ -44,6 +44,7 @@ from ashe_live.light.explanation.no_answer import (
 )
 from ashe_live.light.explanation.penumbra import angular_size, soft_size
 from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
+from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
@@ -196,7 +197,9 @@ class ProxyEstimator:
         proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired)]
         clock.end("associate")
         trace.proposals = selected_for_fit(proposals, steps.tried, judge)
-        trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
+        sharpener = Sharpener.of([fine])
+        rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
+        trace.rough = rough = sharpener.measured(rough)
         to_glint = None if glint is None else glint.to_light_marker
         alone = cache(explanation_features)
 
@@ -204,7 +207,7 @@ class ProxyEstimator:
             company = Company(several, to_glint)
             return cache(lambda each: judge.log_odds_of({**alone(each), **company_features(each, company)}))
 
-        found = _refined_and_others(rough, fine, coarse, ground, steps, log_odds_among(rough))
+        found = _refined_and_others(rough, sharpener, fine, coarse, ground, steps, log_odds_among(rough))
         clock.end("fit")
         log_odds = list(map(log_odds_among(found), found))
         clock.end("judge")
@@ -213,6 +216,7 @@ class ProxyEstimator:
 
 def _refined_and_others(
     rough: Sequence[Explanation],
+    sharpener: Sharpener,
     fine: View,
     coarse: View,
     ground: LitGround,
@@ -232,7 +236,8 @@ def _refined_and_others(
     found = with_lights_counted(sharp, rough, fine, coarse, ground, steps.region_px, log_odds)
     others = different(each for each in ranked if not any(each is one for one in chosen))
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
-    return found + [each for each in others if not any(is_part_of(one, each) for one in found)]
+    others = [each for each in others if not any(is_part_of(one, each) for one in found)]
+    return [sharpener.sharpened(each) for each in sharpener.measured(found)] + others
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:
@@ -261,4 +266,4 @@ def _angular_size(best: Explanation, light: Light, tracked: TrackedFrame) -> flo
     soft = soft_size(best.proxy, light.homogeneous, tracked)
     if soft is not None:
         return soft
-    return angular_size(best.proxy, light.homogeneous, best.materials.shift_fraction, best.predicted, best.region.view)
+    return angular_size(best.proxy, light.homogeneous, best.materials.light_lost, best.predicted, best.region.view)

@@ -17,7 +17,6 @@ from ashe_live.light.explanation.alignment import (
     Alignment,
     PlacedBody,
     criterion,
-    damped_steps,
     measured,
     normal_equations,
     placed_in,
@@ -28,7 +27,7 @@ from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.outline_fit.preset import FitPreset
-from ashe_live.light.outline_fit.search import prior_information
+from ashe_live.light.outline_fit.search import damped_steps, prior_information
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.sight import Sight
 

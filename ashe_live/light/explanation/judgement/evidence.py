@@ -21,11 +21,13 @@ WITHIN_PX = 1.5
 FLAT = 0.7  # log of breadth over height above which a body counts as flat
 # A strongly lit object may show no shading in the picture: where it is overexposed, translucent or painted.
 LEAST_CONTRAST = -0.5
+LEAST_STEP_COST = 0.1  # of outlines better than which none are told apart
 LEAST_SPREAD = 1e-3  # least standard deviation of values that have a meaningful correlation
 
 # The features, and the sign with which physics lets each count for an explanation (docs/maths.md, "Evidence").
 SIGNS: Mapping[str, int] = {
     "misfit": -1,
+    "steps": -1,
     "clear body": 1,
     "clear shadow": 1,
     "flat": -1,
@@ -50,6 +52,7 @@ def evidence(explanation: Explanation) -> dict[str, float]:
     alignment, shading = explanation.alignment, _shading(explanation)
     return {
         "misfit": math.log(max(alignment.misfit_px, 0.05) / alignment.placed.object_px),
+        "steps": math.log(max(explanation.step_cost, LEAST_STEP_COST)),
         "clear body": alignment.clear_body,
         "clear shadow": alignment.clear_shadow,
         "flat": _flatness(explanation),
@@ -101,7 +104,7 @@ def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
     low, high = RING_PX
     # A window that holds the ring around the shadow, and all that distances in the ring are measured from.
     window = window_around(masks.shadow, math.ceil(2 * high))
-    shadow, body, fraction = masks.shadow[window], masks.body[window], materials.shift_fraction[window]
+    shadow, body, fraction = masks.shadow[window], masks.body[window], materials.light_lost[window]
     whole = shadow | body
     within, without = distance_to(~whole), distance_to(whole)
     clear = region.is_ground[window] & (distance_to(body) > BESIDE_OBJECT_PX)

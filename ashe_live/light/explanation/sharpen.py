@@ -1,0 +1,74 @@
+"""Explanations moved onto the steps of light in the picture at full resolution: the last and finest alignment."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from operator import attrgetter
+
+import numpy as np
+
+from ashe_live.light.edges.alignment import MISSED, aligned_with_steps, measured_at_steps
+from ashe_live.light.edges.steps import LightPicture
+from ashe_live.light.explanation.alignment import measured, placed_in
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.labels.costs import Costs
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.directions import corrected_for_cut_shadow, fitted_lights, with_hemisphere_prior
+
+FAMILIES = 5  # that are aligned with steps, the likeliest by the labels' outlines
+
+
+@dataclass(frozen=True, slots=True)
+class Sharpener:
+    """The steps of light in pictures of one scene, that which is explained first."""
+
+    pictures: Sequence[LightPicture]
+
+    @staticmethod
+    def of(views: Sequence[View]) -> "Sharpener":
+        """Of views at full resolution."""
+        return Sharpener([LightPicture.of(view) for view in views])
+
+    def sharpened(self, explanation: Explanation) -> Explanation:
+        """The explanation by the body and the lights that agree best with the steps of light.
+
+        Of the families that its labels allow, each is aligned, and the likeliest is kept. The explanation as it is
+        where no body stays in view or shows a step.
+        """
+        placed = explanation.alignment.placed
+        others = [one for one in explanation.bodies if len(one.lights) == len(placed.lit.lights)][:FAMILIES]
+        bodies = [placed.lit, *others]
+        shifts = np.repeat([_shifts(explanation)], len(bodies), axis=0)
+        fits = aligned_with_steps(bodies, self.pictures, shifts)
+        best = min((fit for fit in fits if fit is not None), key=attrgetter("criterion"), default=None)
+        if best is None or best.mean_cost >= MISSED:
+            return explanation
+        costs = Costs(explanation.region, explanation.materials, explanation.as_object)
+        (moved,) = placed_in([(best.lit, placed.sight, costs)])
+        if not moved.is_in_view:
+            return explanation
+        (alignment,) = measured([moved])
+        information = with_hemisphere_prior(best.information, best.lit.lights_in_body_frame)
+        lights = fitted_lights(best.lit.lights, np.asarray(np.linalg.inv(information)))
+        cut = zip(lights, alignment.ends_in_view, strict=True)
+        return replace(
+            explanation,
+            alignment=alignment,
+            lights=tuple(corrected_for_cut_shadow(light, seen) for light, seen in cut),
+            step_cost=best.mean_cost,
+        )
+
+    def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:
+        """The explanations where they stand, each with its `step_cost`."""
+        found = list(explanations)
+        for count in {len(each.lights) for each in explanations}:
+            members = [i for i, each in enumerate(explanations) if len(each.lights) == count]
+            bodies = [explanations[i].alignment.placed.lit for i in members]
+            shifts = np.array([_shifts(explanations[i]) for i in members])
+            for i, fit in zip(members, measured_at_steps(bodies, self.pictures, shifts), strict=True):
+                found[i] = replace(explanations[i], step_cost=MISSED if fit is None else fit.mean_cost)
+        return found
+
+
+def _shifts(explanation: Explanation) -> list[float]:
+    """Each light's shift of the log of brightness in its shadow; negative."""
+    return [float(shift[0]) for shift in explanation.materials.shifts[: len(explanation.lights)]]
