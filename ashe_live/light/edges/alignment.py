@@ -1,7 +1,7 @@
 """Bodies and their lights moved onto the steps of light in a picture, and which family explains these best.
 
-Gauss-Newton steps with Cauchy's weights from a start that is right to a few pixels, as in `explanation.alignment`,
-whose borders come from unary costs instead (docs/maths.md, "Steps of light").
+Gauss-Newton steps with Geman and McClure's weights from a start that is right to a few pixels, much as in
+`explanation.alignment`, whose borders come from unary costs instead (docs/maths.md, "Steps of light").
 """
 
 import math
@@ -28,13 +28,10 @@ from ashe_live.light.shape.predicted import lit_outlines
 from ashe_live.light.shape.sight import Sight
 
 REACHES_PX = (4.0, 3.0, 2.0, 2.0, 2.0)  # within which steps are looked for: what the start may be off, then less
-# Scale of Cauchy's loss in the last rounds: at least, and as a fraction of the object's size; and the factor on it in
-# the rounds whose reach still shrinks.
+# Scale of Geman and McClure's loss in the last rounds: at least, and as a fraction of the object's size; and the factor
+# on it in the rounds whose reach still shrinks.
 OUTLIER_PX, OUTLIER_SHARE, EARLY_LOSS_FACTOR = 0.75, 0.0125, 3.0
 BESIDE_BODY_PX = 2.0  # the shadow's outline cannot be seen nearer to the object
-# A step across a shadow's outline is that shadow's if the log of brightness changes by its shift, to within this share
-# of it and this much: a penumbra, a contact shadow, grain.
-SHIFT_SHARE, SHIFT_SLACK = 0.5, 0.1
 SHAPE_ERROR_SHARE = 0.004  # sigma of a real object's outline from the nearest member of a family, of its size
 MISSED = 9.0  # squared sigmas that a point costs at most, and where no step is found though one should be seen
 POINTS_PER_SAMPLE = 2.3  # errors of neighbouring points are correlated: their number over the effective sample size
@@ -109,7 +106,7 @@ class _Measured:
     def weight(self, loss_factor: float) -> Float:
         """(n, r) the information, reduced for outliers."""
         scale_px = loss_factor * np.maximum(OUTLIER_PX, OUTLIER_SHARE * self.object_px)[:, None]
-        return np.asarray(self.information / (1 + (self.offset_px / scale_px) ** 2))
+        return np.asarray(self.information / (1 + (self.offset_px / scale_px) ** 2) ** 2)
 
     def equations(self, loss_factor: float) -> tuple[Float, Float]:
         """(n, t, t) normal matrices without the prior on the shape, (n, t) gradients towards the steps."""
@@ -165,11 +162,12 @@ def _measured(bodies: Sequence[LitBody], picture: LightPicture, shifts: Float, r
         for hull in each
     ]
     places, n = evenly_spaced(shown), len(bodies)
-    steps = steps_across(picture.linear_bgr, places, reach_px)
+    # Its own outline may rise or fall; out of a shadow the ground is brighter.
+    rises = np.column_stack([np.full(n, np.nan), -shifts]).ravel()
+    steps = steps_across(picture.linear_bgr, places, reach_px, rises)
     should_be_seen = _by_outline(picture.is_reliable_at(places.points), n) & _visible(places, n)
     landed = places.points + steps.offset_px[..., None] * places.normals
     is_usable = should_be_seen & _by_outline(picture.is_reliable_at(landed), n) & in_view[:, None, None]
-    is_usable[:, 1:] &= _are_of_shadows(_by_outline(steps.rise, n)[:, 1:], shifts)
     outlines = _by_outline(places.points, n)[:, 0]
     sights = [Sight(sight.camera, sight.T_cam_marker, outline.mean(axis=0)) for outline in outlines]
     information = np.where(is_usable, _by_outline(steps.information, n), 0.0)
@@ -197,12 +195,6 @@ def _visible(places: OutlinePoints, n: int) -> Mask:
     outside = np.einsum("nojk,nik->noji", points[:, 1:], normals[:, 0])
     outside -= np.einsum("nik,nik->ni", points[:, 0], normals[:, 0])[:, None, None]
     return np.concatenate([np.ones((n, 1, POINTS_PER_OUTLINE), bool), outside.max(axis=3) > BESIDE_BODY_PX], axis=1)
-
-
-def _are_of_shadows(rise: Float, shifts: Float) -> Mask:
-    """(n, l, p) whether rises in the log of brightness, going out of shadows, agree with their shifts (n, l)."""
-    expected = -shifts[..., None]
-    return np.asarray((rise > 0) & (np.abs(rise - expected) < SHIFT_SHARE * np.abs(expected) + SHIFT_SLACK))
 
 
 def _sizes_px(outlines: Float) -> Float:

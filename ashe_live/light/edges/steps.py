@@ -29,6 +29,9 @@ NOISE = 2e-4  # variance of linear light, of all three channels together, that a
 SAMPLES, RISE_PX = 5.0, 2.0
 LEAST_SIGMA_PX = 0.15  # of a step's place: the raster of the pixels, sharpening, compression
 LEAST_CONTRAST = 1.0  # squared step over the variance within both windows, below which there is no step
+# Sigma of the rise of a step, going out of a shadow, from the shadow's shift of the log of brightness: a share of it
+# and so much, for penumbrae, contact shadows and grain; and the sigmas beyond which a step is not that shadow's.
+RISE_SHARE, RISE_SLACK, MOST_UNLIKE = 0.25, 0.05, 2.0
 UNRELIABLE_PX = 2  # from the ground's end: its own edge is no outline's
 DARKEST = 1e-4  # of linear light, whose log is taken
 
@@ -67,11 +70,13 @@ class Steps:
     rise: Float  # (m, p) log of the brightness outside over that inside
 
 
-def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float) -> Steps:
+def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, rises: Float) -> Steps:
     """The likeliest step of light within `reach_px` of each point of m outlines.
 
-    linear_bgr: (h, w, 3). A step parts a profile along the normal into two windows, whose levels differ more than they
-    vary within; its place is where the profile passes half of the way from one level to the other.
+    linear_bgr: (h, w, 3). rises: (m,) the log of brightness by which each outline's step should rise going out, as that
+    of a shadow does; NaN where it may be any, as that of an object. A step parts a profile along the normal into two
+    windows, whose levels differ more than they vary within; its place is where the profile passes half of the way from
+    one level to the other.
     """
     m, p = places.points.shape[:2]
     beyond = WINDOW_PX + GAP_PX + SAMPLING_PX
@@ -92,19 +97,23 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float) ->
     step = outer - inner
     variance = np.maximum(inner_squares + outer_squares - inner**2 - outer**2, 0).sum(axis=2)
     contrast = (step**2).sum(axis=2) / (variance + NOISE)
-    # Twice the log of a step's likelihood ratio, both sides' variance being unknown, and of the prior's density.
+    rise = np.subtract(*(np.log(np.maximum(level.mean(axis=2), DARKEST)) for level in (outer, inner)))
+    slack = (RISE_SHARE * np.abs(rises) + RISE_SLACK)[:, None].repeat(p, axis=0)
+    unlike = np.nan_to_num((rise - rises[:, None].repeat(p, axis=0)) / slack)
+    # Twice the log of a step's likelihood ratio, both sides' variance being unknown, and of the priors' densities.
     expected_px = EXPECTED_SHARE * reach_px
-    plausible = 2 * SAMPLES * np.log1p(contrast) - (offsets[at] / expected_px) ** 2
-    best, row = plausible.argmax(axis=1), np.arange(m * p)
-    contrast, inner, step = contrast[row, best], inner[row, best], step[row, best]
+    plausible = 2 * SAMPLES * np.log1p(contrast) - (offsets[at] / expected_px) ** 2 - unlike**2
+    row = np.arange(m * p), plausible.argmax(axis=1)
+    contrast, inner, step, rise, unlike = contrast[row], inner[row], step[row], rise[row], unlike[row]
     share = ((profile - inner[:, None]) * step[:, None]).sum(axis=2)
     share /= np.maximum((step**2).sum(axis=1), 1e-12)[:, None]
-    crossing, is_crossed = _half_way(share, at[best], window + gap - 1)
+    crossing, is_crossed = _half_way(share, at[row[1]], gap + 2)
     offset_px = offsets[0] + SAMPLING_PX * crossing
     variance_px2 = LEAST_SIGMA_PX**2 + RISE_PX**2 / (SAMPLES * np.maximum(contrast, 1e-9))
-    is_found = is_crossed & (contrast > LEAST_CONTRAST) & (np.abs(offset_px) <= reach_px)
-    levels = (np.log(np.maximum(level.mean(axis=1), DARKEST)) for level in (inner + step, inner))
-    found = np.where(is_found, offset_px, 0.0), np.where(is_found, 1 / variance_px2, 0.0), np.subtract(*levels)
+    is_found = (
+        is_crossed & (contrast > LEAST_CONTRAST) & (np.abs(offset_px) <= reach_px) & (np.abs(unlike) < MOST_UNLIKE)
+    )
+    found = np.where(is_found, offset_px, 0.0), np.where(is_found, 1 / variance_px2, 0.0), rise
     return Steps(*(values.reshape(m, p) for values in found))
 
 
