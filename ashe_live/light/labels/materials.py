@@ -3,7 +3,7 @@
 Costs are twice negative log densities of colours, so that they can be compared and added up over pixels.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ WIDENED = 0.5  # relative growth of the palette's covariances by a full shift
 MOST_COLOURS = 400  # pixels that the object's mixture is fitted to
 FEWEST_COLOURS = 12
 COMMON = 0.02  # least weight of a palette colour that fractions of the shift are measured from
+LIT_BY_OBJECT = 0.0  # cost of ground that an object lights or that mirrors it: that of lit ground's rarest colours
 NOISE = SHIFT_NOISE.astype(np.float32)
 
 
@@ -37,6 +38,7 @@ class Materials:
     contact: Float32  # (h, w) cost of shadow, also where the object hides the sky
     shift_fraction: Float32  # (h, w) fraction of the shift that a pixel of ground shows: 0 in full light, 1 in shadow
     layers: tuple[Float32, ...] = ()  # (h, w) cost of shadow by each of the shifts, if there are two lights
+    lit_by_object: Mask | None = None  # (h, w) no object, but ground that one lights or that mirrors one; None: none
 
     @property
     def shift(self) -> Float:
@@ -56,6 +58,15 @@ def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
     return Materials((shift,), lit, shaded, np.minimum(shaded, deepest), fraction_of_shift(region, ground, shift))
 
 
+def with_faint_as_ground(materials: Materials, faint: Mask) -> Materials:
+    """The materials if what is nearly lit ground, `faint` (h, w), is ground: lit by an object's bright side, or glossy.
+
+    It may be shadow still, where that costs less.
+    """
+    lit = np.where(faint, np.minimum(materials.lit, LIT_BY_OBJECT), materials.lit)
+    return replace(materials, lit=lit, lit_by_object=faint)
+
+
 def cost_of_shift(
     region: Region, ground: LitGround, shift: Float, fractions: tuple[tuple[float, float], ...]
 ) -> Float32:
@@ -66,11 +77,13 @@ def cost_of_shift(
     return smoothed(region.quantised.as_picture(costs))
 
 
-def object_cost(region: Region, mask: Mask) -> Float32:
+def object_cost(region: Region, mask: Mask, materials: Materials | None = None) -> Float32:
     """(h, w) cost under a mixture fitted to the colours well within `mask`, where no edge mixes them with others.
 
-    UNEXPLAINED everywhere where `mask` holds too few pixels.
+    UNEXPLAINED everywhere where `mask` holds too few pixels. materials: those by which some of it is ground.
     """
+    if materials is not None and materials.lit_by_object is not None:
+        mask = mask & ~materials.lit_by_object
     for margin in (2, 1):
         core = shrunk(mask, margin)
         if np.count_nonzero(core) > max(40, 0.3 * np.count_nonzero(mask)):

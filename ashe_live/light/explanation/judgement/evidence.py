@@ -75,7 +75,8 @@ def _shading(explanation: Explanation) -> Shading:
 def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[str, float]:
     """The features that need no fit: how the picture looks where `masks` place the object and its shadow."""
     brightness = float(materials.shift[0])
-    size = max(_pixels(region.unlit), 1)
+    unlit = region.unlit if materials.lit_by_object is None else region.unlit & ~materials.lit_by_object
+    size = max(_pixels(unlit), 1)
     longer = math.log(max(_pixels(masks.shadow) / max(_pixels(masks.body), 1), 1e-3))
     return {
         "hue": hue_of(materials.shift),
@@ -83,7 +84,7 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[s
         "short": max(-longer - 1.0, 0.0),
         "long": max(longer, 0.0),
         "lit side": _lit_side(region, masks),
-        "missed": math.log(0.02 + _pixels(region.unlit & ~masks.whole) / size),
+        "missed": math.log(0.02 + _pixels(unlit & ~masks.whole) / size),
         "edge": min(_sharpness(region, materials, masks), 1.0),
         "border": _border_share(masks.shadow, masks.body),
         "second": materials.lights - 1.0,
