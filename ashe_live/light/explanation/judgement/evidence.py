@@ -18,6 +18,9 @@ from ashe_live.light.shape.predicted import Predicted
 RING_PX = (1.0, 4.0)
 BESIDE_OBJECT_PX = 3.0  # pixels nearer to the object than this may belong to it
 WITHIN_PX = 1.5
+# Unary cost below which the ground in shadow explains a colour, and the least fraction of the shift that it shows then:
+# what shows less may be the rim of a shadow.
+EXPLAINED, DEEP = 0.0, 0.7
 FLAT = 0.7  # log of breadth over height above which a body counts as flat
 # A strongly lit object may show no shading in the picture: where it is overexposed, translucent or painted.
 LEAST_CONTRAST = -0.5
@@ -37,6 +40,8 @@ SIGNS: Mapping[str, int] = {
     "long": -1,
     "lit side": 1,
     "missed": -1,
+    "in shadow": -1,
+    "lit": -1,
     "edge": 1,
     "border": -1,
     "second": -1,
@@ -55,6 +60,7 @@ def evidence(explanation: Explanation) -> dict[str, float]:
         "flat": _flatness(explanation),
         "contrast": max(shading.contrast, LEAST_CONTRAST),
         "sunlit": math.asinh(shading.sunlit),
+        "lit": _lit_share(explanation.region, explanation.predicted),
         **appearance(explanation.region, explanation.materials, explanation.predicted),
     }
 
@@ -85,6 +91,7 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[s
         "long": max(longer, 0.0),
         "lit side": _lit_side(region, masks),
         "missed": math.log(0.02 + _pixels(unlit & ~masks.whole) / size),
+        "in shadow": _share_in_shadow(region, materials, masks.body),
         "edge": min(_sharpness(region, materials, masks), 1.0),
         "border": _border_share(masks.shadow, masks.body),
         "second": materials.lights - 1.0,
@@ -95,6 +102,19 @@ def shadow_core(region: Region, masks: Predicted) -> Mask:
     """(h, w) the inside of a shadow: on the ground, away from the shadow's outline and from the object."""
     clear = region.is_ground & (distance_to(masks.body) > BESIDE_OBJECT_PX)
     return masks.shadow & clear & (distance_to(~masks.whole) > WITHIN_PX)
+
+
+def _share_in_shadow(region: Region, materials: Materials, body: Mask) -> float:
+    """Fraction of the object's pixels, without its rim, that the ground in the same shadow explains."""
+    core = shrunk(body, 1) & region.is_ground
+    as_shadow = (materials.contact < EXPLAINED) & (materials.shift_fraction > DEEP) & core
+    return _pixels(as_shadow) / max(_pixels(core), 1)
+
+
+def _lit_share(region: Region, masks: Predicted) -> float:
+    """Fraction of the object's and the shadow's pixels that the lit ground explains."""
+    whole = masks.whole & region.is_ground
+    return _pixels(whole & ~region.unlit) / max(_pixels(whole), 1)
 
 
 def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
