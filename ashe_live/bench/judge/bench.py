@@ -58,7 +58,7 @@ FIRST_RANGES = {
     "constrained": (-2.0, 0.0),
     "agreeing": (0.0, 1.0),
 }
-OF_SPLITS = ("hue", "brightness", "short", "long", "lit side", "missed", "in shadow", "edge", "border", "second")
+OF_SPLITS = ("hue", "brightness", "short", "long", "lit side", "missed", "edge", "border", "second")
 LOOKS = tuple(dict.fromkeys(of_one_view(look) for steps in PRESETS.values() for look in steps.looks))
 WEIGHT = 1 / len(LOOKS)  # all look at the same pictures, which are to count once
 ROUNDS = (3, 1)  # of which every so many-th picture is explained: the first only finds which features matter

@@ -60,7 +60,8 @@ def evidence(explanation: Explanation) -> dict[str, float]:
         "flat": _flatness(explanation),
         "contrast": max(shading.contrast, LEAST_CONTRAST),
         "sunlit": math.asinh(shading.sunlit),
-        "lit": _lit_share(explanation.region, explanation.predicted),
+        "in shadow": _share_in_shadow(explanation),
+        "lit": _lit_share(explanation),
         **appearance(explanation.region, explanation.materials, explanation.predicted),
     }
 
@@ -91,7 +92,6 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[s
         "long": max(longer, 0.0),
         "lit side": _lit_side(region, masks),
         "missed": math.log(0.02 + _pixels(unlit & ~masks.whole) / size),
-        "in shadow": _share_in_shadow(region, materials, masks.body),
         "edge": min(_sharpness(region, materials, masks), 1.0),
         "border": _border_share(masks.shadow, masks.body),
         "second": materials.lights - 1.0,
@@ -104,16 +104,18 @@ def shadow_core(region: Region, masks: Predicted) -> Mask:
     return masks.shadow & clear & (distance_to(~masks.whole) > WITHIN_PX)
 
 
-def _share_in_shadow(region: Region, materials: Materials, body: Mask) -> float:
+def _share_in_shadow(explanation: Explanation) -> float:
     """Fraction of the object's pixels, without its rim, that the ground in the same shadow explains."""
-    core = shrunk(body, 1) & region.is_ground
+    materials = explanation.materials
+    core = shrunk(explanation.predicted.body, 1) & explanation.region.is_ground
     as_shadow = (materials.contact < EXPLAINED) & (materials.shift_fraction > DEEP) & core
     return _pixels(as_shadow) / max(_pixels(core), 1)
 
 
-def _lit_share(region: Region, masks: Predicted) -> float:
+def _lit_share(explanation: Explanation) -> float:
     """Fraction of the object's and the shadow's pixels that the lit ground explains."""
-    whole = masks.whole & region.is_ground
+    region = explanation.region
+    whole = explanation.predicted.whole & region.is_ground
     return _pixels(whole & ~region.unlit) / max(_pixels(whole), 1)
 
 
