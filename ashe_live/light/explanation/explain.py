@@ -215,7 +215,7 @@ def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:
     region, as_object = proposal.region, proposal.as_object
     if as_object is None:
         seen = predicted(likeliest.body.proxy, likeliest.lights, region.view)
-        as_object = _cost_of_object(region, seen.body & region.unlit, proposal.split)
+        as_object = _cost_of_object(proposal, seen.body & region.unlit)
     return Costs(region, proposal.materials, as_object)
 
 
@@ -224,13 +224,14 @@ def _explanation(proposal: Proposal, bodies: Sequence[LitBody], alignment: Align
     if alignment is None:
         return None
     region, split = proposal.region, proposal.split
-    as_object = _cost_of_object(region, alignment.placed.predicted.body & region.is_ground, split)
+    as_object = _cost_of_object(proposal, alignment.placed.predicted.body & region.is_ground)
     return Explanation(region, proposal.materials, split, alignment, lights_of(alignment), as_object, tuple(bodies))
 
 
-def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
+def _cost_of_object(proposal: Proposal, seen: Mask) -> Float32:
     """(h, w) the object's unary cost by the colours in `seen`, or in the split's object where `seen` is too small."""
-    return object_cost(region, seen if np.count_nonzero(seen) > FEW_PX else split.object_mask)
+    mask = seen if np.count_nonzero(seen) > FEW_PX else proposal.split.object_mask
+    return object_cost(proposal.region, mask, proposal.materials)
 
 
 def lights_of(alignment: Alignment) -> tuple[FittedLight, ...]:

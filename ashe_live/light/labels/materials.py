@@ -4,7 +4,7 @@ Costs are twice negative log densities of colours, so that they can be compared 
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,7 @@ MOST_COLOURS = 400  # pixels that the object's mixture is fitted to
 FEWEST_COLOURS = 12
 LEAST_DEPTH = 0.01  # of a shadow, in log brightness: a paler one takes no light
 COMMON = 0.02  # least weight of a palette colour that fractions of the shift are measured from
+LIT_BY_OBJECT = 0.0  # cost of ground that an object lights or that mirrors it: that of lit ground's rarest colours
 NOISE = SHIFT_NOISE.astype(np.float32)
 
 
@@ -41,6 +42,7 @@ class Materials:
     contact: Float32  # (h, w) cost of shadow, also where the object hides the sky
     light_lost: Float32  # (h, w) share of the light that the shadow takes which a pixel of ground lacks
     layers: tuple[Float32, ...] = ()  # (h, w) cost of shadow by each of the shifts, if there are two lights
+    lit_by_object: Mask | None = None  # (h, w) no object, but ground that one lights or that mirrors one; None: none
 
     @property
     def shift(self) -> Float:
@@ -57,6 +59,15 @@ def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
         cost_of_shift(region, ground, shift, shares) for shares in (LIT_SHARES, SHADED_SHARES, CONTACT_SHARES)
     )
     return Materials((shift,), lit, shaded, np.minimum(shaded, deepest), share_of_light_lost(region, ground, shift))
+
+
+def with_faint_as_ground(materials: Materials, faint: Mask) -> Materials:
+    """The materials if what is nearly lit ground, `faint` (h, w), is ground: lit by an object's bright side, or glossy.
+
+    It may be shadow still, where that costs less.
+    """
+    lit = np.where(faint, np.minimum(materials.lit, LIT_BY_OBJECT), materials.lit)
+    return replace(materials, lit=lit, lit_by_object=faint)
 
 
 def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple[tuple[float, float], ...]) -> Float32:
@@ -78,11 +89,13 @@ def shifts_of_shares(shift: Float, shares: Float) -> Float:
     return np.asarray(np.where(shares[:, None] <= 1, mixed, shares[:, None] * shift))
 
 
-def object_cost(region: Region, mask: Mask) -> Float32:
+def object_cost(region: Region, mask: Mask, materials: Materials | None = None) -> Float32:
     """(h, w) cost under a mixture fitted to the colours well within `mask`, where no edge mixes them with others.
 
-    UNEXPLAINED everywhere where `mask` holds too few pixels.
+    UNEXPLAINED everywhere where `mask` holds too few pixels. materials: those by which some of it is ground.
     """
+    if materials is not None and materials.lit_by_object is not None:
+        mask = mask & ~materials.lit_by_object
     for margin in (2, 1):
         core = shrunk(mask, margin)
         if np.count_nonzero(core) > max(40, 0.3 * np.count_nonzero(mask)):

@@ -104,6 +104,13 @@ def check_answer_or_reason(estimate: LightEstimate) -> None:
 # Truth
 
 
+@pytest.mark.parametrize("rgb", [(0.03, 0.03, 0.04), (0.1, 0.25, 0.5), (0.9, 0.9, 0.9)], ids=["black", "blue", "white"])
+def test_what_glossy_ground_mirrors_is_no_part_of_the_object(rgb: tuple[float, float, float]) -> None:
+    """Below the foot, polished wood adds an eighth of the object's light, and lacks an eighth of the sky's."""
+    scene = paint(replace(CYLINDER, rgb=rgb), azimuth_deg=110, elevation_deg=35, gloss=0.12)
+    assert apart_deg(towards(scene.tracked), scene.to_light) < 2
+
+
 @pytest.mark.parametrize(("name", "ground", "azimuth_deg", "elevation_deg"), EXPECTED_DEG)
 def test_errors_stay_as_small_as_they_are(name: str, ground: str, azimuth_deg: float, elevation_deg: float) -> None:
     scene = paint(CASTERS[name], ground=ground, azimuth_deg=azimuth_deg, elevation_deg=elevation_deg)

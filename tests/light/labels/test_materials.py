@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import cv2
 import numpy as np
 import pytest
 
@@ -9,7 +10,7 @@ from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.camera import Camera
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.materials import Materials, materials_of, object_cost
+from ashe_live.light.labels.materials import Materials, materials_of, object_cost, with_faint_as_ground
 from ashe_live.light.pixels.log_colour import OPPONENT
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture
 from ashe_live.light.pixels.view import View
@@ -135,3 +136,17 @@ def test_regions_of_any_size_have_costs(shape: tuple[int, int]) -> None:
         assert np.isfinite(costs).all()
     for mask in (nowhere, ~nowhere):
         assert np.isfinite(object_cost(dataclasses.replace(region, unlit=mask), mask)).all()
+
+
+def test_ground_that_an_object_lights_is_no_part_of_it() -> None:
+    """Nearly lit ground is cheapest as ground, though an object is said to have its colour; shadow stays shadow."""
+    here = painted_region(BOX)
+    around = cv2.dilate(here.body.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
+    faint = around & ~here.body & ~here.shadow
+    region = dataclasses.replace(here.region, unlit=here.region.unlit | faint, faint=faint)
+    materials = with_faint_as_ground(here.materials, faint)
+    own = object_cost(region, here.body | faint, materials)
+    assert (materials.lit[faint] < own[faint]).mean() > 0.95
+    assert (own[here.body] < materials.lit[here.body]).mean() > 0.9
+    assert (materials.contact[here.shadow] < materials.lit[here.shadow]).mean() > 0.95
+    np.testing.assert_array_equal(materials.lit[~faint], here.materials.lit[~faint])
