@@ -6,13 +6,19 @@ from operator import attrgetter
 
 import numpy as np
 
-from ashe_live.light.edges.alignment import MISSED, aligned_with_steps, measured_at_steps
+from ashe_live.light.edges.alignment import MISSED, EdgeFit, aligned_with_steps, measured_at_steps
 from ashe_live.light.edges.steps import LightPicture
-from ashe_live.light.explanation.alignment import measured, placed_in
+from ashe_live.light.explanation.alignment import Alignment, measured, placed_in
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.directions import corrected_for_cut_shadow, fitted_lights, with_hemisphere_prior
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.directions import (
+    FittedLight,
+    corrected_for_cut_shadow,
+    fitted_lights,
+    with_hemisphere_prior,
+)
 
 FAMILIES = 5  # that are aligned with steps, the likeliest by the labels' outlines
 
@@ -36,26 +42,23 @@ class Sharpener:
         """
         placed = explanation.alignment.placed
         others = [one for one in explanation.bodies if len(one.lights) == len(placed.lit.lights)][:FAMILIES]
-        bodies = [placed.lit, *others]
-        shifts = np.repeat([_shifts(explanation)], len(bodies), axis=0)
-        fits = aligned_with_steps(bodies, self.pictures, shifts)
-        best = min((fit for fit in fits if fit is not None), key=attrgetter("criterion"), default=None)
-        if best is None or best.mean_cost >= MISSED:
+        best = self.best_fit([placed.lit, *others], explanation)
+        if best is None:
             return explanation
         costs = Costs(explanation.region, explanation.materials, explanation.as_object)
         (moved,) = placed_in([(best.lit, placed.sight, costs)])
         if not moved.is_in_view:
             return explanation
         (alignment,) = measured([moved])
-        information = with_hemisphere_prior(best.information, best.lit.lights_in_body_frame)
-        lights = fitted_lights(best.lit.lights, np.asarray(np.linalg.inv(information)))
-        cut = zip(lights, alignment.ends_in_view, strict=True)
         return replace(
-            explanation,
-            alignment=alignment,
-            lights=tuple(corrected_for_cut_shadow(light, seen) for light, seen in cut),
-            step_cost=best.mean_cost,
+            explanation, alignment=alignment, lights=lights_by_steps(best, alignment), step_cost=best.mean_cost
         )
+
+    def best_fit(self, bodies: Sequence[LitBody], explanation: Explanation) -> EdgeFit | None:
+        """The likeliest of the bodies, with their lights, by the steps of light; None where none shows any."""
+        fits = aligned_with_steps(bodies, self.pictures, np.repeat([_shifts(explanation)], len(bodies), axis=0))
+        seen = (fit for fit in fits if fit is not None and fit.mean_cost < MISSED)
+        return min(seen, key=attrgetter("criterion"), default=None)
 
     def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:
         """The explanations where they stand, each with its `step_cost`."""
@@ -67,6 +70,18 @@ class Sharpener:
             for i, fit in zip(members, measured_at_steps(bodies, self.pictures, shifts), strict=True):
                 found[i] = replace(explanations[i], step_cost=MISSED if fit is None else fit.mean_cost)
         return found
+
+
+def lights_by_steps(fit: EdgeFit, alignment: Alignment, views_as_one: float = 1.0) -> tuple[FittedLight, ...]:
+    """The lights of an aligned body, with the covariance that the steps of light imply.
+
+    alignment: of the same body, by which shadows' ends are in view. views_as_one: how many views tell as much as one.
+    """
+    information = with_hemisphere_prior(fit.information / views_as_one, fit.lit.lights_in_body_frame)
+    lights = fitted_lights(fit.lit.lights, np.asarray(np.linalg.inv(information)))
+    return tuple(
+        corrected_for_cut_shadow(light, seen) for light, seen in zip(lights, alignment.ends_in_view, strict=True)
+    )
 
 
 def _shifts(explanation: Explanation) -> list[float]:
