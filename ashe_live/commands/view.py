@@ -82,6 +82,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker)
         session.show_light = setup.shows_light
         session.hides_marker = options.hide_marker
+        session.is_mirrored = options.mirror
         session.watch.preset = light_steps(options)
         if options.headless:
             for line in shelf.take_words():

@@ -12,6 +12,7 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.render.cover.hidden_marker import HiddenMarker
 from ashe_live.render.gl.framing import framing, grown, letterbox
 from ashe_live.render.gl.geometry import GpuModel
+from ashe_live.render.gl.mirror import Mirror
 from ashe_live.render.gl.offscreen import check_graphics
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
@@ -48,6 +49,7 @@ class SceneRenderer:
         self.overlays = OverlayPass(ctx)
         self._light_signs = LightSigns(ctx)
         self._lens = Lens(ctx)
+        self._mirror = Mirror(ctx)
         self._programs = Programs(ctx)
         self._composite = Composite(ctx, self._programs)
         self._environment = Environment(ctx, preset.environment_size)
@@ -137,6 +139,8 @@ class SceneRenderer:
             self.video.copy_or_draw(self._surface.colour, viewport)
             if self._models.shown is not None and scene.tracked.marker is not None:
                 self._draw_model(self._models.shown.standing(scene.placement), scene, bends)
+            if scene.is_mirrored:
+                self._mirror.turn(self._surface.colour)
         self._surface.colour.use()
         self.overlays.draw(scene.overlays, self.size)
 
@@ -170,6 +174,7 @@ class SceneRenderer:
             self._composite,
             self._hidden_marker,
             self._lens,
+            self._mirror,
             self._shadows,
             self._ground_shadows,
             self._environment,
@@ -214,7 +219,7 @@ class SceneRenderer:
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
             self._draw_layers(model, inputs, signs, scene, straight, hidden)
         lens = self._lens if bends else None
-        self._composite.draw(self._surface, frame.region, viewport, self.video, tracked, look, lens)
+        self._composite.draw(self._surface, frame.region, viewport, self.video, tracked, look, lens, scene.is_split)
 
     def _draw_layers(
         self,

@@ -43,3 +43,10 @@ class Scene:
     placement: Placement = UNMOVED  # of the model
     casts_shadow: bool = True  # the model, on the ground
     hides_marker: bool = False  # the sheet is covered by ground like that around it, where there is a model
+    is_split: bool = False  # the video's left half is shown alone
+    is_mirrored: bool = False  # left to right, below the overlays
+
+    @property
+    def kind(self) -> tuple[bool, ...]:
+        """All of it that is yes or no."""
+        return self.shows_light, self.casts_shadow, self.hides_marker, self.is_split, self.is_mirrored

@@ -21,7 +21,7 @@ from ashe_live.viewer.display import Display
 from ashe_live.viewer.hands.controls import Command, Files, Request
 from ashe_live.viewer.hands.gestures import Gestures
 from ashe_live.viewer.hands.menu import Menu, entries_for
-from ashe_live.viewer.hands.pointing import in_video
+from ashe_live.viewer.hands.pointing import in_mirror, in_video
 from ashe_live.viewer.output.keeping import Keeper
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.playback import Playback
@@ -207,6 +207,9 @@ class LiveViewer:
             self._apply(self._auto.quality)
 
     def _obey(self, request: Request, now_s: float) -> None:
+        if self._session.is_mirrored:
+            request = in_mirror(request, self._window.framebuffer_size)
+        request = in_video(request, self._window.framebuffer_size, self._session.tracked)
         if request.command is Command.OPEN:
             dropped = request.argument
             self._open(dropped.paths if isinstance(dropped, Files) else paths_in(self._window.clipboard), now_s)
@@ -225,7 +228,7 @@ class LiveViewer:
                 continue
             request = self._gestures.add(event, now_s)
             if request is not None:
-                self._obey(in_video(request, size, self._session.tracked), now_s)
+                self._obey(request, now_s)
 
     def _open(self, paths: tuple[str, ...], now_s: float) -> None:
         if not paths:
@@ -324,5 +327,5 @@ def _same(now: tuple[Scene, Size, RenderPreset], before: tuple[Scene, Size, Rend
         (*scene.overlays, scene.tracked, scene.model, scene.illumination, scene.placement)
         for scene, *_ in (now, before)
     ]
-    kinds = [(scene.shows_light, scene.casts_shadow, scene.hides_marker, *rest) for scene, *rest in (now, before)]
+    kinds = [(scene.kind, *rest) for scene, *rest in (now, before)]
     return kinds[0] == kinds[1] and len(parts[0]) == len(parts[1]) and all(map(operator.is_, *parts))

@@ -26,7 +26,8 @@ READ_PER_S = 15.0  # letters, by who reads slowly
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
 # What B goes through.
 WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
-PARTS = WHOLE, "the model without its shadow", VIDEO_ALONE
+SPLIT = "the video alone in one half"
+PARTS = WHOLE, "the model without its shadow", VIDEO_ALONE, SPLIT
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +69,7 @@ class Session:
         self.show_light = False
         self.show_masks = False
         self.hides_marker = False
+        self.is_mirrored = False  # in the window; what is saved is as the camera sees it
         self.show_help = False
         self.show_hud = True
         self.parts_shown = PARTS[0]
@@ -272,6 +274,8 @@ class Session:
                     self.say(ANSWER_ALONE, now_s)
             case Command.HIDE_MARKER:
                 self.hides_marker = not self.hides_marker
+            case Command.MIRROR:
+                self.is_mirrored = not self.is_mirrored
             case Command.BEFORE_AFTER:
                 self.parts_shown = PARTS[(PARTS.index(self.parts_shown) + 1) % len(PARTS)]
                 self.say(f"{self.parts_shown}: B goes on", now_s)

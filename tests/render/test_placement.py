@@ -15,7 +15,7 @@ from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST, QUALITIES
 from ashe_live.render.gl.offscreen import live_gl_objects
-from ashe_live.render.scene import Scene
+from ashe_live.render.scene import Overlay, Scene
 
 GROUND = 200
 GREEN = (0.0, 1.0, 0.0, 1.0)
@@ -144,3 +144,33 @@ def test_a_model_without_its_shadow_leaves_the_ground_as_it_is(make_renderer, st
     darker = (bare - whole).max(axis=2) > 10
     assert (darker & ((bare - without).max(axis=2) <= 1)).sum() > 200  # where the shadow was, there is none
     assert (np.abs(without - bare).max(axis=2) > 10).sum() > 200  # the model is there
+
+
+def test_half_of_a_split_picture_is_the_video(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    tracked = stage.tracked(stage.noise(), stage.pose(-90, 45, 0.4))
+    whole = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), Illumination((Light((1.0, 0.2, 1.0)),)))
+    pictures = []
+    for scene in (whole, dataclasses.replace(whole, is_split=True)):
+        renderer.render(scene)
+        pictures.append(renderer.read_bgr())
+    middle = renderer.size[0] // 2
+    assert (pictures[0][:, :middle] != tracked.frame.image_bgr[:, :middle]).any()
+    np.testing.assert_array_equal(pictures[1][:, :middle], tracked.frame.image_bgr[:, :middle])
+    np.testing.assert_array_equal(pictures[1][:, middle:], pictures[0][:, middle:])
+
+
+def test_a_mirror_turns_the_picture_and_not_what_is_written_on_it(make_renderer, stage) -> None:
+    renderer = make_renderer(size=(600, 400))
+    tracked = stage.tracked(stage.noise(), stage.pose(-90, 45, 0.4))
+    as_it_is = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), Illumination((Light((1.0, 0.2, 1.0)),)))
+    plate = Overlay(np.full((20, 30, 4), 255, np.uint8), 0, 0)
+    pictures = []
+    for is_mirrored in (False, True):
+        renderer.render(dataclasses.replace(as_it_is, is_mirrored=is_mirrored, overlays=(plate,)))
+        pictures.append(renderer.read_bgr())
+    straight, turned = pictures
+    assert (turned[:20, :30] == 255).all()
+    below = slice(20, None)
+    np.testing.assert_array_equal(turned[below], straight[below, ::-1])
+    assert (straight[below] != straight[below, ::-1]).any()

@@ -639,12 +639,12 @@ def test_before_and_after(make, fakes):
     session = make()
     session.take(fakes.tracked(0), 0.0)
     shown = []
-    for _ in range(3):
+    for _ in range(4):
         scene = bare_scene(session)
-        shown.append((scene.casts_shadow, session.parts_shown))
+        shown.append((session.parts_shown, scene.casts_shadow, scene.is_split))
         session.handle(Request(Command.BEFORE_AFTER), 0.0)
-    assert [casts for casts, _ in shown] == [True, False, False]
-    assert session.parts_shown == shown[0][1]
+    assert [each[1:] for each in shown] == [(True, False), (False, False), (False, False), (True, True)]
+    assert session.parts_shown == shown[0][0]
     session.handle(Request(Command.BEFORE_AFTER), 0.0)
     session.handle(Request(Command.RESET), 0.0)
     assert bare_scene(session).casts_shadow

@@ -243,6 +243,7 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     view.add_argument(
         "--hide-marker", action="store_true", help="cover the marker's sheet with ground like that around it (key C)"
     )
+    view.add_argument("--mirror", action="store_true", help="show the window as a mirror would (key W)")
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
     output = parser.add_argument_group("without a window")
     output.add_argument("--headless", action="store_true", help="render every frame offscreen")

@@ -26,6 +26,7 @@ class Command(Enum):
     RECORD = auto()
     QUALITY = auto()
     FULLSCREEN = auto()
+    MIRROR = auto()
     TOGGLE_HUD = auto()
     MOVE_LIGHT = auto()
     MOVE_MODEL = auto()
@@ -239,6 +240,7 @@ BINDINGS = (
     Binding(("Q",), Command.QUALITY, "Q", "quality of the picture"),
     Binding(("F",), Command.FULLSCREEN, "F", "fullscreen"),
     Binding(("I",), Command.TOGGLE_HUD, "I", "hide or show all text"),
+    Binding(("W",), Command.MIRROR, "W", "as in a mirror, or as it is"),
     Binding(("H", "F1"), Command.HELP, "H or F1", "this help"),
     Binding(("ESCAPE",), Command.LEAVE, "Esc", "go back, then quit"),
 )
