@@ -138,7 +138,7 @@ class SceneRenderer:
             self.video.show(scene.tracked, viewport, None if bends else scene.tracked.camera)
             self.video.copy_or_draw(self._surface.colour, viewport)
             if self._models.shown is not None and scene.tracked.marker is not None:
-                self._draw_model(self._models.shown.standing(scene.placement), scene, bends)
+                self._draw_model(self._models.shown.standing(scene.placement, scene.time_s), scene, bends)
             if scene.is_mirrored:
                 self._mirror.turn(self._surface.colour)
         self._surface.colour.use()

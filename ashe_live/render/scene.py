@@ -43,6 +43,7 @@ class Scene:
     placement: Placement = UNMOVED  # of the model
     casts_shadow: bool = True  # the model, on the ground
     hides_marker: bool = False  # the sheet is covered by ground like that around it, where there is a model
+    time_s: float = 0.0  # since the motion of a model that moves began
     is_split: bool = False  # the video's left half is shown alone
     is_mirrored: bool = False  # left to right, below the overlays
 

@@ -35,6 +35,7 @@ def bare_scene(session: Session) -> Scene:
         casts_shadow=session.parts_shown in (WHOLE, SPLIT),
         hides_marker=session.hides_marker,
         is_split=session.parts_shown == SPLIT,
+        time_s=session.motion_s,
     )
 
 

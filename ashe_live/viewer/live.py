@@ -327,5 +327,5 @@ def _same(now: tuple[Scene, Size, RenderPreset], before: tuple[Scene, Size, Rend
         (*scene.overlays, scene.tracked, scene.model, scene.illumination, scene.placement)
         for scene, *_ in (now, before)
     ]
-    kinds = [(scene.kind, *rest) for scene, *rest in (now, before)]
+    kinds = [(scene.kind, scene.time_s, *rest) for scene, *rest in (now, before)]
     return kinds[0] == kinds[1] and len(parts[0]) == len(parts[1]) and all(map(operator.is_, *parts))

@@ -10,7 +10,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, raycast_to_plane
 from ashe_live.core.types import Illumination, Light
 from ashe_live.models.catalogue import load_model
-from ashe_live.models.mesh import Mesh, Model
+from ashe_live.models.mesh import Mesh, Model, Motion
 from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST, QUALITIES
@@ -174,3 +174,28 @@ def test_a_mirror_turns_the_picture_and_not_what_is_written_on_it(make_renderer,
     below = slice(20, None)
     np.testing.assert_array_equal(turned[below], straight[below, ::-1])
     assert (straight[below] != straight[below, ::-1]).any()
+
+
+@pytest.mark.parametrize("at_once", [True, False])
+def test_a_model_that_moves_is_drawn_as_one_that_stands_there(make_renderer, stage, at_once: bool) -> None:
+    renderer = make_renderer()
+    renderer.switches_at_once = at_once
+    tracked = stage.tracked(150, stage.pose(-90, 45, 0.4))
+    sun = Illumination((Light((1.0, 0.2, 1.0)),))
+    still = box((0.03, 0.03, 0.03))
+    low, high = (still.moved(1.0, np.array((x, 0, 0))) for x in (-0.03, 0.03))
+    motion = Motion(np.stack([low.vertices, high.vertices]), np.stack([still.normals] * 2), 2.0)
+    moving = stage.placed(dataclasses.replace(low, motion=motion))
+
+    def drawn(model: PlacedModel, time_s: float) -> np.ndarray:
+        scene = Scene(tracked, model, sun, time_s=time_s)
+        renderer.render(scene)
+        while not renderer.is_settled:
+            renderer.render(scene)
+        return renderer.read_bgr().astype(int)
+
+    for time_s, x in ((0.0, -0.03), (0.5, -0.015), (3.0, 0.0)):
+        there, pictured = drawn(stage.placed(still.moved(1.0, np.array((x, 0, 0)))), 0.0), drawn(moving, time_s)
+        # The contact shadow of one that moves is the mean over its poses.
+        assert (np.abs(there - pictured).max(axis=2) > 40).mean() < 2e-3
+    assert (np.abs(drawn(moving, 0.0) - drawn(moving, 1.5)).max(axis=2) > 12).mean() > 0.01

@@ -168,6 +168,7 @@ class FakeShelf:
     """Four names, and nothing behind them."""
 
     progress = None
+    moves = False
 
     def __init__(self) -> None:
         self.names = ["cube", "lantern", "mug", "tree"]

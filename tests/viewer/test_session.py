@@ -635,6 +635,22 @@ def test_a_key_stands_the_model_on_another_side(make):
     assert session.notice(0.0) == "cube: z is up"
 
 
+def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
+    session = make()
+    session.handle(Request(Command.STOP_MOTION), 0.0)
+    assert session.notice(0.0) == "cube stands still: it has no animation that is played"
+    session._shelf.moves = True
+    session.take(fakes.tracked(0), 10.0)
+    shown = []
+    for now_s in (10.5, 11.0, 11.5, 12.0):
+        session.poll(now_s)
+        shown.append(bare_scene(session).time_s)
+        session.handle(Request(Command.STOP_MOTION), now_s)
+    assert shown == [0.5, 0.5, 1.0, 1.0]
+    session.take(fakes.tracked(1), 3.0)  # a clock that goes back, as a clip's
+    assert session.motion_s == 1.0
+
+
 def test_before_and_after(make, fakes):
     session = make()
     session.take(fakes.tracked(0), 0.0)

@@ -33,6 +33,7 @@ class Command(Enum):
     SCALE_MODEL = auto()
     TURN_MODEL = auto()
     TURN_UP = auto()
+    STOP_MOTION = auto()
     BEFORE_AFTER = auto()
     LIGHT_STRENGTH = auto()
     LIGHT_SOFTNESS = auto()
@@ -203,6 +204,7 @@ BINDINGS = (
     ),
     Binding(("B",), Command.BEFORE_AFTER, "B", "before and after"),
     Binding(("U",), Command.TURN_UP, "U", "turn another side up"),
+    Binding(("K",), Command.STOP_MOTION, "K", "stop a moving model"),
     Binding(
         ("+", "=", "-"),
         Command.SCALE_MODEL,
