@@ -27,18 +27,18 @@ def opened_container(stream: BinaryIO) -> InputContainer:
 
 
 class WrittenContainer:
-    """A new MP4 in a file that is open, which stays open.
+    """A new clip in a file that is open, which stays open.
 
     FFmpeg, and PyAV when it closes, lose or print what goes wrong in writing; so that is kept here, and raised by
     `check` and `close`.
     """
 
-    def __init__(self, stream: BinaryIO, options: dict[str, str]) -> None:
-        """`options` are those of FFmpeg's muxer. Raises FFmpegError."""
+    def __init__(self, stream: BinaryIO, options: dict[str, str], muxer: str = "mp4") -> None:
+        """`options` are those of FFmpeg's `muxer`. Raises FFmpegError."""
         # Not through its buffer, which would keep what a full disk refuses, and fail at every seek afterwards.
         self._stream = getattr(stream, "raw", stream)
         self._error: OSError | None = None
-        self.container: OutputContainer = av.open(self, "w", format="mp4", options=options)
+        self.container: OutputContainer = av.open(self, "w", format=muxer, options=options)
 
     def write(self, content: bytes) -> int:
         """For FFmpeg. After an error nothing more is written: what came before stays as it is."""

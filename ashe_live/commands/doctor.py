@@ -136,7 +136,7 @@ def _video() -> str:
     import numpy as np
 
     from ashe_live.capture.clip import ClipSource
-    from ashe_live.capture.recorder import Recorder
+    from ashe_live.capture.recording.recorder import Recorder
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "doctor.mp4"

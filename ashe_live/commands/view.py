@@ -5,11 +5,12 @@ import contextlib
 import os
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ashe_live.capture.cut_short import rescue_recordings
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.cut_short import rescue_recordings
+from ashe_live.capture.recording.recorder import Recorder
+from ashe_live.capture.recording.transparent import TransparentRecorder
 from ashe_live.capture.sources import Source, open_source
 from ashe_live.commands.flags.marker_choice import others_said, with_marker, with_marker_in
 from ashe_live.commands.flags.setup import light_steps, make_tracker, quality_of
@@ -61,6 +62,10 @@ def check_outputs(options: argparse.Namespace) -> None:
     files.check_outputs((options.out, options.report), inputs, options.overwrite)
     if options.headless and options.loop and options.frames is None:
         raise UserError("--loop without a window never ends", "give --frames N too")
+    if options.layers is not None and (not options.headless or options.out is None):
+        raise UserError(
+            "--layers are written without a window", "give --headless --out FILE.mov too; Shift+S saves one"
+        )
     if options.report is not None and not options.headless:
         raise UserError("--report is written without a window only", "give --headless too")
 
@@ -153,17 +158,19 @@ def show_without_window(
         renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
         stack.callback(renderer.release)
         session = stack.enter_context(opened_session(setup))
-        recorder = None
+        recorder: Recorder | TransparentRecorder | None = None
         if options.out is not None:
-            recorder = Recorder(options.out, setup.size, setup.source.fps or 1.0, options.overwrite)
-            takers = (*takers, stack.enter_context(recorder).write)
+            wanted = options.out, setup.size, setup.source.fps or 1.0, options.overwrite
+            recorder = Recorder(*wanted) if options.layers is None else TransparentRecorder(*wanted)
+            stack.enter_context(recorder)
+            takers = (*takers, recorder.write)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
 
         def next_scene(session: Session) -> Scene:
             end_if_asked()
-            return scene(session)
+            return _layers(scene(session), options.layers)
 
-        run = HeadlessRun(next_scene, options.frames, options.loop, takers)
+        run = HeadlessRun(next_scene, options.frames, options.loop, takers, options.layers is not None)
         play_headless(setup.source, setup.tracker, session, renderer, run, report)
         if options.report is not None:
             _tell_where(options.report, report.write(options.report, options.overwrite))
@@ -172,6 +179,12 @@ def show_without_window(
         _tell_where(options.out, recorder.path)
         options.out = recorder.path
     return _summed_up(setup, session, report)
+
+
+def _layers(scene: Scene, wanted: str | None) -> Scene:
+    if wanted is None:
+        return scene
+    return replace(scene, is_cut_out=True, shows_model=wanted != "shadow", casts_shadow=wanted != "model")
 
 
 def _tell_where(wanted: Path, path: Path) -> None:

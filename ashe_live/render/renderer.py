@@ -136,7 +136,10 @@ class SceneRenderer:
             viewport = letterbox(scene.tracked.frame.size, self.size)
             bends = self._preset.matches_lens and scene.tracked.camera.is_distorted
             self.video.show(scene.tracked, viewport, None if bends else scene.tracked.camera)
-            self.video.copy_or_draw(self._surface.colour, viewport)
+            if scene.is_cut_out:
+                self._surface.colour.clear()
+            else:
+                self.video.copy_or_draw(self._surface.colour, viewport)
             if self._models.shown is not None and scene.tracked.marker is not None:
                 self._draw_model(self._models.shown.standing(scene.placement, scene.time_s), scene, bends)
             if scene.is_mirrored:
@@ -160,6 +163,10 @@ class SceneRenderer:
     def read_bgr(self) -> Image:
         """(h, w, 3) uint8 sRGB of the last picture in OpenCV's order, top row first; waits until it is drawn."""
         return self._surface.read_bgr()
+
+    def read_bgra(self) -> Image:
+        """(h, w, 4) uint8 sRGB with straight alpha, as `read_bgr`: of a scene that is cut out, what there is of it."""
+        return self._surface.read_bgra()
 
     def release(self) -> None:
         """Gives every object back to OpenGL; the renderer is of no use afterwards."""
@@ -219,7 +226,9 @@ class SceneRenderer:
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
             self._draw_layers(model, inputs, signs, scene, straight, hidden)
         lens = self._lens if bends else None
-        self._composite.draw(self._surface, frame.region, viewport, self.video, tracked, look, lens, scene.is_split)
+        self._composite.draw(
+            self._surface, frame.region, viewport, self.video, tracked, look, lens, scene.is_split, scene.is_cut_out
+        )
 
     def _draw_layers(
         self,
@@ -235,7 +244,8 @@ class SceneRenderer:
         self._ctx.viewport = frame.viewport
         if self._real is not None:
             self._real.draw(frame, lighting, self._shadows)
-        self._model_pass.draw_opaque(model, inputs)
+        if scene.shows_model:
+            self._model_pass.draw_opaque(model, inputs)
         for sign in signs:
             self._light_signs.draw(frame, sign)
         casters = 2 if self._shadows.shadows_meet else 1
@@ -254,7 +264,8 @@ class SceneRenderer:
                 scene.casts_shadow,
                 border_px,
             )
-        self._model_pass.draw_blended(model, inputs)
+        if scene.shows_model:
+            self._model_pass.draw_blended(model, inputs)
 
     def _drawn_points(self, model: StandingModel, signs: list[LightSign]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""

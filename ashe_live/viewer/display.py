@@ -13,7 +13,7 @@ from ashe_live.render.scene import Overlay, Scene
 from ashe_live.viewer.drawn.estimate_inset import inset_overlays
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
 from ashe_live.viewer.hands.controls import help_rows
-from ashe_live.viewer.session import SPLIT, VIDEO_ALONE, WHOLE, Session
+from ashe_live.viewer.session import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE, Session
 from ashe_live.viewer.status import source_lines, status_lines
 
 # Numbers that change with every frame are updated this often: to be legible, and because drawing text takes as long as
@@ -32,7 +32,8 @@ def bare_scene(session: Session) -> Scene:
         session.shown,
         session.show_light,
         placement=session.hand.placement,
-        casts_shadow=session.parts_shown in (WHOLE, SPLIT),
+        casts_shadow=session.parts_shown in (WHOLE, SPLIT, SHADOW_ALONE),
+        shows_model=session.parts_shown != SHADOW_ALONE,
         hides_marker=session.hides_marker,
         is_split=session.parts_shown == SPLIT,
         time_s=session.motion_s,

@@ -80,6 +80,7 @@ class LiveViewer:
         self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
+            Command.CUT_OUT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s, is_cut_out=True),
             Command.KEEP_LIGHT: lambda now_s: self._keeper.light(now_s),
             Command.RECORD: lambda now_s: self._keeper.record(self._pipeline.fps, now_s),
             Command.QUALITY: self._next_quality,

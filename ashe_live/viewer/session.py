@@ -28,7 +28,8 @@ ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it,
 # What B goes through.
 WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
 SPLIT = "the video alone in one half"
-PARTS = WHOLE, "the model without its shadow", VIDEO_ALONE, SPLIT
+SHADOW_ALONE = "the shadow without its model"
+PARTS = WHOLE, "the model without its shadow", SHADOW_ALONE, VIDEO_ALONE, SPLIT
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
 
 SIZE = (96, 64)

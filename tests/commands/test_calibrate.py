@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.sources import SourceLost
 from ashe_live.commands import calibrate
 from ashe_live.core.arrays import Image

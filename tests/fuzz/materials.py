@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import PIL.Image
 
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.snapshot import write_png
 from ashe_live.core.arrays import Image
 

@@ -10,6 +10,7 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, raycast_to_plane
 from ashe_live.core.types import Illumination, Light
 from ashe_live.models.catalogue import load_model
+from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh, Model, Motion
 from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
@@ -199,3 +200,40 @@ def test_a_model_that_moves_is_drawn_as_one_that_stands_there(make_renderer, sta
         # The contact shadow of one that moves is the mean over its poses.
         assert (np.abs(there - pictured).max(axis=2) > 40).mean() < 2e-3
     assert (np.abs(drawn(moving, 0.0) - drawn(moving, 1.5)).max(axis=2) > 12).mean() > 0.01
+
+
+def test_what_is_cut_out_gives_the_same_picture_over_the_video(make_renderer, stage) -> None:
+    renderer = make_renderer(BALANCED.render)
+    tracked = stage.tracked(stage.noise(), stage.pose(-90, 45, 0.4))
+    sun = Illumination((Light((1.0, 0.2, 1.0)),))
+    green = Material(base_colour=(0.0, 1.0, 0.0, 0.4), alpha=Alpha.BLEND)
+    glass = dataclasses.replace(box((0.03, 0.03, 0.03)).moved(1.0, np.array((0.04, 0.0, 0.0))), material=green)
+    whole = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03)), glass), sun)
+    renderer.render(whole)
+    wanted = renderer.read_bgr().astype(float)
+    for parts in ({}, {"shows_model": False}, {"casts_shadow": False}):
+        scene = dataclasses.replace(whole, **parts)
+        renderer.render(scene)
+        wanted = renderer.read_bgr().astype(float)
+        renderer.render(dataclasses.replace(scene, is_cut_out=True))
+        cut_out = renderer.read_bgra().astype(float)
+        alpha = cut_out[..., 3:] / 255
+        over = cut_out[..., :3] * alpha + tracked.frame.image_bgr * (1 - alpha)
+        assert np.abs(over - wanted).max() < 2
+        assert (alpha == 0).mean() > 0.5
+        if scene.shows_model:
+            assert (alpha == 1).sum() > 500
+
+
+def test_a_shadow_is_there_without_its_model(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    tracked = stage.tracked(150, stage.pose(-90, 45, 0.4))
+    scene = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), Illumination((Light((1.0, 0.2, 1.0)),)))
+    pictures = []
+    for shows_model in (True, False):
+        renderer.render(dataclasses.replace(scene, shows_model=shows_model))
+        pictures.append(renderer.read_bgr().astype(int))
+    whole, shadow = pictures
+    assert shadow.max() <= 150  # nothing but darker ground
+    assert ((whole < 120) & (shadow < 120)).any(axis=2).sum() > 200
+    assert (np.abs(whole - shadow).max(axis=2) > 10).sum() > 200

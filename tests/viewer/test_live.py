@@ -11,7 +11,7 @@ import PIL.Image
 import pytest
 
 from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame

@@ -213,7 +213,7 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
 def test_what_needs_the_window_is_left_to_it(make):
     left = {command for command in Command if not make().handle(Request(command), 0.0)}
     names = ("PAUSE", "RESTART", "STEP", "SEEK", "SPEED", "LOOP", "OPEN")
-    names += ("SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "LEAVE", "FOLLOW_OTHER", "KEEP_LIGHT")
+    names += ("SNAPSHOT", "CUT_OUT", "RECORD", "QUALITY", "FULLSCREEN", "LEAVE", "FOLLOW_OTHER", "KEEP_LIGHT")
     assert left == {Command[name] for name in names}
 
 
@@ -655,11 +655,13 @@ def test_before_and_after(make, fakes):
     session = make()
     session.take(fakes.tracked(0), 0.0)
     shown = []
-    for _ in range(4):
+    for _ in range(5):
         scene = bare_scene(session)
-        shown.append((session.parts_shown, scene.casts_shadow, scene.is_split))
+        shown.append((session.parts_shown, scene.shows_model, scene.casts_shadow, scene.is_split))
         session.handle(Request(Command.BEFORE_AFTER), 0.0)
-    assert [each[1:] for each in shown] == [(True, False), (False, False), (False, False), (True, True)]
+    assert [each[1] for each in shown] == [True, True, False, True, True]
+    assert [each[2] for each in shown] == [True, False, True, False, True]
+    assert [each[3] for each in shown] == [False, False, False, False, True]
     assert session.parts_shown == shown[0][0]
     session.handle(Request(Command.BEFORE_AFTER), 0.0)
     session.handle(Request(Command.RESET), 0.0)

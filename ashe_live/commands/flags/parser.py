@@ -23,6 +23,7 @@ MARKER_HELP = (
 LIGHTS = ("auto", "sun", "lamp")
 LIGHT_HELP = "what it is taken for: a lamp where the picture tells its distance (auto), or always the one or the other"
 UPS = ("x", "y", "z", "-x", "-y", "-z")
+LAYERS = ("both", "model", "shadow")
 MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
 
@@ -249,6 +250,11 @@ def _add_view_options(parser: argparse.ArgumentParser) -> None:
     output.add_argument("--headless", action="store_true", help="render every frame offscreen")
     output.add_argument("--frames", type=values.count, metavar="N", help="stop after N frames")
     output.add_argument("--out", type=Path, metavar="VIDEO.mp4", help="record what is shown")
+    output.add_argument(
+        "--layers",
+        choices=LAYERS,
+        help="record what is drawn alone, with its transparency: --out FILE.mov (ProRes 4444) or FILE.webm (VP9)",
+    )
     output.add_argument(
         "--report", type=Path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"
     )

@@ -45,17 +45,21 @@ class Composite:
         look: VideoLook,
         lens: Lens | None = None,
         is_split: bool = False,
+        is_cut_out: bool = False,
     ) -> None:
         """Onto `surface.colour`, whose `viewport` shows the video's frame, within `region` and its blur's reach.
 
         The layers beside `region` must be empty for twice that reach. `lens`: what bends the pinhole camera's layers to
-        the frame. `is_split`: the left half of `viewport` stays as it is.
+        the frame. `is_split`: the left half of `viewport` stays as it is. `is_cut_out`: onto nothing, in place of
+        the video; straight alpha.
         """
         frame = tracked.frame
         scale = viewport[2] / frame.size[0]
         variance = _variance(scale, look)
         reach = _reach(variance)
         constants = {"reach": reach}
+        if is_cut_out:
+            constants |= {"cut_out": 1}
         constants |= dict.fromkeys(("coarse_chroma",) * look.has_coarse_chroma + ("bends",) * (lens is not None), 1)
         program = self._programs.get("composite", **constants)
         if self._rectangle is None or self._rectangle[0] is not program:

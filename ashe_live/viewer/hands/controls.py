@@ -22,6 +22,7 @@ class Command(Enum):
     SPEED = auto()
     LOOP = auto()
     SNAPSHOT = auto()
+    CUT_OUT = auto()
     KEEP_LIGHT = auto()
     RECORD = auto()
     QUALITY = auto()
@@ -237,6 +238,7 @@ BINDINGS = (
     Binding(("Z", "X"), Command.SPEED, "Z, X", "slower, faster", (-1, 1)),
     Binding(("O",), Command.LOOP, "O", "play again and again, or once"),
     Binding(("S",), Command.SNAPSHOT, "S", "save a snapshot (PNG)"),
+    Binding((SHIFT + "S",), Command.CUT_OUT, "Shift+S", "save model and shadow alone"),
     Binding(("E",), Command.KEEP_LIGHT, "E", "save the light (HDR, JSON)"),
     Binding(("V",), Command.RECORD, "V", "start or stop a recording"),
     Binding(("Q",), Command.QUALITY, "Q", "quality of the picture"),

@@ -24,6 +24,7 @@ OFFERED = (
     Command.RESET,
     Command.OPEN,
     Command.SNAPSHOT,
+    Command.CUT_OUT,
     Command.KEEP_LIGHT,
     Command.RECORD,
     Command.MIRROR,

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.errors import UserError

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.light.clips import LightClip, estimate_clip, read_clips
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame

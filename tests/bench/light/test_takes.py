@@ -16,7 +16,7 @@ from ashe_live.bench.light.takes import (
     spread_order,
     take_results,
 )
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.types import Illumination, Light, LightEstimate
 from ashe_live.errors import UserError
 from tests.light.painted_scenes import BOX, paint

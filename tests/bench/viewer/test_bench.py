@@ -11,7 +11,7 @@ import pytest
 from ashe_live.bench.loops import StageTimes
 from ashe_live.bench.viewer.bench import ViewerBench
 from ashe_live.capture.known_clip import KnownClip, read_known_clip
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid

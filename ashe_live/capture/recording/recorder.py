@@ -19,7 +19,7 @@ from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTr
 from av.video.stream import VideoStream
 
 from ashe_live.capture.container import WrittenContainer
-from ashe_live.capture.fragments import IN_THE_MAKING, made_playable, published
+from ashe_live.capture.recording.fragments import IN_THE_MAKING, made_playable, published
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NewFile, cannot_write

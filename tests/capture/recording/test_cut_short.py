@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.cut_short import rescue_recordings
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.cut_short import rescue_recordings
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
 from ashe_live.files.new_file import partial_path
 
@@ -20,7 +20,7 @@ CHECKOUT = Path(__file__).parents[2]
 
 RECORD_UNTIL_KILLED = """
 import sys, numpy as np
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording.recorder import Recorder
 recorder = Recorder(sys.argv[1], (96, 64), 10)
 for i in range(int(sys.argv[2])):
     recorder.write(np.full((64, 96, 3), i, np.uint8))

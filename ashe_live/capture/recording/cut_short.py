@@ -8,7 +8,7 @@ from pathlib import Path
 
 import av
 
-from ashe_live.capture.fragments import copy_whole_fragments, is_in_the_making, pictures_in, published
+from ashe_live.capture.recording.fragments import copy_whole_fragments, is_in_the_making, pictures_in, published
 from ashe_live.errors import UserError
 from ashe_live.files.new_file import NO_LINK, NewFile, lock
 from ashe_live.files.writing import unused

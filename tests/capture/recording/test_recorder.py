@@ -11,10 +11,10 @@ import av
 import numpy as np
 import pytest
 
-from ashe_live.capture import fragments as fragments_module
 from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.fragments import made_playable
-from ashe_live.capture.recorder import Recorder
+from ashe_live.capture.recording import fragments as fragments_module
+from ashe_live.capture.recording.fragments import made_playable
+from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError

@@ -1,0 +1,1 @@
+"""What is recorded: clips of pictures, and clips of what is drawn over them."""
