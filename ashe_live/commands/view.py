@@ -11,9 +11,9 @@ from pathlib import Path
 from ashe_live.capture.recording.cut_short import rescue_recordings
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.recording.transparent import TransparentRecorder
-from ashe_live.capture.sources import Source, open_source
-from ashe_live.commands.flags.marker_choice import others_said, with_marker, with_marker_in
-from ashe_live.commands.flags.setup import light_steps, make_tracker, quality_of
+from ashe_live.capture.sources import Source
+from ashe_live.commands.flags.marker_choice import others_said
+from ashe_live.commands.flags.setup import light_steps, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size, drawn_size
 from ashe_live.errors import ExitStatus, UserError
@@ -47,7 +47,8 @@ class ViewerSetup:
     options: argparse.Namespace
     true_to_light_marker: Float | None = None  # (3,) unit, where it is known
     shows_light: bool = False
-    tracker_for: Callable[[str], MarkerTracker] | None = None  # by a marker's spec; None: there is no other
+    # By another marker's spec, or another field of view in degrees; None: there is no other.
+    tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None
 
     @property
     def size(self) -> Size:
@@ -103,6 +104,7 @@ def show(setup: ViewerSetup) -> int:
 def show_in_window(setup: ViewerSetup) -> int:
     """Until it is closed."""
     # Only here, so that playing without a display does without GLFW.
+    from ashe_live.commands.flags.opening import LaterSources
     from ashe_live.viewer.live import LiveViewer
     from ashe_live.viewer.output.recording import Recording
     from ashe_live.viewer.sources.pipeline import Pipeline
@@ -127,20 +129,10 @@ def show_in_window(setup: ViewerSetup) -> int:
         if options.out is not None:
             recording = Recording(options.out, drawn_size(setup.source.size), pipeline.fps, options.overwrite)
 
-        def opener(path: Path) -> Pipeline:
-            """A file has a camera of its own: as the flags say, else one that nobody knows."""
-            source = open_source(path)
-            tracker = make_tracker(with_marker_in(source, options), source=source)
-
-            def tracker_for(spec: str) -> MarkerTracker:
-                return make_tracker(with_marker(options, spec), source=source)
-
-            pipeline = Pipeline(source, tracker, options.loop, tracker_for)
-            pipeline.start()
-            return pipeline
-
-        viewer = LiveViewer(window, renderer, pipeline, session, options.quality, recording, options.loop, opener)
-        viewer.takes_any_marker = options.takes_any_marker
+        viewer = LiveViewer(
+            window, renderer, pipeline, session, options.quality, recording, options.loop, LaterSources(options)
+        )
+        viewer.followed.takes_any_marker = options.takes_any_marker
         viewer.run(options.frames, end_if_asked)
     return ExitStatus.ANSWERED
 

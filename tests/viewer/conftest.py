@@ -14,6 +14,7 @@ from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, Mark
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import Outcome
 from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
+from ashe_live.tracking.families.markers import parse_marker
 
 SIZE = (64, 48)
 SIDE_M = 0.08
@@ -88,6 +89,7 @@ class FakeTracker:
     """Finds the marker in every frame. `hook(frame)` runs first."""
 
     preset: object = None
+    marker = parse_marker("aruco:4x4_50:0")
 
     def __init__(self) -> None:
         self.resets = self.jumps = 0

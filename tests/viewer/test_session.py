@@ -214,6 +214,7 @@ def test_what_needs_the_window_is_left_to_it(make):
     left = {command for command in Command if not make().handle(Request(command), 0.0)}
     names = ("PAUSE", "RESTART", "STEP", "SEEK", "SPEED", "LOOP", "OPEN")
     names += ("SNAPSHOT", "CUT_OUT", "RECORD", "QUALITY", "FULLSCREEN", "LEAVE", "FOLLOW_OTHER", "KEEP_LIGHT")
+    names += ("FIELD_OF_VIEW", "NEXT_CAMERA")
     assert left == {Command[name] for name in names}
 
 

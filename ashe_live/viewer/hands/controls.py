@@ -41,6 +41,8 @@ class Command(Enum):
     LIGHT_COLOUR = auto()
     LIGHT_DISTANCE = auto()
     FOLLOW_OTHER = auto()
+    FIELD_OF_VIEW = auto()
+    NEXT_CAMERA = auto()
     RESET = auto()
     OPEN = auto()
     HELP = auto()
@@ -230,7 +232,9 @@ BINDINGS = (
         "open a model or a clip",
         gesture=Gesture.DROP,
     ),
-    Binding(("M",), Command.FOLLOW_OTHER, "M", "follow the marker in view"),
+    Binding(("M",), Command.FOLLOW_OTHER, "M", "follow another marker in view"),
+    Binding(("G",), Command.FIELD_OF_VIEW, "G", "the camera's field of view"),
+    Binding(("N",), Command.NEXT_CAMERA, "N", "another camera"),
     Binding(("P",), Command.PAUSE, "P", "pause"),
     Binding(("R",), Command.RESTART, "R", "start the clip again"),
     Binding((",", ".", "COMMA", "PERIOD"), Command.STEP, ", and .", "one frame back, one on", (-1, 1, -1, 1), True),
