@@ -170,7 +170,7 @@ class LiveViewer:
         manner = "   ".join(filter(None, (self._quality_shown, self._playback.pace_shown, recording)))
         scene = self._display.scene(self._session, size, manner, now_s, self._fps(), status, scale, moment)
         if menu := self._menu.overlays(size):
-            scene = replace(scene, overlays=(*scene.overlays, *menu))
+            scene = replace(scene, overlays=menu)  # alone, as text over text cannot be read
         shown = (scene, size, self._renderer.preset)
         if self._renderer.is_settled and self._shown is not None and _same(shown, self._shown):
             self._unchanged += 1
