@@ -30,7 +30,6 @@ NAMES = (
     "struct",
     "socket",
     "numpy",
-    "trimesh",
     "cv2",
     "moderngl",
     "ctypes",
