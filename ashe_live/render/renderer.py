@@ -72,6 +72,11 @@ class SceneRenderer:
         return self._surface.size
 
     @property
+    def shown_model(self) -> PlacedModel | None:
+        """What was drawn last, which may be the former one for some pictures."""
+        return None if self._models.shown is None else self._models.shown.placed
+
+    @property
     def switches_at_once(self) -> bool:
         """Whether a new model is shown in the very next picture, however long that takes, or when it is ready."""
         return self._models.at_once

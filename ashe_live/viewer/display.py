@@ -8,6 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import frozen_view
 from ashe_live.core.camera import Size
 from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.models.placement import PlacedModel
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.viewer.drawn.estimate_inset import inset_overlays
@@ -47,6 +48,8 @@ class Display:
         self._hud = Hud()
         self._time_bar = TimeBar()
         self._inset: tuple[LightEstimate, Size, tuple[Overlay, ...]] | None = None
+        self.drawn_model: PlacedModel | None = None  # in the picture before; None: nobody says
+        self._name = ""  # of that
         self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
         self._read_s = -math.inf
 
@@ -66,7 +69,9 @@ class Display:
             overlays = self._hud.overlays(HudText(help=help_rows()), size, content_scale)
             return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
-        status = status_lines(session, fps_read, quality, marker_read)
+        if not self._name or self.drawn_model in (None, session.model):
+            self._name = session.model_name
+        status = status_lines(session, fps_read, quality, marker_read, self._name)
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
         if not session.show_hud:
             text = HudText()

@@ -168,6 +168,7 @@ class LiveViewer:
         moment = self._playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality_shown, self._playback.pace_shown, recording)))
+        self._display.drawn_model = self._renderer.shown_model
         scene = self._display.scene(self._session, size, manner, now_s, self._fps(), status, scale, moment)
         if menu := self._menu.overlays(size):
             scene = replace(scene, overlays=menu)  # alone, as text over text cannot be read

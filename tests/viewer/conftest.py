@@ -220,6 +220,7 @@ class FakeRenderer:
     """Keeps the scenes; its pictures' grey is the number of scenes so far."""
 
     gl_renderer, gl_version, preset, is_settled = "fake", "3.3", None, True
+    shown_model = None
 
     def __init__(self, _context: object = None, _preset: object = None, size: tuple[int, int] = SIZE) -> None:
         self.size = size
