@@ -32,8 +32,7 @@ def write_png(
     target = arguments.path(path, "path")
     if target.suffix.lower() not in (".png", ""):
         raise ValueError(f"path is {target.name!r}, and what is written is PNG: name it .png")
-    if image_bgr.ndim != 3 or image_bgr.shape[2] != 4:
-        arguments.picture(image_bgr, "image_bgr")
+    arguments.picture(image_bgr, "image_bgr", (3, 4))
     info = PngInfo()
     for keyword, text in (texts or {}).items():
         info.add_itxt(keyword, text)
