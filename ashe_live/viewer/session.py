@@ -153,12 +153,16 @@ class Session:
         """Shows `tracked` from now on, and requests an estimate from it when the policy says so."""
         if tracked.note is not None and (self.tracked is None or self.tracked.note != tracked.note):
             self.say(tracked.note, now_s)
+        # A looped clip has no last frame: where none was steady in a round, as on a slow machine, the next is taken.
+        has_gone_round = self.tracked is not None and tracked.frame.index < self.tracked.frame.index
         self.tracked = tracked
         if self._estimated.seen_in is None and tracked.marker is not None:
             self._estimated = Illumination(seen_in=tracked)
         self.motion.tick(now_s)
         self._stand_clear()
         is_steady = self._steadiness.add(tracked.marker)
+        if has_gone_round and self.settle_for_last(now_s):
+            return
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
             self.request_estimate(now_s)

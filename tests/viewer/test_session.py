@@ -56,6 +56,15 @@ def test_the_first_steady_frame_is_estimated_once(make, fakes):
     assert [frozen.frame.index for frozen in session.watch._worker.requested] == [2]
 
 
+def test_of_a_looped_clip_that_is_never_steady_the_next_rounds_first_frame_is_estimated(make, fakes):
+    session = make(EstimatePolicy(on_first_steady=True))
+    for index in (0, 1, 3, 5, 0):
+        assert not session.is_estimating
+        session._steadiness = Steadiness(3)
+        session.take(fakes.tracked(index), 0.0)
+    assert [frozen.frame.index for frozen in session.watch._worker.requested] == [0]
+
+
 def test_a_chosen_frame_is_estimated_and_no_other(make, fakes):
     session = make(EstimatePolicy(on_first_steady=True, at_frame=7))
     for index in range(20):
