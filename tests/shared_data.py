@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
-SHARED = Path(__file__).resolve().parents[2] / "shared"
+from tests.checkout import CHECKOUT
+
+SHARED = CHECKOUT.parent / "shared"
 
 
 def shared_folder(name: str) -> Path:

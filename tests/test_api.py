@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 import ashe_live as al
+from tests.checkout import CHECKOUT
 
-PAGE = Path(__file__).parents[1] / "docs" / "api.md"
+PAGE = CHECKOUT / "docs" / "api.md"
 EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
 
 

@@ -3,11 +3,11 @@
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
-CHECKOUT = Path(__file__).parents[1]
+from tests.checkout import CHECKOUT
+
 LIGHT = CHECKOUT / "ashe_live" / "light"
 MOST_ROOMS = 5
 

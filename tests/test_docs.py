@@ -22,9 +22,9 @@ from ashe_live.commands.flags.settings_file import read_settings
 from ashe_live.errors import ExitStatus
 from ashe_live.files.resources import resource
 from ashe_live.viewer.hands.controls import BINDINGS
+from tests.checkout import CHECKOUT
 from tests.commands.conftest import InstantWorker
 
-CHECKOUT = Path(__file__).parents[1]
 PAGES = [CHECKOUT / "README.md", *sorted((CHECKOUT / "docs").glob("*.md"))]
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)\s]+)\)")

@@ -5,7 +5,6 @@ Whoever changes a constant finds here where it is written, and whoever rewords a
 
 import math
 import re
-from pathlib import Path
 
 import pytest
 
@@ -28,8 +27,7 @@ from ashe_live.tracking.search import LARGEST_PX, SMALLEST_PX
 from ashe_live.viewer.auto_quality import AMPLE, CALM_WINDOWS, TOO_SLOW, WINDOW_FRAMES
 from ashe_live.viewer.hands.hand import LARGEST, SMALLEST
 from ashe_live.viewer.playback import SPEEDS
-
-CHECKOUT = Path(__file__).parents[1]
+from tests.checkout import CHECKOUT
 
 
 def in_shader(pattern: str, name: str) -> float:

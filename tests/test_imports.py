@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-CHECKOUT = Path(__file__).parents[1]
+from tests.checkout import CHECKOUT
+
 PACKAGE = CHECKOUT / "ashe_live"
 
 # A room is a package, or a package within `light` or `bench`. It may import the rooms named here and itself; every one

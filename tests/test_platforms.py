@@ -8,8 +8,8 @@ from pathlib import Path, PureWindowsPath
 
 from ashe_live.files.new_file import partial_path
 from ashe_live.files.writing import unused_name
+from tests.checkout import CHECKOUT
 
-CHECKOUT = Path(__file__).parents[1]
 SOURCES = {path: path.read_text(encoding="utf-8") for path in (CHECKOUT / "ashe_live").rglob("*.py")}
 
 # Windows has none of these modules and names. The libraries come first: each has its own ways for every system.

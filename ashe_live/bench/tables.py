@@ -1,5 +1,7 @@
 """The benches' output: a console that is wide enough, and tables of figures."""
 
+from collections.abc import Sequence
+
 from rich.console import Console
 from rich.table import Table
 
@@ -14,9 +16,11 @@ def bench_console() -> Console:
     return console if console.is_terminal else TerminalConsole(width=PIPE_WIDTH)
 
 
-def figures_table(title: str, what: str, *figures: str) -> Table:
-    """An empty table with a column `what` for names, and a right-aligned column for each of `figures`."""
-    table = Table(what, title=title, title_justify="left")
+def figures_table(title: str, names: str | Sequence[str], *figures: str) -> Table:
+    """An empty table with a column, or several, for names, and a right-aligned column for each of `figures`."""
+    table = Table(title=title, title_justify="left")
+    for heading in (names,) if isinstance(names, str) else names:
+        table.add_column(heading, no_wrap=True)
     for heading in figures:
         table.add_column(heading, justify="right")
     return table

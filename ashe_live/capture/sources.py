@@ -75,6 +75,6 @@ def open_source(path: str | Path) -> Source:
     path = arguments.path(path, "path")
     if looks_like_photo(path):
         return PhotoSource(path)
-    from ashe_live.capture.clip import ClipSource
+    from ashe_live.capture.clips.clip import ClipSource
 
     return ClipSource(path)

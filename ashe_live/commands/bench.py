@@ -2,7 +2,7 @@
 
 import argparse
 
-from ashe_live.commands.flags.parser import DEFAULT_ESTIMATOR
+from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.errors import ExitStatus, UserError
 from ashe_live.quality import QUALITIES, Quality
 
@@ -15,7 +15,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _viewer(options: argparse.Namespace) -> None:
     from ashe_live.bench.viewer.bench import ViewerBench
-    from ashe_live.capture.known_clip import shipped_clip
+    from ashe_live.capture.clips.known_clip import shipped_clip
 
     ViewerBench(shipped_clip(), _fixed_quality(options), options.estimator, options.frames, options.size).run(
         options.out, options.overwrite
@@ -24,7 +24,7 @@ def _viewer(options: argparse.Namespace) -> None:
 
 def _soak(options: argparse.Namespace) -> None:
     from ashe_live.bench.soak.bench import SoakBench
-    from ashe_live.capture.known_clip import shipped_clip
+    from ashe_live.capture.clips.known_clip import shipped_clip
 
     SoakBench(shipped_clip(), _fixed_quality(options), options.estimator, options.frames).run(
         options.out, options.overwrite
@@ -39,7 +39,7 @@ def _fixed_quality(options: argparse.Namespace) -> Quality:
 
 def _render(options: argparse.Namespace) -> None:
     from ashe_live.bench.render.bench import RenderBench
-    from ashe_live.capture.known_clip import shipped_clip
+    from ashe_live.capture.clips.known_clip import shipped_clip
 
     RenderBench(shipped_clip(), options.frames, max(10, options.memory_frames), options.pairs).run(
         options.out, options.overwrite

@@ -135,7 +135,7 @@ def apart(probe: Callable[[], str]) -> str:
 def _video() -> str:
     import numpy as np
 
-    from ashe_live.capture.clip import ClipSource
+    from ashe_live.capture.clips.clip import ClipSource
     from ashe_live.capture.recording.recorder import Recorder
 
     with tempfile.TemporaryDirectory() as folder:

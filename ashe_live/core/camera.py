@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -84,6 +84,10 @@ class Camera:
     @property
     def is_distorted(self) -> bool:
         return bool(self.dist.any())
+
+    def without_distortion(self) -> "Camera":
+        """The pinhole camera with the same K: of pixels from which the distortion was taken out."""
+        return replace(self, dist=np.zeros(5))
 
     def resized(self, size: Size) -> "Camera":
         """The same camera for frames scaled to `size`; distortion does not depend on the scale.

@@ -72,9 +72,14 @@ def _grid(around: int, upwards: int) -> tuple[Float, NDArray[np.uint32]]:
     sine = np.sin(np.linspace(-math.pi / 2, math.pi / 2, upwards))[:, None]
     flat = np.sqrt(1 - np.minimum(sine**2, 1.0))
     grid = [flat * np.cos(azimuth), flat * np.sin(azimuth), sine + 0 * azimuth]
+    directions, triangles = np.stack(grid, axis=-1).reshape(-1, 3), grid_triangles(around, upwards)
+    directions.flags.writeable = triangles.flags.writeable = False
+    return directions, triangles
+
+
+def grid_triangles(around: int, upwards: int) -> NDArray[np.uint32]:
+    """(m, 3) indices into rings of `around` points each, the lowest first: counter-clockwise from outside."""
     corner = np.arange((upwards - 1) * around).reshape(-1, around)
     right = np.roll(corner, -1, axis=1)
     quads = np.stack([corner, right, right + around, corner, right + around, corner + around], axis=-1)
-    directions, triangles = np.stack(grid, axis=-1).reshape(-1, 3), quads.reshape(-1, 3).astype(np.uint32)
-    directions.flags.writeable = triangles.flags.writeable = False
-    return directions, triangles
+    return quads.reshape(-1, 3).astype(np.uint32)

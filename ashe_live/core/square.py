@@ -22,6 +22,18 @@ def side_lengths_px(corners_px: Float) -> Float:
     return np.asarray(np.hypot(sides[:, 0], sides[:, 1]))
 
 
+def along_sides(corners_px: Float, places: Float) -> tuple[Float, Float]:
+    """(k, n, 2) pixels on the sides of a square, or of any convex polygon (k, 2), and (k, 2) unit normals out of it.
+
+    places: (n,) in fractions of a side, from its corner to the next.
+    """
+    sides = np.roll(corners_px, -1, axis=0) - corners_px
+    lengths = np.maximum(np.linalg.norm(sides, axis=1), 1e-9)
+    outwards = np.column_stack([sides[:, 1], -sides[:, 0]]) / lengths[:, None]
+    outwards *= np.sign(((corners_px - corners_px.mean(axis=0)) * outwards).sum(axis=1))[:, None]
+    return corners_px[:, None] + places[:, None] * sides[:, None], outwards
+
+
 def mean_side_px(corners_px: Float) -> float:
     """The mean length of the sides of a quadrilateral (4, 2)."""
     # Plain numbers, as four corners are too few for arrays to be fast.

@@ -11,18 +11,12 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import side_lengths_px
-from ashe_live.tracking.edges.corners import (
-    LAST_REACH_PX,
-    REACH_RATIO,
-    FittedSquare,
-    fitted_square,
-    is_front_of_square,
-    linear_light,
-    region_around,
-)
+from ashe_live.tracking.edges.corners import LAST_REACH_PX, REACH_RATIO, fitted_square
 from ashe_live.tracking.edges.covered_sides import checked
+from ashe_live.tracking.edges.edge_profiles import linear_light
 from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.tracking.edges.quads import MIN_SIDE_PX
+from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square, region_around
 from ashe_live.tracking.families.dictionary_marker import DictionaryMarker
 from ashe_live.tracking.families.markers import Marker
 

@@ -3,7 +3,6 @@
 import dataclasses
 import time
 from collections.abc import Callable, Container
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,15 +12,16 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.tracking.cube.folding import Folding
-from ashe_live.tracking.edges.corners import FittedSquare
 from ashe_live.tracking.edges.flow import flowed_corners
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
+from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import Layout, members_of
 from ashe_live.tracking.families.markers import Marker
+from ashe_live.tracking.memory import Memory, remembered
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares, poses_of_square
 from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.search import NEAR_PX, along_edges, anywhere, nearby, refined
+from ashe_live.tracking.search import along_edges, anywhere, nearby, refined
 
 # After so long without the marker, its last pose says nothing about the next one.
 MEMORY_S = 0.5
@@ -32,19 +32,6 @@ FLOW_SIGMA_PX = 1.0
 THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
 # How often a frame is searched for a second marker like the one that is followed.
 CENSUS_EVERY_S = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class _Memory:
-    """What the next frame is compared with."""
-
-    time_s: float
-    image_bgr: Image
-    pose: MarkerPose
-    corners_px: dict[int, Float]  # by member, (4, 2) picture pixels
-    velocities_px_s: dict[int, Float]  # by member, (4, 2)
-    bridged: int  # frames in a row
-    is_predictable: bool  # each member was where its motion had led one to expect it
 
 
 class MarkerTracker:
@@ -71,7 +58,7 @@ class MarkerTracker:
 
     def reset(self) -> None:
         """Forgets the last pose: after a rewind or a cut, the next frame has nothing to do with it."""
-        self._last: _Memory | None = None
+        self._last: Memory | None = None
         self._lost_frames = 0
         self._census_s: float | None = None
         self._note: str | None = None
@@ -111,7 +98,11 @@ class MarkerTracker:
             self._lost_frames += 1
         else:
             pose = self._held(pose, frame.time_s, bridged > 0)
-            self._remember(frame, camera, pose, squares, bridged, last)
+            seen_px = {number: source_from_ideal(camera, square.corners_px) for number, square in squares.items()}
+            corners_px = {0: pose.corners_px} if len(self._members) == 1 else seen_px
+            self._last = remembered(frame, pose, corners_px, bridged, last)
+            self._lost_frames = 0
+            self._before_jump = None
         return TrackedFrame(frame, camera, pose, (time.perf_counter() - start) * 1e3, self._note if pose else None)
 
     def _camera_for(self, size: Size) -> Camera:
@@ -120,13 +111,13 @@ class MarkerTracker:
             self._camera_now = _resized(self._camera, size) if isinstance(self._camera, Camera) else self._camera(size)
         return self._camera_now
 
-    def _recent(self, time_s: float) -> _Memory | None:
+    def _recent(self, time_s: float) -> Memory | None:
         """The last frame with a marker, unless it is too old or from after `time_s`."""
         if self._last is None or not 0 <= time_s - self._last.time_s <= MEMORY_S:
             self._last = None
         return self._last
 
-    def _look(self, frame: Frame, camera: Camera, last: _Memory | None) -> dict[int, FittedSquare]:
+    def _look(self, frame: Frame, camera: Camera, last: Memory | None) -> dict[int, FittedSquare]:
         """The members seen in `frame`: along the edges expected there, else around their last place, else anywhere."""
         image, samples = frame.image_bgr, self.preset.edge_samples
         squares: dict[int, FittedSquare | None] = {}
@@ -149,12 +140,9 @@ class MarkerTracker:
             self._count(equal)
         return {number: square for number, square in squares.items() if square is not None}
 
-    def _expected(self, camera: Camera, last: _Memory, time_s: float) -> dict[int, Float]:
+    def _expected(self, camera: Camera, last: Memory, time_s: float) -> dict[int, Float]:
         """Each member's corners (4, 2), picture pixels, if it moves on as it did, or where the pose has it."""
-        expected = {
-            number: corners_px + (time_s - last.time_s) * last.velocities_px_s.get(number, np.zeros((4, 2)))
-            for number, corners_px in last.corners_px.items()
-        }
+        expected = last.expected_px(time_s)
         return self._projected(camera, last.pose.measured_T_cam_marker, expected) | expected
 
     def _projected(self, camera: Camera, T_cam_marker: Float, but: Container[int]) -> dict[int, Float]:
@@ -167,7 +155,7 @@ class MarkerTracker:
                     corners[number] = source_from_ideal(camera, ideal)
         return corners
 
-    def _search(self, image: Image, camera: Camera, last: _Memory | None) -> dict[int, FittedSquare | None]:
+    def _search(self, image: Image, camera: Camera, last: Memory | None) -> dict[int, FittedSquare | None]:
         """In the whole frame: of a layout, the first of its markers that is found."""
         is_thorough = self._lost_frames < THOROUGH_FRAMES or self._lost_frames % THOROUGH_EVERY == 0
         markers = [member.marker for member in self._members]
@@ -220,7 +208,7 @@ class MarkerTracker:
         several = f"{len(found)} equal markers in view: one of them is tracked, cover the others"
         self._note = several if len(found) > 1 else None
 
-    def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: _Memory | None) -> MarkerPose | None:
+    def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: Memory | None) -> MarkerPose | None:
         self._sightings = [self._sighting(number, square) for number, square in squares.items()]
         previous = self._before_jump if last is None else last.pose
         pose = pose_of_squares(self._sightings, camera, self.side_m, previous, self.preset.refines_pose)
@@ -231,7 +219,7 @@ class MarkerTracker:
             pose = pose_of_squares(self._sightings, camera, self.side_m, pose, self.preset.refines_pose) or pose
         return self._folding.stated(pose)
 
-    def _flowed(self, image: Image, camera: Camera, last: _Memory) -> dict[int, FittedSquare]:
+    def _flowed(self, image: Image, camera: Camera, last: Memory) -> dict[int, FittedSquare]:
         squares = {}
         for number, corners_px in last.corners_px.items():
             moved_px = flowed_corners(last.image_bgr, image, corners_px)
@@ -248,38 +236,6 @@ class MarkerTracker:
             pose.T_cam_marker, pose.noise_covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
         )
         return dataclasses.replace(pose, T_cam_marker=held, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
-
-    def _remember(
-        self,
-        frame: Frame,
-        camera: Camera,
-        pose: MarkerPose,
-        squares: dict[int, FittedSquare],
-        bridged: int,
-        last: _Memory | None,
-    ) -> None:
-        corners_px = {number: source_from_ideal(camera, square.corners_px) for number, square in squares.items()}
-        if len(self._members) == 1:
-            corners_px = {0: pose.corners_px}
-        velocities = {}
-        is_predictable = False
-        if last is not None and frame.time_s > last.time_s:
-            elapsed_s = frame.time_s - last.time_s
-            for number in corners_px.keys() & last.corners_px.keys():
-                velocities[number] = (corners_px[number] - last.corners_px[number]) / elapsed_s
-            is_predictable = _was_expected(velocities, last, elapsed_s)
-        self._last = _Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, bridged, is_predictable)
-        self._lost_frames = 0
-        self._before_jump = None
-
-
-def _was_expected(velocities: dict[int, Float], last: _Memory, elapsed_s: float) -> bool:
-    """Whether every member that was seen before moved on as it did, to within NEAR_PX."""
-    changes = [
-        (velocity - last.velocities_px_s.get(number, np.zeros((4, 2)))) * elapsed_s
-        for number, velocity in velocities.items()
-    ]
-    return all(float(np.abs(change).max()) <= NEAR_PX for change in changes)
 
 
 def _resized(camera: Camera, size: Size) -> Camera:

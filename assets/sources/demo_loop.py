@@ -12,8 +12,8 @@ import cv2
 from PIL import Image
 
 import ashe_live as al
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.known_clip import shipped_clip
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.models.catalogue import load_model
 from ashe_live.models.placement import placed_on_marker
 from ashe_live.quality import QUALITIES

@@ -13,8 +13,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.known_clip import shipped_clip
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.core.types import Illumination, Light, MarkerPose, TrackedFrame

@@ -8,7 +8,7 @@ import PIL.ExifTags
 import PIL.Image
 import pytest
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import open_source
 from ashe_live.core.arrays import Image

@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ashe_live.capture.camera_error import camera_error, programs_using
 from ashe_live.capture.sources import SourceLost
-from ashe_live.capture.webcam import WebcamSource, camera_error, programs_using
+from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 

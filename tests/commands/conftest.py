@@ -11,11 +11,12 @@ import pytest
 
 from ashe_live import cli
 from ashe_live.commands import view
-from ashe_live.commands.flags.parser import DEFAULT_ESTIMATOR
+from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker_process import Answer
+from tests.checkout import CHECKOUT
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def go_dark(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
 
 @pytest.fixture(scope="session")
 def schema() -> dict:
-    return json.loads((Path(__file__).parents[2] / "docs" / "contract.schema.json").read_text())
+    return json.loads((CHECKOUT / "docs" / "contract.schema.json").read_text())
 
 
 @pytest.fixture(scope="session")

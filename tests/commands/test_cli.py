@@ -2,6 +2,9 @@
 
 import pytest
 
+from ashe_live import quality
+from ashe_live.commands.flags import option_groups
+
 COMMANDS = (
     "demo",
     "webcam",
@@ -69,3 +72,8 @@ def test_help_and_version(run):
     assert outcome.status == 0
     assert all(any(command in line for line in outcome.out) for command in COMMANDS)
     assert run("--version").out[0].startswith("ashe-live ")
+
+
+def test_the_qualities_that_are_offered_are_those_there_are() -> None:
+    """The parser has names of its own, so that --help need not load what has the presets."""
+    assert tuple(quality.QUALITIES) == option_groups.QUALITIES

@@ -3,7 +3,7 @@
 import PIL.Image
 import pytest
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.commands.demo import Thumbnails
 
 

@@ -12,10 +12,10 @@ import jsonschema
 import numpy as np
 import pytest
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
+from tests.checkout import CHECKOUT
 
 pytestmark = pytest.mark.usefixtures("instant")
-CHECKOUT = Path(__file__).parents[2]
 HEADLESS = ("--headless", "--hfov", "55", "--quality", "fast")
 
 

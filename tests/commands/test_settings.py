@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from ashe_live.commands.flags.option_groups import DEFAULT_MARKER
 from ashe_live.commands.flags.options import parsed
-from ashe_live.commands.flags.parser import DEFAULT_MARKER
 from ashe_live.commands.flags.settings_file import SETTINGS, settings_path
+from tests.checkout import CHECKOUT
 
 
 @pytest.fixture
@@ -94,7 +95,7 @@ def test_without_a_file_the_defaults_hold(run, settle):  # noqa: ARG001 - an emp
 
 
 def test_the_page_names_every_key_and_its_example_holds(settle):
-    page = (Path(__file__).parents[2] / "docs" / "settings.md").read_text(encoding="utf-8")
+    page = (CHECKOUT / "docs" / "settings.md").read_text(encoding="utf-8")
     assert all(f"`{key}`" in page for key in SETTINGS)
     settle(page.split("```toml\n")[1].split("```")[0])
     assert parsed(["webcam"]).marker_size == 0.1

@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import math
-from pathlib import Path
 
 import jsonschema
 import numpy as np
@@ -13,8 +12,9 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.contract import FileRecord, Json, estimated_light_json, light_by_hand_json, snapshot_json
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
+from tests.checkout import CHECKOUT
 
-SCHEMA = json.loads((Path(__file__).parents[2] / "docs" / "contract.schema.json").read_text(encoding="utf-8"))
+SCHEMA = json.loads((CHECKOUT / "docs" / "contract.schema.json").read_text(encoding="utf-8"))
 POSE = MarkerPose(np.eye(4), np.zeros((4, 2)), 0.08, 0.2, None)
 CAMERA = Camera.from_hfov((640, 480), 60, "assumed")
 BARE = Light(np.array([0.3, -0.2, 1]))

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.core.square import mean_side_px, side_lengths_px, square_corners
+from ashe_live.core.square import along_sides, mean_side_px, side_lengths_px, square_corners
 
 
 def test_corners_are_in_the_order_of_the_print_and_a_side_apart() -> None:
@@ -15,3 +15,13 @@ def test_sides_are_counted_from_the_first_corner() -> None:
     corners = np.array([(0.0, 0.0), (3.0, 4.0), (3.0, 6.0), (0.0, 6.0)])
     np.testing.assert_allclose(side_lengths_px(corners), (5, 2, 3, 6))
     assert mean_side_px(corners) == pytest.approx(4)
+
+
+@pytest.mark.parametrize("order", [1, -1])  # clockwise, counter-clockwise
+def test_normals_of_sides_point_out_of_the_polygon_whichever_way_it_is_walked(order: int) -> None:
+    corners = np.array([(0.0, 0.0), (4.0, 0.0), (4.0, 2.0)])[::order]
+    points, outwards = along_sides(corners, np.array([0.5]))
+    middles = {(2.0, 0.0): (0, -1), (4.0, 1.0): (1, 0), (2.0, 1.0): (-(5**-0.5), 2 * 5**-0.5)}
+    assert {tuple(point) for point in points[:, 0]} == set(middles)
+    for point, normal in zip(points[:, 0], outwards, strict=True):
+        np.testing.assert_allclose(normal, middles[tuple(point)], atol=1e-12)

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from PIL import ImageGrab
 
+from tests.checkout import CHECKOUT
 from tests.e2e.signals import ignore_none
 
-CHECKOUT = Path(__file__).parents[2]
 QUICK_VIEWER = Path(__file__).with_name("quick_viewer.py")
 SCREEN = "1280x960x24"
 # Software rendering on a crowded machine; nothing waits this long when all is well.

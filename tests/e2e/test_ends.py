@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
+from tests.checkout import CHECKOUT
 from tests.e2e.signals import ignore_none
 
-CHECKOUT = Path(__file__).parents[2]
 PATIENCE_S = 60.0
 # Enough for several fragments of two seconds: they are written as soon as they are whole.
 BYTES_OF_FRAGMENTS = 60_000

@@ -9,7 +9,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 
 pytestmark = pytest.mark.window
 # Parts of the window: the quality's name right of the rate, the film without any text, the help, the masks.

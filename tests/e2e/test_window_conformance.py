@@ -16,7 +16,8 @@ from ashe_live.bench.soak.offscreen_window import OffscreenWindow
 from ashe_live.render.gl.offscreen import Framebuffer, offscreen_context
 from ashe_live.viewer.windows.glfw_window import GlfwWindow
 from ashe_live.viewer.windows.window import Window
-from tests.e2e.conftest import CHECKOUT, PATIENCE_S
+from tests.checkout import CHECKOUT
+from tests.e2e.conftest import PATIENCE_S
 from tests.viewer.scripted_window import ScriptedWindow
 
 SIZE = (64, 48)

@@ -13,6 +13,7 @@ from ashe_live.errors import UserError
 from ashe_live.files import new_file
 from ashe_live.files.new_file import NewFile, check_output, partial_path
 from ashe_live.files.writing import check_outputs, unused_name, write_json, written_whole
+from tests.checkout import CHECKOUT
 
 
 @pytest.fixture(params=["unnamed", "named", "without hard links"])
@@ -189,7 +190,7 @@ def test_a_killed_program_leaves_nothing(tmp_path: Path) -> None:
         [sys.executable, "-c", WRITE_UNTIL_KILLED, str(tmp_path / "a.json")],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        cwd=Path(__file__).parents[2],
+        cwd=CHECKOUT,
     ) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == b"writing\n"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from ashe_live.commands.flags import parser
+from ashe_live.commands.flags import option_groups
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.memory import ModelMemory
 from ashe_live.models.up import UPS, z_up_from
@@ -64,7 +64,7 @@ def test_a_side_is_turned_and_never_mirrored(up: str) -> None:
 
 
 def test_the_command_line_knows_the_same_axes() -> None:
-    assert set(parser.UPS) == set(UPS)
+    assert set(option_groups.UPS) == set(UPS)
 
 
 def test_what_was_said_is_remembered_for_each_file(tmp_path: Path) -> None:

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
-CHECKOUT = Path(__file__).parents[2]
+from tests.checkout import CHECKOUT
 
 LOAD_EVERYTHING = """
 from pathlib import Path
 import ashe_live
 from ashe_live.files.resources import resource
 from ashe_live.models.catalogue import load_model, model_names
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.quality import FAST
 from ashe_live.render.gl.offscreen import offscreen_context
 from ashe_live.render.renderer import SceneRenderer

@@ -16,6 +16,7 @@ from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
 from ashe_live.process.apart import NoAnswerError, called_apart
 from ashe_live.process.children import Limits, safe_module_path, started
+from tests.checkout import CHECKOUT
 
 PATIENCE_S = 60.0
 FREE = Limits(niceness=0)
@@ -183,8 +184,7 @@ def test_it_ends_with_a_parent_that_is_killed_even_while_it_computes():
     """The pipe that the child inherits, and nobody else keeps open, ends when the child does."""
     reader, writer = os.pipe()
     os.set_inheritable(writer, True)
-    checkout = Path(__file__).parents[2]
-    parent = subprocess.Popen([sys.executable, "-c", PARENT, str(writer)], pass_fds=[writer], cwd=checkout)
+    parent = subprocess.Popen([sys.executable, "-c", PARENT, str(writer)], pass_fds=[writer], cwd=CHECKOUT)
     os.close(writer)
     assert parent.wait(PATIENCE_S) == -signal.SIGKILL
     assert wait([reader], PATIENCE_S)

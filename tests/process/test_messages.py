@@ -2,15 +2,13 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ashe_live.process.messages import MOST_CHARACTERS, printable, say, tell
-
-CHECKOUT = Path(__file__).parents[2]
+from tests.checkout import CHECKOUT
 
 ANY_TEXT = st.text(st.characters(exclude_categories=()))  # lone surrogates too
 

@@ -1,7 +1,6 @@
 """What is drawn falls where OpenCV and the geometry of light say."""
 
 import json
-from pathlib import Path
 
 import cv2
 import numpy as np
@@ -14,8 +13,9 @@ from ashe_live.models.primitives import box, revolved
 from ashe_live.quality import QUALITIES
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.scene import Scene
+from tests.shared_data import SHARED
 
-SCENES = Path(__file__).resolve().parents[2].parent / "shared" / "scenes"
+SCENES = SHARED / "scenes"
 GROUND = 200
 POLE = (0.02, 0.03, 0.07)
 GREEN = (0.0, 1.0, 0.0, 1.0)

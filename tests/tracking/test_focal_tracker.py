@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.known_clip import shipped_clip
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project

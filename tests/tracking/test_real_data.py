@@ -14,9 +14,9 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
+from tests.shared_data import SHARED
 from tests.tracking.conftest import frame
 
-SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 REAL, PAPER, SCENES = SHARED / "real", SHARED / "paper_scenes", SHARED / "scenes"
 KANJI, HIRO = f"pattern:{REAL / 'kanji.patt'}", f"pattern:{REAL / 'hiro.patt'}"
 

@@ -10,7 +10,7 @@ import numpy as np
 import PIL.Image
 import pytest
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.mailbox import LatestMailbox

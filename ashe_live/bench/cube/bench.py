@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ashe_live.bench.tables import figures_table
 from ashe_live.bench.track.frames import CLEAN_CAMERA
 from ashe_live.bench.track.frames import painted as painted_flat
 from ashe_live.bench.track.measures import turn_deg
-from ashe_live.core.arrays import Image
+from ashe_live.core.arrays import Float, Image
 from ashe_live.core.contract import Json
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, LightEstimate
@@ -24,11 +25,16 @@ from ashe_live.tracking.families.layout import Layout, cube_layout
 from ashe_live.tracking.families.markers import Marker, parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
 
-TILTS_DEG = (30, 75, 85)
-DISTANCE_M = 0.35
+TILTS_DEG = (30, 75, 85)  # of the view, away from straight above: the last is where a flat marker is edge-on
+DISTANCE_M = 0.35  # of the camera
 FLAT = "aruco:4x4_50:0"
 # Frames of a marker at rest, and those at the beginning that find and learn it.
 FOLLOWED, FIRST = 12, 4
+
+
+class _Tracked(NamedTuple):
+    error_deg: float  # of the rotation, in the first frame
+    following_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,32 +66,21 @@ class CubeBench(Bench):
         rows: list[Json] = []
         flat, cube = parse_marker(FLAT), cube_layout()
         for tilt in TILTS_DEG:
-            turns = [20.0 + 37 * number for number in range(max(3, self.count // 4))]
-            errors: dict[str, list[float]] = {"flat": [], "cube": []}
-            costs: list[float] = []
-            for number, azimuth in enumerate(turns):
-                T = looking(DISTANCE_M, tilt, azimuth)
+            looks = [looking(DISTANCE_M, tilt, 20.0 + 37 * number) for number in range(max(3, self.count // 4))]
+            of_flat, of_cube = [], []
+            for number, T in enumerate(looks):
                 rng = np.random.default_rng(number)
-                pictures = {
-                    "flat": painted_flat(flat.bitmap(300), EDGE_M, CAMERA, [T], CLEAN_CAMERA, rng),
-                    "cube": painted(CubeScene(CAMERA, T, [sun(200, 40)], seed=number)),
-                }
-                spent = {}
-                for name, target in (("flat", flat), ("cube", cube)):
-                    tracker = self._tracker(target)
-                    pose = tracker.track(Frame(pictures[name], 0, 0.0)).marker
-                    if pose is not None:
-                        errors[name].append(turn_deg(pose.measured_T_cam_marker, T))
-                        spent[name] = _following_s(tracker, pictures[name])
-                if len(spent) == 2:
-                    costs.append(spent["cube"] / spent["flat"])
+                picture = painted_flat(flat.bitmap(300), EDGE_M, CAMERA, [T], CLEAN_CAMERA, rng)
+                of_flat.append(self._tracked(flat, picture, T))
+                of_cube.append(self._tracked(cube, painted(CubeScene(CAMERA, T, [sun(200, 40)], seed=number)), T))
+            both = [(a, b) for a, b in zip(of_flat, of_cube, strict=True) if a is not None and b is not None]
             row: Json = {
                 "tilt_deg": tilt,
-                "flat_deg": _median(errors["flat"]),
-                "cube_deg": _median(errors["cube"]),
-                "cost_ratio": _median(costs),
-                "flat_found": len(errors["flat"]) / len(turns),
-                "cube_found": len(errors["cube"]) / len(turns),
+                "flat_deg": _median([one.error_deg for one in of_flat if one is not None]),
+                "cube_deg": _median([one.error_deg for one in of_cube if one is not None]),
+                "cost_ratio": _median([b.following_s / a.following_s for a, b in both]),
+                "flat_found": sum(one is not None for one in of_flat) / len(looks),
+                "cube_found": sum(one is not None for one in of_cube) / len(looks),
             }
             rows.append(row)
             shown = (f"{_shown(row[f'{name}_deg'])}° ({row[f'{name}_found']:.0%} found)" for name in ("flat", "cube"))
@@ -93,8 +88,17 @@ class CubeBench(Bench):
         self.console.print(table)
         return rows
 
+    def _tracked(self, target: Marker | Layout, picture: Image, T_cam_marker: Float) -> _Tracked | None:
+        """None where it is not found."""
+        tracker = self._tracker(target)
+        pose = tracker.track(Frame(picture, 0, 0.0)).marker
+        if pose is None:
+            return None
+        return _Tracked(turn_deg(pose.measured_T_cam_marker, T_cam_marker), _following_s(tracker, picture))
+
     def _lights(self, one: CubeSet) -> Json:
         estimator = make_estimator("proxy", self.quality.light)
+        """Errors of the strongest light, and of the true one that is found worst."""
         first, worse, counted, spent, answered = [], [], [], [], 0
         for scene in one.scenes(self.count):
             tracked = self._tracker(cube_layout()).track(Frame(painted(scene), 0, 0.0))
@@ -108,8 +112,9 @@ class CubeBench(Bench):
             answered += 1
             counted.append(len(estimate.lights) == one.lights)
             if one.lights:
-                first.append(min(_errors(estimate, scene)[0]))
-                worse.append(max(min(row) for row in np.array(_errors(estimate, scene)).T.tolist()))
+                errors = _errors_deg(estimate, scene)
+                first.append(errors[0].min())
+                worse.append(errors.min(axis=0).max())
         return {
             "set": one.name,
             "answered": answered / self.count,
@@ -135,12 +140,14 @@ def _following_s(tracker: MarkerTracker, image: Image) -> float:
     return float(np.median(spent[FIRST:]))
 
 
-def _errors(estimate: LightEstimate, scene: CubeScene) -> list[list[float]]:
-    """Degrees between each answered light and each true one."""
-    return [
-        [math.degrees(angle_between(light.to_light_marker, true.point[:3])) for true in scene.lights]
-        for light in estimate.lights
-    ]
+def _errors_deg(estimate: LightEstimate, scene: CubeScene) -> Float:
+    """(answered lights, true lights) angles between them."""
+    return np.array(
+        [
+            [math.degrees(angle_between(light.to_light_marker, true.point[:3])) for true in scene.lights]
+            for light in estimate.lights
+        ]
+    )
 
 
 def _median(values: Sequence[float]) -> float | None:

@@ -24,11 +24,9 @@ from ashe_live.light.explanation.judgement.judge_tables import Average, Score
 FEWEST_PICTURES = 12  # of a family that is left out
 # The share of good answers at a confidence below which none is given. Their stated sigma is tens of degrees then.
 LEAST_GOOD = 0.4
-BAD_RAD, BAD_CONFIDENCE = np.radians(15.0), 0.5
-
-
-FOLDS = 5
-NEWTON_STEPS = 30
+BAD_RAD, BAD_CONFIDENCE = np.radians(15.0), 0.5  # of an answer that is sure and wrong
+FOLDS = 5  # parts of the pictures, each of which is judged by a fit to the others
+NEWTON_STEPS = 30  # in fitting the recalibration
 # Prior information on how confidence is recalibrated: as much as so many answers of even odds have.
 PRIOR_ANSWERS = 4.0
 

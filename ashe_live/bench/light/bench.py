@@ -12,8 +12,9 @@ from rich.progress import track
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.light.clips import ClipResult, estimate_clip, read_clips
+from ashe_live.bench.light.preset_tables import print_preset
 from ashe_live.bench.light.results import CaseResult, Summary, case_result, grouped, stage_times, summarise
-from ashe_live.bench.light.tables import print_clips, print_lamps, print_preset, print_risk, print_takes
+from ashe_live.bench.light.set_tables import print_clips, print_lamps, print_risk, print_takes
 from ashe_live.bench.light.takes import Take, TakeResult, read_takes, take_results
 from ashe_live.bench.light.targets import Verdict, verdicts
 from ashe_live.bench.light.trade import COST, print_trade, sweep
@@ -27,8 +28,8 @@ from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.quality import QUALITIES
 
 QUICK_PRESETS = ("balanced",)
-QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4
-TRADE, SWEEP_EVERY = "trade", 3
+QUICK_EVERY, QUICK_CLIP_FRAMES = 5, 4  # with --quick: every fifth scene, and so many frames of a clip
+TRADE, SWEEP_EVERY = "trade", 3  # the plot's name, and of how many scenes it takes one
 # Presets by estimator for the runs from true labels, which exist for `proxy` only.
 FROM_LABELS = {"proxy": PRESETS}
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES
 from ashe_live.bench.metrics import angular_error_deg, rms_deg
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.known_clip import read_known_clip
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import read_known_clip
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import normalised

@@ -11,7 +11,7 @@ import numpy as np
 
 from ashe_live.bench.cases import EXACT_PX, GROUND_TRUTH, MOST_TRUTH_BYTES, Case, reprojection_rms_px, to_lights_marker
 from ashe_live.bench.light.results import CaseResult, case_result
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
 from ashe_live.core.types import MarkerPose, TrackedFrame

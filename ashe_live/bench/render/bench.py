@@ -26,8 +26,8 @@ from ashe_live.bench.render.drawing import COSTS, ERRORS, draw_errors, draw_swee
 from ashe_live.bench.render.error import picture_error, read_references
 from ashe_live.bench.render.pairs import pair_error, read_pairs
 from ashe_live.bench.render.tables import print_render_figures
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.known_clip import KnownClip
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
 from ashe_live.core.types import Illumination, Light, TrackedFrame

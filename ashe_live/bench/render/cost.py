@@ -9,6 +9,7 @@ import numpy as np
 
 from ashe_live.bench.resources_held import resident_mib
 from ashe_live.core.camera import Camera, Size
+from ashe_live.core.proxy import grid_triangles
 from ashe_live.core.transforms import direction_from_angles, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
 from ashe_live.models.mesh import Mesh, Model
@@ -105,12 +106,9 @@ def round_model(triangles: int) -> PlacedModel:
     radius = 0.3 + 0.12 * np.sin(7 * height)
     outwards = np.stack([np.cos(angle), np.sin(angle), -0.84 * np.cos(7 * height)], axis=-1)
     points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
-    corner = np.arange((rings - 1) * around).reshape(-1, around)
-    right = np.roll(corner, -1, axis=1)
-    quads = np.stack([corner, right, right + around, corner, right + around, corner + around], axis=-1)
     normals = outwards / np.linalg.norm(outwards, axis=-1, keepdims=True)
     vertices = points.reshape(-1, 3).astype(np.float32)
-    mesh = Mesh(vertices, normals.reshape(-1, 3).astype(np.float32), quads.reshape(-1, 3).astype(np.uint32))
+    mesh = Mesh(vertices, normals.reshape(-1, 3).astype(np.float32), grid_triangles(around, rings))
     return placed_on_marker(Model("vase", (mesh,)), SIDE_M)
 
 

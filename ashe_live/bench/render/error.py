@@ -26,9 +26,9 @@ from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
-GROUND_POINTS = 5
+GROUND_POINTS = 5  # places in the shadow at which the ground's brightness is compared
 PATCH_PX = 5  # the side of a square around each, of which the mean counts
-APART_PX = 12
+APART_PX = 12  # between two of these places
 
 
 @dataclass(frozen=True, slots=True, eq=False)

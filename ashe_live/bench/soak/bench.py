@@ -13,7 +13,7 @@ from ashe_live.bench.soak.picture_age import PictureAges
 from ashe_live.bench.soak.run import SoakRun, SoakTracker
 from ashe_live.bench.soak.tables import print_soak_figures
 from ashe_live.bench.soak.time_code import TimeCodeCamera
-from ashe_live.capture.known_clip import KnownClip
+from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.core.contract import Json
 from ashe_live.light.estimators.estimator import Estimator

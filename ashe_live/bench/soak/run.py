@@ -16,10 +16,10 @@ from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.hands.controls import Command, Request
 from ashe_live.viewer.session import Session
 
-SWITCH_EVERY, ESTIMATE_EVERY = 100, 300
-SAMPLES = 200
+SWITCH_EVERY, ESTIMATE_EVERY = 100, 300  # frames between two models, and between two estimates
+SAMPLES = 200  # of memory and open handles, over the run
 PROGRESS_LINES = 40
-DRIFT_TOLERATED = 1.1
+DRIFT_TOLERATED = 1.1  # of the last frames' times over the first ones'
 
 
 class SoakTracker(MarkerTracker):

@@ -6,8 +6,8 @@ from threading import Event
 import cv2
 import numpy as np
 
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.known_clip import KnownClip
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.arrays import Image
 
 BITS = 16

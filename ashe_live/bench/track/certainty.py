@@ -13,7 +13,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, corrected, uncorrected_px
-from ashe_live.tracking.edges.corners import FittedSquare
+from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.markers import Marker, parse_marker
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
 from ashe_live.tracking.preset import TrackingPreset
@@ -23,9 +23,11 @@ from ashe_live.tracking.search import anywhere, refined
 MEDIAN_6, WITHIN_95_PERCENT_6 = 5.348, 12.592
 LEAST_RATIO, MOST_RATIO = 0.6, 1.4
 LEAST_WITHIN, MOST_WITHIN = 90.0, 98.0
-# Errors beyond this are blunders, which no covariance should be widened for.
-BLUNDER = 60.0
-# Factors by which each figure is varied in turn, until none of them makes the poses likelier.
+# Where a marker that was seen has no pose, its squared error: far beyond any ellipsoid.
+NO_POSE = 1e3
+# How many of the errors the ellipsoids of 95 % are to hold, and what a lower share costs in logarithms of their volume.
+WANTED_WITHIN, SHORTFALL_COST = 0.95, 100.0
+# Factors by which each figure is varied in turn, until none of them improves the ellipsoids.
 FACTORS = 1.5, 1.2, 1.08
 
 
@@ -64,7 +66,10 @@ def certainty_figures(name: str, seen: Sequence[Seen | None], errors: CornerErro
 
 
 def fitted(seen: Sequence[Seen | None], start: CornerErrors = FITTED) -> CornerErrors:
-    """The standard deviations that make the true poses likeliest, near `start`: by coordinate descent."""
+    """The standard deviations with the smallest ellipsoids that hold 95 % of the errors, near `start`.
+
+    By coordinate descent. Errors have heavier tails than a normal distribution, whose likeliest one holds too few.
+    """
     known = [one for one in seen if one is not None]
     best, cost = start, _cost(known, start)
     for factor in FACTORS:
@@ -91,16 +96,17 @@ def _seen(marker: Marker, case: Case, preset: TrackingPreset) -> Seen | None:
 
 
 def _cost(seen: Sequence[Seen], errors: CornerErrors) -> float:
-    """Minus the logarithm of the true poses' likelihood, but for a constant."""
-    costs = [_squared_error(one, errors) for one in seen]
-    return sum(min(squared, BLUNDER) / 2 + log_volume for squared, log_volume in costs)
+    """The mean logarithm of the ellipsoids' volumes, with what they cost that hold too few errors."""
+    squared, log_volumes = np.array([_squared_error(one, errors) for one in seen]).T
+    within = float((squared <= WITHIN_95_PERCENT_6).mean())
+    return float(log_volumes.mean()) + SHORTFALL_COST * max(0.0, WANTED_WITHIN - within)
 
 
 def _squared_error(seen: Seen, errors: CornerErrors) -> tuple[float, float]:
     """The squared error of the pose in standard deviations, and the logarithm of the ellipsoid's volume."""
     pose = seen.pose(errors)
     if pose is None or pose.covariance is None:
-        return BLUNDER, 0.0
+        return NO_POSE, 0.0
     T = pose.T_cam_marker
     turn = cv2.Rodrigues(T[:3, :3] @ seen.truth[:3, :3].T)[0].ravel()
     error = np.concatenate([turn, T[:3, 3] - seen.truth[:3, 3]])

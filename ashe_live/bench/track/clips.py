@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ashe_live.bench.cases import GROUND_TRUTH, MOST_TRUTH_BYTES
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners

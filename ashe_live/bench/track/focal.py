@@ -14,7 +14,7 @@ from ashe_live.tracking.focal.focal import FocalEstimator
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 
-WITHIN_PERCENT, HONEST_SIGMAS = 3.0, 3.0
+WITHIN_PERCENT, HONEST_SIGMAS = 3.0, 3.0  # targets of the error, and of the error in its own standard deviations
 
 
 def focal_figures(preset: TrackingPreset, frames: int) -> Iterator[Figure]:

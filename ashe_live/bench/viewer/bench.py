@@ -15,8 +15,8 @@ from ashe_live.bench.loops import PacedTimes, StageTimes, time_blit, time_paced,
 from ashe_live.bench.viewer.key_view_times import time_key_views
 from ashe_live.bench.viewer.starts import time_start
 from ashe_live.bench.viewer.tables import print_viewer_figures
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.known_clip import KnownClip
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Size
 from ashe_live.core.contract import Json
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame

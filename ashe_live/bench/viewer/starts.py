@@ -6,7 +6,7 @@ import sys
 import time
 from dataclasses import dataclass
 
-from ashe_live.capture.known_clip import KnownClip
+from ashe_live.capture.clips.known_clip import KnownClip
 
 LONGEST_START_S = 120.0
 

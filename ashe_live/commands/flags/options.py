@@ -4,7 +4,8 @@ import argparse
 from collections.abc import Sequence
 from typing import NoReturn
 
-from ashe_live.commands.flags.parser import START, UPS, build_parser
+from ashe_live.commands.flags.option_groups import UPS
+from ashe_live.commands.flags.parser import START, build_parser
 from ashe_live.errors import UserError
 
 

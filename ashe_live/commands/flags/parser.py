@@ -2,10 +2,19 @@
 
 import argparse
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from ashe_live import __version__
 from ashe_live.commands.flags import values
+from ashe_live.commands.flags.bench_parser import add_benches
+from ashe_live.commands.flags.option_groups import (
+    DEFAULT_MARKER,
+    ESTIMATE_AT_HELP,
+    MARKER_HELP,
+    add_quality_options,
+    add_scene_options,
+    add_view_options,
+)
 from ashe_live.errors import ExitStatus
 from ashe_live.process.messages import say_exactly, tell
 
@@ -14,18 +23,6 @@ EPILOG = (
     "Print a marker with `ashe-live marker --out marker.pdf`."
 )
 START = "start"
-DEFAULT_MARKER = "aruco:4x4_50:0"
-DEFAULT_ESTIMATOR = "proxy"
-MARKER_HELP = (
-    f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png, "
-    f"grid:DICT:COLSxROWS or cube (default: the one in view, or {DEFAULT_MARKER})"
-)
-LIGHTS = ("auto", "sun", "lamp")
-LIGHT_HELP = "what it is taken for: a lamp where the picture tells its distance (auto), or always the one or the other"
-UPS = ("x", "y", "z", "-x", "-y", "-z")
-LAYERS = ("both", "model", "shadow")
-MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
-ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
 
 
 def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
@@ -36,24 +33,24 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
     demo = commands.add_parser("demo", help="play the shipped clip (without a display: into a video file)")
-    _add_view_options(demo)
+    add_view_options(demo)
     demo.set_defaults(camera_file=None, focal_px=None, hfov=None)
 
     webcam = commands.add_parser("webcam", help="open a camera that looks at a printed marker")
     webcam.add_argument("--camera", type=values.camera, default="0", metavar="N|PATH", help="(default 0)")
-    _add_scene_options(webcam)
-    _add_view_options(webcam)
+    add_scene_options(webcam)
+    add_view_options(webcam)
 
     # Without help it is not listed: nobody has to know its name.
     start = commands.add_parser(START, prog="ashe-live")
     start.add_argument("--camera", type=values.camera, metavar="N|PATH", help="(default: the first one)")
-    _add_scene_options(start)
-    _add_view_options(start)
+    add_scene_options(start)
+    add_view_options(start)
 
     play = commands.add_parser("play", help="play a recorded clip, or show a photo")
     play.add_argument("file", type=Path, metavar="FILE")
-    _add_scene_options(play)
-    _add_view_options(play)
+    add_scene_options(play)
+    add_view_options(play)
 
     _add_estimate_options(commands.add_parser("estimate", help="tell where the light is in photos or clips"))
     _add_marker_options(
@@ -91,7 +88,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     )
     calibrate.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
-    _add_benches(commands.add_parser("bench", help="measure speed and accuracy on this machine"))
+    add_benches(commands.add_parser("bench", help="measure speed and accuracy on this machine"))
     return parser
 
 
@@ -120,9 +117,9 @@ def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:
         metavar="FIRST:LAST",
         help="frames of a clip to choose them from (default: from the first usable one on, for ten seconds)",
     )
-    _add_scene_options(estimate)
+    add_scene_options(estimate)
     estimate.set_defaults(no_filter=False)
-    _add_quality_options(estimate)
+    add_quality_options(estimate)
 
 
 def _add_marker_options(marker: argparse.ArgumentParser) -> None:
@@ -146,134 +143,6 @@ def _add_paper(printed: argparse.ArgumentParser) -> None:
     printed.add_argument(
         "--paper", choices=("a4", "letter", "a3"), default="a4", help="larger sheets are of its series (default a4)"
     )
-
-
-def _add_benches(bench: argparse.ArgumentParser) -> None:
-    benches = bench.add_subparsers(dest="bench", metavar="WHAT", required=True)
-
-    viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")
-    viewer.add_argument(
-        "--frames", type=values.count, default=600, metavar="N", help="frames of each run (default 600)"
-    )
-    viewer.add_argument("--size", type=values.size, metavar="WxH", help="size of the picture (default: the clip's)")
-    _add_results_folder(viewer)
-    _add_quality_options(viewer, default="fast")
-
-    render = benches.add_parser(
-        "render", help="the cost of rendering, and the difference from a path tracer's pictures"
-    )
-    render.add_argument(
-        "--frames", type=values.count, default=100, metavar="N", help="frames of each measurement (default 100)"
-    )
-    render.add_argument("--memory-frames", type=values.count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
-    render.add_argument("--pairs", type=Path, metavar="DIR", help="also against photos of scenes with a model in them")
-    _add_results_folder(render)
-
-    soak = benches.add_parser("soak", help="a long run: leaks, drift, and the latency from the camera to the screen")
-    soak.add_argument("--frames", type=values.count, default=100_000, metavar="N", help="frames (default 100000)")
-    _add_results_folder(soak)
-    _add_quality_options(soak, default="fast")
-
-    light = benches.add_parser("light", help="the estimators' errors on scenes whose light is known")
-    light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
-    _add_results_folder(light)
-    light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
-    light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
-    light.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
-
-    judge = benches.add_parser("fit-judge", help="fits confidence to scenes whose light is known")
-    judge.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
-    _add_results_folder(judge)
-    judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
-    judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
-
-    cube = benches.add_parser("cube", help="the paper cube's pose and light, on painted pictures with known truth")
-    cube.add_argument("--count", type=values.count, default=40, metavar="N", help="pictures of each set (default 40)")
-    _add_results_folder(cube)
-    cube.add_argument("--quality", choices=("fast", "balanced", "accurate"), default="balanced")
-
-    tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
-    tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
-    tracking.add_argument("--photos", type=Path, metavar="DIR", help="also look for absent ids in the pictures there")
-    tracking.add_argument(
-        "--scenes", type=Path, nargs="+", default=(), metavar="DIR", help="also check, and fit, how certain poses are"
-    )
-    _add_results_folder(tracking)
-    tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
-    tracking.add_argument("--quality", choices=("fast", "balanced", "accurate"), default="balanced")
-
-
-def _add_results_folder(bench: argparse.ArgumentParser) -> None:
-    bench.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the plots go")
-    bench.add_argument("--overwrite", action="store_true", help="replace existing files there")
-
-
-def _add_scene_options(parser: argparse.ArgumentParser) -> None:
-    scene = parser.add_argument_group("what the camera sees")
-    scene.add_argument("--marker", default=DEFAULT_MARKER, action=_Named, metavar="SPEC", help=MARKER_HELP)
-    parser.set_defaults(takes_any_marker=True)
-    scene.add_argument(
-        "--marker-size",
-        type=values.side_m,
-        metavar="METRES",
-        help="black square's side (default 0.08), or the cube's edge (default 0.06)",
-    )
-    camera = scene.add_mutually_exclusive_group()
-    camera.add_argument("--camera-file", type=Path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}')
-    camera.add_argument("--focal-px", type=values.focal_px, metavar="F", help="focal length in pixels of the source")
-    camera.add_argument(
-        "--hfov",
-        type=values.angle_deg,
-        metavar="DEG",
-        help="horizontal field of view (default: 60 is assumed)",
-    )
-
-
-def _add_view_options(parser: argparse.ArgumentParser) -> None:
-    view = parser.add_argument_group("what is shown")
-    view.add_argument(
-        "--model", default="cube", metavar="NAME|FILE", help="shipped model, or glTF/GLB/OBJ/PLY/STL file"
-    )
-    view.add_argument("--up", choices=UPS, metavar="AXIS", help=f"of the model's file: {', '.join(UPS)} (key U)")
-    view.add_argument("--size", type=values.size, metavar="WxH", help="size of the window (default: the source's)")
-    view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
-    view.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
-    view.add_argument(
-        "--auto", action="store_true", help="watch the light, and estimate it anew when it changes (key A)"
-    )
-    view.add_argument(
-        "--hide-marker", action="store_true", help="cover the marker's sheet with ground like that around it (key C)"
-    )
-    view.add_argument("--mirror", action="store_true", help="show the window as a mirror would (key W)")
-    view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
-    output = parser.add_argument_group("without a window")
-    output.add_argument("--headless", action="store_true", help="render every frame offscreen")
-    output.add_argument("--frames", type=values.count, metavar="N", help="stop after N frames")
-    output.add_argument("--out", type=Path, metavar="VIDEO.mp4", help="record what is shown")
-    output.add_argument(
-        "--layers",
-        choices=LAYERS,
-        help="record what is drawn alone, with its transparency: --out FILE.mov (ProRes 4444) or FILE.webm (VP9)",
-    )
-    output.add_argument(
-        "--report", type=Path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"
-    )
-    output.add_argument("--overwrite", action="store_true", help="replace existing files")
-    _add_quality_options(parser)
-
-
-def _add_quality_options(parser: argparse.ArgumentParser, default: str = "balanced") -> None:
-    trade = parser.add_argument_group("speed against accuracy")
-    trade.add_argument("--quality", choices=("fast", "balanced", "accurate", "auto"), default=default)
-    trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=f"(default {DEFAULT_ESTIMATOR})")
-    trade.add_argument("--light", choices=LIGHTS, default=LIGHTS[0], help=LIGHT_HELP)
-
-
-class _Named(argparse.Action):
-    """A marker that somebody has named: no other is taken in its place."""
-
-    def __call__(self, _parser: object, options: argparse.Namespace, value: Any, _flag: object = None) -> None:
-        options.marker, options.takes_any_marker = value, False
 
 
 class _Version(argparse.Action):

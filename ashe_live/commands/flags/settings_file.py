@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import platformdirs
-
 from ashe_live.errors import UserError
+from ashe_live.files.kept import configuration_file
 from ashe_live.files.reading import read_text
 
 Value = str | int | float
@@ -52,7 +51,7 @@ COMMANDS = frozenset(command for setting in SETTINGS.values() for command in set
 
 def settings_path() -> Path:
     """Where the file is, or would be."""
-    return platformdirs.user_config_path("ashe-live", appauthor=False) / "settings.toml"
+    return configuration_file("settings.toml")
 
 
 def read_settings(path: Path) -> dict[str, Value]:

@@ -31,10 +31,10 @@ from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import observe_outlines
 
-EDGE_SIGMA_PX = 0.7
+EDGE_SIGMA_PX = 0.7  # standard deviation of the masks' edges from the truth
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
 LOWEST_Z = 0.03  # of a light's direction: a lower one is no usable start of a fit, as its shadow is too long
-FEW_PX = 20
+FEW_PX = 20  # from which an object's colours are not learned
 # The number of borders over their effective sample size, as errors of neighbouring borders are correlated; and the
 # misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. What
 # both leave over is fitted as the overdispersion of `uncertainty.Calibration`.

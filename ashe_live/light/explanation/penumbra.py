@@ -8,6 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import along_sides
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.explanation.border_widths import border_widths
@@ -23,9 +24,9 @@ STEP_PX = 0.5
 END_SAMPLES = 6  # at each end of a profile, whose medians are the levels inside and outside
 LEAST_DEPTH = 0.6  # least step between these two levels, as a fraction of the shift, in an edge worth measuring
 APART_M, MOST_POINTS = 0.004, 50  # distance between the points on a straight edge, and their largest number
-ACROSS_M = 1e-3
-BESIDE_OBJECT_PX = 2
-FEWEST_EDGES = 12
+ACROSS_M = 1e-3  # step on the ground by which the picture's scale across an edge is measured
+BESIDE_OBJECT_PX = 2  # where edges are not looked for
+FEWEST_EDGES = 12  # places with a clear step, for a regression
 # The penumbra's variance at the widest edges, over that of the picture's blur, below which the two cannot be separated.
 LEAST_VARIANCE_RATIO = 0.5
 LEAST_SIGMAS = 3.0  # standard errors by which the squared diameter must differ from 0
@@ -37,6 +38,7 @@ DISC_SIGMAS = 2.75  # from 10 to 90 % of a disc's edge
 FINE_WIDTH_PX = 480.0  # of a picture, for which the reaches of border_widths.py are
 LEAST_SPREAD_PX = 4.0  # that a light of 1 rad adds: at the foot, 5 degrees add a third of a pixel
 FEWEST_PLACES = 24
+MARKER_PLACES = np.linspace(0.15, 0.85, 16)  # of profiles across the marker's sides, which end at its corners
 MARKER_REACH = 0.5  # of the profiles at the marker, which end on its margin and in its black frame
 LEAST_SOFT_RAD = math.radians(2.5)  # cameras' processing widens a bare sun's borders to those of up to 2 degrees
 MOST_SPREAD_OUT = 2.2  # third quartile over the first
@@ -51,13 +53,9 @@ def soft_size(proxy: Proxy, light: Float, tracked: TrackedFrame) -> float | None
     """
     assert tracked.marker is not None
     scale = max(1.0, tracked.frame.size[0] / FINE_WIDTH_PX)
-    corners = tracked.marker.corners_px
-    edges = np.roll(corners, -1, axis=0) - corners
-    steps = np.linspace(0.15, 0.85, 16)
-    beside = (corners[:, None] + steps[:, None] * edges[:, None]).reshape(-1, 2)
-    normals = np.column_stack([edges[:, 1], -edges[:, 0]]) / np.maximum(np.linalg.norm(edges, axis=1), 1e-9)[:, None]
-    normals *= np.sign(((corners - corners.mean(axis=0)) * normals).sum(axis=1))[:, None]
-    blur = border_widths(tracked.frame.image_bgr, beside, np.repeat(normals, len(steps), axis=0), MARKER_REACH * scale)
+    sides, normals = along_sides(tracked.marker.corners_px, MARKER_PLACES)
+    normals = np.repeat(normals, len(MARKER_PLACES), axis=0)
+    blur = border_widths(tracked.frame.image_bgr, sides.reshape(-1, 2), normals, MARKER_REACH * scale)
     places, outward, spreads = _outline(proxy, light, tracked.camera, tracked.marker.T_cam_marker)
     if not np.isfinite(blur).any() or not len(places):
         return None

@@ -27,7 +27,7 @@ from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
-TRIED = 2
+TRIED = 2  # candidates for the second light
 PALEST = math.log(0.9)  # brightness of a shift: a light that contributes less than a tenth of all light is left out
 # How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders.
 LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18

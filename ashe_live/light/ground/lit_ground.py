@@ -22,7 +22,7 @@ from ashe_live.light.pixels.view import View, Window
 
 Floats = TypeVar("Floats", Float, Float32)
 
-CELLS = (8, 6)
+CELLS = (8, 6)  # columns and rows, over which a colour's spread is counted
 # Squared Mahalanobis distance from the palette beyond which a colour is not the lit ground's, and its upper limit.
 UNLIT_DISTANCE, MOST_DISTANCE = 6.0, 60.0
 SAMPLES, LEAST_SAMPLES = 2000, 500

@@ -15,8 +15,8 @@ from ashe_live.light.pixels.quantised import Quantised
 from ashe_live.light.pixels.view import View, Window
 
 APART_PX = 3  # of the coarse picture: areas nearer to each other than twice this belong together
-MARGIN_PX = 10
-UNRELIABLE_PX = 2
+MARGIN_PX = 10  # of a region around what is unlit
+UNRELIABLE_PX = 2  # beside what is no ground
 # An object that partly looks like lit ground leaves a gap between the rest of it and its shadow. Of so many of the
 # largest areas, pairs are also tried as one, where the gap is at most this fraction of the smaller one's size. The
 # gap's pixels are those whose distances to both add up to less than BULGE times its width.

@@ -13,7 +13,7 @@ from ashe_live.light.pixels.mixtures import Mixture, nearest_centres
 STEEPEST = 0.05  # change of log brightness per pixel
 BRIGHTER = 0.03  # least excess in log brightness over the ground's nearest colour
 BRIGHT_DISTANCE = 5.0  # least squared Mahalanobis distance to the ground's palette
-LEAST_PX = 30
+LEAST_PX = 30  # of a sheen
 LEAST_SHARE = 0.02  # least area of even lit ground that a sheen adjoins, as a fraction of the picture
 LIT_SHARE_AROUND = 0.45  # least fraction of lit ground along a sheen's border
 

@@ -18,16 +18,17 @@ ENDS = 7  # of them at either end, whose means are the levels of shadow and ligh
 # penumbra needs, in standard deviations, and never less than so many pixels.
 REACHES = (0.3, 0.22, 0.16)
 LAST_ROUNDS, SPREADS, LEAST_PX, MOST_SHARE = 4, 2.6, 3.5, 0.4
-# An edge's step over the light that the shadow takes, from which on it is one.
-LEAST_STEP, BLUR_PX = 0.35, 0.8
+LEAST_STEP = 0.35  # of an edge, over the light that the shadow takes, from which on it is one
+BLUR_PX = 0.8  # standard deviation of the picture's blur, until it is measured
 OUTLIER_SHARE, OUTLIER_PX = 0.12, 0.5  # scale of Cauchy's loss: of the reach, and at least
-FEWEST = 5
+EARLY_LOSS = 2.0  # times that scale in the first rounds
+FEWEST = 5  # places that show an edge, without which nothing is fitted
 # Neighbouring points see the same pixels, and a table's stains are wider than these: points over the sample size.
 POINTS_A_SAMPLE = 6.0
-# Of the light's displacement s, of its own length and one more: how far off a start may be.
-START_SIGMA, EDGE_SIGMA_PX = 0.12, 0.3
-LEAST_SIGMA_PX = 0.1
-LARGEST_RAD = math.radians(20)
+START_SIGMA = 0.12  # of a start's displacement s, over 1 + |s|
+EDGE_SIGMA_PX = 0.3  # of an edge that is measured, beside which the start's own uncertainty counts
+LEAST_SIGMA_PX = 0.1  # of the edges' misfit, however small it is
+LARGEST_RAD = math.radians(20)  # of a light's diameter that is stated
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,7 +42,6 @@ class EdgeFit:
     misfit_share: float  # the same over how far they were looked for
     clear: float  # of the outline's points that could be seen, the part with a step as deep as the shadow
     seen: float  # part of the outline's points that could be seen
-    far_end: float  # part of the shadow's far end that could be seen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,10 +49,11 @@ class _Measured:
     """Edges as the picture has them."""
 
     edges: ShadowEdges
+    reach_px: Float  # (n,) how far from the prediction they were looked for
     offset_px: Float  # (n,) outwards of where they are predicted
     variance_px2: Float  # (n,) of the rise
     step: Float  # (n,) light lost, over the lit side's
-    visible: Mask  # (n,)
+    visible: Mask  # (n,) with room enough on the bare table
 
 
 def room_of(clear: Mask) -> Float32:
@@ -67,58 +68,65 @@ def fitted(body: Proxy, light: Float, darkening: float, picture: Float32, room: 
     `room_of` the bare table, without what is near the body or in another light's penumbra.
     """
     here = light / light[2]
-    height_px = float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
-    size, blur = 0.0, BLUR_PX**2
-    measured: _Measured | None = None
-    start_sigma = START_SIGMA * (1 + float(np.hypot(*here[:2])))
+    start, start_sigma = here[:2].copy(), START_SIGMA * (1 + float(np.hypot(*here[:2])))
     # Where an edge is hidden, what it would tell stays as it was found.
     prior = EDGE_SIGMA_PX**2 * POINTS_A_SAMPLE / start_sigma**2 * np.eye(2)
-    start = here[:2].copy()
-    rounds = [*REACHES, *[None] * LAST_ROUNDS]
-    for number, share in enumerate(rounds):
+    height_px = float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
+    size, blur = 0.0, BLUR_PX**2
+    for number in range(len(REACHES) + LAST_ROUNDS):
         edges = shadow_edges(body, here, view)
         if edges is None:
             return None
-        if share is not None:
-            reach = np.full(len(edges.points_px), max(share * height_px, 2 * LEAST_PX))
+        is_first = number < len(REACHES)
+        if is_first:
+            wanted_px = np.full(len(edges.points_px), max(REACHES[number] * height_px, 2 * LEAST_PX))
         else:
-            spread = np.sqrt(blur + (size * edges.by_size) ** 2)
-            reach = np.clip(SPREADS * spread, LEAST_PX, max(MOST_SHARE * height_px, LEAST_PX))
-        column, row = np.round(edges.points_px).astype(int).T
-        inside = (column >= 0) & (row >= 0) & (column < room.shape[1]) & (row < room.shape[0])
-        free = np.where(inside, room[row.clip(0, room.shape[0] - 1), column.clip(0, room.shape[1] - 1)], 0.0)
-        visible = free >= LEAST_PX
-        reach = np.where(visible, np.minimum(reach, free), reach)
-        measured = _measured(edges, np.asarray(reach), picture, np.asarray(visible))
-        weight = _weights(measured, reach, darkening, 1.0 if share is None else 2.0)
+            spread_px = np.sqrt(blur + (size * edges.by_size) ** 2)
+            wanted_px = np.clip(SPREADS * spread_px, LEAST_PX, max(MOST_SHARE * height_px, LEAST_PX))
+        measured = _measured(edges, wanted_px, picture, room)
+        weight = _weights(measured, darkening, EARLY_LOSS if is_first else 1.0)
         if np.count_nonzero(weight) < FEWEST:
             return None
-        if share is None or number == len(REACHES) - 1:
+        if number >= len(REACHES) - 1:
             blur, size = _widths(measured, weight)
         J = edges.by_light[:, :2]
-        normal = (J * weight[:, None]).T @ J
-        normal += prior
-        pull = (J * weight[:, None]).T @ measured.offset_px - prior @ (here[:2] - start)
-        step = np.linalg.solve(normal, pull)
-        limit = 0.5 * math.hypot(1.0, float(np.hypot(*here[:2])))
-        here = here.copy()
-        here[:2] += step * min(1.0, limit / max(float(np.hypot(*step)), 1e-12))
-    assert measured is not None
-    left = measured.offset_px - J @ step
-    variance = float((weight * left**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
+        normal = (J * weight[:, None]).T @ J + prior
+        step = np.linalg.solve(normal, (J * weight[:, None]).T @ measured.offset_px - prior @ (here[:2] - start))
+        here = _moved(here, step)
+    left_px = measured.offset_px - J @ step
+    return _edge_fit(here, measured, weight, left_px, normal, size or None, darkening)
+
+
+def _moved(light: Float, step: Float) -> Float:
+    """A light (4,) with z = 1 after a step (2,) of its displacement, by no more than half of that and one."""
+    most = 0.5 * math.hypot(1.0, float(np.hypot(*light[:2])))
+    moved = light.copy()
+    moved[:2] += step * min(1.0, most / max(float(np.hypot(*step)), 1e-12))
+    return moved
+
+
+def _edge_fit(
+    light: Float,
+    measured: "_Measured",
+    weight: Float,
+    left_px: Float,
+    normal: Float,
+    size_rad: float | None,
+    darkening: float,
+) -> EdgeFit:
+    """What is said of a light (4,) once its edges are where they are seen, but for `left_px` (n,)."""
+    variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
     covariance = variance * POINTS_A_SAMPLE * np.linalg.inv(normal)
     visible = measured.visible
-    outward = np.maximum(J @ (here[:2] / max(float(np.hypot(*here[:2])), 1e-9)), 0) ** 2
     is_step = measured.step > LEAST_STEP * darkening
     return EdgeFit(
-        here,
+        light,
         np.asarray(covariance, dtype=np.float64),
-        size or None,
+        size_rad,
         math.sqrt(variance),
-        math.sqrt(float((weight * (left / reach) ** 2).sum() / weight.sum())),
+        math.sqrt(float((weight * (left_px / measured.reach_px) ** 2).sum() / weight.sum())),
         float(is_step[visible].mean()) if visible.any() else 0.0,
         float(visible.mean()),
-        float(outward[visible].sum() / outward.sum()) if outward.any() else 1.0,
     )
 
 
@@ -130,7 +138,13 @@ def without(clear: Mask, edges: ShadowEdges, reach_px: float) -> Mask:
     return picture > 0
 
 
-def _measured(edges: ShadowEdges, reach: Float, picture: Float32, visible: Mask) -> _Measured:
+def _measured(edges: ShadowEdges, wanted_px: Float, picture: Float32, room: Float32) -> _Measured:
+    """Where edges are in `picture` (h, w), looked for within `wanted_px` (n,), or less where there is less `room`."""
+    column, row = np.round(edges.points_px).astype(int).T
+    inside = (column >= 0) & (row >= 0) & (column < room.shape[1]) & (row < room.shape[0])
+    free = np.where(inside, room[row.clip(0, room.shape[0] - 1), column.clip(0, room.shape[1] - 1)], 0.0)
+    visible = free >= LEAST_PX
+    reach = np.where(visible, np.minimum(wanted_px, free), wanted_px)
     along = np.linspace(-1, 1, SAMPLES)
     lines = edges.points_px[:, None] + (reach[:, None] * along)[..., None] * edges.normals_px[:, None]
     x, y = np.moveaxis(lines, 2, 0).astype(np.float32)
@@ -147,11 +161,12 @@ def _measured(edges: ShadowEdges, reach: Float, picture: Float32, visible: Mask)
     middles = 0.5 * (along[1:] + along[:-1])
     mean = rises @ middles
     variance = (rises * (middles[None] - mean[:, None]) ** 2).sum(axis=1) * reach**2
-    return _Measured(edges, np.clip(offset, -reach, reach), variance, step, visible)
+    return _Measured(edges, np.asarray(reach), np.clip(offset, -reach, reach), variance, step, np.asarray(visible))
 
 
-def _weights(measured: _Measured, reach: Float, darkening: float, loss: float) -> Float:
-    """(n,) weight of each edge."""
+def _weights(measured: _Measured, darkening: float, loss: float) -> Float:
+    """(n,) weight of each edge, 0 for what is none; loss: factor on the scale of Cauchy's loss."""
+    reach = measured.reach_px
     scale = loss * np.maximum(OUTLIER_SHARE * reach, OUTLIER_PX)
     is_edge = measured.visible & (measured.step > LEAST_STEP * darkening)
     # Near a corner the neighbouring edge bends the half light.

@@ -26,17 +26,17 @@ from ashe_live.light.pixels.mixtures import Mixture, clusters, nearest_squared_d
 
 T = TypeVar("T")
 
-LEAST_PX = 14
-LEAST_OBJECT_PX, LEAST_SHADOW_PX = 12, 8
-LEAST_AREA_PX = 30
-SMALL_PART = 0.05
+LEAST_PX = 14  # of an area that is tried as the shadow, or as an object in parts
+LEAST_OBJECT_PX, LEAST_SHADOW_PX = 12, 8  # of the masks of a split
+LEAST_AREA_PX = 30  # of an unlit area that is tried as the object
+SMALL_PART = 0.05  # of an object's largest part: smaller ones are left out
 OBJECTS, LESSER_OBJECT = 3, 0.1  # number of objects side by side, and their least area as a fraction of the largest
 SAME_SHARE = 0.12  # two splits are alike if fewer than this fraction of their pixels differ
 ROUNDS = 2  # of reassigning pixels to their cheapest label
-REACH_PX = 3
+REACH_PX = 3  # around object and shadow, within which pixels are reassigned
 # The depth of one light's shadow varies, in units of its shift: in a penumbra, and where the object hides the sky too.
 DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
-SHADOW_LIKE = 0.3
+SHADOW_LIKE = 0.3  # least likeness of a pixel, smoothed, to shadowed ground
 # An area is flat by log odds of FLAT_ODDS, of pixels of which so many count as one sample, where hardly any pixel has
 # log odds below ABOVE.
 FLAT_COLOURS, FLAT_ODDS, PIXELS_PER_SAMPLE, ABOVE, FLAT_ABOVE = 6, 1.5, 40.0, -0.7, 0.03

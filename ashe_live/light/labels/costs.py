@@ -12,7 +12,7 @@ from ashe_live.light.labels.materials import Materials
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.shape.predicted import Predicted
 
-BESIDE_BODY_PX = 2
+BESIDE_BODY_PX = 2  # where a border of the shadow is none, as the body hides how it goes on
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -24,7 +24,7 @@ LEAST_PROBABILITY = 0.7  # of another object's explanation
 MOST = 3  # number of other objects that are used
 OVERLAP = 0.1  # most of the smaller one's pixels that two different objects with their shadows share
 HEMISPHERE = 2 * math.pi  # steradians
-LARGEST_LOG_ODDS = 50.0
+LARGEST_LOG_ODDS = 50.0  # whose exponential is still a number
 
 
 def companions(

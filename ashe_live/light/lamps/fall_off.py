@@ -23,7 +23,7 @@ from ashe_live.light.pixels.view import View
 
 LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
 CLIPPED = 250  # value of the brightest channel from which on it tells nothing
-SAMPLES, FEWEST = 1500, 300
+SAMPLES, FEWEST = 1500, 300  # pixels of lit ground: as many as are used, and as few as tell anything
 LEAST_OF_COLOUR = 10  # samples of a colour of the palette, which has a level of its own
 CELLS = (12, 9)  # in which samples' errors may be correlated: texture is larger than a pixel
 # Sigmas of what is fitted along: vignetting at the picture's corner (of log brightness), the ground's own unevenness as

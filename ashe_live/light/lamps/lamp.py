@@ -95,38 +95,62 @@ def stated(
         assert covariance is not None
         return covariance
 
+    def place_of(several: Sequence[SeenObject]) -> Place:
+        return place_by_all(several, ratios, fall_off)
+
     objects = [SeenObject(explanation, confidence, covariance_of(explanation, confidence))]
-    place, from_sun = (tell(objects, ratios, fall_off) for tell in (place_by_all, place_seen_from_a_sun))
+    place, from_sun = place_of(objects), place_seen_from_a_sun(objects, ratios, fall_off)
     if kind == SUN:
         return Answer(explanation, lights, place)
     if kind == LAMP or _may_be_near(place):
         others = companions(objects[0], place, scene.others(), covariance_of, scene.view)
         if others:
             objects += others
-            place = place_by_all(objects, ratios, fall_off)
+            place = place_of(objects)
             from_sun = max(
                 from_sun, place_seen_from_a_sun(objects, ratios, fall_off), key=attrgetter("standard_errors")
             )
-    deviance = deviance_of_sun(objects, place, ratios, fall_off)
-    needed = ALONE_SIGMAS if len(objects) == 1 else LEAST_SIGMAS
-    is_told = from_sun.standard_errors > needed and deviance > needed**2
-    is_sun = kind == AUTO and not is_told and deviance < SURE_DEVIANCE
-    now, at = objects, place
-    for _ in range(ALIGNMENTS):
-        if is_sun or not _is_near(at, WORTH_ALIGNING if kind == AUTO else 0.0):
-            break
-        nearness = float(min(at.mean[2], NEAREST))
-        again = [(aligned_as_lamp(each.explanation, nearness), each.probability) for each in now]
-        if again[0][0] is None:
-            break
-        now = [SeenObject(one, sure, covariance_of(one, sure)) for one, sure in again if one is not None]
-        at = place_by_all(now, ratios, fall_off)
-    if not is_sun and _is_near(at, LEAST_SIGMAS if kind == AUTO else 0.0):
-        best = now[0].explanation
-        first, *others_lights = lights_of(best, confidence)
-        return Answer(best, (_lamp(first, at, ratios[0], shadow_middle(best)), *others_lights), at)
+    is_sun = kind == AUTO and not _is_lamp(objects, place, from_sun, ratios, fall_off)
+    if not is_sun:
+        worth = WORTH_ALIGNING if kind == AUTO else 0.0
+        aligned, at = _aligned_as_lamps(
+            objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth
+        )
+        if _is_near(at, LEAST_SIGMAS if kind == AUTO else 0.0):
+            best = aligned[0].explanation
+            first, *others_lights = lights_of(best, confidence)
+            return Answer(best, (_lamp(first, at, ratios[0], shadow_middle(best)), *others_lights), at)
     first, *others_lights = lights
     return Answer(explanation, (_with_doubt(first, explanation, from_sun), *others_lights), place)
+
+
+def _is_lamp(
+    objects: Sequence[SeenObject], place: Place, from_sun: Place, ratios: Sequence[Float], fall_off: FallOff | None
+) -> bool:
+    """Whether the light is surely no sun: by the slope of its nearness, seen from a sun, and by a sun's deviance."""
+    deviance = deviance_of_sun(objects, place, ratios, fall_off)
+    needed = ALONE_SIGMAS if len(objects) == 1 else LEAST_SIGMAS
+    return deviance >= SURE_DEVIANCE or (from_sun.standard_errors > needed and deviance > needed**2)
+
+
+def _aligned_as_lamps(
+    objects: Sequence[SeenObject],
+    place: Place,
+    place_of: Callable[[Sequence[SeenObject]], Place],
+    covariance_of: Callable[[Explanation, float], Float],
+    worth_sigmas: float,
+) -> tuple[Sequence[SeenObject], Place]:
+    """The objects aligned again with the lamp's nearness held, and its place by them, as long as that is worth it."""
+    for _ in range(ALIGNMENTS):
+        if not _is_near(place, worth_sigmas):
+            break
+        nearness = float(min(place.mean[2], NEAREST))
+        again = [(aligned_as_lamp(each.explanation, nearness), each.probability) for each in objects]
+        if again[0][0] is None:
+            break
+        objects = [SeenObject(one, sure, covariance_of(one, sure)) for one, sure in again if one is not None]
+        place = place_of(objects)
+    return objects, place
 
 
 def _may_be_near(place: Place) -> bool:

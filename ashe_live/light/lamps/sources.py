@@ -18,8 +18,8 @@ from ashe_live.light.views.joint import JointStart, explained_in_views
 
 MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
 NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is taken to be there
-STARTS = (0.0, 0.3, 0.7, 1.2, 2.0, 3.5, 6.0, 10.0)  # 1/m
-ROUNDS, SETTLED = 12, 1e-3
+STARTS = (0.0, 0.3, 0.7, 1.2, 2.0, 3.5, 6.0, 10.0)  # 1/m, nearnesses from which the search begins
+ROUNDS, SETTLED = 12, 1e-3  # Gauss-Newton steps at most, and the size of one that ends them
 # Limits of one step: of the nearness in 1/m, and as a fraction of it; of the displacement over the distance per height.
 LARGEST_STEP, LARGEST_SHARE, LARGEST_SHIFT = 0.4, 0.3, 0.5
 

@@ -18,7 +18,7 @@ NARROWEST = 0.05  # least distance from an outline to the vanishing point, relat
 TANGENT_SIGMAS = 1.5  # sigma of a tangent's position, in sigmas of an edge
 OUTLIER = 4.0  # scale of Cauchy's loss, in sigmas of a tangent
 GROUNDED_SHARE = 0.15  # of the body's height: a tangent that touches it lower may touch its foot
-ITERATIONS = 15
+ITERATIONS = 15  # of Gauss and Newton's method
 
 
 def lights_refined_by_tangents(

@@ -8,7 +8,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 
 RING_SHARE = 0.03  # of the picture's width: how far around the shadow its lit ground is looked for
 PENUMBRA_SHARE = 0.006  # of the picture's width: neither lit nor shadowed, left out on both sides
-MIN_PIXELS = 50
+MIN_PIXELS = 50  # of shadow and of ground, for their colours to be compared
 
 
 def shadow_rgb_ratio(image_bgr: Image, shadow: Mask, not_ground: Mask) -> Float | None:

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float32, Mask
 
-SMOOTHING_PX = 0.8
+SMOOTHING_PX = 0.8  # standard deviation
 
 
 def smoothed(values: Float32) -> Float32:

@@ -37,7 +37,7 @@ class View:
         image, camera = _scaled(np.asarray(tracked.frame.image_bgr), tracked.camera, width_px)
         if camera.is_distorted:
             image = np.asarray(cv2.undistort(image, camera.K, camera.dist), dtype=np.uint8)
-            camera = Camera(camera.size, camera.K, np.zeros(5), camera.source)
+            camera = camera.without_distortion()
         T_cam_marker, side_m, body = tracked.marker.T_cam_marker, tracked.marker.side_m, tracked.marker.body
         sheet = measured_sheet(image, camera, T_cam_marker, side_m) if body is None else USUAL_SHEET
         return _made(image, camera, T_cam_marker, side_m, sheet, body)

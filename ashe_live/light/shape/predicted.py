@@ -18,10 +18,10 @@ from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.supports import outline_points
 
 AROUND = 32  # points on a body's rings: with 16, chords lie 2 % of the radius inside, which biases an alignment
-FARTHEST_PX = 1e5
+FARTHEST_PX = 1e5  # of an outline from the picture's corner: beyond, it is drawn as if it were there
 NEAREST_SHARE = 0.1  # depth of the near plane that cuts bodies off, as a fraction of the marker's distance
-SUBPIXEL_BITS = 4
-LARGE_PX = 5e3
+SUBPIXEL_BITS = 4  # binary places in which outlines are drawn
+LARGE_PX = 5e3  # of an outline, from which on it may extend behind the camera
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.shape.contours import AnyMask, Contour, are_beside, contour_of, truncation_mask, values_at
@@ -80,51 +81,82 @@ def observe_outlines(
     centre = 0.5 * (body_contour.hull_px.min(axis=0) + body_contour.hull_px.max(axis=0))
     margin = max(CONTACT_PX, CONTACT_SHARE * size) + CONTACT_SIGMAS * edge_sigma_px
 
-    cut_off = truncation_mask(body.shape, unreliable)
+    doubt = _Doubt(truncation_mask(body.shape, unreliable), body_contour, margin)
+    directions, owner = _directions(direction_count, body_contour, shadow_contours, doubt, size)
 
-    def is_cut(points: Float) -> Mask:
-        return values_at(points, cut_off)
-
-    def is_hidden(points: Float) -> Mask:
-        return are_beside(points, body_contour, margin)
-
-    angles = np.arange(direction_count) * (2 * math.pi / direction_count)
-    blocks = [np.column_stack([np.cos(angles), np.sin(angles)])]
-    blocks.append(_edge_normals(body_contour, is_cut(body_contour.hull_px), is_cut, size))
-    for contour in shadow_contours:
-        doubtful = is_cut(contour.hull_px) | is_hidden(contour.hull_px)
-        blocks.append(_edge_normals(contour, doubtful, lambda points: is_cut(points) | is_hidden(points), size))
-    directions = np.concatenate(blocks)
-    owner = np.repeat(np.arange(len(blocks)), [len(block) for block in blocks])
-
-    points = body_contour.hull_px - centre
-    body_cut = is_cut(body_contour.hull_px)
-    body_reach = _reach(points, directions)
-    body_most = np.where(_ends_at(body_cut, points, directions, TIE_PX) & (owner != 1), np.inf, body_reach)
-    silhouettes, least_px, most_px = [Silhouette(points, ~body_cut)], [body_reach], [body_most]
-    for number, contour in enumerate(shadow_contours, start=2):
-        points = contour.hull_px - centre
-        cut, hidden = is_cut(contour.hull_px), is_hidden(contour.hull_px)
-        reach = _reach(points, directions)
-        # A shadow's hidden part cannot extend beyond the object's outline, which hides it.
-        most = np.where(_ends_at(hidden, points, directions, 0.0), np.maximum(reach, body_most), reach)
-        most = np.where(_ends_at(cut, points, directions, TIE_PX), np.inf, most)
-        silhouettes.append(Silhouette(points, ~(cut | hidden)))
-        least_px.append(reach)
-        most_px.append(np.where(owner == number, reach, most))
-    least, most = np.stack(least_px), np.stack(most_px)
+    seen_body, least_of_body, most_of_body = _body_bounds(doubt, directions, owner, centre)
+    bounded = [
+        _shadow_bounds(contour, doubt, directions, owner == number, centre, most_of_body)
+        for number, contour in enumerate(shadow_contours, start=2)
+    ]
+    least = np.stack([least_of_body, *(one[1] for one in bounded)])
+    most = np.stack([most_of_body, *(one[2] for one in bounded)])
     whole = np.full(len(directions), -np.inf), np.full(len(directions), np.inf)
     if whole_contour is not None:
         cut = values_at(whole_contour.hull_px, truncation_mask(body.shape, really_unreliable))
         whole = _bounds_of_whole(whole_contour.hull_px - centre, cut, directions, least, most)
     least, most = np.vstack([least, whole[0]]), np.vstack([most, whole[1]])
-    outlines = Outlines(directions, centre, size, silhouettes[0], tuple(silhouettes[1:]), least, most)
+    outlines = Outlines(directions, centre, size, seen_body, tuple(one[0] for one in bounded), least, most)
     seen = outlines.seen.sum(axis=1)
     if seen[0] + seen[-1] < LEAST_SEEN_OF_BODY:
         return "too little of the object's outline can be seen"
     if (seen[1:-1] + seen[-1]).min() < LEAST_SEEN_OF_SHADOW:
         return "too little of the shadow's outline can be seen"
     return outlines
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Doubt:
+    """Where an outline may be an artefact: cut by the picture's edge or by other things, or hidden by the object."""
+
+    cut_off: Mask  # (h, w) as from truncation_mask
+    body: Contour
+    margin_px: float  # so near to the body a shadow's outline may continue behind it
+
+    def cuts(self, points: Float) -> Mask:
+        return values_at(points, self.cut_off)
+
+    def hides(self, points: Float) -> Mask:
+        return are_beside(points, self.body, self.margin_px)
+
+    def concerns(self, points: Float) -> Mask:
+        return self.cuts(points) | self.hides(points)
+
+
+def _directions(
+    count: int, body: Contour, shadows: Sequence[Contour], doubt: _Doubt, size_px: float
+) -> tuple[Float, NDArray[np.intp]]:
+    """(d, 2) evenly spaced ones and normals of long straight edges; (d,) whose edges': 0 nobody's, 1 the body's, 2 and
+    up those of its shadows.
+    """
+    angles = np.arange(count) * (2 * math.pi / count)
+    blocks = [np.column_stack([np.cos(angles), np.sin(angles)])]
+    blocks.append(_edge_normals(body, doubt.cuts(body.hull_px), doubt.cuts, size_px))
+    blocks += [_edge_normals(shadow, doubt.concerns(shadow.hull_px), doubt.concerns, size_px) for shadow in shadows]
+    return np.concatenate(blocks), np.repeat(np.arange(len(blocks)), [len(block) for block in blocks])
+
+
+def _body_bounds(
+    doubt: _Doubt, directions: Float, owner: NDArray[np.intp], centre_px: Float
+) -> tuple[Silhouette, Float, Float]:
+    """The body's silhouette, and (d,) lower and upper bounds of its reach along each direction."""
+    points, cut = doubt.body.hull_px - centre_px, doubt.cuts(doubt.body.hull_px)
+    reach = _reach(points, directions)
+    most = np.where(_ends_at(cut, points, directions, TIE_PX) & (owner != 1), np.inf, reach)
+    return Silhouette(points, ~cut), reach, most
+
+
+def _shadow_bounds(
+    contour: Contour, doubt: _Doubt, directions: Float, is_own: Mask, centre_px: Float, most_of_body: Float
+) -> tuple[Silhouette, Float, Float]:
+    """The same of a shadow; is_own: (d,) normals of its own straight edges, along which it is measured."""
+    points = contour.hull_px - centre_px
+    cut, hidden = doubt.cuts(contour.hull_px), doubt.hides(contour.hull_px)
+    reach = _reach(points, directions)
+    # A shadow's hidden part cannot extend beyond the object's outline, which hides it.
+    most = np.where(_ends_at(hidden, points, directions, 0.0), np.maximum(reach, most_of_body), reach)
+    most = np.where(_ends_at(cut, points, directions, TIE_PX), np.inf, most)
+    return Silhouette(points, ~(cut | hidden)), reach, np.where(is_own, reach, most)
 
 
 def _bounds_of_whole(points: Float, cut: Mask, directions: Float, least: Float, most: Float) -> tuple[Float, Float]:

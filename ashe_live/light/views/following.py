@@ -18,7 +18,7 @@ from ashe_live.light.shape.sight import Sight
 from ashe_live.light.views.seen import SceneView, costs_around
 
 WIDTH_PX, FINE_WIDTH_PX, REGION_PX = 240, 480, 90  # sizes of the frame for its ground and at its finest, of the region
-STEPS = GroundSteps(12, 8, 1)
+STEPS = GroundSteps(12, 8, 1)  # coarser than any preset's: a known body needs little of the ground
 # Mean clarity of the borders of body and shadow, and misfit over the object's size, that a light is followed with.
 LEAST_CLARITY, MOST_MISFIT = 0.3, 0.06
 

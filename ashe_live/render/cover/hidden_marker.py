@@ -23,12 +23,12 @@ from ashe_live.render.lights.shadow_maps import same_objects
 NEARER = 1.5  # times as large, the marker has more detail around it than the cover
 TURNED_COS = np.cos(np.radians(30.0))  # seen from another side, the ground's relief looks different
 RETRIED_S = 1.0  # of the video, after no cover could be made
-GAIN_HELD_S = 0.2
+GAIN_HELD_S = 0.2  # of the video, between two looks at the exposure
 EASED = 0.4  # of the way to the exposure just measured, each time
 STILL = 0.004  # a smaller change of exposure is none
-GAIN_RANGE = 0.4, 2.5
+GAIN_RANGE = 0.4, 2.5  # of the brightness of one frame over that of another
 OUTLIER = 0.3  # of a point's own change over the median's: something has come there
-FEWEST_POINTS = 30
+FEWEST_POINTS = 30  # of the ground, by which exposures are compared
 
 
 class HiddenMarker:

@@ -9,7 +9,7 @@ from ashe_live.core.arrays import Float32, Mask
 from ashe_live.core.colour import REC709_LUMINANCE
 
 LEAST_HALF_SIDES = 0.5 + 0.1  # the square and a margin, in sides of the marker: what is taken where paper is not told
-MOST_HALF_SIDES = 1.6
+MOST_HALF_SIDES = 1.6  # of a sheet, in the same measure: what is larger is no sheet
 RING_SIDES = (0.55, 0.6)  # from the marker's middle: paper
 SAME_LOG = 0.35  # of paper: largest difference of a logarithm of linear RGB from the ring's
 CONVEX = 0.85  # a sheet's least fraction of its convex hull

@@ -14,7 +14,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.square import mean_side_px
+from ashe_live.core.square import along_sides, mean_side_px
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.lights.cast_shadows import lit_past, shadow_hull
@@ -27,7 +27,7 @@ MIN_CONTRAST = 1.6  # of paper over black ink
 RING_SIDES = (0.57, 0.62)  # from the marker's centre, in sides: on the paper's margin
 LEAST_LEVEL = 0.05  # of the light in a shadow: black says nothing about white
 MIN_PAPER = 0.02  # its linear brightness in the picture: darker is no white
-AROUND = 12  # places along each of the square's edges
+AROUND = 12  # places along each of a polygon's edges
 REACH_PX, STEP_PX = 7.0, 0.25  # of a profile across an edge, to both sides
 BLUR_RANGE_PX = (0.0, 3.0)
 BOX_VARIANCE_PX2 = 1 / 12  # of a pixel, which the model's own pixels have too
@@ -102,18 +102,13 @@ def look_of(
 
 
 def edge_blur_px(grey: Image, corners_px: Float) -> float:
-    """Sigma of the blur, in pixels, of (h, w) uint8 at the black square with the corners (4, 2); 0 if not to be told.
+    """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2); 0 if not to be told.
 
-    Of a step blurred by a Gaussian, height over steepest slope is sqrt(2 pi) sigma. Profiles across the square's edges
+    Of a step blurred by a Gaussian, height over steepest slope is sqrt(2 pi) sigma. Profiles across the polygon's edges
     are brought together at their middles, in linear light.
     """
     offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
-    starts, ends = corners_px, np.roll(corners_px, -1, axis=0)
-    places = np.linspace(0.15, 0.85, AROUND)
-    points = starts[:, None] + places[:, None] * (ends - starts)[:, None]
-    edge = (ends - starts) / np.maximum(np.linalg.norm(ends - starts, axis=1, keepdims=True), 1e-9)
-    outwards = np.column_stack([edge[:, 1], -edge[:, 0]])
-    outwards *= np.sign(np.einsum("ij,ij->i", outwards, starts - corners_px.mean(axis=0)))[:, None]
+    points, outwards = along_sides(corners_px, np.linspace(0.15, 0.85, AROUND))
     at = points[:, :, None] + offsets[:, None] * outwards[:, None, None]
     at = at.reshape(-1, len(offsets), 2)
     whole = ((at > 0) & (at < np.array(grey.shape[::-1]) - 1)).all(axis=(1, 2))

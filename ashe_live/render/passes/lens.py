@@ -43,7 +43,7 @@ class Lens:
 
 def wide_pinhole(camera: Camera) -> Camera:
     """A camera of the same size without distortion that sees all that `camera` sees."""
-    same = Camera(camera.size, camera.K, np.zeros(5), camera.source)
+    same = camera.without_distortion()
     reach = float(np.abs(2 * straight_from_bent(camera, same) - 1).max())
     K = camera.K.copy()
     # About the picture's centre, which is half a pixel from OpenCV's origin of pixels.

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.tracking.edges.corners import FittedSquare
 from ashe_live.tracking.edges.edge_lines import BEFORE, NEXT
+from ashe_live.tracking.edges.squares import FittedSquare
 
 # What the print's inside says of the edges' common displacement is no more than noise below this.
 LEAST_BLEED_PX = 0.03
@@ -24,6 +24,7 @@ class CornerErrors:
     """Standard deviations, fitted by `ashe-live bench track --scenes` to path-traced pictures with known poses."""
 
     end_px: float  # of either end of each side, whatever the picture
+    correlated: float  # the same over what the scatter along the sides tells of its correlated part
     curl: float  # the same over the sagitta of the side that bows most, beyond BOW_NOISE_PX
     bleed_share: float  # how far the outer edges are displaced, over what the inside says
     bleed_px: float  # of the displacement that is left when it is large
@@ -31,7 +32,9 @@ class CornerErrors:
     weight: float  # of the errors stated here against those that the pose leaves, in degrees of freedom
 
 
-FITTED = CornerErrors(end_px=0.028, curl=0.49, bleed_share=0.68, bleed_px=0.078, bleed_half_px=0.079, weight=2.8)
+FITTED = CornerErrors(
+    end_px=0.012, correlated=1.8, curl=0.49, bleed_share=0.68, bleed_px=0.078, bleed_half_px=0.079, weight=2.8
+)
 
 
 def corrected(square: FittedSquare, bleed_px: float, errors: CornerErrors = FITTED) -> FittedSquare:
@@ -59,7 +62,8 @@ def systematic(square: FittedSquare, errors: CornerErrors = FITTED) -> Float:
     curl_px2 = errors.curl**2 * max(sagitta_px**2 - BOW_NOISE_PX**2, 0.0)
     covariance = np.zeros((4, 2, 4, 2))
     corner = np.arange(4)
-    covariance[corner, :, corner, :] = (errors.end_px**2 + curl_px2) * (by_normals @ by_normals.transpose(0, 2, 1))
+    end_px2 = errors.end_px**2 + (errors.correlated * square.correlated_px) ** 2
+    covariance[corner, :, corner, :] = (end_px2 + curl_px2) * (by_normals @ by_normals.transpose(0, 2, 1))
     bleed_px = math.inf if square.bleed_px is None else abs(square.bleed_px)
     share = 1.0 if math.isinf(bleed_px) else bleed_px / (bleed_px + errors.bleed_half_px)
     together = (errors.bleed_px * share) * by_normals.sum(axis=2).ravel()

@@ -11,9 +11,11 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px
 from ashe_live.tracking.edges.corner_errors import corrected
-from ashe_live.tracking.edges.corners import LAST_REACH_PX, FittedSquare, Light, fitted_square, is_front_of_square
+from ashe_live.tracking.edges.corners import LAST_REACH_PX, fitted_square
+from ashe_live.tracking.edges.edge_profiles import Light
 from ashe_live.tracking.edges.lens import source_from_ideal
 from ashe_live.tracking.edges.print_alignment import Aligned, PrintAlignment, in_units
+from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 
 # Correlation of the print's inside with what is seen, where a side is covered.
 MIN_INSIDE = 0.85
@@ -47,7 +49,9 @@ def checked(
     if leaves_frame(square, camera):
         return square if is_print and square.sides_seen >= LEAST_SEEN else None
     if not alignment.tells_place:
-        return square if is_print and square.sides_seen == 4 else None
+        if not is_print or square.sides_seen < 4:
+            return None
+        return corrected(square, alignment.bleed(seen_print) * side_px) if alignment.tells_bleed else square
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
     seen = alignment.look(seen_print, side_px)
     # A print that lies elsewhere explains the samples badly: then one step says little, and is as unsure.

@@ -1,6 +1,9 @@
 """The four sides of a square as straight lines through measured points, and what these say of its corners."""
 
+from functools import lru_cache
+
 import numpy as np
+from numpy.polynomial import legendre
 
 from ashe_live.core.arrays import Float, Mask
 
@@ -11,16 +14,22 @@ SCALES = 8.0, 4.0, 2.0, 1.0
 # An edge's points are never taken to be more certain than this.
 MIN_SIGMA_PX = 0.01
 
+# Polynomials along an edge whose amplitudes tell the slow part of its scatter: above the line's own orders and the
+# bow's, and of as long a wave as a few pixels of a small marker.
+SLOW_ORDERS = 3, 4, 5, 6
+
 # Each corner's neighbours along the outline; np.roll would take ten times as long, and this runs in every frame.
 NEXT, BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
 
 
 def robust_lines(
     places: Float, offsets: Float, weights: Float, lengths_px: Float, seen: Mask
-) -> tuple[Float, Float, Float]:
+) -> tuple[Float, Float, Float, float]:
     """Each side's offset at places 0 and 1 (4, 2), the covariances (4, 2, 2) of these, and bows (4,), in px and px^2.
 
-    Least squares reweighted with Tukey's biweight. A side that is not `seen` stays, with no certainty.
+    Least squares reweighted with Tukey's biweight. A side that is not `seen` stays, with no certainty. The last result
+    is the variance of an offset at either place, over all sides, by what of the scatter is correlated along them: the
+    covariances take each pixel's noise for independent of the next one's.
     """
     # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
     at_start, slope = _medians(offsets, weights > 0), np.zeros(4)
@@ -46,13 +55,28 @@ def robust_lines(
     # Samples less than a pixel apart see the same pixels.
     variance *= np.maximum(1, len(places) / (np.ptp(places) * lengths_px))
     arms = np.column_stack([-place, 1 - place])
-    covariances = variance[:, None, None] * (
-        1 / mass[:, None, None] + arms[:, :, None] * arms[:, None] / moment[:, None, None]
-    )
+    by_variance = 1 / mass[:, None, None] + arms[:, :, None] * arms[:, None] / moment[:, None, None]
+    covariances = variance[:, None, None] * by_variance
+    # Independent scatter has the same variance in all orthonormal polynomials; correlated scatter more in slow ones.
+    slow = ((kept * residuals) @ _slow_polynomials(len(places))) ** 2
+    excess = (slow.mean(axis=1) * len(places) / mass - variance) * by_variance[:, (0, 1), (0, 1)].mean(axis=1)
+    correlated_px2 = max(0.0, float(excess[seen].mean())) if seen.any() else 0.0
     covariances = np.where(seen[:, None, None], covariances, 1e4 * np.eye(2))
     # Over the whole side, from its ends to its middle.
     bows = np.where(seen, np.abs(bowed) / 4, 0.0)
-    return np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0), covariances, bows
+    return (
+        np.where(seen[:, None], np.column_stack([at_start, at_start + slope]), 0.0),
+        covariances,
+        bows,
+        correlated_px2,
+    )
+
+
+@lru_cache(maxsize=8)
+def _slow_polynomials(count: int) -> Float:
+    """(count, 4) orthonormal polynomials of SLOW_ORDERS over `count` even places."""
+    basis, _ = np.linalg.qr(legendre.legvander(np.linspace(-1, 1, count), max(SLOW_ORDERS)))
+    return np.ascontiguousarray(basis[:, SLOW_ORDERS])
 
 
 def information_by_side(outwards: Float, covariances: Float) -> Float:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import side_lengths_px
-from ashe_live.tracking.edges.corners import is_front_of_square, region_around
+from ashe_live.tracking.edges.squares import is_front_of_square, region_around
 
 MARGIN_RATIO = 0.5
 # A marker larger than this is looked at smaller.

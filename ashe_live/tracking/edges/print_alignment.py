@@ -16,22 +16,13 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import mean_side_px
-from ashe_live.tracking.edges.corners import Light, is_front_of_square
-from ashe_live.tracking.edges.lens import source_from_ideal
+from ashe_live.tracking.edges.edge_profiles import Light
+from ashe_live.tracking.edges.print_likeness import AVERAGED, MIN_LIKENESS, UNIT, PrintLikeness, normalised
+from ashe_live.tracking.edges.squares import is_front_of_square
 
-# Of the paper around the square, how much belongs to the print, and how much of the border to its inside: the edge
-# within the border is half of what tells the place, and a finger may lie over the rest.
-PAPER, RING = 0.5, 0.3  # over the border's width
-MOST_PAPER = 1 / 12  # over the side
-# The picture is averaged over so many samples: a sharp edge between two samples would tell nothing of its place.
-AVERAGED = 1.5
-# Standard deviations of the blur, in samples, with which the print is compared.
-BLURS = (0.0, 1.5, 3.0, 4.5)
-# The print seen whole correlates with itself by so much, blurred as it may be; the likest other things by less.
-MIN_LIKENESS = 0.83
-# No cell of it differs from its print by more than this part of the contrast: a shadow's edge leaves half, another
-# number's cell all of it.
-MOST_AMISS = 0.75
+# Of the border, how much belongs to the print's inside: the edge within the border is half of what tells the place, and
+# a finger may lie over the rest.
+RING = 0.3  # over the border's width
 # A print with next to nothing inside (4x4_50:17 is a single white block) does not tell its corners' place: one sample
 # wrong by its whole contrast moves them by so much of the side. It is known by its likeness alone, which must be sure.
 MOST_SPREAD, SURE_LIKENESS = 0.2, 0.96
@@ -39,7 +30,6 @@ STEPS = 12
 SMALL_STEP = 1e-3  # of the side
 MIN_SIGMA_PX = 0.05
 LARGE_STEP = 0.08  # beyond which the linearised print means nothing
-UNIT = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 OUTWARDS = np.sign(UNIT - 0.5)
 
 
@@ -62,7 +52,7 @@ class Alignment(NamedTuple):
     seen: Aligned  # the last look
 
 
-class PrintAlignment:
+class PrintAlignment(PrintLikeness):
     """Aligns one marker's print; made once, as it holds what does not depend on the picture."""
 
     def __init__(
@@ -78,15 +68,12 @@ class PrintAlignment:
         `tells_place`: whether the inside lies exactly where `print_grey` has it within the border. `edge_error`: how
         far off its edges may be in `print_grey`, over the side.
         """
-        self._cells = round(1 / border)
+        super().__init__(print_grey, border, least_likeness)
         self._edge_error = edge_error
         n = len(print_grey)
-        self._margin = max(1, round(min(PAPER * border, MOST_PAPER) * n))
-        self._side = n + 2 * self._margin
-        padded = np.pad(print_grey.astype(np.float64) / 255, self._margin, constant_values=1.0)
-        self._places = (np.arange(self._side) + 0.5 - self._margin) / n
-        y, x = np.meshgrid(self._places, self._places, indexing="ij")
-        sharp = _averaged(padded)
+        places = (np.arange(self._side) + 0.5 - self._margin) / n
+        y, x = np.meshgrid(places, places, indexing="ij")
+        sharp = self._sharp
         ring = (1 - RING) * border
         within = (np.minimum(x, y) > ring) & (np.maximum(x, y) < 1 - ring)
         self._inside = np.flatnonzero(within)
@@ -113,61 +100,11 @@ class PrintAlignment:
         self._bleed_solver = np.linalg.pinv(one_shift)[[0, 4]].astype(np.float32)
         self._spread = np.linalg.inv(columns.T @ columns + 1e-9 * np.eye(13))[1:9, 1:9]
         self._largest_spread = float(np.diag(self._spread).max())
+        self.tells_bleed = tells_place
         is_weak = tells_place and math.sqrt(self._largest_spread) > MOST_SPREAD
         self.tells_place = tells_place and not is_weak
-        self._least_likeness = SURE_LIKENESS if is_weak else least_likeness
-        blurred = [sharp if sigma == 0 else cv2.GaussianBlur(sharp, (0, 0), sigma) for sigma in BLURS]
-        self._prints = np.stack([_normalised(np.asarray(one, dtype=np.float64).ravel()) for one in blurred])
-
-    def sampled(self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]) -> Light:
-        """(n, n) of `light` in the print's frame, of the square at ideal `corners_px` (4, 2); see fitted_square."""
-        n = self._side - 2 * self._margin
-        # Of the samples' indices, not their places.
-        ends = (UNIT * n + self._margin - 0.5).astype(np.float32)
-        H = cv2.getPerspectiveTransform(ends, (corners_px - origin_px).astype(np.float32))
-        if camera is None or not camera.is_distorted:
-            return np.asarray(
-                cv2.warpPerspective(
-                    light,
-                    H,
-                    (self._side, self._side),
-                    flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-                    borderMode=cv2.BORDER_REPLICATE,
-                ),
-                dtype=np.float32,
-            )
-        index = np.arange(self._side)
-        x, y, w = (a * index[None] + b * index[:, None] + c for a, b, c in H)
-        ideal = np.stack([x / w, y / w], axis=-1).reshape(-1, 2) + origin_px
-        source = (source_from_ideal(camera, ideal) - origin_px).astype(np.float32).T.reshape(2, self._side, self._side)
-        samples = cv2.remap(light, source[0], source[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        return np.asarray(samples, dtype=np.float32)
-
-    def blurred(self, light: Light, corners_px: Float) -> Light:
-        """`light` averaged over what lies between a few samples of the square at `corners_px` (4, 2)."""
-        n = self._side - 2 * self._margin
-        width = _odd(AVERAGED * mean_side_px(corners_px) / n)
-        return np.asarray(cv2.blur(light, (width, width)), dtype=np.float32) if width > 1 else light
-
-    def likeness(self, samples: Light) -> float:
-        """Correlation in [-1, 1] of samples with the whole print and the paper around it, blurred as suits best.
-
-        In a curve like the eye's, in which a shadow over a part of the print changes less.
-        """
-        return float((self._prints @ _normalised(np.sqrt(samples.ravel()))).max())
-
-    def is_print(self, samples: Light) -> bool:
-        """Whether samples look like the whole print, and each of its cells like itself."""
-        seen = _normalised(np.sqrt(samples.ravel()))
-        correlations = self._prints @ seen
-        best = int(correlations.argmax())
-        likeness = float(correlations[best])
-        if likeness < self._least_likeness:
-            return False
-        whole = slice(self._margin, self._side - self._margin)
-        amiss = (seen / likeness - self._prints[best]).reshape(self._side, self._side)[whole, whole]
-        cells = np.abs(cv2.resize(amiss, (self._cells, self._cells), interpolation=cv2.INTER_AREA))
-        return float(cells.max()) <= MOST_AMISS * float(np.ptp(self._prints[0]))
+        if is_weak:
+            self._least_likeness = SURE_LIKENESS
 
     def bleed(self, samples: Light) -> float:
         """How far outwards all four sides of a square lie, in units of its side, from samples within it.
@@ -193,12 +130,12 @@ class PrintAlignment:
         per_sample_px = side_px / (self._side - 2 * self._margin)
         alike = max(AVERAGED, 2 / per_sample_px) ** 2
         variance = squared / max(1, len(inside) - 13) * alike / gain**2
-        own = _normalised(self._columns[:, 0])
+        own = normalised(self._columns[:, 0])
         return Aligned(
             (coefficients[1:9] / gain).astype(np.float64).reshape(4, 2),
             variance * self._spread,
             math.sqrt(variance * self._largest_spread),
-            float(own @ _normalised(inside)),
+            float(own @ normalised(inside)),
             -float(coefficients[12]) / gain,
         )
 
@@ -243,23 +180,5 @@ def _moved(corners_px: Float, step: Float) -> tuple[Float, Float]:
     return np.asarray(there[:, :2] / there[:, 2:], dtype=np.float64), derivatives
 
 
-def _averaged(picture: Float) -> Float:
-    """Over AVERAGED samples, as `blurred` does to the picture."""
-    fine = 5
-    enlarged = np.repeat(np.repeat(picture, fine, axis=0), fine, axis=1)
-    width = _odd(AVERAGED * fine)
-    return np.asarray(cv2.blur(enlarged, (width, width))[fine // 2 :: fine, fine // 2 :: fine], dtype=np.float64)
-
-
 def _inverse(matrix: Float) -> Float:
     return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
-
-
-def _odd(width: float) -> int:
-    """The odd number next to `width`: an even window would move the picture by half a pixel."""
-    return 2 * max(0, round((width - 1) / 2)) + 1
-
-
-def _normalised(values: Float | Light) -> Light:
-    centred = values.astype(np.float32) - np.float32(values.mean())
-    return np.asarray(centred / np.float32(max(float(np.linalg.norm(centred)), 1e-12)))

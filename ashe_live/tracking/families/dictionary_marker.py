@@ -8,9 +8,10 @@ from numpy.typing import ArrayLike
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import side_lengths_px
-from ashe_live.tracking.edges.corners import is_front_of_square, refined_corners
+from ashe_live.tracking.edges.corners import refined_corners
 from ashe_live.tracking.edges.print_alignment import PrintAlignment
 from ashe_live.tracking.edges.quads import MIN_SIDE_PX, dark_quads, on_lighter, without_repeats
+from ashe_live.tracking.edges.squares import is_front_of_square
 from ashe_live.tracking.families.cells import CellReader
 
 # Of the detector's adaptive threshold: one window finds most of what three find, in a third of the time.

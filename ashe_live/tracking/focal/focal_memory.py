@@ -1,22 +1,13 @@
 """Focal lengths that were estimated, kept for each camera in the user's configuration folder."""
 
 from pathlib import Path
-from typing import Any
-
-import platformdirs
 
 from ashe_live.core.camera import Size
 from ashe_live.core.ranges import COUNT, FOCAL, Range
-from ashe_live.errors import UserError
-from ashe_live.files.reading import read_json
-from ashe_live.files.writing import write_json
+from ashe_live.files.kept import KeptObject, configuration_file
 from ashe_live.tracking.focal.focal import FocalEstimate
 
 SIGMA = Range(1e-6, FOCAL.high, "px")
-
-
-def default_path() -> Path:
-    return platformdirs.user_config_path("ashe-live", appauthor=False) / "focal_lengths.json"
 
 
 class FocalMemory:
@@ -24,11 +15,11 @@ class FocalMemory:
 
     def __init__(self, camera_name: str, path: Path | None = None) -> None:
         self._name = camera_name
-        self._path = path or default_path()
+        self._kept = KeptObject(path or configuration_file("focal_lengths.json"))
 
     def recall(self, size: Size) -> FocalEstimate | None:
         """What was estimated from pictures of `size`: another size may show another part of what the lens sees."""
-        kept = self._read().get(self._key(size), {})
+        kept = self._kept.read().get(self._key(size), {})
         try:
             focal_px = FOCAL.checked(kept["focal_px"], "focal_px")
             sigma_px = SIGMA.checked(kept["sigma_px"], "sigma_px")
@@ -43,18 +34,7 @@ class FocalMemory:
         if known is not None and known.relative_sigma <= estimate.relative_sigma:
             return
         entry = {"focal_px": estimate.focal_px, "sigma_px": estimate.sigma_px, "views": estimate.views}
-        try:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            write_json(self._path, {**self._read(), self._key(estimate.size): entry}, overwrite=True)
-        except (OSError, UserError):
-            return
+        self._kept.write({**self._kept.read(), self._key(estimate.size): entry})
 
     def _key(self, size: Size) -> str:
         return f"{self._name}, {size[0]}x{size[1]}"
-
-    def _read(self) -> dict[str, Any]:
-        try:
-            content = read_json(self._path)
-        except UserError:
-            return {}
-        return content if isinstance(content, dict) else {}

@@ -12,8 +12,9 @@ from ashe_live.tracking.edges.corner_errors import FITTED
 from ashe_live.tracking.focal.focal import CAUTION, FocalEstimate
 from ashe_live.tracking.poses.pose import Sighting, corners_information, corners_noise, pose_of_squares
 
-# Logarithms of the focal lengths tried, over the assumed one.
+# Logarithms of the focal lengths tried, over the assumed one, and how many standard deviations from their mean then.
 TRIED = np.linspace(-0.9, 0.9, 19)
+AGAIN_WITHIN = 3.0
 
 
 def focal_of_view(sightings: Sequence[Sighting], assumed: Camera, side_m: float) -> FocalEstimate | None:
@@ -35,16 +36,29 @@ def focal_of_view(sightings: Sequence[Sighting], assumed: Camera, side_m: float)
         error = (project(camera, pose.T_cam_marker, points) - pixels).ravel()
         return float(error @ information @ error)
 
-    costs: Float = np.array([cost(float(tried)) for tried in TRIED])
-    least = float(costs.min())
-    if not math.isfinite(least):
-        return None
     freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 7)
-    understated = (FITTED.weight + least) / (FITTED.weight + freedom)
-    weights = np.exp(-0.5 * ((costs - least) / understated + (TRIED / sigma) ** 2))
-    weights /= weights.sum()
-    mean = float(weights @ TRIED)
-    # Between two of the grid's focal lengths nothing is told apart.
-    spread = math.hypot(math.sqrt(float(weights @ (TRIED - mean) ** 2)), float(TRIED[1] - TRIED[0]) / math.sqrt(12))
+
+    def posterior(tried: Float) -> tuple[float, float] | None:
+        """Mean and standard deviation of the logarithm on an even grid."""
+        costs = np.array([cost(float(one)) for one in tried])
+        least = float(costs.min())
+        if not math.isfinite(least):
+            return None
+        understated = (FITTED.weight + least) / (FITTED.weight + freedom)
+        weights = np.exp(-0.5 * ((costs - least) / understated + (tried / sigma) ** 2))
+        weights /= weights.sum()
+        mean = float(weights @ tried)
+        # Between two of the grid's focal lengths nothing is told apart.
+        step = float(tried[1] - tried[0])
+        return mean, math.hypot(math.sqrt(float(weights @ (tried - mean) ** 2)), step / math.sqrt(12))
+
+    found = posterior(TRIED)
+    if found is not None:
+        mean, spread = found
+        again = AGAIN_WITHIN * spread
+        found = posterior(np.linspace(max(mean - again, TRIED[0]), min(mean + again, TRIED[-1]), len(TRIED)))
+    if found is None:
+        return None
+    mean, spread = found
     found_px = focal_px * math.exp(mean)
     return FocalEstimate(assumed.size, found_px, CAUTION * spread * found_px, 1)

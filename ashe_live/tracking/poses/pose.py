@@ -16,8 +16,8 @@ from ashe_live.core.square import mean_side_px, side_lengths_px, square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, systematic
-from ashe_live.tracking.edges.corners import FittedSquare, is_front_of_square
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
+from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 from ashe_live.tracking.poses.pose_refinement import Solution, covariances_of, refined_solution, solution_of
 
 # The smaller error alone decides when the other is so much larger: in ratio, and beyond what explains itself by noise
@@ -105,7 +105,7 @@ def pose_of_squares(
         return None
     covariances = covariances_of(chosen, points, information, camera.K, noise)
     log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
-    # The pose leaves what it cannot explain: where that is more than was stated, all of it was understated.
+    # The pose leaves what it cannot explain: where that is more than was stated, what is not noise was understated.
     freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
     understated = (errors.weight + chosen.cost) / (errors.weight + freedom)
     T_cam_marker = rigid(chosen.R, chosen.t)
@@ -120,7 +120,9 @@ def pose_of_squares(
         side_m=side_m,
         reprojection_rms_px=chosen.rms_px,
         other_rms_px=others[0].rms_px if others else None,
-        covariance=understated * covariances.whole + log_focal_sigma**2 * covariances.by_log_focal,
+        covariance=covariances.noise
+        + understated * (covariances.whole - covariances.noise)
+        + log_focal_sigma**2 * covariances.by_log_focal,
         noise_covariance=covariances.noise,
     )
 

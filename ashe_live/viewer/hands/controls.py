@@ -54,9 +54,8 @@ class Command(Enum):
 class Drag:
     """The mouse, moved while its button is down."""
 
-    begin_px: tuple[
-        float, float
-    ]  # from the left and top edges; of the framebuffer, and for whom it moves, of the video
+    # From the left and top edges of the framebuffer; for what a drag moves, those of the video.
+    begin_px: tuple[float, float]
     now_px: tuple[float, float]
     is_first: bool  # this is the first move since the button went down
 

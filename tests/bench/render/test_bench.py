@@ -15,7 +15,7 @@ from ashe_live.bench.render.cost import (
     sweeps,
 )
 from ashe_live.bench.render.tables import scene_table
-from ashe_live.capture.known_clip import shipped_clip
+from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.errors import UserError
 from ashe_live.models.mesh import Model
 from ashe_live.models.placement import placed_on_marker

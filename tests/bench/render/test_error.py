@@ -1,14 +1,13 @@
 """The renderer against a path tracer: same scene, same light, a committed picture."""
 
-from pathlib import Path
-
 import pytest
 
 from ashe_live.bench.render.error import picture_error, read_references
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import offscreen_context
+from tests.checkout import CHECKOUT
 
-REFERENCES = read_references(Path(__file__).resolve().parents[3] / "assets" / "reference")
+REFERENCES = read_references(CHECKOUT / "assets" / "reference")
 
 
 @pytest.mark.parametrize("preset", [FAST.render, BALANCED.render], ids=["fast", "balanced"])

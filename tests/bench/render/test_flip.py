@@ -1,3 +1,5 @@
+"""What a difference between two pictures must obey, whichever metric a person's eye is modelled by."""
+
 import numpy as np
 import pytest
 

@@ -1,12 +1,13 @@
 """What the pairs are compared by, on pictures whose differences are known."""
 
 import json
+from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.render.pairs import pair_error, read_pairs
+from ashe_live.bench.render.pairs import Pair, drawn, pair_error, read_pairs
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.transforms import direction_from_angles, rigid
@@ -22,7 +23,7 @@ TEN_TO_NINETY_SIGMAS = 2.563
 @pytest.mark.parametrize("noise", [0.0, 1.0])
 def test_width_of_a_blurred_border_is_the_blurs(sigma: float, noise: float) -> None:
     linear = np.where(np.arange(120)[None] + 0.3 * np.arange(80)[:, None] > 70, 0.5, 0.15)
-    linear = cv2.GaussianBlur(np.repeat(linear, 1, axis=0), (0, 0), sigma)
+    linear = cv2.GaussianBlur(linear, (0, 0), sigma)
     grey = 255 * srgb_from_linear(linear) + np.random.default_rng(1).normal(0, 1, linear.shape) * noise
     image = np.repeat(np.round(grey).astype(np.uint8)[..., None], 3, axis=2)
     rows = np.arange(15, 65.0)
@@ -39,8 +40,8 @@ def test_no_width_is_made_up_where_there_is_no_border() -> None:
     assert np.isnan(border_widths(image, places, np.repeat([(1.0, 0.0)], 40, axis=0))).all()
 
 
-def test_a_pair_without_any_difference_has_none(tmp_path) -> None:
-    """The model is so far away that neither it nor its shadow is in the picture: bare and expected are alike."""
+def written_pair(tmp_path, T_cam_marker) -> Pair:
+    """A plain grey ground, on which nothing stands and no sheet lies."""
     size = (160, 120)
     K = Camera.from_hfov(size, 50.0).K
     picture = np.full((120, 160, 3), 140, np.uint8)
@@ -48,17 +49,39 @@ def test_a_pair_without_any_difference_has_none(tmp_path) -> None:
         cv2.imwrite(str(tmp_path / f"one_{version}.jpg"), picture)
     cv2.imwrite(str(tmp_path / "one_mask.png"), np.zeros((120, 160), np.uint8))
     entry = {
-        "id": "one", "ground": "plain", "camera": "plain", "size": size, "K": K.tolist(), "R": np.eye(3).tolist(),
-        "t": [3.0, 0.0, 1.0], "marker_side_m": 0.08, "paper_side_m": 0.1, "angular_diameter_deg": 0.5,
+        "id": "one", "ground": "plain", "camera": "plain", "size": size, "K": K.tolist(),
+        "R": T_cam_marker[:3, :3].tolist(),
+        "t": T_cam_marker[:3, 3].tolist(), "marker_side_m": 0.08, "paper_side_m": 0.1, "angular_diameter_deg": 0.5,
         "to_light": direction_from_angles(0.3, 0.8).tolist(), "shadow_ratio": [0.3, 0.3, 0.3],
     }  # fmt: skip
     (tmp_path / "pairs.json").write_text(json.dumps({"model": "cube", "pairs": [entry]}))
     (pair,) = read_pairs(tmp_path)
+    return pair
+
+
+def test_a_pair_without_any_difference_has_none(tmp_path) -> None:
+    """The model is so far away that neither it nor its shadow is in the picture: bare and expected are alike."""
+    pair = written_pair(tmp_path, rigid(np.eye(3), (3.0, 0.0, 1.0)))
     error = pair_error(offscreen_context(), pair, FAST.render)
     assert np.isnan(error.border_ratio)
     assert error.border_places == 0
     assert np.isnan(error.flip)
-    assert rigid(np.eye(3), entry["t"])[0, 3] == 3.0
+
+
+def test_the_renderers_own_picture_is_without_error_and_a_paler_shadow_is_not(tmp_path) -> None:
+    ctx = offscreen_context()
+    pair = written_pair(tmp_path, rigid(cv2.Rodrigues(np.array((2.4, 0.0, 0.0)))[0], (0.0, 0.0, 0.4)))
+    ours = drawn(ctx, pair.scene, FAST.render)
+    same = pair_error(ctx, replace(pair, expected=ours), FAST.render)
+    assert same.flip == 0
+    assert same.border_places > 0
+    assert same.border_ratio == 1
+    assert same.ground_de == 0
+    half = np.round((ours.astype(float) + pair.scene.tracked.frame.image_bgr) / 2).astype(np.uint8)
+    paler = pair_error(ctx, replace(pair, expected=half), FAST.render)
+    assert paler.flip > 0.02
+    # A border keeps its width when it fades.
+    assert paler.border_ratio == pytest.approx(1, abs=0.1)
 
 
 def test_a_folder_without_pairs_is_named(tmp_path) -> None:

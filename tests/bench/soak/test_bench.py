@@ -14,7 +14,7 @@ from ashe_live.bench.soak import run as soak_run
 from ashe_live.bench.soak.bench import SoakBench
 from ashe_live.bench.soak.run import drift_json
 from ashe_live.bench.soak.time_code import BITS, TimeCodeCamera, paint_number, read_number
-from ashe_live.capture.known_clip import KnownClip
+from ashe_live.capture.clips.known_clip import KnownClip
 from ashe_live.core.camera import Camera
 from ashe_live.core.types import Illumination, LightEstimate
 from ashe_live.errors import UserError

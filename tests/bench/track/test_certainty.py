@@ -10,7 +10,7 @@ from ashe_live.bench.track.takes import SIDE_M, SMALL, pose_at
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.tracking.edges.corner_errors import FITTED
-from ashe_live.tracking.edges.corners import FittedSquare
+from ashe_live.tracking.edges.squares import FittedSquare
 
 
 def seen_with(sigma_px: float, stated_px: float, count: int = 60) -> list[Seen]:

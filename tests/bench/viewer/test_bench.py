@@ -10,7 +10,7 @@ import pytest
 
 from ashe_live.bench.loops import StageTimes
 from ashe_live.bench.viewer.bench import ViewerBench
-from ashe_live.capture.known_clip import KnownClip, read_known_clip
+from ashe_live.capture.clips.known_clip import KnownClip, read_known_clip
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import square_corners

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording.cut_short import rescue_recordings
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.arrays import Image
 from ashe_live.files.new_file import partial_path
+from tests.checkout import CHECKOUT
 
 Draw = Callable[[int], Image]
-CHECKOUT = Path(__file__).parents[2]
 
 RECORD_UNTIL_KILLED = """
 import sys, numpy as np

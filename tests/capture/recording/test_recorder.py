@@ -11,7 +11,7 @@ import av
 import numpy as np
 import pytest
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording import fragments as fragments_module
 from ashe_live.capture.recording.fragments import made_playable
 from ashe_live.capture.recording.recorder import Recorder

@@ -11,12 +11,13 @@ import av
 import jsonschema
 import PIL.Image
 
+from tests.checkout import CHECKOUT
 from tests.fuzz.command_lines.case import HOME, TEMPORARY, Case
 from tests.fuzz.command_lines.promises import Broken
 from tests.fuzz.command_lines.runner import Outcome
 from tests.fuzz.command_lines.sandbox import Entry
 
-SCHEMA = json.loads((Path(__file__).parents[3] / "docs" / "contract.schema.json").read_text(encoding="utf-8"))
+SCHEMA = json.loads((CHECKOUT / "docs" / "contract.schema.json").read_text(encoding="utf-8"))
 ANSWERS = (0, 3, 4)
 # What the program, and the libraries below it, may keep in a person's home.
 OWN_PLACES = (f"{HOME}/.cache", f"{HOME}/.local", f"{HOME}/.config", f"{HOME}/.nv", f"{HOME}/Library")

@@ -15,10 +15,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from tests.checkout import CHECKOUT
 from tests.fuzz.command_lines.case import HOME, TEMPORARY, Case
 from tests.fuzz.command_lines.sandbox import Entry, Sandbox
 
-CHECKOUT = Path(__file__).parents[3]
 SCRIPT = Path(sys.executable).with_name("ashe-live")
 SERVER = Path(__file__).with_name("fork_server.py")
 # Far beyond what any case needs; a crowded machine waits for its processor.

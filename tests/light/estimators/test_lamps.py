@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.commands.flags.parser import LIGHTS, build_parser
+from ashe_live.commands.flags.option_groups import LIGHTS
+from ashe_live.commands.flags.parser import build_parser
 from ashe_live.commands.flags.setup import light_steps
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between

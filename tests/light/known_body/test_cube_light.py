@@ -78,10 +78,9 @@ def test_a_shadow_over_all_of_it_is_said() -> None:
     frame = frame_of(scene)
     shaded = frame.image_bgr.copy()
     x, y = CAMERA.K[:2, 2]
-    area = np.zeros(shaded.shape[:2], np.uint8)
-    cv2.circle(area, (round(x), round(y)), 170, 1, -1)
-    shaded[area == 0] = np.minimum(shaded[area == 0] * 1.0, 255)
-    shaded[area > 0] = shaded[area > 0] * 0.62
+    around_cube = np.zeros(shaded.shape[:2], np.uint8)
+    cv2.circle(around_cube, (round(x), round(y)), 170, 1, -1)
+    shaded[around_cube > 0] = shaded[around_cube > 0] * 0.62
     tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(
         dataclasses.replace(frame, image_bgr=shaded)
     )

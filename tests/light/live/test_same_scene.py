@@ -2,8 +2,8 @@
 
 import pytest
 
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.known_clip import shipped_clip
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.light.live.key_views import KeyViews
 from ashe_live.light.live.same_scene import PlanePicture, differs, outdated
 from ashe_live.tracking.families.markers import parse_marker

@@ -1,12 +1,13 @@
 """A cube is one marker: its pose comes from all faces that are seen, also where a flat marker would be edge-on."""
 
 import dataclasses
-import math
 
 import numpy as np
 import pytest
 
-from ashe_live.core.arrays import Float
+from ashe_live.bench.track.measures import turn_deg
+from ashe_live.core.square import square_corners
+from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.layout import cube_layout
@@ -18,24 +19,17 @@ def tracker() -> MarkerTracker:
     return MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking)
 
 
-def turn_deg(T_a: Float, T_b: Float) -> float:
-    chord = float(np.linalg.norm(T_a[:3, :3] - T_b[:3, :3]))
-    return math.degrees(2 * math.asin(min(1.0, chord / math.sqrt(8))))
-
-
 def found(frame: Frame) -> MarkerPose:
     marker = tracker().track(frame).marker
     assert marker is not None
     return marker
 
 
-@pytest.mark.parametrize(
-    ("tilt_deg", "azimuth_deg", "most_deg"), [(30, 40, 0.3), (60, 160, 0.3), (75, 250, 0.3), (85, 65, 0.3)]
-)
-def test_a_single_frame_gives_the_pose_of_the_whole_cube(tilt_deg: float, azimuth_deg: float, most_deg: float) -> None:
+@pytest.mark.parametrize(("tilt_deg", "azimuth_deg"), [(30, 40), (60, 160), (75, 250), (85, 65)])
+def test_a_single_frame_gives_the_pose_of_the_whole_cube(tilt_deg: float, azimuth_deg: float) -> None:
     T = looking(0.35, tilt_deg, azimuth_deg)
     marker = found(frame_of(CubeScene(CAMERA, T, [sun(200, 40)])))
-    assert turn_deg(marker.T_cam_marker, T) < most_deg
+    assert turn_deg(marker.T_cam_marker, T) < 0.3
     assert marker.T_cam_marker[:3, 3] == pytest.approx(T[:3, 3], abs=5e-4)
 
 
@@ -48,9 +42,7 @@ def test_the_pose_carries_the_body_that_stands_on_the_table() -> None:
     assert points.min(axis=0) == pytest.approx((-EDGE_M / 2, -EDGE_M / 2, 0), abs=5e-4)
     assert points.max(axis=0) == pytest.approx((EDGE_M / 2, EDGE_M / 2, EDGE_M), abs=5e-4)
     # The square whose corners are stated is the one that it stands on.
-    on_table = np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)]) * EDGE_M / 2
-    in_camera = on_table @ marker.T_cam_marker[:3, :3].T + marker.T_cam_marker[:3, 3]
-    pixels = (in_camera / in_camera[:, 2:]) @ CAMERA.K[:2].T
+    pixels = project(CAMERA, marker.T_cam_marker, square_corners(EDGE_M))
     assert marker.corners_px == pytest.approx(pixels, abs=1e-6)
 
 

@@ -10,7 +10,7 @@ from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
 from ashe_live.tracking.cube.folding import Folding
-from ashe_live.tracking.edges.corners import FittedSquare
+from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.poses.pose import Sighting
 from ashe_live.tracking.tracker import MarkerTracker
@@ -62,7 +62,7 @@ def test_two_faces_are_learned_but_for_what_they_share() -> None:
     assert between == pytest.approx(math.pi / 2 + 0.02, abs=2e-3)
 
 
-def test_the_frame_of_a_crooked_cube_errs_no_more_than_it_says() -> None:
+def test_the_frame_of_a_crooked_cube_errs_at_most_half_again_as_much_as_it_says() -> None:
     rng = np.random.default_rng(5)
     squares = []
     for _ in range(6):
@@ -74,4 +74,5 @@ def test_the_frame_of_a_crooked_cube_errs_no_more_than_it_says() -> None:
         away = T[:3, :3] @ pose.T_cam_marker[:3, :3].T
         turn = 0.5 * np.array((away[2, 1] - away[1, 2], away[0, 2] - away[2, 0], away[1, 0] - away[0, 1]))
         squares.append(float(turn @ np.linalg.solve(pose.covariance[:3, :3], turn)))
-    assert np.median(squares) < 7.8  # 95 % of the chi-squared distribution of three
+    # Squared errors over their covariance have the mean 3, as they are of three angles.
+    assert np.mean(squares) / 3 < 1.5**2

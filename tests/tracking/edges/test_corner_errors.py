@@ -11,7 +11,7 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.edges.corner_errors import FITTED, corrected, systematic, uncorrected_px
-from ashe_live.tracking.edges.corners import FittedSquare
+from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker
 

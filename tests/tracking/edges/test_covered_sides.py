@@ -12,7 +12,7 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
-from ashe_live.tracking.edges.corners import linear_light
+from ashe_live.tracking.edges.edge_profiles import linear_light
 from ashe_live.tracking.edges.print_alignment import in_units
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.tracker import MarkerTracker

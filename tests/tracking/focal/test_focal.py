@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.known_clip import shipped_clip
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ashe_live.tracking.focal.focal import FocalEstimate
-from ashe_live.tracking.focal.focal_memory import FocalMemory, default_path
+from ashe_live.tracking.focal.focal_memory import FocalMemory
 
 SIZE = (640, 480)
 
@@ -55,4 +55,5 @@ def test_a_place_that_cannot_be_written_is_no_error(tmp_path: Path) -> None:
 
 def test_it_lies_in_the_user_s_configuration_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
-    assert "ashe-live" in str(default_path())
+    FocalMemory("camera").keep(FocalEstimate(SIZE, 600.0, 10.0, 30))
+    assert (tmp_path / "ashe-live" / "focal_lengths.json").is_file()

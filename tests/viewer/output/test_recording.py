@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.errors import UserError
 from ashe_live.viewer.output.recording import Recording, Slots
 

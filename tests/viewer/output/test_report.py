@@ -1,15 +1,15 @@
 """REPORT.json: the contract, and a file whole or not at all."""
 
 import json
-from pathlib import Path
 
 import jsonschema
 import pytest
 
 from ashe_live.errors import UserError
 from ashe_live.viewer.output.report import Report, frame_time_percentiles
+from tests.checkout import CHECKOUT
 
-SCHEMA = json.loads((Path(__file__).parents[3] / "docs" / "contract.schema.json").read_text())
+SCHEMA = json.loads((CHECKOUT / "docs" / "contract.schema.json").read_text())
 
 
 @pytest.fixture

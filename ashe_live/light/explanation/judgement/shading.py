@@ -15,12 +15,12 @@ from ashe_live.light.pixels.areas import shrunk
 from ashe_live.light.shape.light_points import relative_irradiance, towards
 from ashe_live.light.shape.predicted import SUBPIXEL_BITS
 
-AROUND, UPWARDS = 16, 9
+AROUND, UPWARDS = 16, 9  # facets of the body's surface
 BOUNCE = 0.3  # fraction of the light on the ground that it reflects
-DARKEST = 0.02
-LOWEST_Z = 0.1
-FARTHEST_PX = 1e5
-LEAST_PX = 30
+DARKEST = 0.02  # linear light of a facet, below which differences are not seen
+LOWEST_Z = 0.1  # of a light's direction, by which its irradiance on level ground is divided
+FARTHEST_PX = 1e5  # of a facet from the picture's corner
+LEAST_PX = 30  # of the object without its rim, whose shading is compared
 SPREAD_OF_NOISE = 0.03  # added to both spreads: smaller differences in log brightness are noise
 # Prior on the amplitudes of the sky's shading and of the light's, means and standard deviations: both would be 1 if the
 # object were matt, of one colour, and exactly of the body's shape.

@@ -13,7 +13,7 @@ from av.container import InputContainer
 from av.video.frame import VideoFrame
 from av.video.stream import VideoStream
 
-from ashe_live.capture.clip_index import ClipIndex
+from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.capture.container import opened_container
 from ashe_live.errors import UserError
 from ashe_live.files.reading import opened

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from av.video.frame import VideoFrame
 
-from ashe_live.capture.clip import ClipSource
+from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from tests.shared_data import SHARED
 
-REAL = Path(__file__).resolve().parents[2].parent / "shared" / "real"
+REAL = SHARED / "real"
 
 
 def frames_of(source: ClipSource) -> list[Frame]:

@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from av.video.frame import VideoFrame
 
-from ashe_live.capture.clip import ClipSource
-from ashe_live.capture.clip_index import ClipIndex
+from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.index import ClipIndex
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame
+from tests.shared_data import SHARED
 
-REAL = Path(__file__).resolve().parents[2].parent / "shared" / "real"
+REAL = SHARED / "real"
 COUNT = 80
 EVEN = [40 * i for i in range(COUNT)]  # milliseconds
 UNEVEN = [40 * i + (i * 7919) % 31 for i in range(COUNT)]
@@ -122,7 +123,7 @@ def test_without_any_times(film) -> None:
 
 
 def test_where_pictures_are_hardly_kept(film, monkeypatch) -> None:
-    monkeypatch.setattr("ashe_live.capture.clip.KEPT_BYTES", 1)
+    monkeypatch.setattr("ashe_live.capture.clips.clip.KEPT_BYTES", 1)
     assert_seeks_right(film(UNEVEN, bf="3", g="12"))
     assert_seeks_right(film(EVEN, "film.h264", bf="2", g="12"))
 

@@ -7,8 +7,8 @@ import numpy as np
 from av.video.frame import VideoFrame
 from av.video.reformatter import Colorspace
 
-from ashe_live.capture.clip_index import ClipIndex
-from ashe_live.capture.clip_pictures import ClipPictures, Picture
+from ashe_live.capture.clips.index import ClipIndex
+from ashe_live.capture.clips.pictures import ClipPictures, Picture
 from ashe_live.capture.sources import Source
 from ashe_live.core.arrays import Image
 from ashe_live.core.types import Frame

@@ -1,0 +1,129 @@
+"""The tables of `ashe-live bench light` that compare sets, presets and takes, or are of clips and lamps."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from rich.console import Console
+
+from ashe_live.bench.light.cells import degrees, fraction, percent
+from ashe_live.bench.light.clips import EVERY, ClipResult
+from ashe_live.bench.light.lamps import FAR_M, FARTHEST_M, NEAR_M, summarise_lamps
+from ashe_live.bench.light.results import CONFIDENT_DEG, CaseResult, summarise
+from ashe_live.bench.light.takes import TakeResult, confidence_falls, grouped_by_span, p95_deg
+from ashe_live.bench.metrics import calibration_error, risk_at, risk_by_coverage, share
+from ashe_live.bench.tables import figures_table
+
+# Distances of lights, above the first and up to the second.
+DISTANCES = {
+    "sun": (FARTHEST_M, math.inf),
+    f"lamp up to {100 * NEAR_M:.0f} cm": (0.0, NEAR_M),
+    f"up to {100 * FAR_M:.0f} cm": (NEAR_M, FAR_M),
+    "farther": (FAR_M, FARTHEST_M),
+    "all lamps": (0.0, FARTHEST_M),
+}
+COVERAGES = (0.5, 0.6, 0.7, 0.8, 0.9)
+
+
+def print_risk(console: Console, results: Sequence[CaseResult]) -> None:
+    """Prints risk by coverage, set by set and preset by preset: more work should never answer less, or worse."""
+    columns = ("lit", "answered", *(f"risk at {coverage:.0%}" for coverage in COVERAGES), "calibration error")
+    table = figures_table(f"risk (answers over {CONFIDENT_DEG:.0f}° off) by coverage", ("set", "preset"), *columns)
+    for folder in dict.fromkeys(result.folder for result in results):
+        for preset in dict.fromkeys(result.preset for result in results):
+            members = [each for each in results if (each.folder, each.preset) == (folder, preset)]
+            answers = [each for each in members if each.confidence is not None]
+            lit = sum(each.is_lit for each in members)
+            confidences, good = [each.confidence or 0.0 for each in answers], [each.is_good for each in answers]
+            curve = risk_by_coverage(confidences, good, [each.is_lit for each in answers], lit)
+            risks = [risk_at(curve, coverage) for coverage in COVERAGES]
+            covered = share([each.is_answered for each in members if each.is_lit])
+            cells = (percent(None if risk is None else risk[1]) for risk in risks)
+            error = calibration_error(confidences, good)
+            table.add_row(folder, preset, str(lit), percent(covered), *cells, fraction(error))
+    console.print(table)
+
+
+def print_takes(console: Console, results: Sequence[TakeResult]) -> None:
+    """Prints, for each preset, errors and confidence by the takes' span and the number of views."""
+    columns = ("lit", "answered", "median", "p95", "within 1 σ", "95 % ellipse", "sure and wrong", "confidence", "ms")
+    for preset in dict.fromkeys(each.result.preset for each in results):
+        table = figures_table(f"{preset}: takes by span and number of views", ("span", "views"), *columns)
+        members = [each for each in results if each.result.preset == preset]
+        for span, of_span in grouped_by_span(members).items():
+            for views in dict.fromkeys(each.views for each in of_span):
+                some = summarise([each.result for each in of_span if each.views == views])
+                answered = [each for each in of_span if each.views == views and each.result.is_lit]
+                p95 = p95_deg([each.result for each in answered])
+                table.add_row(
+                    span,
+                    str(views),
+                    str(len(answered)),
+                    percent(share([each.result.is_answered for each in answered])),
+                    degrees(some.median_deg),
+                    degrees(p95),
+                    *map(percent, (some.within_1_sigma, some.within_ellipse_95, some.bad_share)),
+                    fraction(_mean([each.result.confidence for each in answered])),
+                    "-" if some.median_ms is None else f"{some.median_ms:.0f}",
+                )
+        console.print(table)
+        falls = confidence_falls(members)
+        console.print(
+            f"right answers whose confidence falls by more than 0.02 with more views: {falls[0]} of {falls[1]}"
+        )
+
+
+def print_lamps(console: Console, results: Sequence[CaseResult]) -> None:
+    """Prints how lamps and suns were told apart, set by set, if there is a lamp in any."""
+    alone = [(result, result.lamp) for result in results if result.lamp is not None]
+    if not any(lamp.true_distance_m for _, lamp in alone):
+        return
+    columns = (
+        "pictures",
+        "answered",
+        "as a lamp",
+        "median",
+        "p90",
+        "beside the object",
+        "distance off",
+        "q within 1 σ",
+    )
+    title = "one light, by its distance: error of the direction at the marker, and beside"
+    table = figures_table(title, ("set", ""), *columns)
+    for folder, preset in dict.fromkeys((result.folder, result.preset) for result, _ in alone):
+        of_set = [pair for pair in alone if (pair[0].folder, pair[0].preset) == (folder, preset)]
+        for kind, (least_m, most_m) in DISTANCES.items():
+            members = [pair for pair in of_set if least_m < (pair[1].true_distance_m or math.inf) <= most_m]
+            if not members:
+                continue
+            summary = summarise_lamps([lamp for _, lamp in members], [result.is_answered for result, _ in members])
+            errors = [result.error_deg for result, _ in members if result.error_deg is not None]
+            at_marker = [degrees(float(np.percentile(errors, part)) if errors else None) for part in (50, 90)]
+            table.add_row(
+                f"{folder}, {preset}",
+                kind,
+                str(summary.attempted),
+                percent(summary.answered),
+                percent(summary.stated),
+                *at_marker,
+                degrees(summary.beside_deg),
+                percent(summary.distance_error),
+                percent(summary.within_1_sigma),
+            )
+    console.print(table)
+
+
+def print_clips(console: Console, clips: Sequence[ClipResult]) -> None:
+    table = figures_table(
+        f"clips: every {EVERY}th frame", ("clip", "preset"), "frames", "no marker", "none", "about", "RMS", "max"
+    )
+    for clip in clips:
+        counts = (str(count) for count in (clip.frames, clip.without_marker, clip.abstained))
+        table.add_row(clip.clip, clip.preset, *counts, clip.about, degrees(clip.rms_deg), degrees(clip.max_deg))
+    console.print(table)
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    """Of those that are known."""
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None

@@ -1,0 +1,1 @@
+"""Clips that are read: their pictures, and the way to any of them."""

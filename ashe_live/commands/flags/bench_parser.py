@@ -1,0 +1,69 @@
+"""What can be asked of `ashe-live bench`."""
+
+import argparse
+from pathlib import Path
+
+from ashe_live.commands.flags import values
+from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR, QUALITIES, add_quality_options
+
+MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is watched (default 1000)"
+
+
+def add_benches(bench: argparse.ArgumentParser) -> None:
+    benches = bench.add_subparsers(dest="bench", metavar="WHAT", required=True)
+
+    viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")
+    viewer.add_argument(
+        "--frames", type=values.count, default=600, metavar="N", help="frames of each run (default 600)"
+    )
+    viewer.add_argument("--size", type=values.size, metavar="WxH", help="size of the picture (default: the clip's)")
+    _add_results_folder(viewer)
+    add_quality_options(viewer, default="fast")
+
+    render = benches.add_parser(
+        "render", help="the cost of rendering, and the difference from a path tracer's pictures"
+    )
+    render.add_argument(
+        "--frames", type=values.count, default=100, metavar="N", help="frames of each measurement (default 100)"
+    )
+    render.add_argument("--memory-frames", type=values.count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
+    render.add_argument("--pairs", type=Path, metavar="DIR", help="also against photos of scenes with a model in them")
+    _add_results_folder(render)
+
+    soak = benches.add_parser("soak", help="a long run: leaks, drift, and the latency from the camera to the screen")
+    soak.add_argument("--frames", type=values.count, default=100_000, metavar="N", help="frames (default 100000)")
+    _add_results_folder(soak)
+    add_quality_options(soak, default="fast")
+
+    light = benches.add_parser("light", help="the estimators' errors on scenes whose light is known")
+    light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    _add_results_folder(light)
+    light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
+    light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
+    light.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+
+    judge = benches.add_parser("fit-judge", help="fits confidence to scenes whose light is known")
+    judge.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    _add_results_folder(judge)
+    judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+    judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
+
+    cube = benches.add_parser("cube", help="the paper cube's pose and light, on painted pictures with known truth")
+    cube.add_argument("--count", type=values.count, default=40, metavar="N", help="pictures of each set (default 40)")
+    _add_results_folder(cube)
+    cube.add_argument("--quality", choices=QUALITIES, default="balanced")
+
+    tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
+    tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
+    tracking.add_argument("--photos", type=Path, metavar="DIR", help="also look for absent ids in the pictures there")
+    tracking.add_argument(
+        "--scenes", type=Path, nargs="+", default=(), metavar="DIR", help="also check, and fit, how certain poses are"
+    )
+    _add_results_folder(tracking)
+    tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
+    tracking.add_argument("--quality", choices=QUALITIES, default="balanced")
+
+
+def _add_results_folder(bench: argparse.ArgumentParser) -> None:
+    bench.add_argument("--out", type=Path, metavar="DIR", help="where results.json and the plots go")
+    bench.add_argument("--overwrite", action="store_true", help="replace existing files there")

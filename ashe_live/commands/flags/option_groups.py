@@ -1,0 +1,89 @@
+"""Groups of options that several commands have."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from ashe_live.commands.flags import values
+
+DEFAULT_MARKER = "aruco:4x4_50:0"
+DEFAULT_ESTIMATOR = "proxy"
+MARKER_HELP = (
+    f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png, "
+    f"grid:DICT:COLSxROWS or cube (default: the one in view, or {DEFAULT_MARKER})"
+)
+LIGHTS = ("auto", "sun", "lamp")
+LIGHT_HELP = "what it is taken for: a lamp where the picture tells its distance (auto), or always the one or the other"
+LAYERS = ("both", "model", "shadow")
+UPS = ("x", "y", "z", "-x", "-y", "-z")
+ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
+# Those of ashe_live.quality, which would load what help must not wait for.
+QUALITIES = ("fast", "balanced", "accurate")
+
+
+def add_scene_options(parser: argparse.ArgumentParser) -> None:
+    scene = parser.add_argument_group("what the camera sees")
+    scene.add_argument("--marker", default=DEFAULT_MARKER, action=_Named, metavar="SPEC", help=MARKER_HELP)
+    parser.set_defaults(takes_any_marker=True)
+    scene.add_argument(
+        "--marker-size",
+        type=values.side_m,
+        metavar="METRES",
+        help="black square's side (default 0.08), or the cube's edge (default 0.06)",
+    )
+    camera = scene.add_mutually_exclusive_group()
+    camera.add_argument("--camera-file", type=Path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}')
+    camera.add_argument("--focal-px", type=values.focal_px, metavar="F", help="focal length in pixels of the source")
+    camera.add_argument(
+        "--hfov",
+        type=values.angle_deg,
+        metavar="DEG",
+        help="horizontal field of view (default: 60 is assumed)",
+    )
+
+
+def add_view_options(parser: argparse.ArgumentParser) -> None:
+    view = parser.add_argument_group("what is shown")
+    view.add_argument(
+        "--model", default="cube", metavar="NAME|FILE", help="shipped model, or glTF/GLB/OBJ/PLY/STL file"
+    )
+    view.add_argument("--up", choices=UPS, metavar="AXIS", help=f"of the model's file: {', '.join(UPS)} (key U)")
+    view.add_argument("--size", type=values.size, metavar="WxH", help="size of the window (default: the source's)")
+    view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
+    view.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
+    view.add_argument(
+        "--auto", action="store_true", help="watch the light, and estimate it anew when it changes (key A)"
+    )
+    view.add_argument(
+        "--hide-marker", action="store_true", help="cover the marker's sheet with ground like that around it (key C)"
+    )
+    view.add_argument("--mirror", action="store_true", help="show the window as a mirror would (key W)")
+    view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
+    output = parser.add_argument_group("without a window")
+    output.add_argument("--headless", action="store_true", help="render every frame offscreen")
+    output.add_argument("--frames", type=values.count, metavar="N", help="stop after N frames")
+    output.add_argument("--out", type=Path, metavar="VIDEO.mp4", help="record what is shown")
+    output.add_argument(
+        "--layers",
+        choices=LAYERS,
+        help="record what is drawn alone, with its transparency: --out FILE.mov (ProRes 4444) or FILE.webm (VP9)",
+    )
+    output.add_argument(
+        "--report", type=Path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"
+    )
+    output.add_argument("--overwrite", action="store_true", help="replace existing files")
+    add_quality_options(parser)
+
+
+def add_quality_options(parser: argparse.ArgumentParser, default: str = "balanced") -> None:
+    trade = parser.add_argument_group("speed against accuracy")
+    trade.add_argument("--quality", choices=(*QUALITIES, "auto"), default=default)
+    trade.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME", help=f"(default {DEFAULT_ESTIMATOR})")
+    trade.add_argument("--light", choices=LIGHTS, default=LIGHTS[0], help=LIGHT_HELP)
+
+
+class _Named(argparse.Action):
+    """A marker that somebody has named: no other is taken in its place."""
+
+    def __call__(self, _parser: object, options: argparse.Namespace, value: Any, _flag: object = None) -> None:
+        options.marker, options.takes_any_marker = value, False

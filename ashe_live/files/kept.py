@@ -1,0 +1,37 @@
+"""What is kept between runs, in the user's configuration folder."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import platformdirs
+
+from ashe_live.errors import UserError
+from ashe_live.files.reading import read_json
+from ashe_live.files.writing import write_json
+
+
+def configuration_file(name: str) -> Path:
+    """Where a file of that name is kept, or would be."""
+    return platformdirs.user_config_path("ashe-live", appauthor=False) / name
+
+
+class KeptObject:
+    """A JSON object in a file. What cannot be read or written is as if it were not there."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def read(self) -> dict[str, Any]:
+        try:
+            content = read_json(self._path)
+        except UserError:
+            return {}
+        return content if isinstance(content, dict) else {}
+
+    def write(self, content: Mapping[str, Any]) -> None:
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            write_json(self._path, content, overwrite=True)
+        except (OSError, UserError):
+            return

@@ -1,0 +1,110 @@
+"""Whether what lies at a place in the picture is a marker's print, seen whole with the paper around it."""
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.square import mean_side_px
+from ashe_live.tracking.edges.edge_profiles import Light
+from ashe_live.tracking.edges.lens import source_from_ideal
+
+# Of the paper around the square, how much belongs to the print.
+PAPER = 0.5  # over the border's width
+MOST_PAPER = 1 / 12  # over the side
+# The picture is averaged over so many samples: a sharp edge between two samples would tell nothing of its place.
+AVERAGED = 1.5
+# Standard deviations of the blur, in samples, with which the print is compared.
+BLURS = (0.0, 1.5, 3.0, 4.5)
+# The print seen whole correlates with itself by so much, blurred as it may be; the likest other things by less.
+MIN_LIKENESS = 0.83
+# No cell of it differs from its print by more than this part of the contrast: a shadow's edge leaves half, another
+# number's cell all of it.
+MOST_AMISS = 0.75
+UNIT = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+
+
+class PrintLikeness:
+    """Samples the picture in the frame of one marker's print, and compares; made once for all pictures."""
+
+    def __init__(self, print_grey: Image, border: float, least_likeness: float = MIN_LIKENESS) -> None:
+        """`print_grey` (n, n): the whole black square, from which every sample is taken; `border` over its side."""
+        self._cells = round(1 / border)
+        self._least_likeness = least_likeness
+        n = len(print_grey)
+        self._margin = max(1, round(min(PAPER * border, MOST_PAPER) * n))
+        self._side = n + 2 * self._margin
+        padded = np.pad(print_grey.astype(np.float64) / 255, self._margin, constant_values=1.0)
+        # As the picture's samples are, where it is sharp.
+        self._sharp = _averaged(padded)
+        blurred = [self._sharp if sigma == 0 else cv2.GaussianBlur(self._sharp, (0, 0), sigma) for sigma in BLURS]
+        self._prints = np.stack([normalised(np.asarray(one, dtype=np.float64).ravel()) for one in blurred])
+
+    def sampled(self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]) -> Light:
+        """(n, n) of `light` in the print's frame, of the square at ideal `corners_px` (4, 2); see fitted_square."""
+        n = self._side - 2 * self._margin
+        # Of the samples' indices, not their places.
+        ends = (UNIT * n + self._margin - 0.5).astype(np.float32)
+        H = cv2.getPerspectiveTransform(ends, (corners_px - origin_px).astype(np.float32))
+        if camera is None or not camera.is_distorted:
+            return np.asarray(
+                cv2.warpPerspective(
+                    light,
+                    H,
+                    (self._side, self._side),
+                    flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+                    borderMode=cv2.BORDER_REPLICATE,
+                ),
+                dtype=np.float32,
+            )
+        index = np.arange(self._side)
+        x, y, w = (a * index[None] + b * index[:, None] + c for a, b, c in H)
+        ideal = np.stack([x / w, y / w], axis=-1).reshape(-1, 2) + origin_px
+        source = (source_from_ideal(camera, ideal) - origin_px).astype(np.float32).T.reshape(2, self._side, self._side)
+        samples = cv2.remap(light, source[0], source[1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(samples, dtype=np.float32)
+
+    def blurred(self, light: Light, corners_px: Float) -> Light:
+        """`light` averaged over what lies between a few samples of the square at `corners_px` (4, 2)."""
+        n = self._side - 2 * self._margin
+        width = _odd(AVERAGED * mean_side_px(corners_px) / n)
+        return np.asarray(cv2.blur(light, (width, width)), dtype=np.float32) if width > 1 else light
+
+    def likeness(self, samples: Light) -> float:
+        """Correlation in [-1, 1] of samples with the whole print and the paper around it, blurred as suits best.
+
+        In a curve like the eye's, in which a shadow over a part of the print changes less.
+        """
+        return float((self._prints @ normalised(np.sqrt(samples.ravel()))).max())
+
+    def is_print(self, samples: Light) -> bool:
+        """Whether samples look like the whole print, and each of its cells like itself."""
+        seen = normalised(np.sqrt(samples.ravel()))
+        correlations = self._prints @ seen
+        best = int(correlations.argmax())
+        likeness = float(correlations[best])
+        if likeness < self._least_likeness:
+            return False
+        whole = slice(self._margin, self._side - self._margin)
+        amiss = (seen / likeness - self._prints[best]).reshape(self._side, self._side)[whole, whole]
+        cells = np.abs(cv2.resize(amiss, (self._cells, self._cells), interpolation=cv2.INTER_AREA))
+        return float(cells.max()) <= MOST_AMISS * float(np.ptp(self._prints[0]))
+
+
+def _averaged(picture: Float) -> Float:
+    """Over AVERAGED samples, as `blurred` does to the picture."""
+    fine = 5
+    enlarged = np.repeat(np.repeat(picture, fine, axis=0), fine, axis=1)
+    width = _odd(AVERAGED * fine)
+    return np.asarray(cv2.blur(enlarged, (width, width))[fine // 2 :: fine, fine // 2 :: fine], dtype=np.float64)
+
+
+def _odd(width: float) -> int:
+    """The odd number next to `width`: an even window would move the picture by half a pixel."""
+    return 2 * max(0, round((width - 1) / 2)) + 1
+
+
+def normalised(values: Float | Light) -> Light:
+    """`values` about their mean, of length 1: products of two such are correlations."""
+    centred = values.astype(np.float32) - np.float32(values.mean())
+    return np.asarray(centred / np.float32(max(float(np.linalg.norm(centred)), 1e-12)))

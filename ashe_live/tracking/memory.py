@@ -1,0 +1,55 @@
+"""What the tracker remembers of a frame for the next one: the pose, the picture, and how each marker was moving."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.types import Frame, MarkerPose
+from ashe_live.tracking.search import NEAR_PX
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What the next frame is compared with."""
+
+    time_s: float
+    image_bgr: Image
+    pose: MarkerPose
+    corners_px: dict[int, Float]  # by member, (4, 2) picture pixels
+    velocities_px_s: dict[int, Float]  # by member, (4, 2)
+    bridged: int  # frames in a row
+    is_predictable: bool  # each member was where its motion had led one to expect it
+
+    def expected_px(self, time_s: float) -> dict[int, Float]:
+        """By member, the corners (4, 2), picture pixels, at `time_s` if it moves on as it did."""
+        return {
+            number: corners_px + (time_s - self.time_s) * self.velocities_px_s.get(number, np.zeros((4, 2)))
+            for number, corners_px in self.corners_px.items()
+        }
+
+
+def remembered(
+    frame: Frame, pose: MarkerPose, corners_px: dict[int, Float], bridged: int, last: Memory | None
+) -> Memory:
+    """What is known after `frame`, in which members were seen at `corners_px` (4, 2), and after the `last` one.
+
+    `bridged`: how many frames in a row have been bridged, with this one.
+    """
+    velocities: dict[int, Float] = {}
+    is_predictable = False
+    if last is not None and frame.time_s > last.time_s:
+        elapsed_s = frame.time_s - last.time_s
+        for number in corners_px.keys() & last.corners_px.keys():
+            velocities[number] = (corners_px[number] - last.corners_px[number]) / elapsed_s
+        is_predictable = _was_expected(velocities, last, elapsed_s)
+    return Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, bridged, is_predictable)
+
+
+def _was_expected(velocities: dict[int, Float], last: Memory, elapsed_s: float) -> bool:
+    """Whether every member that was seen before moved on as it did, to within NEAR_PX."""
+    changes = [
+        (velocity - last.velocities_px_s.get(number, np.zeros((4, 2)))) * elapsed_s
+        for number, velocity in velocities.items()
+    ]
+    return all(float(np.abs(change).max()) <= NEAR_PX for change in changes)
