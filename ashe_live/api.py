@@ -159,9 +159,18 @@ class Renderer:
         self._placed: dict[tuple[str, float], PlacedModel] = {}
 
     def render(
-        self, tracked: TrackedFrame, model: str, illumination: Illumination | None = None, shows_light: bool = False
+        self,
+        tracked: TrackedFrame,
+        model: str,
+        illumination: Illumination | None = None,
+        shows_light: bool = False,
+        time_s: float = 0.0,
+        is_cut_out: bool = False,
     ) -> Image:
         """(h, w, 3) uint8 BGR: the picture with a lit model on its marker, and the shadow that the model casts.
+
+        `time_s`: of a model that moves, since its motion began; it is looped. `is_cut_out`: model and shadow alone,
+        (h, w, 4) uint8 BGRA with straight alpha, so that they give the same picture when put over the frame.
 
         `model` is a shipped model's name (`model_names()`) or the path of a glTF, GLB, OBJ, PLY or STL file.
         `illumination` is an estimate's (`LightEstimate.illumination`) or one of your own; without it, or without a
@@ -177,10 +186,12 @@ class Renderer:
         if illumination is not None:
             arguments.instance(illumination, Illumination, "illumination")
         placed = None if tracked.marker is None else self._model(model, tracked.marker.side_m)
-        scene = Scene(tracked, placed, illumination or Illumination(), shows_light)
+        time_s = TIME.checked(time_s, "time_s")
+        lit_by = illumination or Illumination()
+        scene = Scene(tracked, placed, lit_by, shows_light, time_s=time_s, is_cut_out=is_cut_out)
         with self._context:
             self._renderer.render(scene)
-            return self._renderer.read_bgr()
+            return self._renderer.read_bgra() if is_cut_out else self._renderer.read_bgr()
 
     def release(self) -> None:
         """Gives everything back to OpenGL; the renderer is of no use afterwards. May be called twice."""

@@ -73,5 +73,20 @@ void main() {
 #endif
     if (max(light.a, max(gone.r, max(gone.g, gone.b))) < 0.0005) discard;
     uvec2 grain = uvec2((gl_FragCoord.xy - viewport.xy) / grain_px);
-    encoded = vec4(composed + noise_sigma * light.a * noise(grain), 1.0);
+    composed += noise_sigma * light.a * noise(grain);
+#ifdef CUT_OUT
+    // What gives this picture when it is put over the video: as transparent as it can be, and opaque where the model is.
+    vec3 behind = texture(video, at).rgb;
+    vec3 wanted = clamp(composed, 0.0, 1.0);
+    vec3 darker = (behind - wanted) / max(behind, 0.5 / 255.0);
+    vec3 brighter = (wanted - behind) / max(1.0 - behind, 0.5 / 255.0);
+    vec3 least = max(darker, brighter);
+    float alpha = clamp(max(light.a, max(least.r, max(least.g, least.b))), 0.0, 1.0);
+    if (alpha < 0.5 / 255.0) discard;
+    // In steps of a byte, as it will be stored, so that the colour makes up for what it loses.
+    alpha = ceil(alpha * 255.0) / 255.0;
+    encoded = vec4((wanted - (1.0 - alpha) * behind) / alpha, alpha);
+#else
+    encoded = vec4(composed, 1.0);
+#endif
 }

@@ -84,6 +84,17 @@ def test_two_renderers_do_not_disturb_each_other():
             assert second.render(bright, "cube").mean() == pytest.approx(220)
 
 
+def test_what_is_cut_out_is_nothing_where_nothing_is_drawn_and_can_be_saved(ran, tmp_path):
+    tracked = ran["tracked"]
+    with al.Renderer(tracked.frame.size) as renderer:
+        cut_out = renderer.render(tracked, "mug", is_cut_out=True)
+    assert cut_out.shape[2] == 4
+    assert not cut_out[:, -20:].any()
+    assert (cut_out[..., 3] == 255).sum() > 100
+    al.write_png(tmp_path / "mug.png", cut_out)
+    np.testing.assert_array_equal(cv2.imread(str(tmp_path / "mug.png"), cv2.IMREAD_UNCHANGED), cut_out)
+
+
 CAMERA = al.Camera.from_hfov((64, 48), 60)
 GREY = np.full((48, 64, 3), 140, np.uint8)
 TRACKED = al.Tracker(CAMERA).track(GREY)
@@ -158,7 +169,12 @@ def test_wrong_use_names_the_argument(argument, function, tmp_path, monkeypatch)
 
 @pytest.mark.parametrize(
     ("argument", "values"),
-    [("tracked", (None, "a", GREY)), ("model", (None, 7, "a\0b")), ("illumination", ("a", A_LIGHT))],
+    [
+        ("tracked", (None, "a", GREY)),
+        ("model", (None, 7, "a\0b")),
+        ("illumination", ("a", A_LIGHT)),
+        ("time_s", ("a", float("nan"))),
+    ],
 )
 def test_wrong_use_of_a_renderer_names_the_argument(argument, values):
     right = {"tracked": TRACKED, "model": "cube"}

@@ -16,7 +16,7 @@ SOURCES = {path: path.read_text(encoding="utf-8") for path in (CHECKOUT / "ashe_
 LOAD_ALL_WITHOUT_UNIX = """
 import importlib, os, pkgutil, signal, sys, time
 import multiprocessing, subprocess, tempfile
-import av, cv2, cv2_enumerate_cameras, glfw, moderngl, numpy, PIL.Image, platformdirs, rich.console, trimesh
+import av, cv2, cv2_enumerate_cameras, glfw, moderngl, numpy, PIL.Image, platformdirs, rich.console
 for name in ("resource", "fcntl", "pwd", "grp", "termios"):
     sys.modules[name] = None
 for module, name in ((os, "nice"), (os, "sched_getaffinity"), (os, "getloadavg"), (signal, "SIGHUP")):

@@ -4,7 +4,7 @@ A name could mean an address or a protocol to it (`http:`, `concat:`), and some 
 """
 
 import os
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import av
 from av.container import InputContainer, OutputContainer
@@ -14,6 +14,8 @@ DEMUXERS = (
     "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,mpegvideo,flv,ogg,asf,gif,apng,mjpeg,h264,hevc,av1,obu,ivf,"
     "dv,mxf,nut,rm,swf,wtv,yuv4mpegpipe"
 )
+# Of text that is not UTF-8; from PyAV 19 on there is no choice.
+ANY_METADATA: dict[str, Any] = {"metadata_errors": "replace"} if int(av.__version__.split(".")[0]) < 19 else {}
 ALLOWED = {"protocol_whitelist": "none", "format_whitelist": DEMUXERS}
 
 
@@ -23,22 +25,23 @@ def opened_container(stream: BinaryIO) -> InputContainer:
     Raises FFmpegError or OSError when it is not a clip.
     """
     stream.seek(0)
-    return av.open(stream, "r", container_options=ALLOWED, metadata_errors="replace")
+    container: InputContainer = av.open(stream, "r", container_options=ALLOWED, **ANY_METADATA)
+    return container
 
 
 class WrittenContainer:
-    """A new MP4 in a file that is open, which stays open.
+    """A new clip in a file that is open, which stays open.
 
     FFmpeg, and PyAV when it closes, lose or print what goes wrong in writing; so that is kept here, and raised by
     `check` and `close`.
     """
 
-    def __init__(self, stream: BinaryIO, options: dict[str, str]) -> None:
-        """`options` are those of FFmpeg's muxer. Raises FFmpegError."""
+    def __init__(self, stream: BinaryIO, options: dict[str, str], muxer: str = "mp4") -> None:
+        """`options` are those of FFmpeg's `muxer`. Raises FFmpegError."""
         # Not through its buffer, which would keep what a full disk refuses, and fail at every seek afterwards.
         self._stream = getattr(stream, "raw", stream)
         self._error: OSError | None = None
-        self.container: OutputContainer = av.open(self, "w", format="mp4", options=options)
+        self.container: OutputContainer = av.open(self, "w", format=muxer, options=options)
 
     def write(self, content: bytes) -> int:
         """For FFmpeg. After an error nothing more is written: what came before stays as it is."""

@@ -22,7 +22,7 @@ from ashe_live.process.children import Limits
 from ashe_live.process.messages import printable, say
 
 PACKAGES = (
-    *("numpy", "opencv-contrib-python-headless", "moderngl", "glfw", "av", "trimesh", "pillow", "pyrr", "rich"),
+    *("numpy", "opencv-contrib-python-headless", "moderngl", "glfw", "av", "pillow", "pyrr", "rich"),
     *("dracopy", "mapbox-earcut"),
 )
 PROBE_S = 30.0  # a driver that takes longer will not give a picture

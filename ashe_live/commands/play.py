@@ -3,10 +3,9 @@
 import argparse
 
 from ashe_live.capture.sources import open_source
-from ashe_live.commands.flags.marker_choice import with_marker, with_marker_in
+from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker_in
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, show
-from ashe_live.tracking.tracker import MarkerTracker
 
 
 def run(options: argparse.Namespace) -> int:
@@ -14,8 +13,5 @@ def run(options: argparse.Namespace) -> int:
     make_tracker(options)  # a marker that is none is said before the file is opened
     source = open_source(options.file)
     chosen = with_marker_in(source, options)
-
-    def tracker_for(spec: str) -> MarkerTracker:
-        return make_tracker(with_marker(options, spec), source=source)
-
-    return show(ViewerSetup(source, make_tracker(chosen, source=source), chosen, tracker_for=tracker_for))
+    tracker = make_tracker(chosen, source=source)
+    return show(ViewerSetup(source, tracker, chosen, tracker_for=tracker_maker(chosen, source=source)))

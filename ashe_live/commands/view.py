@@ -5,14 +5,15 @@ import contextlib
 import os
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ashe_live.capture.recording.cut_short import rescue_recordings
 from ashe_live.capture.recording.recorder import Recorder
-from ashe_live.capture.sources import Source, open_source
-from ashe_live.commands.flags.marker_choice import others_said, with_marker, with_marker_in
-from ashe_live.commands.flags.setup import light_steps, make_tracker, quality_of
+from ashe_live.capture.recording.transparent import TransparentRecorder
+from ashe_live.capture.sources import Source
+from ashe_live.commands.flags.marker_choice import others_said
+from ashe_live.commands.flags.setup import light_steps, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size, drawn_size
 from ashe_live.errors import ExitStatus, UserError
@@ -46,7 +47,8 @@ class ViewerSetup:
     options: argparse.Namespace
     true_to_light_marker: Float | None = None  # (3,) unit, where it is known
     shows_light: bool = False
-    tracker_for: Callable[[str], MarkerTracker] | None = None  # by a marker's spec; None: there is no other
+    # By another marker's spec, or another field of view in degrees; None: there is no other.
+    tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None
 
     @property
     def size(self) -> Size:
@@ -61,6 +63,10 @@ def check_outputs(options: argparse.Namespace) -> None:
     files.check_outputs((options.out, options.report), inputs, options.overwrite)
     if options.headless and options.loop and options.frames is None:
         raise UserError("--loop without a window never ends", "give --frames N too")
+    if options.layers is not None and (not options.headless or options.out is None):
+        raise UserError(
+            "--layers are written without a window", "give --headless --out FILE.mov too; Shift+S saves one"
+        )
     if options.report is not None and not options.headless:
         raise UserError("--report is written without a window only", "give --headless too")
 
@@ -82,6 +88,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker)
         session.show_light = setup.shows_light
         session.hides_marker = options.hide_marker
+        session.is_mirrored = options.mirror
         session.watch.preset = light_steps(options)
         if options.headless:
             for line in shelf.take_words():
@@ -97,6 +104,7 @@ def show(setup: ViewerSetup) -> int:
 def show_in_window(setup: ViewerSetup) -> int:
     """Until it is closed."""
     # Only here, so that playing without a display does without GLFW.
+    from ashe_live.commands.flags.opening import LaterSources
     from ashe_live.viewer.live import LiveViewer
     from ashe_live.viewer.output.recording import Recording
     from ashe_live.viewer.sources.pipeline import Pipeline
@@ -121,20 +129,10 @@ def show_in_window(setup: ViewerSetup) -> int:
         if options.out is not None:
             recording = Recording(options.out, drawn_size(setup.source.size), pipeline.fps, options.overwrite)
 
-        def opener(path: Path) -> Pipeline:
-            """A file has a camera of its own: as the flags say, else one that nobody knows."""
-            source = open_source(path)
-            tracker = make_tracker(with_marker_in(source, options), source=source)
-
-            def tracker_for(spec: str) -> MarkerTracker:
-                return make_tracker(with_marker(options, spec), source=source)
-
-            pipeline = Pipeline(source, tracker, options.loop, tracker_for)
-            pipeline.start()
-            return pipeline
-
-        viewer = LiveViewer(window, renderer, pipeline, session, options.quality, recording, options.loop, opener)
-        viewer.takes_any_marker = options.takes_any_marker
+        viewer = LiveViewer(
+            window, renderer, pipeline, session, options.quality, recording, options.loop, LaterSources(options)
+        )
+        viewer.followed.takes_any_marker = options.takes_any_marker
         viewer.run(options.frames, end_if_asked)
     return ExitStatus.ANSWERED
 
@@ -152,17 +150,19 @@ def show_without_window(
         renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
         stack.callback(renderer.release)
         session = stack.enter_context(opened_session(setup))
-        recorder = None
+        recorder: Recorder | TransparentRecorder | None = None
         if options.out is not None:
-            recorder = Recorder(options.out, setup.size, setup.source.fps or 1.0, options.overwrite)
-            takers = (*takers, stack.enter_context(recorder).write)
+            wanted = options.out, setup.size, setup.source.fps or 1.0, options.overwrite
+            recorder = Recorder(*wanted) if options.layers is None else TransparentRecorder(*wanted)
+            stack.enter_context(recorder)
+            takers = (*takers, recorder.write)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
 
         def next_scene(session: Session) -> Scene:
             end_if_asked()
-            return scene(session)
+            return _layers(scene(session), options.layers)
 
-        run = HeadlessRun(next_scene, options.frames, options.loop, takers)
+        run = HeadlessRun(next_scene, options.frames, options.loop, takers, options.layers is not None)
         play_headless(setup.source, setup.tracker, session, renderer, run, report)
         if options.report is not None:
             _tell_where(options.report, report.write(options.report, options.overwrite))
@@ -171,6 +171,12 @@ def show_without_window(
         _tell_where(options.out, recorder.path)
         options.out = recorder.path
     return _summed_up(setup, session, report)
+
+
+def _layers(scene: Scene, wanted: str | None) -> Scene:
+    if wanted is None:
+        return scene
+    return replace(scene, is_cut_out=True, shows_model=wanted != "shadow", casts_shadow=wanted != "model")
 
 
 def _tell_where(wanted: Path, path: Path) -> None:

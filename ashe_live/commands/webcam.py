@@ -4,12 +4,11 @@ import argparse
 
 from ashe_live.capture.cameras import connected, name_of
 from ashe_live.capture.webcam import WebcamSource
-from ashe_live.commands.flags.marker_choice import with_marker
+from ashe_live.commands.flags.marker_choice import tracker_maker
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, show
 from ashe_live.process.messages import tell
 from ashe_live.tracking.focal.focal_memory import FocalMemory
-from ashe_live.tracking.tracker import MarkerTracker
 
 
 def run(options: argparse.Namespace) -> int:
@@ -17,11 +16,7 @@ def run(options: argparse.Namespace) -> int:
     camera = int(options.camera) if options.camera.isdecimal() else options.camera
     memory = FocalMemory(name_of(camera, connected()))
     tracker = make_tracker(options, memory=memory)
-
-    def tracker_for(spec: str) -> MarkerTracker:
-        return make_tracker(with_marker(options, spec), memory=memory)
-
     source = WebcamSource(camera, options.size)
     if source.note is not None:
         tell(source.note)
-    return show(ViewerSetup(source, tracker, options, tracker_for=tracker_for))
+    return show(ViewerSetup(source, tracker, options, tracker_for=tracker_maker(options, memory)))

@@ -46,12 +46,13 @@ def one_of(value: str, choices: Iterable[str], name: str) -> str:
     return value
 
 
-def picture(value: Image, name: str) -> Image:
-    """`value`, which must be an array (h, w, 3) uint8 with at least one pixel."""
+def picture(value: Image, name: str, channels: tuple[int, ...] = (3,)) -> Image:
+    """`value`, which must be an array (h, w, 3) uint8, or of another number of `channels`, with at least one pixel."""
     if not isinstance(value, np.ndarray):
         raise TypeError(f"{name} must be a NumPy array, and is a {type(value).__name__}")
-    if value.ndim != 3 or value.shape[2] != 3 or value.dtype != np.uint8 or value.size == 0:
-        raise ValueError(f"{name} must be (h, w, 3) uint8, and is {value.shape} {value.dtype}")
+    if value.ndim != 3 or value.shape[2] not in channels or value.dtype != np.uint8 or value.size == 0:
+        shapes = " or ".join(f"(h, w, {count})" for count in channels)
+        raise ValueError(f"{name} must be {shapes} uint8, and is {value.shape} {value.dtype}")
     return value
 
 

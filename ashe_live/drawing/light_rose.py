@@ -48,7 +48,10 @@ def light_rose(lights: Sequence[Light], size_px: int, camera_marker: Float | Non
             label = centre + (radius + 1.2 * font_px) * rim[0], centre - (radius + 1.2 * font_px) * rim[1]
             draw.text(label, f"{azimuth_deg}°", faint, font, anchor="mm")
     if camera_marker is not None:
-        draw.regular_polygon((*at(camera_marker), 0.6 * font_px), 3, fill=faint)
+        x, y = at(camera_marker)
+        draw.regular_polygon((x, y, 0.6 * font_px), 3, fill=faint)
+        if has_labels:
+            draw.text((x, y + 0.5 * font_px), "camera", faint, font, anchor="ma")
     for light in lights:
         draw.line((centre, centre, *at(light.to_light_marker)), INK_BGR[::-1], line)
         draw.circle(at(light.to_light_marker), 1.5 * line, fill=INK_BGR[::-1])

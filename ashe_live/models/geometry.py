@@ -7,9 +7,25 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.models.material import Material
-from ashe_live.models.mesh import Float32, Indices, Mesh
+from ashe_live.models.mesh import Float32, Indices, Mesh, Motion
 from ashe_live.models.parsing.malformed import MalformedError
-from ashe_live.models.shading_normals import corner_normals, face_normals, is_inside_out, row_keys, unit_rows
+from ashe_live.models.shading_normals import (
+    corner_normals,
+    face_normals,
+    is_inside_out,
+    row_keys,
+    unit_rows,
+    vertex_normals,
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawMotion:
+    """Poses of a mesh, evenly spaced in time; of one of them it is made."""
+
+    vertices: Float32  # (k, n, 3)
+    normals: Float32 | None  # (k, n, 3) of any length
+    duration_s: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,6 +39,7 @@ class RawMesh:
     uvs: Float | None = None  # (n, 2) texture coordinates, origin at the picture's bottom left
     more_uvs: Float | None = None  # (n, 2) a second set
     colours: Float | None = None  # (n, 4) linear RGBA
+    motion: RawMotion | None = None
 
 
 def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
@@ -51,18 +68,26 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         if not np.isfinite(values).all():
             raise MalformedError(f"{name} hold a value that is not finite")
     normals = _file_normals(raw, T)
+    source: NDArray[np.integer] = np.arange(len(vertices))
+    motion_normals = None if raw.motion is None else raw.motion.normals
     if normals is None:
+        motion_normals = None
         if is_inside_out(vertices, triangles):
             triangles = triangles[:, ::-1]
         normals = corner_normals(vertices, triangles)
         each = triangles.ravel()
         kept, triangles = _welded(vertices[each], normals, *(values[each] for values in attributes.values()))
-        normals, vertices = normals[kept], vertices[each[kept]]
+        source = each[kept]
+        normals, vertices = normals[kept], vertices[source]
         attributes = {name: values[each[kept]] for name, values in attributes.items()}
     else:
         triangles = _wound_like_normals(vertices, triangles, normals)
         if is_inside_out(vertices, triangles):
             triangles, normals = triangles[:, ::-1], -normals
+            motion_normals = None if motion_normals is None else -motion_normals
+    motion = None
+    if raw.motion is not None:
+        motion = _placed_motion(raw.motion, motion_normals, T, source, triangles)
     return Mesh(
         vertices=vertices,
         normals=normals,
@@ -71,7 +96,25 @@ def placed_mesh(raw: RawMesh, T: Float) -> Mesh | None:
         colours=attributes.get("colours"),
         material=raw.material if "uvs" in attributes else raw.material.without_maps(),
         more_uvs=attributes.get("more_uvs"),
+        motion=motion,
     )
+
+
+def _placed_motion(
+    raw: RawMotion, normals: Float32 | None, T: Float, source: NDArray[np.integer], triangles: Indices
+) -> Motion:
+    """Moved by T, of the vertices (n,) that the mesh has kept; without `normals` each pose has its triangles'."""
+    shape = len(raw.vertices), len(source), 3
+    placed, turned = np.empty(shape, np.float32), np.empty(shape, np.float32)
+    for number, vertices in enumerate(raw.vertices):
+        placed[number] = vertices[source] @ T[:3, :3].T + T[:3, 3]
+        if not np.isfinite(placed[number]).all():
+            raise MalformedError("an animation moves vertices to no place")
+        pointing = vertex_normals(placed[number], triangles) if normals is None else normals[number][source]
+        turned[number] = unit_rows(pointing if normals is None else pointing @ np.linalg.inv(T[:3, :3]))
+    if not np.isfinite(turned).all():
+        raise MalformedError("an animation turns normals to no direction")
+    return Motion(placed, turned, raw.duration_s)
 
 
 def _file_normals(raw: RawMesh, T: Float) -> Float32 | None:

@@ -61,7 +61,7 @@ def _read(path: Path, up: str | None) -> Model:
     content = read_bytes(path, MAX_FILE_BYTES)
     folder, notes = Folder(path, MAX_FILE_BYTES), Notes()
     with warnings.catch_warnings(), np.errstate(all="ignore"):
-        # What trimesh, Pillow and NumPy have to say about a damaged file is said by our errors.
+        # What Pillow and NumPy have to say about a damaged file is said by our errors.
         warnings.simplefilter("ignore")
         meshes: list[tuple[Float, RawMesh]]
         if suffix in GLTF_SUFFIXES:

@@ -6,7 +6,7 @@ from dataclasses import fields
 import numpy as np
 
 from ashe_live.models.material import MAPS, Alpha, Material
-from ashe_live.models.mesh import Mesh
+from ashe_live.models.mesh import Mesh, Motion
 
 
 def merged(parts: Iterable[Mesh]) -> tuple[Mesh, ...]:
@@ -14,7 +14,7 @@ def merged(parts: Iterable[Mesh]) -> tuple[Mesh, ...]:
     alike: dict[Hashable, list[Mesh]] = {}
     for number, part in enumerate(parts):
         is_blended = part.material.alpha is Alpha.BLEND
-        has = tuple(values is not None for values in (part.uvs, part.more_uvs, part.colours))
+        has = tuple(values is not None for values in (part.uvs, part.more_uvs, part.colours, part.motion))
         key = *has, number if is_blended else _surface(part.material)
         alike.setdefault(key, []).append(part)
     return tuple(_joined(group) if len(group) > 1 else group[0] for group in alike.values())
@@ -32,6 +32,12 @@ def _joined(group: list[Mesh]) -> Mesh:
     uvs = [part.uvs for part in group if part.uvs is not None]
     more_uvs = [part.more_uvs for part in group if part.more_uvs is not None]
     colours = [part.colours for part in group if part.colours is not None]
+    motions = [part.motion for part in group if part.motion is not None]
+    motion = None
+    if motions:  # all of one animation, so of the same moments
+        vertices = np.concatenate([each.vertices for each in motions], axis=1)
+        normals = np.concatenate([each.normals for each in motions], axis=1)
+        motion = Motion(vertices, normals, motions[0].duration_s)
     return Mesh(
         vertices=np.concatenate([part.vertices for part in group]),
         normals=np.concatenate([part.normals for part in group]),
@@ -40,4 +46,5 @@ def _joined(group: list[Mesh]) -> Mesh:
         colours=np.concatenate(colours) if colours else None,
         material=group[0].material,
         more_uvs=np.concatenate(more_uvs) if more_uvs else None,
+        motion=motion,
     )

@@ -15,6 +15,38 @@ PLAIN = Material()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """Poses of a mesh, evenly spaced in time; after the last comes the first."""
+
+    vertices: Float32  # (k, n, 3) metres, z up
+    normals: Float32  # (k, n, 3) unit
+    duration_s: float  # from the first pose to the last
+
+    def __post_init__(self) -> None:
+        shape = len(self.vertices), *self.vertices.shape[1:]
+        if len(shape) != 3 or shape[0] < 2 or shape[2] != 3:
+            raise ValueError(f"poses have shape {shape}, not (two or more, vertices, 3)")
+        if not 0 < self.duration_s < np.inf:
+            raise ValueError(f"a motion cannot last {self.duration_s} s")
+        set_frozen(
+            self,
+            vertices=_checked(self.vertices, np.float32, shape, "vertices of poses"),
+            normals=_checked(self.normals, np.float32, shape, "normals of poses"),
+        )
+
+    def at(self, time_s: float) -> tuple[Float32, Float32]:
+        """(n, 3) vertices and normals, these not quite of unit length, at a time since it began; it is looped."""
+        last = len(self.vertices) - 1
+        at = time_s % self.duration_s / self.duration_s * last
+        before = min(int(at), last - 1)
+        share = np.float32(at - before)
+        vertices, normals = (
+            (1 - share) * poses[before] + share * poses[before + 1] for poses in (self.vertices, self.normals)
+        )
+        return vertices, normals
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Mesh:
     """Triangles of one material, counter-clockwise seen from the side that their normals point to."""
 
@@ -25,6 +57,7 @@ class Mesh:
     colours: Float32 | None = None  # (n, 4) linear RGBA, a factor
     material: Material = PLAIN
     more_uvs: Float32 | None = None  # (n, 2) a second set of texture coordinates, for the maps that are laid out by it
+    motion: Motion | None = None  # of the same vertices; None: it stands still
 
     def __post_init__(self) -> None:
         count = len(self.vertices)
@@ -36,6 +69,8 @@ class Mesh:
         )
         if self.uvs is not None:
             set_frozen(self, uvs=_checked(self.uvs, np.float32, (count, 2), "uvs"))
+        if self.motion is not None and self.motion.vertices.shape[1] != count:
+            raise ValueError(f"poses are of {self.motion.vertices.shape[1]} vertices, not of {count}")
         if self.more_uvs is not None:
             set_frozen(self, more_uvs=_checked(self.more_uvs, np.float32, (count, 2), "more_uvs"))
         if self.colours is not None:
@@ -49,7 +84,17 @@ class Mesh:
 
     def moved(self, scale: float, offset: Float) -> "Mesh":
         """The same mesh with vertices `scale * v + offset`."""
-        return replace(self, vertices=(self.vertices * scale + offset).astype(np.float32))
+        motion = self.motion
+        if motion is not None:
+            places = motion.vertices * np.float32(scale) + offset.astype(np.float32)
+            motion = replace(motion, vertices=places)
+        return replace(self, vertices=(self.vertices * scale + offset).astype(np.float32), motion=motion)
+
+    @property
+    def bounds(self) -> Float:
+        """(2, 3) smallest and largest coordinates, in all of its poses."""
+        places = self.vertices if self.motion is None else self.motion.vertices.reshape(-1, 3)
+        return np.array([places.min(axis=0), places.max(axis=0)], dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,11 +116,15 @@ class Model:
         return sum(len(part.triangles) for part in self.parts)
 
     @property
+    def duration_s(self) -> float:
+        """Of its motion, which is looped; 0 where it stands still."""
+        return max(0.0 if part.motion is None else part.motion.duration_s for part in self.parts)
+
+    @property
     def bounds(self) -> Float:
-        """(2, 3) smallest and largest coordinates, in metres."""
-        lower = np.min([part.vertices.min(axis=0) for part in self.parts], axis=0)
-        upper = np.max([part.vertices.max(axis=0) for part in self.parts], axis=0)
-        return np.array([lower, upper], dtype=np.float64)
+        """(2, 3) smallest and largest coordinates, in metres, in all of its poses."""
+        lower, upper = zip(*(part.bounds for part in self.parts), strict=True)
+        return np.array([np.min(lower, axis=0), np.max(upper, axis=0)])
 
 
 def _checked(array: NDArray[Any], dtype: type, shape: tuple[int, ...], name: str) -> NDArray[Any]:

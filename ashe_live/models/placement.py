@@ -1,5 +1,6 @@
 """Where a model stands: over the marker's centre, on the ground, as large as the marker allows; then as it is moved."""
 
+import itertools
 import math
 from dataclasses import dataclass, field, replace
 
@@ -71,6 +72,8 @@ def placed_on_marker(model: Model, side_m: float) -> PlacedModel:
 
 
 def _outline(model: Model) -> Float:
+    if model.duration_s:
+        return np.array(list(itertools.product(*model.bounds.T)))
     points = np.concatenate([part.vertices for part in model.parts])
     if len(points) <= MAX_OUTLINE_POINTS:
         return points.astype(np.float64)

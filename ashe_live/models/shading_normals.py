@@ -20,6 +20,13 @@ def face_normals(vertices: Float32, triangles: Indices) -> Float:
     return np.asarray(np.cross(b - a, c - a))
 
 
+def vertex_normals(vertices: Float32, triangles: Indices) -> Float:
+    """(n, 3) sums of the triangles that share each vertex, by area."""
+    faces = np.repeat(face_normals(vertices, triangles), 3, axis=0)
+    each = triangles.ravel()
+    return np.column_stack([np.bincount(each, weights=column, minlength=len(vertices)) for column in faces.T])
+
+
 def unit_rows(vectors: Float) -> Float:
     """(n, 3) at length 1; z where there is no direction, so that a degenerate triangle stays finite."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)

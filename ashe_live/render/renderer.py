@@ -12,6 +12,7 @@ from ashe_live.models.placement import PlacedModel
 from ashe_live.render.cover.hidden_marker import HiddenMarker
 from ashe_live.render.gl.framing import framing, grown, letterbox
 from ashe_live.render.gl.geometry import GpuModel
+from ashe_live.render.gl.mirror import Mirror
 from ashe_live.render.gl.offscreen import check_graphics
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
@@ -48,6 +49,7 @@ class SceneRenderer:
         self.overlays = OverlayPass(ctx)
         self._light_signs = LightSigns(ctx)
         self._lens = Lens(ctx)
+        self._mirror = Mirror(ctx)
         self._programs = Programs(ctx)
         self._composite = Composite(ctx, self._programs)
         self._environment = Environment(ctx, preset.environment_size)
@@ -68,6 +70,11 @@ class SceneRenderer:
     @property
     def size(self) -> Size:
         return self._surface.size
+
+    @property
+    def shown_model(self) -> PlacedModel | None:
+        """What was drawn last, which may be the former one for some pictures."""
+        return None if self._models.shown is None else self._models.shown.placed
 
     @property
     def switches_at_once(self) -> bool:
@@ -134,9 +141,14 @@ class SceneRenderer:
             viewport = letterbox(scene.tracked.frame.size, self.size)
             bends = self._preset.matches_lens and scene.tracked.camera.is_distorted
             self.video.show(scene.tracked, viewport, None if bends else scene.tracked.camera)
-            self.video.copy_or_draw(self._surface.colour, viewport)
+            if scene.is_cut_out:
+                self._surface.colour.clear()
+            else:
+                self.video.copy_or_draw(self._surface.colour, viewport)
             if self._models.shown is not None and scene.tracked.marker is not None:
-                self._draw_model(self._models.shown.standing(scene.placement), scene, bends)
+                self._draw_model(self._models.shown.standing(scene.placement, scene.time_s), scene, bends)
+            if scene.is_mirrored:
+                self._mirror.turn(self._surface.colour)
         self._surface.colour.use()
         self.overlays.draw(scene.overlays, self.size)
 
@@ -157,6 +169,10 @@ class SceneRenderer:
         """(h, w, 3) uint8 sRGB of the last picture in OpenCV's order, top row first; waits until it is drawn."""
         return self._surface.read_bgr()
 
+    def read_bgra(self) -> Image:
+        """(h, w, 4) uint8 sRGB with straight alpha, as `read_bgr`: of a scene that is cut out, what there is of it."""
+        return self._surface.read_bgra()
+
     def release(self) -> None:
         """Gives every object back to OpenGL; the renderer is of no use afterwards."""
         self._follow_model(None)
@@ -170,6 +186,7 @@ class SceneRenderer:
             self._composite,
             self._hidden_marker,
             self._lens,
+            self._mirror,
             self._shadows,
             self._ground_shadows,
             self._environment,
@@ -214,7 +231,9 @@ class SceneRenderer:
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
             self._draw_layers(model, inputs, signs, scene, straight, hidden)
         lens = self._lens if bends else None
-        self._composite.draw(self._surface, frame.region, viewport, self.video, tracked, look, lens)
+        self._composite.draw(
+            self._surface, frame.region, viewport, self.video, tracked, look, lens, scene.is_split, scene.is_cut_out
+        )
 
     def _draw_layers(
         self,
@@ -230,7 +249,8 @@ class SceneRenderer:
         self._ctx.viewport = frame.viewport
         if self._real is not None:
             self._real.draw(frame, lighting, self._shadows)
-        self._model_pass.draw_opaque(model, inputs)
+        if scene.shows_model:
+            self._model_pass.draw_opaque(model, inputs)
         for sign in signs:
             self._light_signs.draw(frame, sign)
         casters = 2 if self._shadows.shadows_meet else 1
@@ -249,7 +269,8 @@ class SceneRenderer:
                 scene.casts_shadow,
                 border_px,
             )
-        self._model_pass.draw_blended(model, inputs)
+        if scene.shows_model:
+            self._model_pass.draw_blended(model, inputs)
 
     def _drawn_points(self, model: StandingModel, signs: list[LightSign]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""

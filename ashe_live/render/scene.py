@@ -42,4 +42,22 @@ class Scene:
     overlays: tuple[Overlay, ...] = ()  # bottom first
     placement: Placement = UNMOVED  # of the model
     casts_shadow: bool = True  # the model, on the ground
+    shows_model: bool = True  # itself, and not its shadow alone
+    is_cut_out: bool = False  # without the video: transparent, so that it gives the same picture when put over it
     hides_marker: bool = False  # the sheet is covered by ground like that around it, where there is a model
+    time_s: float = 0.0  # since the motion of a model that moves began
+    is_split: bool = False  # the video's left half is shown alone
+    is_mirrored: bool = False  # left to right, below the overlays
+
+    @property
+    def kind(self) -> tuple[bool, ...]:
+        """All of it that is yes or no."""
+        return (
+            self.shows_light,
+            self.casts_shadow,
+            self.shows_model,
+            self.hides_marker,
+            self.is_cut_out,
+            self.is_split,
+            self.is_mirrored,
+        )

@@ -3,19 +3,26 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+
+from ashe_live.core.arrays import frozen_view
 from ashe_live.core.camera import Size
 from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.models.placement import PlacedModel
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.viewer.drawn.estimate_inset import inset_overlays
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
 from ashe_live.viewer.hands.controls import help_rows
-from ashe_live.viewer.session import VIDEO_ALONE, WHOLE, Session
+from ashe_live.viewer.session import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE, Session
 from ashe_live.viewer.status import source_lines, status_lines
 
 # Numbers that change with every frame are updated this often: to be legible, and because drawing text takes as long as
 # tracking does.
 READINGS_SHOWN_FOR_S = 0.5
+# Between the halves of a split picture.
+LINE_PT = 1.5
+SPLIT_LINE = frozen_view(np.array((246, 246, 242, 160), np.uint8).reshape(1, 1, 4))
 
 
 def bare_scene(session: Session) -> Scene:
@@ -26,8 +33,11 @@ def bare_scene(session: Session) -> Scene:
         session.shown,
         session.show_light,
         placement=session.hand.placement,
-        casts_shadow=session.parts_shown == WHOLE,
+        casts_shadow=session.parts_shown in (WHOLE, SPLIT, SHADOW_ALONE),
+        shows_model=session.parts_shown != SHADOW_ALONE,
         hides_marker=session.hides_marker,
+        is_split=session.parts_shown == SPLIT,
+        time_s=session.motion_s,
     )
 
 
@@ -38,6 +48,8 @@ class Display:
         self._hud = Hud()
         self._time_bar = TimeBar()
         self._inset: tuple[LightEstimate, Size, tuple[Overlay, ...]] | None = None
+        self.drawn_model: PlacedModel | None = None  # in the picture before; None: nobody says
+        self._name = ""  # of that
         self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
         self._read_s = -math.inf
 
@@ -54,11 +66,12 @@ class Display:
     ) -> Scene:
         """The bare scene under status, masks and time bar, or under the help, for a framebuffer of `size` pixels."""
         if session.show_help:  # alone, as a small window has no room for more
-            return replace(
-                bare_scene(session), overlays=self._hud.overlays(HudText(help=help_rows()), size, content_scale)
-            )
+            overlays = self._hud.overlays(HudText(help=help_rows()), size, content_scale)
+            return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
-        status = status_lines(session, fps_read, quality, marker_read)
+        if not self._name or self.drawn_model in (None, session.model):
+            self._name = session.model_name
+        status = status_lines(session, fps_read, quality, marker_read, self._name)
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
         if not session.show_hud:
             text = HudText()
@@ -66,10 +79,13 @@ class Display:
         if moment is not None and session.show_hud:
             bar = self._time_bar.overlays(moment, size, content_scale)
             size = size[0], max(1, size[1] - bar_at(size, content_scale).height)  # everything else stands above it
+        if session.parts_shown == SPLIT:
+            line = max(1, round(LINE_PT * content_scale))
+            bar = Overlay(SPLIT_LINE, (size[0] - line) // 2, 0, (line, size[1])), *bar
         masks = self._masks(session, size)
         free_width = min((mask.left_px for mask in masks), default=size[0])
         overlays = (*masks, *self._hud.overlays(text, size, content_scale, free_width), *bar)
-        return replace(bare_scene(session), overlays=overlays)
+        return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
 
     def _steady_readings(
         self, fps: float | None, tracked: TrackedFrame | None, now_s: float

@@ -25,6 +25,7 @@ class HeadlessRun:
     frame_limit: int | None = None
     loop: bool = False
     takers: tuple[Callable[[Image, float], None], ...] = ()  # get each (h, w, 3) uint8 BGR and its time in seconds
+    has_alpha: bool = False  # they get BGRA
 
 
 def play_headless(
@@ -68,6 +69,6 @@ def play_headless(
         report.add_frame(tracked, measured_ms)
 
         if run.takers:
-            picture = renderer.read_bgr()
+            picture = renderer.read_bgra() if run.has_alpha else renderer.read_bgr()
             for take in run.takers:
                 take(picture, shown_s)

@@ -21,12 +21,12 @@ from ashe_live.viewer.display import Display
 from ashe_live.viewer.hands.controls import Command, Files, Request
 from ashe_live.viewer.hands.gestures import Gestures
 from ashe_live.viewer.hands.menu import Menu, entries_for
-from ashe_live.viewer.hands.pointing import in_video
+from ashe_live.viewer.hands.pointing import in_mirror, in_video
 from ashe_live.viewer.output.keeping import Keeper
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.playback import Playback
 from ashe_live.viewer.session import Session
-from ashe_live.viewer.sources.marker_hunt import MarkerHunt
+from ashe_live.viewer.sources.followed import Followed
 from ashe_live.viewer.sources.opening import Opener, Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.status import light_line
@@ -72,20 +72,22 @@ class LiveViewer:
         self._source_error: str | None = None
         self._playback = Playback(pipeline, session, loop)
         self._quit = False
-        self._hunt = MarkerHunt()
-        self.takes_any_marker = False  # the one that is in view is followed, as nobody has named another
+        self.followed = Followed(pipeline, session, self._tell)
         self._shown: tuple[Scene, Size, RenderPreset] | None = None
         self._fps_shown: float | None = None
         self._unchanged = 0  # pictures in a row that were as the one before
         self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
+            Command.CUT_OUT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s, is_cut_out=True),
             Command.KEEP_LIGHT: lambda now_s: self._keeper.light(now_s),
             Command.RECORD: lambda now_s: self._keeper.record(self._pipeline.fps, now_s),
             Command.QUALITY: self._next_quality,
             Command.FULLSCREEN: lambda _now: self._window.toggle_fullscreen(),
             Command.LEAVE: lambda _now: self._leave(),
-            Command.FOLLOW_OTHER: self._follow_other,
+            Command.FOLLOW_OTHER: self.followed.follow_other,
+            Command.FIELD_OF_VIEW: self.followed.next_field_of_view,
+            Command.NEXT_CAMERA: self._next_camera,
         }
 
     def run(self, frame_limit: int | None = None, end_if_asked: Callable[[], None] = lambda: None) -> None:
@@ -104,7 +106,7 @@ class LiveViewer:
                 for request in self._window.take_requests(0.0):
                     self._obey(request, now_s)
                 self._follow_mouse(now_s)
-                self._look_for_others(now_s)
+                self.followed.look(now_s)
                 is_new = self._take_opened(now_s) or self._take_frame(now_s)
                 self._draw(now_s)
                 self._adapt_quality(now_s)
@@ -166,9 +168,10 @@ class LiveViewer:
         moment = self._playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality_shown, self._playback.pace_shown, recording)))
+        self._display.drawn_model = self._renderer.shown_model
         scene = self._display.scene(self._session, size, manner, now_s, self._fps(), status, scale, moment)
         if menu := self._menu.overlays(size):
-            scene = replace(scene, overlays=(*scene.overlays, *menu))
+            scene = replace(scene, overlays=menu)  # alone, as text over text cannot be read
         shown = (scene, size, self._renderer.preset)
         if self._renderer.is_settled and self._shown is not None and _same(shown, self._shown):
             self._unchanged += 1
@@ -207,6 +210,9 @@ class LiveViewer:
             self._apply(self._auto.quality)
 
     def _obey(self, request: Request, now_s: float) -> None:
+        if self._session.is_mirrored:
+            request = in_mirror(request, self._window.framebuffer_size)
+        request = in_video(request, self._window.framebuffer_size, self._session.tracked)
         if request.command is Command.OPEN:
             dropped = request.argument
             self._open(dropped.paths if isinstance(dropped, Files) else paths_in(self._window.clipboard), now_s)
@@ -225,7 +231,7 @@ class LiveViewer:
                 continue
             request = self._gestures.add(event, now_s)
             if request is not None:
-                self._obey(in_video(request, size, self._session.tracked), now_s)
+                self._obey(request, now_s)
 
     def _open(self, paths: tuple[str, ...], now_s: float) -> None:
         if not paths:
@@ -237,6 +243,11 @@ class LiveViewer:
             self._opening.begin(Path(source))
             self._session.say(f"opening {Path(source).name}", now_s)
 
+    def _next_camera(self, now_s: float) -> None:
+        if self._opening is not None:
+            self._opening.begin(None)
+            self._session.say("opening another camera", now_s)
+
     def _take_opened(self, now_s: float) -> bool:
         """Switches to a source that was opened; returns whether there was one. A recording ends with the old one."""
         try:
@@ -247,9 +258,9 @@ class LiveViewer:
         if opened is None:
             return False
         self._keeper.finish(now_s)
-        self._hunt = MarkerHunt()
         self._pipeline.close(0.0)
         self._pipeline, self._source_error = opened.pipeline, None
+        self.followed.begin_anew(opened.pipeline)
         self._keeper.clip_name = opened.pipeline.name if opened.pipeline.is_clip else None
         self._pipeline.track_with(self._tracking)
         self._playback = Playback(opened.pipeline, self._session, self._loop)
@@ -273,27 +284,6 @@ class LiveViewer:
             self._window.toggle_fullscreen()
         else:
             self._quit = True
-
-    def _look_for_others(self, now_s: float) -> None:
-        """Says which other markers are in view; follows the only one where nobody has named any."""
-        session = self._session
-        if not self._pipeline.may_follow_others:
-            return
-        is_news = self._hunt.look(session.tracked, now_s)
-        session.markers_in_view = self._hunt.in_view
-        if is_news and self.takes_any_marker and not session.has_seen_marker and len(self._hunt.in_view) == 1:
-            self._follow_other(now_s)
-
-    def _follow_other(self, now_s: float) -> None:
-        in_view = self._hunt.in_view
-        if not in_view:
-            self._session.say("no other marker is in view", now_s)
-            return
-        self._pipeline.follow(in_view[0])
-        if self._session.has_seen_marker:
-            self._session.begin_anew(Steadiness(1) if self._pipeline.is_photo else Steadiness())
-        self._hunt = MarkerHunt()
-        self._tell(f"{in_view[0]} is followed now: --marker {in_view[0]} names it from the start", now_s)
 
     def _next_quality(self, _now_s: float) -> None:
         self._set_quality(QUALITY_NAMES[(QUALITY_NAMES.index(self._quality_name) + 1) % len(QUALITY_NAMES)])
@@ -324,5 +314,5 @@ def _same(now: tuple[Scene, Size, RenderPreset], before: tuple[Scene, Size, Rend
         (*scene.overlays, scene.tracked, scene.model, scene.illumination, scene.placement)
         for scene, *_ in (now, before)
     ]
-    kinds = [(scene.shows_light, scene.casts_shadow, scene.hides_marker, *rest) for scene, *rest in (now, before)]
+    kinds = [(scene.kind, scene.time_s, *rest) for scene, *rest in (now, before)]
     return kinds[0] == kinds[1] and len(parts[0]) == len(parts[1]) and all(map(operator.is_, *parts))

@@ -19,6 +19,7 @@ from ashe_live.viewer.estimates.sharpening import Sharpening
 from ashe_live.viewer.hands.controls import Command, Request
 from ashe_live.viewer.hands.hand import Hand, HandContext
 from ashe_live.viewer.hands.undo import Undo
+from ashe_live.viewer.motion_clock import MotionClock
 from ashe_live.viewer.shelf import Shelf
 
 NOTICE_S = 4.0
@@ -26,7 +27,9 @@ READ_PER_S = 15.0  # letters, by who reads slowly
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
 # What B goes through.
 WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
-PARTS = WHOLE, "the model without its shadow", VIDEO_ALONE
+SPLIT = "the video alone in one half"
+SHADOW_ALONE = "the shadow without its model"
+PARTS = WHOLE, "the model without its shadow", SHADOW_ALONE, VIDEO_ALONE, SPLIT
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +65,14 @@ class Session:
         self.steps_bgr: Image | None = None  # sheet of the steps to the last estimate; None: nobody asked for it
         self.shown = Illumination()  # on its way to `lit_by`
         self.hand = Hand()
+        self.motion = MotionClock()
         self._undo = Undo()
         self.automatic = policy.automatic  # the light is watched, also while the camera stands still
         self.watch = LightWatch(worker)
         self.show_light = False
         self.show_masks = False
         self.hides_marker = False
+        self.is_mirrored = False  # in the window; what is saved is as the camera sees it
         self.show_help = False
         self.show_hud = True
         self.parts_shown = PARTS[0]
@@ -112,6 +117,11 @@ class Session:
         return self._estimated if self.hand.light is None else self.hand.light
 
     @property
+    def motion_s(self) -> float:
+        """The moment of its motion that the model is shown at; 0 where it has none."""
+        return self.motion.time_s if self._shelf.moves else 0.0
+
+    @property
     def has_seen_marker(self) -> bool:
         """Whether the marker has been in any frame of this source."""
         return self._estimated.seen_in is not None
@@ -143,11 +153,16 @@ class Session:
         """Shows `tracked` from now on, and requests an estimate from it when the policy says so."""
         if tracked.note is not None and (self.tracked is None or self.tracked.note != tracked.note):
             self.say(tracked.note, now_s)
+        # A looped clip has no last frame: where none was steady in a round, as on a slow machine, the next is taken.
+        has_gone_round = self.tracked is not None and tracked.frame.index < self.tracked.frame.index
         self.tracked = tracked
         if self._estimated.seen_in is None and tracked.marker is not None:
             self._estimated = Illumination(seen_in=tracked)
+        self.motion.tick(now_s)
         self._stand_clear()
         is_steady = self._steadiness.add(tracked.marker)
+        if has_gone_round and self.settle_for_last(now_s):
+            return
         if not self._policy_is_done and self._policy.wants(tracked, is_steady):
             self._policy_is_done = True
             self.request_estimate(now_s)
@@ -205,8 +220,9 @@ class Session:
         """
         if (error := self._shelf.take_error()) is not None:
             self.say(str(error), now_s)
+        self.motion.tick(now_s)
         self.tell_of_models(now_s)
-        self._keep_placements()
+        self._keep_placements(now_s)
         outcome = self._accept(self.watch.poll(), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
@@ -222,7 +238,7 @@ class Session:
         if self.hand.placement == before:
             self.hand.placement = self._first_placement
 
-    def _keep_placements(self) -> None:
+    def _keep_placements(self, now_s: float) -> None:
         """Each model stays where it was put, and as large."""
         shown = self._shelf.shown_name
         if shown == self._placed_name:
@@ -232,6 +248,8 @@ class Session:
             self.hand.placement = self._placements.get(shown, self._first_placement)
             self._undo.forget()
         self._placed_name = shown
+        if self._shelf.moves and self.notice(now_s) is None:
+            self.say(f"{self.model_name} moves: K stops it", now_s)
 
     def tell_of_models(self, now_s: float) -> None:
         """Says, here and on the terminal, what is drawn otherwise than a new model's file says."""
@@ -272,9 +290,13 @@ class Session:
                     self.say(ANSWER_ALONE, now_s)
             case Command.HIDE_MARKER:
                 self.hides_marker = not self.hides_marker
+            case Command.MIRROR:
+                self.is_mirrored = not self.is_mirrored
             case Command.BEFORE_AFTER:
                 self.parts_shown = PARTS[(PARTS.index(self.parts_shown) + 1) % len(PARTS)]
                 self.say(f"{self.parts_shown}: B goes on", now_s)
+            case Command.STOP_MOTION:
+                self._stop_motion(now_s)
             case Command.TURN_UP:
                 self.say(f"{self.model_name}: {self._shelf.turn_up()} is up", now_s)
             case Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR | Command.LIGHT_DISTANCE:
@@ -328,6 +350,13 @@ class Session:
         if self.automatic:
             self.automatic = False
             self.say("the light is by hand: A watches it again", now_s)
+
+    def _stop_motion(self, now_s: float) -> None:
+        if not self._shelf.moves:
+            self.say(f"{self.model_name} stands still: it has no animation that is played", now_s)
+            return
+        self.motion.toggle()
+        self.say(f"{self.model_name} {'stands still' if self.motion.is_stopped else 'moves'}: K changes that", now_s)
 
     def _toggle_automatic(self, now_s: float) -> None:
         self.automatic = not self.automatic

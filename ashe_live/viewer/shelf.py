@@ -90,6 +90,11 @@ class Shelf:
         """Of what `model` gave last."""
         return self._shown_name
 
+    @property
+    def moves(self) -> bool:
+        """Whether what `model` gave last does."""
+        return self._shown.model.duration_s > 0
+
     def model(self) -> PlacedModel:
         """The chosen model as soon as it is loaded, until then the one before."""
         loading = self._load(self.chosen_name)

@@ -76,15 +76,22 @@ def camera_line(tracked: TrackedFrame | None) -> str | None:
     return f"camera: focal length {camera.K[0, 0]:.0f} ± {camera.focal_sigma_px:.0f} px, estimated from the marker"
 
 
-def status_lines(session: Session, fps: float | None, quality: str, measured: TrackedFrame | None = None) -> list[str]:
+def status_lines(
+    session: Session,
+    fps: float | None,
+    quality: str,
+    measured: TrackedFrame | None = None,
+    model_name: str | None = None,
+) -> list[str]:
     """The lines at the top left; `fps` is None where there is no display.
 
-    The marker's numbers are those of `measured`, or else of the current frame.
+    The marker's numbers are those of `measured`, or else of the current frame; `model_name` is that of the model in the
+    picture, which may not be the chosen one yet.
     """
     rate = [] if fps is None else [f"{fps:.0f} fps"]
     camera = camera_line(session.tracked)
     return [
-        "   ".join([*rate, session.model_name, quality, *([] if fps is None else [KEYS])]),
+        "   ".join([*rate, model_name or session.model_name, quality, *([] if fps is None else [KEYS])]),
         marker_line(measured or session.tracked),
         *([] if camera is None else [camera]),
         light_line(session),

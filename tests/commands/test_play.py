@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import av
 import cv2
 import jsonschema
 import numpy as np
@@ -220,3 +221,28 @@ def test_what_is_left_out_of_a_model_is_told_once(play, tmp_path):
     outcome = play("--model", tmp_path / "a.obj", "--up", "-z", "--frames", "2")
     assert outcome.status == 0
     assert [line for line in outcome.err if "a.obj" in line] == ["ashe-live: a.obj: points and lines are left out"]
+
+
+def test_layers_alone_lie_over_nothing(play, tmp_path):
+    out = tmp_path / "over.mov"
+    assert play("--out", out, "--layers", "both", "--frames", "2").status == 0
+    with av.open(str(out)) as clip:
+        first, *_ = (frame.to_ndarray(format="bgra") for frame in clip.decode(video=0))
+    assert (first[..., 3] == 0).mean() > 0.3
+    assert (first[..., 3] > 250).sum() > 50
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--layers", "both"), "--layers are written without a window"),
+        (("--layers", "model", "--out", "a.mp4"), "a.mp4 is no clip with transparency"),
+        (("--layers", "glow", "--out", "a.mov"), "invalid choice"),
+    ],
+)
+def test_layers_need_a_clip_that_can_hold_them(play, tmp_path, monkeypatch, arguments, said):
+    monkeypatch.chdir(tmp_path)
+    outcome = play(*arguments)
+    assert outcome.status == 2
+    assert said in outcome.err[-1]
+    assert list(tmp_path.glob("a.*")) == []

@@ -67,7 +67,7 @@ def outcome(path: Path) -> str:
     cause = said.__cause__
     if not (cause is None or isinstance(cause, MalformedError)):
         files = [frame.filename for frame in traceback.extract_tb(cause.__traceback__)]
-        assert any(part in file for part in ("trimesh", "PIL") for file in files), said
+        assert any("PIL" in file for file in files), said
     return "refused"
 
 

@@ -31,7 +31,6 @@ NAMES = (
     "struct",
     "socket",
     "numpy",
-    "trimesh",
     "cv2",
     "moderngl",
     "ctypes",

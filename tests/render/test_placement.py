@@ -10,12 +10,13 @@ from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import direction_from_angles, raycast_to_plane
 from ashe_live.core.types import Illumination, Light
 from ashe_live.models.catalogue import load_model
-from ashe_live.models.mesh import Mesh, Model
+from ashe_live.models.material import Alpha, Material
+from ashe_live.models.mesh import Mesh, Model, Motion
 from ashe_live.models.placement import PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST, QUALITIES
 from ashe_live.render.gl.offscreen import live_gl_objects
-from ashe_live.render.scene import Scene
+from ashe_live.render.scene import Overlay, Scene
 
 GROUND = 200
 GREEN = (0.0, 1.0, 0.0, 1.0)
@@ -144,3 +145,95 @@ def test_a_model_without_its_shadow_leaves_the_ground_as_it_is(make_renderer, st
     darker = (bare - whole).max(axis=2) > 10
     assert (darker & ((bare - without).max(axis=2) <= 1)).sum() > 200  # where the shadow was, there is none
     assert (np.abs(without - bare).max(axis=2) > 10).sum() > 200  # the model is there
+
+
+def test_half_of_a_split_picture_is_the_video(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    tracked = stage.tracked(stage.noise(), stage.pose(-90, 45, 0.4))
+    whole = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), Illumination((Light((1.0, 0.2, 1.0)),)))
+    pictures = []
+    for scene in (whole, dataclasses.replace(whole, is_split=True)):
+        renderer.render(scene)
+        pictures.append(renderer.read_bgr())
+    middle = renderer.size[0] // 2
+    assert (pictures[0][:, :middle] != tracked.frame.image_bgr[:, :middle]).any()
+    np.testing.assert_array_equal(pictures[1][:, :middle], tracked.frame.image_bgr[:, :middle])
+    np.testing.assert_array_equal(pictures[1][:, middle:], pictures[0][:, middle:])
+
+
+def test_a_mirror_turns_the_picture_and_not_what_is_written_on_it(make_renderer, stage) -> None:
+    renderer = make_renderer(size=(600, 400))
+    tracked = stage.tracked(stage.noise(), stage.pose(-90, 45, 0.4))
+    as_it_is = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), Illumination((Light((1.0, 0.2, 1.0)),)))
+    plate = Overlay(np.full((20, 30, 4), 255, np.uint8), 0, 0)
+    pictures = []
+    for is_mirrored in (False, True):
+        renderer.render(dataclasses.replace(as_it_is, is_mirrored=is_mirrored, overlays=(plate,)))
+        pictures.append(renderer.read_bgr())
+    straight, turned = pictures
+    assert (turned[:20, :30] == 255).all()
+    below = slice(20, None)
+    np.testing.assert_array_equal(turned[below], straight[below, ::-1])
+    assert (straight[below] != straight[below, ::-1]).any()
+
+
+@pytest.mark.parametrize("at_once", [True, False])
+def test_a_model_that_moves_is_drawn_as_one_that_stands_there(make_renderer, stage, at_once: bool) -> None:
+    renderer = make_renderer()
+    renderer.switches_at_once = at_once
+    tracked = stage.tracked(150, stage.pose(-90, 45, 0.4))
+    sun = Illumination((Light((1.0, 0.2, 1.0)),))
+    still = box((0.03, 0.03, 0.03))
+    low, high = (still.moved(1.0, np.array((x, 0, 0))) for x in (-0.03, 0.03))
+    motion = Motion(np.stack([low.vertices, high.vertices]), np.stack([still.normals] * 2), 2.0)
+    moving = stage.placed(dataclasses.replace(low, motion=motion))
+
+    def drawn(model: PlacedModel, time_s: float) -> np.ndarray:
+        scene = Scene(tracked, model, sun, time_s=time_s)
+        renderer.render(scene)
+        while not renderer.is_settled:
+            renderer.render(scene)
+        return renderer.read_bgr().astype(int)
+
+    for time_s, x in ((0.0, -0.03), (0.5, -0.015), (3.0, 0.0)):
+        there, pictured = drawn(stage.placed(still.moved(1.0, np.array((x, 0, 0)))), 0.0), drawn(moving, time_s)
+        # The contact shadow of one that moves is the mean over its poses.
+        assert (np.abs(there - pictured).max(axis=2) > 40).mean() < 2e-3
+    assert (np.abs(drawn(moving, 0.0) - drawn(moving, 1.5)).max(axis=2) > 12).mean() > 0.01
+
+
+def test_what_is_cut_out_gives_the_same_picture_over_the_video(make_renderer, stage) -> None:
+    renderer = make_renderer(BALANCED.render)
+    tracked = stage.tracked(stage.noise(), stage.pose(-90, 45, 0.4))
+    sun = Illumination((Light((1.0, 0.2, 1.0)),))
+    green = Material(base_colour=(0.0, 1.0, 0.0, 0.4), alpha=Alpha.BLEND)
+    glass = dataclasses.replace(box((0.03, 0.03, 0.03)).moved(1.0, np.array((0.04, 0.0, 0.0))), material=green)
+    whole = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03)), glass), sun)
+    renderer.render(whole)
+    wanted = renderer.read_bgr().astype(float)
+    for parts in ({}, {"shows_model": False}, {"casts_shadow": False}):
+        scene = dataclasses.replace(whole, **parts)
+        renderer.render(scene)
+        wanted = renderer.read_bgr().astype(float)
+        renderer.render(dataclasses.replace(scene, is_cut_out=True))
+        cut_out = renderer.read_bgra().astype(float)
+        alpha = cut_out[..., 3:] / 255
+        over = cut_out[..., :3] * alpha + tracked.frame.image_bgr * (1 - alpha)
+        assert np.abs(over - wanted).max() < 2
+        assert (alpha == 0).mean() > 0.5
+        if scene.shows_model:
+            assert (alpha == 1).sum() > 500
+
+
+def test_a_shadow_is_there_without_its_model(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    tracked = stage.tracked(150, stage.pose(-90, 45, 0.4))
+    scene = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), Illumination((Light((1.0, 0.2, 1.0)),)))
+    pictures = []
+    for shows_model in (True, False):
+        renderer.render(dataclasses.replace(scene, shows_model=shows_model))
+        pictures.append(renderer.read_bgr().astype(int))
+    whole, shadow = pictures
+    assert shadow.max() <= 150  # nothing but darker ground
+    assert ((whole < 120) & (shadow < 120)).any(axis=2).sum() > 200
+    assert (np.abs(whole - shadow).max(axis=2) > 10).sum() > 200

@@ -14,6 +14,7 @@ from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, Mark
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import Outcome
 from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
+from ashe_live.tracking.families.markers import parse_marker
 
 SIZE = (64, 48)
 SIDE_M = 0.08
@@ -88,6 +89,7 @@ class FakeTracker:
     """Finds the marker in every frame. `hook(frame)` runs first."""
 
     preset: object = None
+    marker = parse_marker("aruco:4x4_50:0")
 
     def __init__(self) -> None:
         self.resets = self.jumps = 0
@@ -168,6 +170,7 @@ class FakeShelf:
     """Four names, and nothing behind them."""
 
     progress = None
+    moves = False
 
     def __init__(self) -> None:
         self.names = ["cube", "lantern", "mug", "tree"]
@@ -217,6 +220,7 @@ class FakeRenderer:
     """Keeps the scenes; its pictures' grey is the number of scenes so far."""
 
     gl_renderer, gl_version, preset, is_settled = "fake", "3.3", None, True
+    shown_model = None
 
     def __init__(self, _context: object = None, _preset: object = None, size: tuple[int, int] = SIZE) -> None:
         self.size = size

@@ -5,6 +5,7 @@ import pytest
 
 from ashe_live.drawing.colours import OBJECT_BGR, SHADOW_BGR
 from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.viewer import display as display_module
 from ashe_live.viewer.display import Display, bare_scene
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
 from ashe_live.viewer.session import EstimatePolicy, Session
@@ -92,3 +93,22 @@ def test_without_an_estimate_there_are_no_masks(fakes):
     session = Session(fakes.Shelf(), fakes.Worker(), EstimatePolicy(), Steadiness())
     session.show_masks = True
     assert len(Display().scene(session, SIZE, "fast", 0.0).overlays) == 1
+
+
+def test_the_name_is_that_of_the_model_in_the_picture(session, monkeypatch):
+    display, names = Display(), []
+
+    def noted(_session, *_args):
+        names.append(_args[-1])
+        return ["line"]
+
+    monkeypatch.setattr(display_module, "status_lines", noted)
+    before, chosen = object(), object()
+    for drawn, model in ((before, before), (before, chosen), (chosen, chosen)):
+        monkeypatch.setattr(session._shelf, "model", lambda model=model: model)
+        display.drawn_model = drawn
+        display.scene(session, (640, 480), "fast", 0.0)
+        if drawn is model:
+            session._shelf.step(1)
+    assert names[0] == names[1] == "cube"
+    assert names[2] == "lantern"

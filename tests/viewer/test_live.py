@@ -43,9 +43,14 @@ class ScriptedPipeline:
         self.frames, self.key_views = LatestMailbox(), KeyViews()
         self.paused, self.restarts = [], 0
         self.may_follow_others, self.followed = False, []
+        self.marker, self.seen_by = "aruco:4x4_50:0", []
 
     def follow(self, spec: str) -> None:
+        self.marker = spec
         self.followed.append(spec)
+
+    def see_by(self, hfov_deg: float | None) -> None:
+        self.seen_by.append(hfov_deg)
 
     def pause(self, paused: bool) -> None:
         self.paused.append(paused)
@@ -70,8 +75,11 @@ class Stage:
         self.renderer = fakes.Renderer()
 
     def opener(self, path):
+        if path is None:
+            raise UserError("no other camera is connected", "plug one in, and press N again")
         if path.suffix == ".txt":
             raise UserError(f"{path} is not a clip", "convert it")
+        self.dropped.name = path.name
         return self.dropped
 
     def put(self, index: int) -> None:
@@ -82,7 +90,7 @@ class Stage:
     ) -> LiveViewer:
         self.window = ScriptedWindow(step if callable(step) else lambda step=step: step for step in steps)
         viewer = LiveViewer(self.window, self.renderer, self.pipeline, self.session, quality, opener=self.opener)
-        viewer.takes_any_marker = takes_any_marker
+        viewer.followed.takes_any_marker = takes_any_marker
         viewer.run(frame_limit)
         return viewer
 
@@ -419,13 +427,46 @@ def test_of_several_markers_a_person_chooses(stage, others):
     assert "aruco:4x4_50:7 and apriltag:36h11:3 are in view" in said
 
 
+def test_asked_for_another_marker_it_goes_round_those_in_view(stage, others):
+    others[:] = ["aruco:4x4_50:7", "aruco:4x4_50:0", "aruco:4x4_50:3"]
+    stage.put(0)
+
+    steps = []
+    for count in (1, 2, 3):
+        followed = awaited(stage, lambda count=count: len(stage.pipeline.followed) == count)
+        steps += [None, Command.FOLLOW_OTHER, followed, lambda count=count: stage.put(count)]
+    stage.run(*steps)
+    assert stage.pipeline.followed == ["aruco:4x4_50:3", "aruco:4x4_50:7", "aruco:4x4_50:0"]
+
+
+def test_the_field_of_view_goes_round_and_cameras_that_are_not_there_are_said(stage, capfd):
+    stage.pipeline.may_follow_others = True
+    stage.put(0)
+    stage.run(
+        None,
+        *[Command.FIELD_OF_VIEW] * 6,
+        None,
+        Command.NEXT_CAMERA,
+        awaited(stage, lambda: "no other camera" in stage.session.last_notice),
+    )
+    assert stage.pipeline.seen_by == [50, 60, 70, 80, None, 50]
+    assert "--hfov 70" in capfd.readouterr().out
+
+
 @pytest.mark.usefixtures("others")
 def test_no_other_is_looked_for_while_the_marker_is_there(stage):
     stage.put(0)
-    stage.run(None, None, None, Command.FOLLOW_OTHER, None, takes_any_marker=True)
+    stage.run(*[None] * 6, takes_any_marker=True)
     assert stage.session.markers_in_view == ()
     assert stage.pipeline.followed == []
-    assert "no other marker" in stage.session.last_notice
+
+
+def test_that_no_other_marker_is_in_view_is_said(stage, others):
+    others[:] = ["aruco:4x4_50:0"]
+    stage.put(0)
+    told = awaited(stage, lambda: "no other marker" in (stage.session.last_notice or ""))
+    stage.run(None, Command.FOLLOW_OTHER, told, takes_any_marker=True)
+    assert stage.pipeline.followed == []
 
 
 def test_the_light_is_saved_for_other_programs(stage, tmp_path):

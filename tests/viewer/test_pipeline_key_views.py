@@ -46,7 +46,7 @@ def run(fakes, monkeypatch) -> Iterator[Callable[..., Pipeline]]:
     with ExitStack() as stack:
 
         def run(source, loop: bool = False) -> Pipeline:
-            pipeline = Pipeline(source, fakes.Tracker(), loop, lambda _spec: fakes.Tracker())
+            pipeline = Pipeline(source, fakes.Tracker(), loop, lambda _spec, _hfov_deg: fakes.Tracker())
             stack.callback(pipeline.close)
             pipeline.start()
             return pipeline

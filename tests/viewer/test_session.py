@@ -56,6 +56,15 @@ def test_the_first_steady_frame_is_estimated_once(make, fakes):
     assert [frozen.frame.index for frozen in session.watch._worker.requested] == [2]
 
 
+def test_of_a_looped_clip_that_is_never_steady_the_next_rounds_first_frame_is_estimated(make, fakes):
+    session = make(EstimatePolicy(on_first_steady=True))
+    for index in (0, 1, 3, 5, 0):
+        assert not session.is_estimating
+        session._steadiness = Steadiness(3)
+        session.take(fakes.tracked(index), 0.0)
+    assert [frozen.frame.index for frozen in session.watch._worker.requested] == [0]
+
+
 def test_a_chosen_frame_is_estimated_and_no_other(make, fakes):
     session = make(EstimatePolicy(on_first_steady=True, at_frame=7))
     for index in range(20):
@@ -213,7 +222,8 @@ def test_what_led_to_an_answer_is_asked_for_only_to_be_shown(make, fakes):
 def test_what_needs_the_window_is_left_to_it(make):
     left = {command for command in Command if not make().handle(Request(command), 0.0)}
     names = ("PAUSE", "RESTART", "STEP", "SEEK", "SPEED", "LOOP", "OPEN")
-    names += ("SNAPSHOT", "RECORD", "QUALITY", "FULLSCREEN", "LEAVE", "FOLLOW_OTHER", "KEEP_LIGHT")
+    names += ("SNAPSHOT", "CUT_OUT", "RECORD", "QUALITY", "FULLSCREEN", "LEAVE", "FOLLOW_OTHER", "KEEP_LIGHT")
+    names += ("FIELD_OF_VIEW", "NEXT_CAMERA")
     assert left == {Command[name] for name in names}
 
 
@@ -635,16 +645,34 @@ def test_a_key_stands_the_model_on_another_side(make):
     assert session.notice(0.0) == "cube: z is up"
 
 
+def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
+    session = make()
+    session.handle(Request(Command.STOP_MOTION), 0.0)
+    assert session.notice(0.0) == "cube stands still: it has no animation that is played"
+    session._shelf.moves = True
+    session.take(fakes.tracked(0), 10.0)
+    shown = []
+    for now_s in (10.5, 11.0, 11.5, 12.0):
+        session.poll(now_s)
+        shown.append(bare_scene(session).time_s)
+        session.handle(Request(Command.STOP_MOTION), now_s)
+    assert shown == [0.5, 0.5, 1.0, 1.0]
+    session.take(fakes.tracked(1), 3.0)  # a clock that goes back, as a clip's
+    assert session.motion_s == 1.0
+
+
 def test_before_and_after(make, fakes):
     session = make()
     session.take(fakes.tracked(0), 0.0)
     shown = []
-    for _ in range(3):
+    for _ in range(5):
         scene = bare_scene(session)
-        shown.append((scene.casts_shadow, session.parts_shown))
+        shown.append((session.parts_shown, scene.shows_model, scene.casts_shadow, scene.is_split))
         session.handle(Request(Command.BEFORE_AFTER), 0.0)
-    assert [casts for casts, _ in shown] == [True, False, False]
-    assert session.parts_shown == shown[0][1]
+    assert [each[1] for each in shown] == [True, True, False, True, True]
+    assert [each[2] for each in shown] == [True, False, True, False, True]
+    assert [each[3] for each in shown] == [False, False, False, False, True]
+    assert session.parts_shown == shown[0][0]
     session.handle(Request(Command.BEFORE_AFTER), 0.0)
     session.handle(Request(Command.RESET), 0.0)
     assert bare_scene(session).casts_shadow

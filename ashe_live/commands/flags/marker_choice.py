@@ -1,11 +1,15 @@
 """Which marker is followed where nobody has named one: the one of a known family that is in view."""
 
 import argparse
+from collections.abc import Callable
 
 from ashe_live.capture.sources import Source
+from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.process.messages import tell
 from ashe_live.tracking.families.in_view import markers_in_view
 from ashe_live.tracking.families.markers import parse_marker
+from ashe_live.tracking.focal.focal_memory import FocalMemory
+from ashe_live.tracking.tracker import MarkerTracker
 
 # Of a clip; at its beginning the marker may still be half hidden.
 LOOKED_AT = 5
@@ -14,6 +18,20 @@ LOOKED_AT = 5
 def with_marker(options: argparse.Namespace, spec: str) -> argparse.Namespace:
     """`options` as if that marker had been named."""
     return argparse.Namespace(**{**vars(options), "marker": spec, "takes_any_marker": False})
+
+
+def tracker_maker(
+    options: argparse.Namespace, memory: FocalMemory | None = None, source: Source | None = None
+) -> Callable[[str | None, float | None], MarkerTracker]:
+    """Makes trackers as `options` say, but for another marker's spec, or with another field of view in degrees."""
+
+    def tracker_for(spec: str | None, hfov_deg: float | None) -> MarkerTracker:
+        chosen = options if spec is None else with_marker(options, spec)
+        if hfov_deg is not None:
+            chosen = argparse.Namespace(**{**vars(chosen), "camera_file": None, "focal_px": None, "hfov": hfov_deg})
+        return make_tracker(chosen, memory=memory, source=source)
+
+    return tracker_for
 
 
 def with_marker_in(source: Source, options: argparse.Namespace) -> argparse.Namespace:

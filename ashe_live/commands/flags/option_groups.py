@@ -14,6 +14,7 @@ MARKER_HELP = (
 )
 LIGHTS = ("auto", "sun", "lamp")
 LIGHT_HELP = "what it is taken for: a lamp where the picture tells its distance (auto), or always the one or the other"
+LAYERS = ("both", "model", "shadow")
 UPS = ("x", "y", "z", "-x", "-y", "-z")
 ESTIMATE_AT_HELP = "estimate the light on this frame (default: the first one with a steady marker)"
 # Those of ashe_live.quality, which would load what help must not wait for.
@@ -56,11 +57,17 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
     view.add_argument(
         "--hide-marker", action="store_true", help="cover the marker's sheet with ground like that around it (key C)"
     )
+    view.add_argument("--mirror", action="store_true", help="show the window as a mirror would (key W)")
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")
     output = parser.add_argument_group("without a window")
     output.add_argument("--headless", action="store_true", help="render every frame offscreen")
     output.add_argument("--frames", type=values.count, metavar="N", help="stop after N frames")
     output.add_argument("--out", type=Path, metavar="VIDEO.mp4", help="record what is shown")
+    output.add_argument(
+        "--layers",
+        choices=LAYERS,
+        help="record what is drawn alone, with its transparency: --out FILE.mov (ProRes 4444) or FILE.webm (VP9)",
+    )
     output.add_argument(
         "--report", type=Path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"
     )

@@ -1,15 +1,15 @@
-"""PLY, parsed by trimesh."""
+"""PLY: vertices and polygons, with the colours, normals and texture coordinates that programs write into it."""
 
-import io
 from collections.abc import Iterator
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.formats.mtl import pictured
+from ashe_live.models.formats.ply_elements import Element, Lists, elements_of
+from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.geometry import RawMesh
 from ashe_live.models.material import UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder
@@ -17,17 +17,54 @@ from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
 from ashe_live.models.parsing.pictures import Pictures
 
+PLACES, NORMALS = ("x", "y", "z"), ("nx", "ny", "nz")
+UVS = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))
+COLOURS = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
+CORNERS = ("vertex_indices", "vertex_index")
+CORNER_UVS = "texcoord"  # MeshLab's: two numbers for each corner of a face
 
-def read_ply(content: bytes, folder: Folder, _notes: Notes) -> Iterator[RawMesh]:
-    """Raises UserError for a texture that cannot be read, and whatever trimesh raises for a damaged file."""
-    import trimesh  # only here, as no other format needs it, and every start of the program would wait for it
 
+def read_ply(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
+    """Raises UserError for a texture that cannot be read, MalformedError for what is not as its header says."""
     material = _material(content, folder)
-    # process=True would merge vertices and thereby average normals that the file keeps apart.
-    scene = trimesh.load_scene(io.BytesIO(content), file_type="ply", process=False, skip_materials=True)
-    for mesh in scene.geometry.values():
-        if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
-            yield _converted(mesh, material)
+    elements = elements_of(content)
+    vertices, faces = elements.get("vertex"), elements.get("face")
+    if vertices is None or faces is None or not faces.count:
+        if "tristrips" in elements:
+            notes.add("strips of triangles are left out")
+        return
+    places = _columns(vertices, PLACES)
+    if places is None:
+        raise MalformedError("its vertices have no x, y and z")
+    lists = next((faces.lists[name] for name in CORNERS if name in faces.lists), None)
+    if lists is None:
+        raise MalformedError("its faces name no vertices")
+    corners = lists.values.astype(np.int64)
+    if len(corners) and not (corners.min() >= 0 and corners.max() < len(places)):
+        raise MalformedError(f"a face names vertex {corners.max()} of {len(places)}")
+    triangles = triangulated(places, corners, lists.counts)
+    uvs = _uvs(vertices) if material.uv_sets else None
+    normals, colours = _columns(vertices, NORMALS), _colours(vertices)
+    of_corners = _corner_uvs(faces, lists) if material.uv_sets else None
+    of_faces = _colours(faces)
+    if of_corners is None and of_faces is None:
+        yield RawMesh(places, corners[triangles], material, normals, uvs, colours=colours)
+        return
+    # Each triangle has something of its own, and so corners of its own.
+    each = triangles.ravel()
+    which = corners[each]
+    if of_faces is not None:
+        colours = of_faces[np.repeat(np.arange(len(lists.counts)), lists.counts)[each]]
+    elif colours is not None:
+        colours = colours[which]
+    yield RawMesh(
+        vertices=places[which],
+        triangles=np.arange(len(each)).reshape(-1, 3),
+        material=material,
+        normals=None if normals is None else normals[which],
+        uvs=of_corners[each] if of_corners is not None else None if uvs is None else uvs[which],
+        colours=colours,
+    )
 
 
 def _material(content: bytes, folder: Folder) -> Material:
@@ -38,31 +75,42 @@ def _material(content: bytes, folder: Folder) -> Material:
     return UNKNOWN
 
 
-def _converted(mesh: Any, material: Material) -> RawMesh:
-    visual = mesh.visual
-    colours = None
-    if visual.kind == "face":
-        mesh.unmerge_vertices()  # each triangle has a colour, and so corners of its own
-        colours = np.repeat(visual.face_colors, 3, axis=0)
-    elif visual.kind == "vertex":
-        colours = visual.vertex_colors
-    places = np.asarray(mesh.vertices, dtype=np.float64)
-    if places.ndim != 2 or places.shape[1] != 3:
-        raise MalformedError(f"its vertices have {places.shape[-1]} coordinates and not three")
-    uvs = getattr(visual, "uv", None)
-    has_uvs = uvs is not None and np.ndim(uvs) == 2 and len(uvs) == len(places) and np.shape(uvs)[1] >= 2
-    # trimesh computes normals when asked; only its cache tells whether the file brought them.
-    has_normals = "vertex_normals" in mesh._cache.cache
-    return RawMesh(
-        vertices=places,
-        triangles=np.asarray(mesh.faces, dtype=np.int64),
-        material=material,
-        normals=np.asarray(mesh.vertex_normals, dtype=np.float64) if has_normals else None,
-        uvs=np.asarray(uvs, dtype=np.float64)[:, :2] if has_uvs else None,
-        colours=None if colours is None else _linear(colours),
+def _columns(element: Element, names: tuple[str, ...]) -> Float | None:
+    """(n, names); None where one of them is missing."""
+    found = [element.numbers.get(name) for name in names]
+    return (
+        None if any(each is None for each in found) else np.column_stack([each for each in found if each is not None])
     )
 
 
-def _linear(colours: Any) -> Float:
-    encoded = np.asarray(colours, dtype=np.float64) / 255
-    return np.column_stack([linear_from_srgb(encoded[:, :3]), encoded[:, 3]])
+def _uvs(vertices: Element) -> Float | None:
+    return next((uvs for names in UVS if (uvs := _columns(vertices, names)) is not None), None)
+
+
+def _corner_uvs(faces: Element, corners: Lists) -> Float | None:
+    """(corners, 2) where every face has two numbers for each of its own."""
+    given = faces.lists.get(CORNER_UVS)
+    if given is None or not np.array_equal(given.counts, 2 * corners.counts):
+        return None
+    return given.values.reshape(-1, 2)
+
+
+def _colours(element: Element) -> Float | None:
+    """(n, 4) linear; opaque where the file says nothing of alpha."""
+    for names in COLOURS:
+        if (rgb := _columns(element, names)) is not None:
+            alpha = element.numbers.get("alpha", element.numbers.get("a"))
+            shares = rgb / _whole(element, names[0])
+            opaque = (
+                np.ones(len(rgb))
+                if alpha is None
+                else alpha / _whole(element, "alpha" if "alpha" in element.kinds else "a")
+            )
+            return np.column_stack([linear_from_srgb(np.clip(shares, 0, 1)), np.clip(opaque, 0, 1)])
+    return None
+
+
+def _whole(element: Element, name: str) -> float:
+    """What stands for all of a colour: 1 for fractions, else the largest number of its kind."""
+    kind = element.kinds[name]
+    return 1.0 if kind[0] == "f" else float(np.iinfo(np.dtype(kind)).max)

@@ -11,6 +11,7 @@ from ashe_live.models.gltf.container import named_content
 from ashe_live.models.gltf.schema import CLAMP_TO_EDGE, MIRRORED_REPEAT, REPEAT
 from ashe_live.models.gltf.specular import metal_rough_from_specular
 from ashe_live.models.material import BLACK, MAP_SETS, UNKNOWN, WHITE, Alpha, LinearRGBA, MapLayout, Material
+from ashe_live.models.parsing import basis
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
@@ -165,13 +166,10 @@ class Materials:
         sources = found.get("extensions", {})
         source = sources.get("EXT_texture_webp", found).get("source", found.get("source"))
         if source is None:
-            is_basis = "KHR_texture_basisu" in sources
-            self._notes.add(
-                "textures compressed as Basis Universal (KTX2) are left out: export them as PNG, JPEG or WebP"
-                if is_basis
-                else f"a {name} names no image"
-            )
-            return None
+            source = sources.get("KHR_texture_basisu", {}).get("source")
+            if source is None or not basis.is_readable():
+                self._notes.add(f"a {name} names no image" if source is None else basis.LEFT_OUT)
+                return None
         return self._pictures.texels(source, lambda: self._image(source, name), name)
 
     def _image(self, source: int, name: str) -> bytes:

@@ -58,9 +58,9 @@ def note_what_is_missing(document: dict[str, Any], header: dict[str, Any], notes
     plain += [words for words, is_seen in SEEN_BY_VALUE.items() if any(map(is_seen, used))]
     if plain:
         notes.add(f"it is drawn without {listed(plain)}")
-    if animations := header.get("animations", []):
-        which = "its animation is" if len(animations) == 1 else f"the first of {len(animations)} animations is"
-        notes.add(f"{which} shown at its first frame, and not played")
+    channels = [channel for animation in header.get("animations", []) for channel in animation["channels"]]
+    if any(channel["target"]["path"] == "pointer" for channel in channels):
+        notes.add("what its animation does beside moving things is left out")
     nodes = document.get("nodes", [])
     if any("KHR_lights_punctual" in (node.get("extensions") or ()) for node in nodes):
         notes.add("its own lights are left out")

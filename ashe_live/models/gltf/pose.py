@@ -1,49 +1,34 @@
-"""Where nodes and joints are: as the file's first animation begins, or as the nodes themselves say."""
+"""Where nodes and joints are, and with them the vertices that follow: at a moment of an animation, or without one."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
+from ashe_live.models.gltf.animation import PATHS, Changes
 from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.parsing.malformed import MalformedError
 
-PATHS = {"translation": 3, "rotation": 4, "scale": 3}
 VERTICES_AT_ONCE = 1 << 16
 
 
 class Pose:
     """Of a header that `checked` has passed and whose scene is a tree."""
 
-    def __init__(self, header: dict[str, Any], arrays: Arrays, is_animated: bool) -> None:
+    def __init__(self, header: dict[str, Any], arrays: Arrays, changes: Changes) -> None:
+        """`changes`: what an animation does to nodes at that moment."""
         self._arrays = arrays
         self._nodes: list[dict[str, Any]] = header.get("nodes", [])
         self._skins: list[dict[str, Any]] = header.get("skins", [])
-        self._first: dict[tuple[int, str], Float] = {}
-        if is_animated:
-            self._begin(header["animations"][0])
+        self._changes = changes
         self.worlds: dict[int, Float] = {}  # (4, 4) of every node of the scene that is seen
         scenes = header.get("scenes", [])
         self._place(scenes[header.get("scene", 0)].get("nodes", []) if scenes else [])
         self._joints: dict[int, Float] = {}
-
-    def _begin(self, animation: dict[str, Any]) -> None:
-        for channel in animation["channels"]:
-            node, path = channel["target"].get("node"), channel["target"]["path"]
-            if node is None or path not in (*PATHS, "weights"):
-                continue
-            if channel["sampler"] >= len(animation["samplers"]):
-                raise MalformedError(f"a channel names sampler {channel['sampler']} of {len(animation['samplers'])}")
-            sampler = animation["samplers"][channel["sampler"]]
-            frames, values = self._arrays.numbers(sampler["input"]), self._arrays.floats(sampler["output"])
-            # A cubic spline has three values each frame: the tangents are around what is reached.
-            is_cubic = sampler.get("interpolation") == "CUBICSPLINE"
-            each = len(values) // max(1, len(frames) * (3 if is_cubic else 1))
-            first = values[each : 2 * each] if is_cubic else values[:each]
-            if each and first.size == PATHS.get(path, first.size) and np.isfinite(first).all():
-                self._first[node, path] = first.ravel()
 
     def _place(self, roots: list[int]) -> None:
         waiting = [(place, np.eye(4)) for place in roots]
@@ -56,16 +41,16 @@ class Pose:
             waiting += [(child, world) for child in node.get("children", [])]
 
     def _local(self, place: int, node: dict[str, Any]) -> Float:
-        moved = {path: self._first.get((place, path), node.get(path)) for path in PATHS}
-        if "matrix" in node and not any((place, path) in self._first for path in PATHS):
+        moved = {path: self._changes.get((place, path), node.get(path)) for path in PATHS}
+        if "matrix" in node and not any((place, path) in self._changes for path in PATHS):
             return np.array(node["matrix"], dtype=np.float64).reshape(4, 4).T
         return matrix_of(moved["translation"], moved["rotation"], moved["scale"])
 
     def weights(self, place: int, mesh: dict[str, Any]) -> Float:
         """Of the mesh's morph targets, at the node."""
-        first = self._first.get((place, "weights"))
+        changed = self._changes.get((place, "weights"))
         given = self._nodes[place].get("weights", mesh.get("weights", ()))
-        return np.asarray(given if first is None else first, dtype=np.float64)
+        return np.asarray(given if changed is None else changed, dtype=np.float64)
 
     def joints(self, place: int) -> Float | None:
         """(joints, 4, 4) from the skin's bind pose to the scene, for the node at `place`; None without a skin."""
@@ -83,6 +68,20 @@ class Pose:
             self._joints[skin] = np.stack([self.worlds.get(joint, np.eye(4)) for joint in joints]) @ bound
         return self._joints[skin]
 
+    def moved_by(self, targets: frozenset[tuple[int, str]]) -> frozenset[int]:
+        """Nodes with meshes that look different when these nodes and paths change."""
+        moved: set[int] = {node for node, path in targets if path in PATHS}
+        waiting = list(moved)
+        while waiting:
+            children = set(self._nodes[waiting.pop()].get("children", [])) - moved
+            moved |= children
+            waiting += children
+        skins = {number for number, skin in enumerate(self._skins) if moved.intersection(skin["joints"])}
+        follow = {place for place, node in enumerate(self._nodes) if node.get("skin") in skins}
+        # A skin's joints say where it is, and the node that bears it does not.
+        stand = {place for place in moved if "skin" not in self._nodes[place]}
+        return frozenset(follow | stand | {node for node, path in targets if path == "weights"})
+
     def instances(self, place: int) -> list[Float]:
         """(4, 4) each, from a mesh at the node to the scene: one, or as many as the node says."""
         own = self._nodes[place].get("extensions", {}).get("EXT_mesh_gpu_instancing", {}).get("attributes", {})
@@ -93,6 +92,13 @@ class Pose:
         count = min(len(column) for column in columns if column is not None)
         rows = ([None if column is None else column[at] for column in columns] for at in range(count))
         return [self.worlds[place] @ matrix_of(*row) for row in rows]
+
+
+def of_normals(T: Float) -> Float:
+    """(3, 3) that turns normals where T (4, 4) moves places, also where it flattens them: its cofactors."""
+    x, y, z = T[:3, :3].T
+    cofactors = np.column_stack([np.cross(y, z), np.cross(z, x), np.cross(x, y)])
+    return cofactors if x @ cofactors[:, 0] >= 0 else -cofactors
 
 
 def matrix_of(translation: Any, rotation: Any, scale: Any) -> Float:
@@ -115,8 +121,32 @@ def matrix_of(translation: Any, rotation: Any, scale: Any) -> Float:
     return matrix
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Shape:
+    """A primitive's vertices before anything moves them, and what may."""
+
+    vertices: Float  # (n, 3)
+    normals: Float | None  # (n, 3)
+    targets: tuple[tuple[Float | None, Float | None], ...]  # (n, 3) what each morph target adds to vertices, normals
+    influences: tuple[tuple[NDArray[np.int64], Float], ...]  # of joints: which (n, 4), and how much of each (n, 4)
+
+    def posed(self, weights: Float, joints: Float | None) -> tuple[Float, Float | None]:
+        """Vertices and normals with so much of each target (t,), then moved by joints (m, 4, 4)."""
+        vertices, normals = self.vertices, self.normals
+        for weight, (moved, turned) in zip(weights, self.targets, strict=False):
+            if weight and moved is not None:
+                vertices = vertices + weight * moved
+            if weight and normals is not None and turned is not None:
+                normals = normals + weight * turned
+        if joints is not None and self.influences:
+            if not np.isfinite(vertices).all():
+                raise MalformedError("vertices hold a value that is not finite")
+            vertices, normals = skinned(vertices, normals, joints, self.influences)
+        return vertices, normals
+
+
 def skinned(
-    vertices: Float, normals: Float | None, joints: Float, influences: list[tuple[NDArray[np.int64], Float]]
+    vertices: Float, normals: Float | None, joints: Float, influences: Sequence[tuple[NDArray[np.int64], Float]]
 ) -> tuple[Float, Float | None]:
     """Vertices (n, 3) and normals (n, 3) moved by joints (m, 4, 4); an influence is joints (n, 4) and weights (n, 4).
 

@@ -1,10 +1,11 @@
-"""A glTF file's meshes, as its scene shows them when its first animation begins.
+"""A glTF file's meshes, as its scene shows them, and as its first animation moves them.
 
 A reader of our own over the schema: those that there are take arrays for granted that a file only claims, and leave out
 without a word what they do not know.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,23 +14,24 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
-from ashe_live.models.geometry import RawMesh
+from ashe_live.models.geometry import RawMesh, RawMotion
 from ashe_live.models.gltf.amounts import FAN, STRIP, TRIANGLES, amounts_of, check_layout
+from ashe_live.models.gltf.animation import Animation
 from ashe_live.models.gltf.arrays import Arrays
+from ashe_live.models.gltf.attributes import Attributes, DracoPrimitive
 from ashe_live.models.gltf.container import Buffers, split
-from ashe_live.models.gltf.draco import DracoPrimitive
 from ashe_live.models.gltf.materials import Materials
 from ashe_live.models.gltf.missing import note_what_is_missing
-from ashe_live.models.gltf.pose import Pose, skinned
+from ashe_live.models.gltf.pose import Pose, Shape, of_normals
 from ashe_live.models.gltf.schema import UV_SETS, checked
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.limits import check_gltf
-from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
 from ashe_live.process.messages import printable
 
 DRACO = "KHR_draco_mesh_compression"
 NAME_CHARACTERS = 60
+SMALL = 0.5  # of the largest that a mesh becomes while it moves
 DRAWN = {
     DRACO,
     "EXT_meshopt_compression",
@@ -60,13 +62,21 @@ def read_gltf(path: Path, content: bytes, folder: Folder, notes: Notes) -> Itera
     check_layout(header)
     note_what_is_missing(document, header, notes)
     arrays = Arrays(header, Buffers(header, binary, folder))
-    is_animated = bool(header.get("animations"))
     reader = _Reader(header, arrays, Materials(header, arrays, folder, notes), notes)
-    drawn = list(reader.meshes(Pose(header, arrays, is_animated)))
-    if is_animated and not any(_has_extent(T, mesh) for T, mesh in drawn):
-        # Things that are to grow begin as nothing.
-        drawn = list(reader.meshes(Pose(header, arrays, is_animated=False)))
-    yield from drawn
+    animation = Animation(header, arrays) if header.get("animations") else None
+    drawn = list(reader.drawn(Pose(header, arrays, {} if animation is None else animation.at(0.0))))
+    if animation is not None and animation.moving:
+        if animation.left_out:
+            notes.add(f"{animation.left_out} of its {len(header['animations'])} animations are not played")
+        played = _played(header, arrays, drawn, animation)
+        if played is not None:
+            yield from played
+            return
+        notes.add("its animation is too long to be played: it stands as that begins")
+        if not any(each.has_extent for each in drawn):
+            # Things that are to grow begin as nothing.
+            drawn = list(reader.drawn(Pose(header, arrays, {})))
+    yield from ((each.T, each.mesh) for each in drawn)
 
 
 def _check_extensions(path: Path, document: dict[str, Any]) -> None:
@@ -77,9 +87,80 @@ def _check_extensions(path: Path, document: dict[str, Any]) -> None:
             raise UserError(f"the model file {path} needs {said}, which is not supported", "export it without that")
 
 
-def _has_extent(T: Float, mesh: RawMesh) -> bool:
-    spread = np.ptp(mesh.vertices[mesh.triangles].reshape(-1, 3) @ T[:3, :3].T, axis=0) if len(mesh.triangles) else 0
-    return bool(np.any(spread > 0))
+@dataclass(frozen=True, slots=True, eq=False)
+class _Drawn:
+    """A primitive at a node, once for each of the node's instances."""
+
+    node: int
+    instance: int
+    shape: Shape
+    T: Float  # (4, 4) from the mesh to the scene
+    mesh: RawMesh
+
+    @property
+    def has_extent(self) -> bool:
+        corners = self.mesh.vertices[self.mesh.triangles].reshape(-1, 3) @ self.T[:3, :3].T
+        return bool(len(corners) and np.any(np.ptp(corners, axis=0) > 0))
+
+    def posed(self, header: dict[str, Any], pose: Pose) -> tuple[Float, Float | None, bool]:
+        """Vertices and normals in the scene, and whether they are mirrored there."""
+        weights = pose.weights(self.node, header["meshes"][header["nodes"][self.node]["mesh"]])
+        joints = pose.joints(self.node)
+        vertices, normals = self.shape.posed(weights, joints)
+        if joints is not None:
+            return vertices, normals, False
+        T = pose.instances(self.node)[self.instance]
+        turned = None if normals is None else normals @ of_normals(T).T
+        return vertices @ T[:3, :3].T + T[:3, 3], turned, bool(np.linalg.det(T[:3, :3]) < 0)
+
+
+def _played(
+    header: dict[str, Any], arrays: Arrays, drawn: list[_Drawn], animation: Animation
+) -> list[tuple[Float, RawMesh]] | None:
+    """All that is drawn, with the poses of what moves; None where these are more than can be kept."""
+    moved = Pose(header, arrays, {}).moved_by(animation.moving)
+    moving = [place for place, each in enumerate(drawn) if each.node in moved]
+    meshes = [(each.T, each.mesh) for each in drawn]
+    times = animation.times(sum(len(drawn[place].mesh.vertices) for place in moving))
+    if not moving or times is None:
+        return None if moving else meshes
+    kept = {place: _Poses(drawn[place].mesh, len(times)) for place in moving}
+    for number, time_s in enumerate(times):
+        pose = Pose(header, arrays, animation.at(time_s))
+        for place, poses in kept.items():
+            poses.keep(number, *drawn[place].posed(header, pose))
+    for place, poses in kept.items():
+        meshes[place] = np.eye(4), poses.mesh(animation.duration_s)
+    return meshes
+
+
+class _Poses:
+    """Of one mesh that moves, in the scene."""
+
+    def __init__(self, mesh: RawMesh, count: int) -> None:
+        shape = count, len(mesh.vertices), 3
+        self._mesh = mesh
+        self._vertices = np.empty(shape, np.float32)
+        self._normals = None if mesh.normals is None else np.empty(shape, np.float32)
+        self._mirrored = np.zeros(count, np.bool_)
+
+    def keep(self, number: int, vertices: Float, normals: Float | None, is_mirrored: bool) -> None:
+        self._vertices[number], self._mirrored[number] = vertices, is_mirrored
+        if normals is not None and self._normals is not None:
+            self._normals[number] = normals
+
+    def mesh(self, duration_s: float) -> RawMesh:
+        """As it first is where it is not small: things that are to grow begin as nothing."""
+        extents = np.nan_to_num(np.ptp(self._vertices, axis=1).sum(axis=1))
+        first = int(np.argmax(extents >= SMALL * extents.max()))
+        triangles = self._mesh.triangles
+        return replace(
+            self._mesh,
+            vertices=self._vertices[first],
+            triangles=triangles[:, ::-1] if self._mirrored[first] else triangles,
+            normals=None if self._normals is None else self._normals[first].astype(np.float64),
+            motion=RawMotion(self._vertices, self._normals, duration_s),
+        )
 
 
 class _Reader:
@@ -90,7 +171,7 @@ class _Reader:
         self._notes = notes
         self._decoded: dict[int, DracoPrimitive] = {}
 
-    def meshes(self, pose: Pose) -> Iterator[tuple[Float, RawMesh]]:
+    def drawn(self, pose: Pose) -> Iterator[_Drawn]:
         # In the order of nodes, whatever the way in which the scene was walked through.
         for place in sorted(pose.worlds):
             node = self._header["nodes"][place]
@@ -102,29 +183,21 @@ class _Reader:
                 if primitive.get("mode", TRIANGLES) not in (TRIANGLES, STRIP, FAN):
                     self._notes.add("points and lines are left out")
                     continue
-                mesh = self._mesh(primitive, weights, joints)
+                shape, mesh = self._mesh(primitive, weights, joints)
                 # A skin's joints say where it is, and the node that bears it does not.
-                for T in [np.eye(4)] if joints is not None else pose.instances(place):
-                    yield T, mesh
+                for number, T in enumerate([np.eye(4)] if joints is not None else pose.instances(place)):
+                    yield _Drawn(place, number, shape, T, mesh)
 
-    def _mesh(self, primitive: dict[str, Any], weights: Float, joints: Float | None) -> RawMesh:
-        attributes = _Attributes(primitive, self._arrays, self._unpacked(primitive))
-        vertices, normals = attributes.floats("POSITION"), attributes.optional("NORMAL")
-        for weight, target in zip(weights, primitive.get("targets", []), strict=False):
-            if weight and "POSITION" in target:
-                vertices = vertices + weight * self._arrays.floats(target["POSITION"])
-            if weight and normals is not None and "NORMAL" in target:
-                normals = normals + weight * self._arrays.floats(target["NORMAL"])
-        if joints is not None and (influences := attributes.influences()):
-            if not np.isfinite(vertices).all():
-                raise MalformedError("vertices hold a value that is not finite")
-            vertices, normals = skinned(vertices, normals, joints, influences)
+    def _mesh(self, primitive: dict[str, Any], weights: Float, joints: Float | None) -> tuple[Shape, RawMesh]:
+        attributes = Attributes(primitive, self._arrays, self._unpacked(primitive))
+        shape = attributes.shape(joints is not None)
+        vertices, normals = shape.posed(weights, joints)
         there = frozenset(number for number in range(UV_SETS) if f"TEXCOORD_{number}" in attributes)
         # Draco's faces are triangles, whatever they were compressed from.
         mode = TRIANGLES if DRACO in primitive.get("extensions", {}) else primitive.get("mode", TRIANGLES)
         material, sets = self._materials.material(primitive.get("material"), there)
         uvs = [_from_bottom_left(attributes.floats(f"TEXCOORD_{number}")) for number in sets]
-        return RawMesh(
+        return shape, RawMesh(
             vertices=vertices,
             triangles=_triangles(attributes.corners(len(vertices)), mode),
             material=material,
@@ -142,59 +215,6 @@ class _Reader:
         if view not in self._decoded:
             self._decoded[view] = DracoPrimitive(bytes(self._arrays.view(view)), packed["attributes"])
         return self._decoded[view]
-
-
-class _Attributes:
-    """What a primitive says of its vertices, compressed by Draco or not."""
-
-    def __init__(self, primitive: dict[str, Any], arrays: Arrays, unpacked: DracoPrimitive | None) -> None:
-        self._primitive = primitive
-        self._places: dict[str, int] = primitive["attributes"]
-        self._arrays = arrays
-        self._unpacked = unpacked
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._places
-
-    def floats(self, name: str, are_shares: bool = False) -> Float:
-        if self._unpacked is None or name not in self._unpacked:
-            return self._arrays.floats(self._places[name], are_shares)
-        is_share = are_shares or self._arrays.is_normalised(self._places[name])
-        return self._checked(name, self._unpacked.floats(name, is_share))
-
-    def optional(self, name: str) -> Float | None:
-        return self.floats(name) if name in self else None
-
-    def corners(self, count: int) -> NDArray[np.int64]:
-        """(n,) indices of vertices, before they are made triangles."""
-        if self._unpacked is not None:
-            return self._unpacked.corners
-        if "indices" not in self._primitive:
-            return np.arange(count)
-        return self._arrays.numbers(self._primitive["indices"]).ravel().astype(np.int64)
-
-    def colours(self) -> Float | None:
-        """(n, 4) linear; opaque where the file says nothing of alpha."""
-        if "COLOR_0" not in self:
-            return None
-        given = self.floats("COLOR_0", are_shares=True)
-        return np.hstack([given, np.ones((len(given), 4 - given.shape[1]))])
-
-    def influences(self) -> list[tuple[NDArray[np.int64], Float]]:
-        """Of joints: which (n, 4), and how much of each (n, 4)."""
-        found = []
-        for number in range(2):
-            joints, weights = f"JOINTS_{number}", f"WEIGHTS_{number}"
-            if joints in self and weights in self:
-                which = self.floats(joints).astype(np.int64)
-                found.append((which, self.floats(weights, are_shares=True)))
-        return found
-
-    def _checked(self, name: str, values: Float) -> Float:
-        shape = self._arrays.shape(self._places[name])
-        if values.shape != shape:
-            raise MalformedError(f"a primitive's Draco data holds {values.shape} of {name}, and its accessor {shape}")
-        return values
 
 
 def _triangles(corners: NDArray[np.int64], mode: int) -> NDArray[np.int64]:

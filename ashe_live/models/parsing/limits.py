@@ -95,7 +95,11 @@ def check_picture(picture: PillowImage.Image) -> None:
     """Of a picture whose header is read and whose texels are not."""
     if picture.format not in PICTURE_FORMATS:
         raise UserError(f"a texture of the model is in the format {picture.format}", "save it as PNG or JPEG")
-    width, height = picture.size
+    check_size(*picture.size)
+
+
+def check_size(width: int, height: int) -> None:
+    """Of a picture in the file. Raises UserError when it is too large."""
     if width * height > MAX_PICTURE_TEXELS:
         raise UserError(f"a texture of the model has {width} x {height} texels", "reduce it to 8192 x 8192 or fewer")
 

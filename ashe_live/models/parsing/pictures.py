@@ -9,9 +9,11 @@ from PIL import Image as PillowImage
 
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
+from ashe_live.models.parsing import basis
 from ashe_live.models.parsing.limits import MAX_TEXTURE_PX, check_decoded, check_picture, check_texels
 from ashe_live.models.parsing.malformed import MalformedError
 
+KTX2 = b"\xabKTX 20\xbb"
 DEEP_MODES = ("I;16", "I;16B", "I;16L", "I;16N", "I", "F")  # one channel of more than 8 bits
 
 
@@ -42,6 +44,11 @@ class Pictures:
         return self._texels.get(key)
 
     def _decoded_from(self, content: bytes, name: str) -> Image:
+        if content.startswith(KTX2):
+            texels = basis.texels_of(content, name)
+            self._decoded += texels.size // 4
+            check_decoded(self._decoded)
+            return _reduced(PillowImage.fromarray(texels))
         try:
             picture = PillowImage.open(io.BytesIO(content))
         except PillowImage.DecompressionBombError:
@@ -61,8 +68,12 @@ class Pictures:
                 raise
             except Exception:  # Pillow's decoders raise anything
                 raise MalformedError(f"its {name} is damaged") from None
-        reduced.thumbnail((MAX_TEXTURE_PX, MAX_TEXTURE_PX), PillowImage.Resampling.LANCZOS)
-        return np.asarray(reduced, dtype=np.uint8)
+        return _reduced(reduced)
+
+
+def _reduced(picture: PillowImage.Image) -> Image:
+    picture.thumbnail((MAX_TEXTURE_PX, MAX_TEXTURE_PX), PillowImage.Resampling.LANCZOS)
+    return np.asarray(picture, dtype=np.uint8)
 
 
 def _in_8_bits(picture: PillowImage.Image) -> PillowImage.Image:

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.models.material import MAPS, SRGB_MAPS, Alpha
@@ -19,7 +20,10 @@ STEP_BYTES = 1 << 20  # about what a software rasteriser uploads in a millisecon
 
 
 class GpuPart:
-    """One mesh, in buffers of position 3f, normal 3f and, where it has them, one or two uv 2f and colour 4f."""
+    """One mesh, in buffers of position 3f, normal 3f and, where it has them, one or two uv 2f and colour 4f.
+
+    Positions and normals of one that moves have a buffer of their own.
+    """
 
     def __init__(self, ctx: moderngl.Context, mesh: Mesh) -> None:
         self.mesh = mesh
@@ -35,7 +39,7 @@ class GpuPart:
         }
         self._columns = {name: values for name, values in columns.items() if values is not None}
         self._ctx = ctx
-        self._pieces: list[tuple[moderngl.Buffer, moderngl.Buffer]] = []
+        self._pieces: list[_Piece] = []
         self._arrays: dict[moderngl.Program, list[moderngl.VertexArray]] = {}
 
     def upload(self) -> Iterator[None]:
@@ -48,35 +52,60 @@ class GpuPart:
         for first in range(0, len(triangles), at_once):
             piece = triangles[first : first + at_once]
             used, indices = (slice(None), piece) if is_small else np.unique(piece, return_inverse=True)
-            vertices = np.hstack([values[used] for values in self._columns.values()])
-            self._pieces.append((self._ctx.buffer(vertices), self._ctx.buffer(indices.astype(np.uint32))))
+            attributes = [
+                (names, self._ctx.buffer(np.hstack([self._columns[name][used] for name in names])))
+                for names in self._together
+            ]
+            self._pieces.append(_Piece(used, attributes, self._ctx.buffer(indices.astype(np.uint32))))
             yield
+
+    @property
+    def _together(self) -> list[tuple[str, ...]]:
+        """Names of attributes, those of one buffer together; the first are what a motion changes."""
+        names = tuple(self._columns)
+        return [names] if self.mesh.motion is None else [each for each in (names[:2], names[2:]) if each]
+
+    def pose(self, time_s: float) -> None:
+        """Brings a mesh that moves to where it is then; it must be uploaded."""
+        if self.mesh.motion is not None:
+            both = np.hstack(self.mesh.motion.at(time_s))
+            for piece in self._pieces:
+                piece.attributes[0][1].write(np.ascontiguousarray(both[piece.used]))
 
     def draw(self, program: moderngl.Program) -> None:
         """Draws with the vertex attributes that `program` reads; its uniforms are set by the caller."""
         if program not in self._arrays:
-            self._arrays[program] = [self._array(program, *piece) for piece in self._pieces]
+            self._arrays[program] = [self._array(program, piece) for piece in self._pieces]
         for array in self._arrays[program]:
             array.render()
 
     def release(self) -> None:
         for array in itertools.chain.from_iterable(self._arrays.values()):
             array.release()
-        for buffer in itertools.chain.from_iterable(self._pieces):
-            buffer.release()
+        for piece in self._pieces:
+            for held in (piece.indices, *(buffer for _, buffer in piece.attributes)):
+                held.release()
         self._arrays.clear()
         self._pieces.clear()
 
-    def _array(
-        self, program: moderngl.Program, vertices: moderngl.Buffer, indices: moderngl.Buffer
-    ) -> moderngl.VertexArray:
-        # Attributes that the program does not read are skipped.
-        names, formats = [], []
-        for name, values in self._columns.items():
-            is_read = isinstance(program.get(name, None), moderngl.Attribute)
-            formats.append(f"{values.shape[1]}f" if is_read else f"{4 * values.shape[1]}x")
-            names += [name] if is_read else []
-        return self._ctx.vertex_array(program, [(vertices, " ".join(formats), *names)], indices)
+    def _array(self, program: moderngl.Program, piece: "_Piece") -> moderngl.VertexArray:
+        content = []
+        for names, buffer in piece.attributes:
+            # Attributes that the program does not read are skipped.
+            read = [name for name in names if isinstance(program.get(name, None), moderngl.Attribute)]
+            widths = ((name, self._columns[name].shape[1]) for name in names)
+            formats = (f"{width}f" if name in read else f"{4 * width}x" for name, width in widths)
+            if read:
+                content.append((buffer, " ".join(formats), *read))
+        return self._ctx.vertex_array(program, content, piece.indices)
+
+
+class _Piece(NamedTuple):
+    """Some of a mesh's triangles."""
+
+    used: slice | NDArray[np.integer]  # of the mesh's vertices
+    attributes: list[tuple[tuple[str, ...], moderngl.Buffer]]  # by their names in a row of the buffer
+    indices: moderngl.Buffer
 
 
 class TextureKey(NamedTuple):
@@ -99,6 +128,14 @@ class GpuModel:
         self._ctx = ctx
         self._programs = programs
         self._textures: dict[TextureKey, moderngl.Texture] = {}
+        self._posed_s: float | None = None
+
+    def pose(self, time_s: float) -> None:
+        """Brings all that moves to where it is then."""
+        if self._posed_s != time_s:
+            self._posed_s = time_s
+            for part in self.parts:
+                part.pose(time_s)
 
     def upload(self) -> Iterator[None]:
         """One step of at most STEP_BYTES or one texture's mipmaps at a time."""

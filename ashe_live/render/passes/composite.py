@@ -44,17 +44,22 @@ class Composite:
         tracked: TrackedFrame,
         look: VideoLook,
         lens: Lens | None = None,
+        is_split: bool = False,
+        is_cut_out: bool = False,
     ) -> None:
         """Onto `surface.colour`, whose `viewport` shows the video's frame, within `region` and its blur's reach.
 
         The layers beside `region` must be empty for twice that reach. `lens`: what bends the pinhole camera's layers to
-        the frame.
+        the frame. `is_split`: the left half of `viewport` stays as it is. `is_cut_out`: onto nothing, in place of
+        the video; straight alpha.
         """
         frame = tracked.frame
         scale = viewport[2] / frame.size[0]
         variance = _variance(scale, look)
         reach = _reach(variance)
         constants = {"reach": reach}
+        if is_cut_out:
+            constants |= {"cut_out": 1}
         constants |= dict.fromkeys(("coarse_chroma",) * look.has_coarse_chroma + ("bends",) * (lens is not None), 1)
         program = self._programs.get("composite", **constants)
         if self._rectangle is None or self._rectangle[0] is not program:
@@ -75,7 +80,7 @@ class Composite:
             lens.bind(tracked.camera)
             set_uniforms(program, region=tuple(map(float, within)))
             within = viewport
-        surface.colour.scissor = within
+        surface.colour.scissor = _right_of(viewport[0] + viewport[2] // 2, within) if is_split else within
         surface.colour.use()
         self._ctx.viewport = (0, 0, *surface.size)
         self._ctx.enable_only(moderngl.NOTHING)
@@ -90,6 +95,12 @@ class Composite:
         if self._rectangle is not None:
             self._rectangle[1].release()
         self._rectangle = None
+
+
+def _right_of(column: int, rectangle: Rectangle) -> Rectangle:
+    left, bottom, width, height = rectangle
+    first = max(left, column)
+    return first, bottom, max(0, left + width - first), height
 
 
 def _variance(scale: float, look: VideoLook) -> float:

@@ -2,7 +2,7 @@
 
 Ambient occlusion by its definition: the mean of the shadows that many lights spread over the sky would cast, each
 with the weight of its cosine (Langer and Buelthoff, "Depth discrimination from shading under diffuse lighting", 2000).
-Drawn once a model, a direction at a time.
+Drawn once a model, a direction at a time; of one that moves each in another pose, so that it is the mean over them.
 """
 
 import math
@@ -51,7 +51,9 @@ class ContactPatch:
     def draw(self) -> Iterator[None]:
         """Draws the patch of a model that is uploaded, a direction each step."""
         self._framebuffer.clear()
-        for direction in sky_directions(DIRECTIONS):
+        duration_s = self._model.placed.model.duration_s
+        for number, direction in enumerate(sky_directions(DIRECTIONS)):
+            self._model.pose(duration_s * number / DIRECTIONS)
             light = Sun(direction, NO_LIGHT, NO_LIGHT, 0.0)
             self._depth_map.render((self._model,), Lighting((light,), NO_LIGHT, NO_LIGHT))
             self._depth_map.bind(self._program)

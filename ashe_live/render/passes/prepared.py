@@ -48,11 +48,13 @@ class PreparedModel:
         for _ in self._steps:
             pass
 
-    def standing(self, placement: Placement) -> StandingModel:
-        """The same object for the same placement, so that what depends on it is not drawn again."""
-        if self._standing is None or self._standing.placement != placement:
-            self._standing = StandingModel(self.model, self.contact, placement)
-        return self._standing
+    def standing(self, placement: Placement, time_s: float = 0.0) -> StandingModel:
+        """The same object for the same placement and moment, so that what depends on it is not drawn again."""
+        pose_s = time_s if self.placed.model.duration_s else 0.0
+        standing = self._standing
+        if standing is None or (standing.placement, standing.pose_s) != (placement, pose_s):
+            self._standing = standing = StandingModel(self.model, self.contact, placement, pose_s)
+        return standing
 
     def release(self) -> None:
         self.contact.release()

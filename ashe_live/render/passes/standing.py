@@ -11,12 +11,14 @@ from ashe_live.render.passes.contact import ContactPatch
 
 
 class StandingModel:
-    """A Caster; another object for another placement."""
+    """A Caster; another object for another placement, or another moment of its motion."""
 
-    def __init__(self, model: GpuModel, contact: ContactPatch, placement: Placement) -> None:
+    def __init__(self, model: GpuModel, contact: ContactPatch, placement: Placement, pose_s: float = 0.0) -> None:
         self.model = model
         self.contact = contact  # in the model's own frame: what it hides of the sky does not depend on where it stands
         self.placement = placement
+        self.pose_s = pose_s
+        model.pose(pose_s)
         self.marker_from_placed: Float = placement.marker_from_placed
         self.placed_from_marker: Float = np.linalg.inv(self.marker_from_placed).astype(np.float64)
         # (n, 3) metres, marker frame; its hull encloses the model

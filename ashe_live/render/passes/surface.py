@@ -60,6 +60,11 @@ class Surface:
         for texture, name in zip(self.layers, ("added_light", "removed"), strict=True):
             texture.use(UNIT_OF[name])
 
+    def read_bgra(self) -> Image:
+        """(h, w, 4) uint8 sRGB, straight alpha, as `read_bgr`."""
+        self.colour.read_into(self._rgba, components=4)
+        return np.asarray(cv2.flip(cv2.cvtColor(self._rgba, cv2.COLOR_RGBA2BGRA), 0), dtype=np.uint8)
+
     def read_bgr(self) -> Image:
         """(h, w, 3) uint8 sRGB in OpenCV's order, top row first; waits for what is being drawn."""
         # Fresh memory costs more than the conversion: only the result is newly allocated.

@@ -31,7 +31,8 @@ def inset_overlays(
     if not estimate.lights:
         return (inset,)
     rose = rose_picture(estimate, frozen, picture.shape[0])
-    return inset, _at_bottom_right(rose, size, inset.shown_size[1] + MARGIN_PX)
+    above = _at_bottom_right(rose, size, inset.shown_size[1] + MARGIN_PX)
+    return (inset, above) if above.top_px >= MARGIN_PX else (inset,)  # a flat window has no room for it
 
 
 def _fitted(sheet_bgr: Image, size: Size) -> Image:

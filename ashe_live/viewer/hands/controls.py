@@ -22,22 +22,27 @@ class Command(Enum):
     SPEED = auto()
     LOOP = auto()
     SNAPSHOT = auto()
+    CUT_OUT = auto()
     KEEP_LIGHT = auto()
     RECORD = auto()
     QUALITY = auto()
     FULLSCREEN = auto()
+    MIRROR = auto()
     TOGGLE_HUD = auto()
     MOVE_LIGHT = auto()
     MOVE_MODEL = auto()
     SCALE_MODEL = auto()
     TURN_MODEL = auto()
     TURN_UP = auto()
+    STOP_MOTION = auto()
     BEFORE_AFTER = auto()
     LIGHT_STRENGTH = auto()
     LIGHT_SOFTNESS = auto()
     LIGHT_COLOUR = auto()
     LIGHT_DISTANCE = auto()
     FOLLOW_OTHER = auto()
+    FIELD_OF_VIEW = auto()
+    NEXT_CAMERA = auto()
     RESET = auto()
     OPEN = auto()
     HELP = auto()
@@ -201,6 +206,7 @@ BINDINGS = (
     ),
     Binding(("B",), Command.BEFORE_AFTER, "B", "before and after"),
     Binding(("U",), Command.TURN_UP, "U", "turn another side up"),
+    Binding(("K",), Command.STOP_MOTION, "K", "stop a moving model"),
     Binding(
         ("+", "=", "-"),
         Command.SCALE_MODEL,
@@ -225,7 +231,9 @@ BINDINGS = (
         "open a model or a clip",
         gesture=Gesture.DROP,
     ),
-    Binding(("M",), Command.FOLLOW_OTHER, "M", "follow the marker in view"),
+    Binding(("M",), Command.FOLLOW_OTHER, "M", "follow another marker in view"),
+    Binding(("G",), Command.FIELD_OF_VIEW, "G", "the camera's field of view"),
+    Binding(("N",), Command.NEXT_CAMERA, "N", "another camera"),
     Binding(("P",), Command.PAUSE, "P", "pause"),
     Binding(("R",), Command.RESTART, "R", "start the clip again"),
     Binding((",", ".", "COMMA", "PERIOD"), Command.STEP, ", and .", "one frame back, one on", (-1, 1, -1, 1), True),
@@ -233,11 +241,13 @@ BINDINGS = (
     Binding(("Z", "X"), Command.SPEED, "Z, X", "slower, faster", (-1, 1)),
     Binding(("O",), Command.LOOP, "O", "play again and again, or once"),
     Binding(("S",), Command.SNAPSHOT, "S", "save a snapshot (PNG)"),
+    Binding((SHIFT + "S",), Command.CUT_OUT, "Shift+S", "save model and shadow alone"),
     Binding(("E",), Command.KEEP_LIGHT, "E", "save the light (HDR, JSON)"),
     Binding(("V",), Command.RECORD, "V", "start or stop a recording"),
     Binding(("Q",), Command.QUALITY, "Q", "quality of the picture"),
     Binding(("F",), Command.FULLSCREEN, "F", "fullscreen"),
     Binding(("I",), Command.TOGGLE_HUD, "I", "hide or show all text"),
+    Binding(("W",), Command.MIRROR, "W", "as in a mirror, or as it is"),
     Binding(("H", "F1"), Command.HELP, "H or F1", "this help"),
     Binding(("ESCAPE",), Command.LEAVE, "Esc", "go back, then quit"),
 )

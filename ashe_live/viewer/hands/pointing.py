@@ -21,6 +21,17 @@ def source_pixel(at_px: Pixel, framebuffer: Size, video: Size) -> Pixel:
     return (at_px[0] - left) * video[0] / width - 0.5, (at_px[1] - top) * video[1] / height - 0.5
 
 
+def in_mirror(request: Request, framebuffer: Size) -> Request:
+    """`request` of a person who looks at the mirrored picture, as of one who looks at the picture itself."""
+    match request.argument:
+        case Drag((x0, y0), (x, y), is_first):
+            width = framebuffer[0]
+            return Request(request.command, Drag((width - x0, y0), (width - x, y), is_first))
+        case (right, up):
+            return Request(request.command, (-right, up))
+    return request
+
+
 def in_video(request: Request, framebuffer: Size, shown: TrackedFrame | None) -> Request:
     """`request` with a drag in the framebuffer converted to one in the video that is fitted into it."""
     drag = request.argument

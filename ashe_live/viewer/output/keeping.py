@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -38,15 +39,20 @@ class Keeper:
     def is_recording(self) -> bool:
         return self._recording is not None
 
-    def snapshot(self, preset: RenderPreset, now_s: float) -> None:
-        """Writes a PNG that carries the estimate into the current folder; does nothing before the first frame."""
+    def snapshot(self, preset: RenderPreset, now_s: float, is_cut_out: bool = False) -> None:
+        """Writes a PNG that carries the estimate into the current folder; does nothing before the first frame.
+
+        `is_cut_out`: what is drawn alone, with its transparency.
+        """
         session = self._session
         if session.tracked is None:
             return
         path = unused_name(Path.cwd(), "ashe-live", ".png", datetime.now())
         known = self._known(session.tracked)
         try:
-            path = write_png(path, self._picture(preset), texts={SNAPSHOT_KEYWORD: json.dumps(known)}, beside=True)
+            path = write_png(
+                path, self._picture(preset, is_cut_out), texts={SNAPSHOT_KEYWORD: json.dumps(known)}, beside=True
+            )
             self._tell(f"saved {path}", now_s)
         except UserError as error:
             self._tell(str(error), now_s)
@@ -108,8 +114,8 @@ class Keeper:
                 said += f"; every frame: ashe-live play {self.clip_name} --headless --out FILE.mp4"
             self._tell(said, now_s)
 
-    def _picture(self, preset: RenderPreset) -> Image:
-        """(h, w, 3) uint8 BGR."""
+    def _picture(self, preset: RenderPreset, is_cut_out: bool = False) -> Image:
+        """(h, w, 3) uint8 BGR, or BGRA where it is cut out."""
         assert self._session.tracked is not None
         size = drawn_size(self._session.tracked.frame.size)
         if self._renderer is None:
@@ -119,5 +125,5 @@ class Keeper:
         self._renderer.preset = preset
         # A snapshot must show the model that was chosen; a recording must not stall the window.
         self._renderer.switches_at_once = self._recording is None
-        self._renderer.render(bare_scene(self._session))
-        return self._renderer.read_bgr()
+        self._renderer.render(replace(bare_scene(self._session), is_cut_out=is_cut_out))
+        return self._renderer.read_bgra() if is_cut_out else self._renderer.read_bgr()

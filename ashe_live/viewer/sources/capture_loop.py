@@ -52,6 +52,7 @@ class Wish:
     jump: Jump | None = None  # the latest; obeyed once
     tracking: TrackingPreset | None = None  # from the next frame on; None: as the tracker was made
     marker: str | None = None  # the spec of another than the tracker was made for
+    hfov_deg: float | None = None  # another field of view than the tracker's camera has
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,7 @@ class CaptureLoop:
         wishes: LatestMailbox[Wish],
         frames: LatestMailbox[TrackedFrame],
         key_views: KeyViews,
-        tracker_for: Callable[[str], MarkerTracker] | None = None,
+        tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None,
     ) -> None:
         self.state = State()
         self._source = source
@@ -137,8 +138,9 @@ class CaptureLoop:
         wish = self._wishes.take(timeout_s)
         if wish is None:
             return
-        if wish.marker is not None and wish.marker != self._wish.marker and self._tracker_for is not None:
-            before, self._tracker = self._tracker, self._tracker_for(wish.marker)
+        is_other = (wish.marker, wish.hfov_deg) != (self._wish.marker, self._wish.hfov_deg)
+        if is_other and self._tracker_for is not None:
+            before, self._tracker = self._tracker, self._tracker_for(wish.marker, wish.hfov_deg)
             self._tracker.preset = before.preset
             self._key_views.drop()
         self._wish = wish

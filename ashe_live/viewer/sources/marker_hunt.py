@@ -1,4 +1,4 @@
-"""While the marker is not in view: which others are, looked for off the main thread, now and then."""
+"""While the marker is not in view, or when a person asks: which others are, looked for off the main thread."""
 
 import math
 from concurrent.futures import Future
@@ -18,11 +18,26 @@ class MarkerHunt:
         self.in_view: tuple[str, ...] = ()  # specs, the largest first; none while the marker that is followed is there
         self._looking: Future[tuple[str, ...]] | None = None
         self._began_s = -math.inf
+        self._is_asked = False
+        self._answer: tuple[str, ...] | None = None
+
+    def ask(self) -> None:
+        """Has it look once, also while the marker that is followed is there: `take_answer` has what is found."""
+        self._is_asked = True
+        self._looking, self._began_s = None, -math.inf
+
+    def take_answer(self) -> tuple[str, ...] | None:
+        """All specs in view, once, when `ask` has been answered; the largest first."""
+        answer, self._answer = self._answer, None
+        return answer
 
     def look(self, tracked: TrackedFrame | None, now_s: float) -> bool:
         """Goes on looking; returns whether something new has been found."""
-        if tracked is None or tracked.marker is not None:
-            self.in_view, self._looking = (), None
+        is_there = tracked is not None and tracked.marker is not None
+        if is_there:
+            self.in_view = ()
+        if tracked is None or (is_there and not self._is_asked):
+            self._looking = None
             return False
         if self._looking is None:
             if now_s - self._began_s >= EVERY_S:
@@ -34,6 +49,11 @@ class MarkerHunt:
             return False
         if not self._looking.done():
             return False
-        looked, self._looking, before = self._looking, None, self.in_view
-        self.in_view = () if looked.exception() is not None else looked.result()
-        return bool(self.in_view) and self.in_view != before
+        looked, self._looking = self._looking, None
+        found = () if looked.exception() is not None else looked.result()
+        if self._is_asked:
+            self._is_asked, self._answer = False, found
+        if is_there:
+            return False
+        before, self.in_view = self.in_view, found
+        return bool(found) and found != before

@@ -26,8 +26,8 @@ class Opened:
     first: TrackedFrame
 
 
-# Opens the file and starts a pipeline on it; raises UserError.
-Opener = Callable[[Path], Pipeline]
+# Opens the file, or the next camera, and starts a pipeline on it; raises UserError.
+Opener = Callable[[Path | None], Pipeline]
 
 
 class Opening:
@@ -37,12 +37,16 @@ class Opening:
         self._opener = opener
         self._coming: Future[Opened] | None = None
 
-    def begin(self, path: Path) -> None:
+    def begin(self, path: Path | None) -> None:
+        """The file, or the next camera."""
+        what = "another camera" if path is None else str(path)
         self.close()
         self._coming = begun(
             "opening",
             lambda: self._open(path),
-            lambda reason: UserError(f"cannot open {path} ({reason})", "convert it"),
+            lambda reason: UserError(
+                f"cannot open {what} ({reason})", "convert it" if path is not None else "plug it in again"
+            ),
         )
 
     def take(self) -> Opened | None:
@@ -58,16 +62,18 @@ class Opening:
             self._coming.add_done_callback(_close_pipeline)
             self._coming = None
 
-    def _open(self, path: Path) -> Opened:
+    def _open(self, path: Path | None) -> Opened:
         pipeline = self._opener(path)
         try:
             first = pipeline.frames.take(LONGEST_S)
             if first is None:
-                raise UserError(f"{path} has given no picture for {LONGEST_S:.0f} s", "copy it to a faster disk")
+                raise UserError(
+                    f"{pipeline.name} has given no picture for {LONGEST_S:.0f} s", "copy it to a faster disk"
+                )
         except BaseException:
             pipeline.close(0.0)
             raise
-        return Opened(path.name, pipeline, first)
+        return Opened(pipeline.name, pipeline, first)
 
 
 def _close_pipeline(coming: "Future[Opened]") -> None:

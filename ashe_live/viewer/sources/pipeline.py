@@ -31,12 +31,15 @@ class Pipeline:
         source: Source,
         tracker: MarkerTracker,
         loop: bool,
-        tracker_for: Callable[[str], MarkerTracker] | None = None,
+        tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None,
     ) -> None:
-        """`tracker_for` makes one for another marker, named by its spec; it is called in that thread."""
+        """`tracker_for` makes one for another marker, named by its spec, or for a camera with another field of view, in
+        degrees; it is called in that thread.
+        """
         self.frames = LatestMailbox[TrackedFrame]()
         self.key_views = KeyViews()  # of what is shown; none from before a jump
         self._source = source
+        self._first_marker = tracker.marker.spec
         self._wish = Wish(loop)
         self._wishes = LatestMailbox[Wish]()
         self._capture = CaptureLoop(source, tracker, self._wish, self._wishes, self.frames, self.key_views, tracker_for)
@@ -47,6 +50,11 @@ class Pipeline:
     def name(self) -> str:
         """Of the source, for a person."""
         return self._source.name
+
+    @property
+    def marker(self) -> str:
+        """The spec of what is followed, or will be from the next frame on."""
+        return self._wish.marker or self._first_marker
 
     @property
     def fps(self) -> float:
@@ -110,10 +118,11 @@ class Pipeline:
 
     def follow(self, spec: str) -> None:
         """Has another marker tracked from the next frame on; on a photo, or at the end, the last frame comes again."""
-        if self.may_follow_others:
-            self._ask(marker=spec)
-            if self.is_photo or self.has_ended:
-                self.restart()
+        self._track_otherwise(marker=spec)
+
+    def see_by(self, hfov_deg: float | None) -> None:
+        """Takes the camera's picture for so many degrees wide, as `follow`; None: as at the start."""
+        self._track_otherwise(hfov_deg=hfov_deg)
 
     def seek(self, time_s: float) -> None:
         """Continues from what a clip shows at `time_s`; while paused it shows that frame. For clips only."""
@@ -146,6 +155,12 @@ class Pipeline:
         """Where a pending jump leads, else where the capture thread is."""
         state, jump = self._capture.state, self._wish.jump
         return state.at if jump is None or jump is state.obeyed else jump.place
+
+    def _track_otherwise(self, **changes: Any) -> None:
+        if self.may_follow_others:
+            self._ask(**changes)
+            if self.is_photo or self.has_ended:
+                self.restart()
 
     def _ask(self, **changes: Any) -> None:
         self._wish = replace(self._wish, **changes)

@@ -207,15 +207,3 @@ def test_what_is_drawn_without_is_said_once(tmp_path: Path) -> None:
 def test_what_would_be_seen_is_said_and_what_would_not_is_not(tmp_path, extension, given, words):
     model = quad_of(tmp_path, {"extensions": {extension: given}})
     assert model.notes == (() if words is None else (f"it is drawn without {words}",))
-
-
-def test_textures_of_an_unread_kind_are_left_out_and_said(tmp_path: Path) -> None:
-    document = Document()
-    document.json["images"] = [{"bufferView": document.view(b"\xabKTX 20\xbb"), "mimeType": "image/ktx2"}]
-    document.json["textures"] = [{"extensions": {"KHR_texture_basisu": {"source": 0}}}]
-    material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 0, 0, 1]}}
-    model = quad_of(tmp_path, material, document, extensionsRequired=["KHR_texture_basisu"])
-    assert model.parts[0].material.base_colour == (1, 0, 0, 1)
-    assert model.notes == (
-        "textures compressed as Basis Universal (KTX2) are left out: export them as PNG, JPEG or WebP",
-    )

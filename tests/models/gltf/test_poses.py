@@ -24,6 +24,13 @@ def expected(corners: np.ndarray) -> np.ndarray:
     return np.unique(np.round(np.asarray(corners, dtype=np.float64), 5) + 0.0, axis=0)
 
 
+def assert_there(vertices: np.ndarray, corners: np.ndarray, within: float = 1e-4) -> None:
+    """Each of the mesh's vertices is at a corner, y up as in the file, and none is left out."""
+    apart = np.linalg.norm((vertices @ Y_UP)[:, None] - np.asarray(corners)[None], axis=2)
+    assert apart.min(axis=0).max() < within
+    assert apart.min(axis=1).max() < within
+
+
 def bare_quad(document: Document, **primitive) -> None:
     """Without normals, so that what moves may turn."""
     document.quad()
@@ -136,28 +143,85 @@ def animated(document: Document, path: str, values: np.ndarray, interpolation: s
     document.json["animations"] = [{"samplers": [sampler], "channels": [channel]}]
 
 
-@pytest.mark.parametrize("interpolation", ["LINEAR", "STEP", "CUBICSPLINE"])
-def test_the_first_frame_is_shown_and_said(tmp_path: Path, interpolation: str) -> None:
+SPLINE = np.float32([(8, 8, 8), (0, 0, 5), (1, 2, 3), (4, 5, 6), (9, 9, 9), (8, 8, 8)])
+
+
+def spline(t: float) -> np.ndarray:
+    """The cubic through (0, 0, 5) and (9, 9, 9) at 0 and 1 that leaves by (1, 2, 3) and arrives by (4, 5, 6)."""
+    powers = np.linalg.solve(
+        [(1, 0, 0, 0), (1, 1, 1, 1), (0, 1, 0, 0), (0, 1, 2, 3)],
+        np.float64([SPLINE[1], SPLINE[4], SPLINE[2], SPLINE[3]]),
+    )
+    return np.array([1, t, t**2, t**3]) @ powers
+
+
+@pytest.mark.parametrize(
+    ("interpolation", "values", "at"),
+    [
+        ("LINEAR", np.float32([(0, 0, 5), (9, 9, 9)]), lambda t: np.array((9 * t, 9 * t, 5 + 4 * t))),
+        ("STEP", np.float32([(0, 0, 5), (9, 9, 9)]), lambda t: np.array((0, 0, 5) if t < 1 else (9, 9, 9))),
+        ("CUBICSPLINE", SPLINE, spline),
+    ],
+)
+def test_between_keyframes_it_moves_as_the_format_says(tmp_path: Path, interpolation: str, values, at) -> None:
     document = Document()
     bare_quad(document)
-    values = np.float32([(0, 0, 5), (9, 9, 9)])
-    if interpolation == "CUBICSPLINE":
-        values = np.float32([(8, 8, 8), (0, 0, 5), (8, 8, 8), (8, 8, 8), (9, 9, 9), (8, 8, 8)])
     animated(document, "translation", values, interpolation)
     model = load_model_file(document.save(tmp_path / "a.glb"))
-    np.testing.assert_allclose(places(model), expected(CORNERS + np.float32((0, 0, 5))), atol=1e-5)
-    assert model.notes == ("its animation is shown at its first frame, and not played",)
+    assert model.notes == ()
+    assert model.duration_s == 1
+    np.testing.assert_allclose(places(model), expected(CORNERS + at(0.0)), atol=1e-5)
+    motion = model.parts[0].motion
+    assert motion is not None
+    count = len(motion.vertices)
+    for number, vertices in enumerate(motion.vertices):
+        assert_there(vertices, CORNERS + at(number / (count - 1)))
+        np.testing.assert_allclose(motion.normals[number], np.tile((0, -1, 0), (4, 1)), atol=1e-5)
 
 
-def test_what_grows_from_nothing_is_shown_as_its_nodes_say(tmp_path: Path) -> None:
+def test_a_rotation_goes_the_shorter_way_at_an_even_pace(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    half, opposite = math.sin(math.radians(60)), -math.cos(math.radians(60))
+    animated(document, "rotation", np.float32([(0, 0, 0, 1), (0, 0, -half, opposite)]))  # 120 degrees, negated
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    motion = model.parts[0].motion
+    assert motion is not None
+    for time_s in (0.2, 0.5, 0.9):
+        angle = math.radians(120 * time_s)
+        turned = CORNERS @ np.array(
+            [(math.cos(angle), math.sin(angle), 0), (-math.sin(angle), math.cos(angle), 0), (0, 0, 1)]
+        )
+        assert_there(motion.at(time_s)[0], turned, within=2e-3)  # as a line between poses cuts the arc
+
+
+def test_what_grows_from_nothing_is_whole_when_it_has_grown(tmp_path: Path) -> None:
     document = Document()
     bare_quad(document)
     animated(document, "scale", np.float32([(0, 0, 0), (1, 1, 1)]))
     model = load_model_file(document.save(tmp_path / "a.glb"))
-    np.testing.assert_allclose(places(model), expected(CORNERS), atol=1e-5)
+    motion = model.parts[0].motion
+    assert motion is not None
+    assert np.ptp(motion.vertices[0], axis=0).max() == 0
+    assert_there(motion.vertices[-1], CORNERS)
+    np.testing.assert_allclose(np.linalg.norm(motion.normals, axis=2), 1, atol=1e-5)
 
 
-def test_weights_of_morph_targets_are_animated_too(tmp_path: Path) -> None:
+def test_a_skin_follows_a_joint_that_turns_and_what_stands_still_costs_nothing(tmp_path: Path) -> None:
+    document = Document()
+    skinned_quad(document)
+    document.quad({"translation": [5, 0, 0]})
+    quarter = math.sqrt(0.5)
+    animated(document, "rotation", np.float32([(0, 0, 0, 1), (0, 0, quarter, quarter)]))
+    document.json["animations"][0]["channels"][0]["target"]["node"] = 2
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    moving = [part for part in model.parts if part.motion is not None]
+    assert len(moving) == 1
+    assert len(model.parts) == 2
+    assert_there(moving[0].motion.vertices[-1], [(0, 0, 0), (1, 0, 0), (0, 0, 0), (0, 1, 0)])
+
+
+def test_morph_targets_go_from_weight_to_weight(tmp_path: Path) -> None:
     document = Document()
     bare_quad(document)
     up = np.float32([(0, 0, 4)] * 4)
@@ -165,6 +229,45 @@ def test_weights_of_morph_targets_are_animated_too(tmp_path: Path) -> None:
     animated(document, "weights", np.float32([0.5, 0.25, 0, 0]))
     model = load_model_file(document.save(tmp_path / "a.glb"))
     np.testing.assert_allclose(places(model), expected(CORNERS + 0.75 * up), atol=1e-5)
+    motion = model.parts[0].motion
+    assert motion is not None
+    assert_there(motion.at(0.5)[0], CORNERS + 0.375 * up)
+
+
+def test_what_is_too_long_to_be_kept_stands_as_it_begins_and_says_so(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
+    document.json["animations"][0]["samplers"][0]["input"] = document.accessor(np.float32([0, 1e6]))
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    assert model.duration_s == 0
+    assert model.notes == ("its animation is too long to be played: it stands as that begins",)
+    np.testing.assert_allclose(places(model), expected(CORNERS + np.float32((0, 0, 5))), atol=1e-5)
+
+
+def test_animations_of_different_things_are_played_together_and_of_the_same_only_the_first(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "translation", np.float32([(0, 0, 0), (8, 0, 0)]))
+    (first,) = document.json["animations"]
+    animated(document, "translation", np.float32([(0, 0, 0), (0, 9, 0)]))
+    (instead,) = document.json["animations"]
+    animated(document, "scale", np.float32([(1, 1, 1), (2, 2, 2)]))
+    document.json["animations"] = [first, instead, *document.json["animations"]]
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    assert model.notes == ("1 of its 3 animations are not played",)
+    motion = model.parts[0].motion
+    assert motion is not None
+    assert_there(motion.vertices[-1], 2 * CORNERS + (8, 0, 0))
+
+
+def test_an_animation_of_what_is_not_drawn_plays_nothing(tmp_path: Path) -> None:
+    document = Document()
+    bare_quad(document)
+    document.json["nodes"].append({})
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
+    document.json["animations"][0]["channels"][0]["target"]["node"] = 1
+    assert load_model_file(document.save(tmp_path / "a.glb")).duration_s == 0
 
 
 def test_a_mesh_is_drawn_wherever_its_node_says(tmp_path: Path) -> None:

@@ -57,7 +57,8 @@ def test_keys_are_known_by_what_stands_on_them(label, place, command):
 
 
 def test_shift_is_heeded_only_where_that_is_bound():
-    assert request_for("s", "S", "SHIFT+") == Request(Command.SNAPSHOT)
+    assert request_for("l", "L", "SHIFT+") == Request(Command.TOGGLE_LIGHT)
+    assert request_for("s", "S", "SHIFT+") == Request(Command.CUT_OUT)
     assert request_for("s", "S", "CTRL+") is None
     assert request_for("s", "S", "ALT+SHIFT+") is None
 

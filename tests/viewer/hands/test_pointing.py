@@ -7,8 +7,8 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.tracking.edges.lens import source_from_ideal
-from ashe_live.viewer.hands.controls import Command, Drag, Request
-from ashe_live.viewer.hands.pointing import ground_at, in_video, picture_axes, pixel_of, source_pixel
+from ashe_live.viewer.hands.controls import Command, Drag, Files, Request
+from ashe_live.viewer.hands.pointing import ground_at, in_mirror, in_video, picture_axes, pixel_of, source_pixel
 
 SIZE = (640, 480)
 PINHOLE = Camera.from_focal(SIZE, 600.0)
@@ -42,6 +42,14 @@ def test_a_drag_is_one_in_the_video():
     assert in_video(request, (1600, 960), None) is in_video(request, (0, 0), shown) is request
     other = Request(Command.SCALE_MODEL, 1.0)
     assert in_video(other, (1600, 960), shown) is other
+
+
+def test_in_a_mirror_right_is_left():
+    drag = Request(Command.MOVE_MODEL, Drag((10, 20), (13, 25), False))
+    assert in_mirror(drag, (640, 480)) == Request(Command.MOVE_MODEL, Drag((630, 20), (627, 25), False))
+    assert in_mirror(Request(Command.MOVE_LIGHT, (1, -1)), (640, 480)) == Request(Command.MOVE_LIGHT, (-1, -1))
+    for same in (Request(Command.SCALE_MODEL, 2), Request(Command.OPEN, Files(("a.glb",))), Request(Command.HELP)):
+        assert in_mirror(same, (640, 480)) is same
 
 
 @pytest.mark.parametrize("camera", [PINHOLE, BENT], ids=["pinhole", "lens"])

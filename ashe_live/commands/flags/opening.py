@@ -1,0 +1,49 @@
+"""What a window opens later, by a drop or a key, with the flags that it was started with."""
+
+import argparse
+from pathlib import Path
+
+from ashe_live.capture.cameras import connected, name_of
+from ashe_live.capture.sources import Source, open_source
+from ashe_live.capture.webcam import WebcamSource
+from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker_in
+from ashe_live.commands.flags.setup import make_tracker
+from ashe_live.errors import UserError
+from ashe_live.tracking.focal.focal_memory import FocalMemory
+from ashe_live.viewer.sources.pipeline import Pipeline
+
+
+class LaterSources:
+    """Called in a thread of its own, one call at a time."""
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        self._options = options
+        self._camera: str | None = getattr(options, "camera", None)  # that was opened last
+
+    def __call__(self, path: Path | None) -> Pipeline:
+        """A pipeline that plays the file, or the next camera. Raises UserError where there is none.
+
+        It has a camera of its own: as the flags say, else one that nobody knows.
+        """
+        options, memory = self._options, None
+        source: Source
+        if path is None:
+            number = self._next_camera()
+            memory = FocalMemory(name_of(number, connected()))
+            source = WebcamSource(number, options.size)
+            self._camera = str(number)
+        else:
+            source = open_source(path)
+        chosen = with_marker_in(source, options)
+        tracker = make_tracker(chosen, memory=memory, source=source)
+        pipeline = Pipeline(source, tracker, options.loop, tracker_maker(chosen, memory, source))
+        pipeline.start()
+        return pipeline
+
+    def _next_camera(self) -> int:
+        numbers = [device.number for device in connected()]
+        others = [number for number in numbers if str(number) != self._camera]
+        if not others:
+            raise UserError("no other camera is connected", "plug one in, and press N again")
+        last = int(self._camera) if self._camera is not None and self._camera.isdecimal() else -1
+        return next((number for number in others if number > last), others[0])

@@ -1,0 +1,109 @@
+"""What primitives say of their vertices, compressed by Draco or not: KHR_draco_mesh_compression, decoded by DracoPy."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float
+from ashe_live.models.gltf.arrays import Arrays
+from ashe_live.models.gltf.pose import Shape
+from ashe_live.models.parsing.malformed import MalformedError
+
+
+class DracoPrimitive:
+    """What the compressed bytes of a primitive hold. Raises MalformedError for what is no Draco mesh."""
+
+    def __init__(self, content: bytes, attributes: dict[str, int]) -> None:
+        """`attributes`: the unique ids of Draco's, by glTF's names."""
+        import DracoPy  # few files need its three megabytes
+
+        try:
+            mesh = DracoPy.decode(content)
+            self.corners: NDArray[np.int64] = np.asarray(mesh.faces, dtype=np.int64).ravel()
+            decoded = {attribute["unique_id"]: np.asarray(attribute["data"]) for attribute in mesh.attributes}
+        except MemoryError:
+            raise
+        except Exception as error:  # what a decoder makes of damaged bytes
+            raise MalformedError("a primitive's Draco data cannot be decoded") from error
+        missing = [name for name, number in attributes.items() if number not in decoded]
+        if missing:
+            raise MalformedError(f"a primitive's Draco data holds no {missing[0]}")
+        self._of_name: dict[str, NDArray[Any]] = {name: decoded[number] for name, number in attributes.items()}
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._of_name
+
+    def numbers(self, name: str) -> NDArray[Any]:
+        """(vertices, components) as it was compressed."""
+        return self._of_name[name]
+
+    def floats(self, name: str, are_shares: bool) -> Float:
+        """(vertices, components): integers as shares of their largest where the caller says so."""
+        stored = self._of_name[name]
+        if stored.dtype.kind == "f" or not are_shares:
+            return stored.astype(np.float64)
+        return np.maximum(stored.astype(np.float64) / np.iinfo(stored.dtype).max, -1.0)
+
+
+class Attributes:
+    """What a primitive says of its vertices, compressed by Draco or not."""
+
+    def __init__(self, primitive: dict[str, Any], arrays: Arrays, unpacked: DracoPrimitive | None) -> None:
+        self._primitive = primitive
+        self._places: dict[str, int] = primitive["attributes"]
+        self._arrays = arrays
+        self._unpacked = unpacked
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._places
+
+    def floats(self, name: str, are_shares: bool = False) -> Float:
+        if self._unpacked is None or name not in self._unpacked:
+            return self._arrays.floats(self._places[name], are_shares)
+        is_share = are_shares or self._arrays.is_normalised(self._places[name])
+        return self._checked(name, self._unpacked.floats(name, is_share))
+
+    def optional(self, name: str) -> Float | None:
+        return self.floats(name) if name in self else None
+
+    def corners(self, count: int) -> NDArray[np.int64]:
+        """(n,) indices of vertices, before they are made triangles."""
+        if self._unpacked is not None:
+            return self._unpacked.corners
+        if "indices" not in self._primitive:
+            return np.arange(count)
+        return self._arrays.numbers(self._primitive["indices"]).ravel().astype(np.int64)
+
+    def colours(self) -> Float | None:
+        """(n, 4) linear; opaque where the file says nothing of alpha."""
+        if "COLOR_0" not in self:
+            return None
+        given = self.floats("COLOR_0", are_shares=True)
+        return np.hstack([given, np.ones((len(given), 4 - given.shape[1]))])
+
+    def shape(self, has_joints: bool) -> Shape:
+        """Places and normals, and what moves them."""
+        targets = self._primitive.get("targets", [])
+        added = ([self._added(target, name) for target in targets] for name in ("POSITION", "NORMAL"))
+        influences = tuple(self._influences()) if has_joints else ()
+        return Shape(self.floats("POSITION"), self.optional("NORMAL"), tuple(zip(*added, strict=True)), influences)
+
+    def _added(self, target: dict[str, int], name: str) -> Float | None:
+        return self._arrays.floats(target[name]) if name in target else None
+
+    def _influences(self) -> list[tuple[NDArray[np.int64], Float]]:
+        """Of joints: which (n, 4), and how much of each (n, 4)."""
+        found = []
+        for number in range(2):
+            joints, weights = f"JOINTS_{number}", f"WEIGHTS_{number}"
+            if joints in self and weights in self:
+                which = self.floats(joints).astype(np.int64)
+                found.append((which, self.floats(weights, are_shares=True)))
+        return found
+
+    def _checked(self, name: str, values: Float) -> Float:
+        shape = self._arrays.shape(self._places[name])
+        if values.shape != shape:
+            raise MalformedError(f"a primitive's Draco data holds {values.shape} of {name}, and its accessor {shape}")
+        return values

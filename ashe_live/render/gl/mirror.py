@@ -1,0 +1,50 @@
+"""Turns the picture left to right, as whoever looks into a camera expects of a mirror."""
+
+import moderngl
+
+from ashe_live.core.camera import Size
+from ashe_live.render.gl.programs import build_program, set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
+
+FROM_RIGHT_TO_LEFT = (1.0, -1.0, -1.0, 1.0)
+
+
+class Mirror:
+    """Has a copy of the picture while it is in use."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._program = build_program(ctx, "screen")
+        self._rectangle = ctx.vertex_array(self._program, [])
+        self._copy: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
+
+    def turn(self, picture: moderngl.Framebuffer) -> None:
+        """All of a framebuffer that has colours alone, of a single sample."""
+        texture, copy = self._copy_of(picture.size)
+        self._ctx.copy_framebuffer(copy, picture)
+        picture.use()
+        self._ctx.viewport = (0, 0, *picture.size)
+        self._ctx.enable_only(moderngl.NOTHING)
+        texture.use(UNIT_OF["picture"])
+        set_uniforms(self._program, rectangle=FROM_RIGHT_TO_LEFT)
+        self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+
+    def release(self) -> None:
+        self._release_copy()
+        self._rectangle.release()
+        self._program.release()
+
+    def _copy_of(self, size: Size) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
+        if self._copy is None or self._copy[0].size != size:
+            self._release_copy()
+            texture = self._ctx.texture(size, 4)
+            texture.filter = moderngl.NEAREST, moderngl.NEAREST
+            self._copy = texture, self._ctx.framebuffer([texture])
+        return self._copy
+
+    def _release_copy(self) -> None:
+        if self._copy is not None:
+            texture, framebuffer = self._copy
+            framebuffer.release()
+            texture.release()
+        self._copy = None

@@ -1,0 +1,19 @@
+"""The time that a moving model is shown at: it runs on until a person stops it."""
+
+
+class MotionClock:
+    """In seconds of the caller's clock, which may be a clip's."""
+
+    def __init__(self) -> None:
+        self.is_stopped = False
+        self.time_s = 0.0  # since the motion began, without the time for which it was stopped
+        self._last_s: float | None = None
+
+    def tick(self, now_s: float) -> None:
+        """Goes on to `now_s`; does nothing while it is stopped, or where the caller's clock went back."""
+        if self._last_s is not None and not self.is_stopped:
+            self.time_s += max(0.0, now_s - self._last_s)
+        self._last_s = now_s
+
+    def toggle(self) -> None:
+        self.is_stopped = not self.is_stopped

@@ -1,0 +1,84 @@
+"""Which marker is followed, and with what field of view: found, offered, and chosen by keys."""
+
+from collections.abc import Callable
+
+from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.sources.marker_hunt import MarkerHunt
+from ashe_live.viewer.sources.pipeline import Pipeline
+
+FIELDS_OF_VIEW_DEG = (50.0, 60.0, 70.0, 80.0)  # of webcams and phones, wide
+
+
+class Followed:
+    """In the source that is played. Used by the main thread only."""
+
+    def __init__(self, pipeline: Pipeline, session: Session, tell: Callable[[str, float], None]) -> None:
+        """`tell` shows a line at a time in seconds, and prints it."""
+        self.takes_any_marker = False  # the one that is in view is followed, as nobody has named another
+        self._session = session
+        self._tell = tell
+        self.begin_anew(pipeline)
+
+    def begin_anew(self, pipeline: Pipeline) -> None:
+        """With another source."""
+        self._pipeline = pipeline
+        self._hunt = MarkerHunt()
+        self._hfov_deg: float | None = None  # that a person chose
+
+    def look(self, now_s: float) -> None:
+        """Says which other markers are in view; follows the only one where nobody has named any."""
+        session = self._session
+        if not self._pipeline.may_follow_others:
+            return
+        is_news = self._hunt.look(session.tracked, now_s)
+        session.markers_in_view = self._hunt.in_view
+        if (answer := self._hunt.take_answer()) is not None:
+            self._take_next(answer, now_s)
+        elif is_news and self.takes_any_marker and not session.has_seen_marker and len(self._hunt.in_view) == 1:
+            self._follow(self._hunt.in_view[0], now_s)
+
+    def follow_other(self, now_s: float) -> None:
+        """Another one that is in view; looks for it first while the one that is followed is there."""
+        if self._hunt.in_view:
+            self._follow(self._hunt.in_view[0], now_s)
+        elif not self._pipeline.may_follow_others:
+            self._session.say("here the marker is known", now_s)
+        else:
+            self._hunt.ask()
+            self._session.say("looking for other markers", now_s)
+
+    def next_field_of_view(self, now_s: float) -> None:
+        """The next of FIELDS_OF_VIEW_DEG; after the last, what is known or estimated without a person's choice."""
+        if not self._pipeline.may_follow_others:
+            self._session.say("here the camera is known", now_s)
+            return
+        choices = (None, *FIELDS_OF_VIEW_DEG)
+        self._hfov_deg = choices[(choices.index(self._hfov_deg) + 1) % len(choices)]
+        self._pipeline.see_by(self._hfov_deg)
+        self._begin_session_anew()
+        if self._hfov_deg is None:
+            self._tell("the field of view is as it was at the start", now_s)
+        else:
+            said = f"--hfov {self._hfov_deg:g}"
+            self._tell(f"the camera's picture counts as {self._hfov_deg:g}° wide now: {said} says so", now_s)
+
+    def _take_next(self, in_view: tuple[str, ...], now_s: float) -> None:
+        """In the order of their names, so that asking again and again goes round."""
+        present = self._pipeline.marker
+        others = sorted(spec for spec in in_view if spec != present)
+        if not others:
+            self._session.say("no other marker is in view", now_s)
+            return
+        later = [spec for spec in others if present is not None and spec > present]
+        self._follow((later or others)[0], now_s)
+
+    def _follow(self, spec: str, now_s: float) -> None:
+        self._pipeline.follow(spec)
+        self._begin_session_anew()
+        self._hunt = MarkerHunt()
+        self._tell(f"{spec} is followed now: --marker {spec} names it from the start", now_s)
+
+    def _begin_session_anew(self) -> None:
+        if self._session.has_seen_marker:
+            self._session.begin_anew(Steadiness(1) if self._pipeline.is_photo else Steadiness())

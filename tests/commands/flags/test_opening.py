@@ -1,0 +1,87 @@
+"""What a window opens later: the next camera that is there, and files, with the flags of the start."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import PIL.Image
+import pytest
+
+from ashe_live.capture.cameras import Device
+from ashe_live.commands.flags import opening
+from ashe_live.commands.flags.marker_choice import tracker_maker
+from ashe_live.commands.flags.opening import LaterSources
+from ashe_live.commands.flags.options import parsed
+from ashe_live.core.types import Frame
+from ashe_live.errors import UserError
+from tests.viewer.conftest import FakeSource
+
+PICTURE = np.full((48, 64, 3), 200, np.uint8)
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[int]:
+    """The numbers of cameras that were opened."""
+    numbers: list[int] = []
+
+    def camera(number: int, _size: object) -> FakeSource:
+        numbers.append(number)
+        return FakeSource(is_live=True)
+
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(opening, "WebcamSource", camera)
+    return numbers
+
+
+def options_of(*arguments: str) -> argparse.Namespace:
+    return parsed(arguments)
+
+
+def attached(monkeypatch: pytest.MonkeyPatch, *numbers: int) -> None:
+    monkeypatch.setattr(opening, "connected", lambda: [Device(number, f"camera {number}", None) for number in numbers])
+
+
+def test_cameras_go_round(monkeypatch: pytest.MonkeyPatch, opened: list[int]) -> None:
+    attached(monkeypatch, 0, 2, 5)
+    later = LaterSources(options_of("webcam", "--camera", "2", "--hfov", "60"))
+    for _ in range(4):
+        later(None).close()
+    assert opened == [5, 0, 2, 5]
+
+
+def test_from_a_clip_the_first_camera_comes(monkeypatch: pytest.MonkeyPatch, opened: list[int]) -> None:
+    attached(monkeypatch, 1, 3)
+    LaterSources(options_of("play", "clip.mp4", "--hfov", "60"))(None).close()
+    assert opened == [1]
+
+
+@pytest.mark.parametrize("numbers", [(), (0,)])
+def test_that_there_is_no_other_is_said(monkeypatch: pytest.MonkeyPatch, opened: list[int], numbers) -> None:
+    attached(monkeypatch, *numbers)
+    with pytest.raises(UserError, match="no other camera is connected"):
+        LaterSources(options_of("webcam", "--camera", "0"))(None)
+    assert opened == []
+
+
+def test_a_file_is_played_with_the_flags_of_the_start(tmp_path: Path) -> None:
+    PIL.Image.fromarray(PICTURE).save(tmp_path / "a.png")
+    pipeline = LaterSources(options_of("webcam", "--marker", "aruco:4x4_50:7", "--hfov", "70"))(tmp_path / "a.png")
+    tracked = pipeline.frames.take(20.0)
+    pipeline.close()
+    assert pipeline.marker == "aruco:4x4_50:7"
+    assert tracked is not None
+    assert tracked.camera.hfov_deg == pytest.approx(70)
+
+
+def test_trackers_are_made_for_other_markers_and_fields_of_view(tmp_path: Path) -> None:
+    calibration = tmp_path / "camera.json"
+    calibration.write_text(
+        '{"size": [64, 48], "K": [[50, 0, 31.5], [0, 50, 23.5], [0, 0, 1]], "dist": [0, 0, 0, 0, 0]}'
+    )
+    make = tracker_maker(options_of("play", "clip.mp4", "--camera-file", str(calibration)))
+    frame = Frame(PICTURE, 0, 0.0)
+    as_given, wide = make(None, None), make("apriltag:36h11:4", 80.0)
+    assert (as_given.marker.spec, wide.marker.spec) == ("aruco:4x4_50:0", "apriltag:36h11:4")
+    assert as_given.track(frame).camera.K[0, 0] == 50
+    assert wide.track(frame).camera.hfov_deg == pytest.approx(80)
