@@ -43,8 +43,7 @@ class Seen:
     def pose(self, errors: CornerErrors) -> MarkerPose | None:
         """The pose, its corners taken to be as uncertain as `errors` has them."""
         square = replace(self.square, corners_px=uncorrected_px(self.square))
-        if self.square.bleed_px is not None:
-            square = corrected(square, self.square.bleed_px, errors)
+        square = corrected(square, self.square.bleed_px, errors)
         return pose_of_squares([Sighting(square_corners(self.side_m), square)], self.camera, self.side_m, errors=errors)
 
 

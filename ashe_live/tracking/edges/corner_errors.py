@@ -37,19 +37,24 @@ FITTED = CornerErrors(
 )
 
 
-def corrected(square: FittedSquare, bleed_px: float, errors: CornerErrors = FITTED) -> FittedSquare:
+def corrected(square: FittedSquare, bleed_px: float | None, errors: CornerErrors = FITTED) -> FittedSquare:
     """`square` with its sides moved back by what the inside says that all of them lie outwards."""
-    moved_px = errors.bleed_share * math.copysign(max(abs(bleed_px) - LEAST_BLEED_PX, 0.0), bleed_px)
+    moved_px = _moved_px(bleed_px, errors)
     corners = square.corners_px - moved_px * _outwards(square.corners_px) if moved_px else square.corners_px
     return replace(square, corners_px=corners, bleed_px=bleed_px)
 
 
 def uncorrected_px(square: FittedSquare, errors: CornerErrors = FITTED) -> Float:
     """(4, 2) the corners where `corrected` found them."""
-    if square.bleed_px is None:
-        return square.corners_px
-    moved_px = errors.bleed_share * math.copysign(max(abs(square.bleed_px) - LEAST_BLEED_PX, 0.0), square.bleed_px)
-    return np.asarray(square.corners_px + moved_px * _outwards(square.corners_px))
+    moved_px = _moved_px(square.bleed_px, errors)
+    return np.asarray(square.corners_px + moved_px * _outwards(square.corners_px)) if moved_px else square.corners_px
+
+
+def _moved_px(bleed_px: float | None, errors: CornerErrors) -> float:
+    """How far outwards the sides are taken to lie where the inside says `bleed_px`."""
+    if bleed_px is None:
+        return 0.0
+    return errors.bleed_share * math.copysign(max(abs(bleed_px) - LEAST_BLEED_PX, 0.0), bleed_px)
 
 
 def systematic(square: FittedSquare, errors: CornerErrors = FITTED) -> Float:
