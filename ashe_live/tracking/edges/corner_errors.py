@@ -23,7 +23,7 @@ BOW_NOISE_PX = 0.1
 class CornerErrors:
     """Standard deviations, fitted by `ashe-live bench track --scenes` to path-traced pictures with known poses."""
 
-    end_px: float  # of either end of each side, whatever the picture
+    end_px: float  # of either end of each side, whatever the picture: stated for printers and pixels, not fitted
     correlated: float  # the same over what the scatter along the sides tells of its correlated part
     curl: float  # the same over the sagitta of the side that bows most, beyond BOW_NOISE_PX
     bleed_share: float  # how far the outer edges are displaced, over what the inside says
@@ -33,7 +33,7 @@ class CornerErrors:
 
 
 FITTED = CornerErrors(
-    end_px=0.012, correlated=1.8, curl=0.49, bleed_share=0.68, bleed_px=0.078, bleed_half_px=0.079, weight=2.8
+    end_px=0.012, correlated=1.8, curl=0.49, bleed_share=0.68, bleed_px=0.117, bleed_half_px=0.142, weight=1.87
 )
 
 
