@@ -23,7 +23,7 @@ BOW_NOISE_PX = 0.1
 class CornerErrors:
     """Standard deviations, fitted by `ashe-live bench track --scenes` to path-traced pictures with known poses."""
 
-    end_px: float  # of either end of each side, whatever the picture
+    end_px: float  # of either end of each side, whatever the picture: stated for printers and pixels, not fitted
     correlated: float  # the same over what the scatter along the sides tells of its correlated part
     curl: float  # the same over the sagitta of the side that bows most, beyond BOW_NOISE_PX
     bleed_share: float  # how far the outer edges are displaced, over what the inside says
@@ -33,23 +33,28 @@ class CornerErrors:
 
 
 FITTED = CornerErrors(
-    end_px=0.012, correlated=1.8, curl=0.49, bleed_share=0.68, bleed_px=0.078, bleed_half_px=0.079, weight=2.8
+    end_px=0.012, correlated=1.8, curl=0.49, bleed_share=0.68, bleed_px=0.117, bleed_half_px=0.142, weight=1.87
 )
 
 
-def corrected(square: FittedSquare, bleed_px: float, errors: CornerErrors = FITTED) -> FittedSquare:
+def corrected(square: FittedSquare, bleed_px: float | None, errors: CornerErrors = FITTED) -> FittedSquare:
     """`square` with its sides moved back by what the inside says that all of them lie outwards."""
-    moved_px = errors.bleed_share * math.copysign(max(abs(bleed_px) - LEAST_BLEED_PX, 0.0), bleed_px)
+    moved_px = _moved_px(bleed_px, errors)
     corners = square.corners_px - moved_px * _outwards(square.corners_px) if moved_px else square.corners_px
     return replace(square, corners_px=corners, bleed_px=bleed_px)
 
 
 def uncorrected_px(square: FittedSquare, errors: CornerErrors = FITTED) -> Float:
     """(4, 2) the corners where `corrected` found them."""
-    if square.bleed_px is None:
-        return square.corners_px
-    moved_px = errors.bleed_share * math.copysign(max(abs(square.bleed_px) - LEAST_BLEED_PX, 0.0), square.bleed_px)
-    return np.asarray(square.corners_px + moved_px * _outwards(square.corners_px))
+    moved_px = _moved_px(square.bleed_px, errors)
+    return np.asarray(square.corners_px + moved_px * _outwards(square.corners_px)) if moved_px else square.corners_px
+
+
+def _moved_px(bleed_px: float | None, errors: CornerErrors) -> float:
+    """How far outwards the sides are taken to lie where the inside says `bleed_px`."""
+    if bleed_px is None:
+        return 0.0
+    return errors.bleed_share * math.copysign(max(abs(bleed_px) - LEAST_BLEED_PX, 0.0), bleed_px)
 
 
 def systematic(square: FittedSquare, errors: CornerErrors = FITTED) -> Float:

@@ -51,24 +51,24 @@ def checked(
     if not alignment.tells_place:
         if not is_print or square.sides_seen < 4:
             return None
-        return corrected(square, alignment.bleed(seen_print) * side_px) if alignment.tells_bleed else square
+        return corrected(square, alignment.bleed_px(seen_print, side_px))
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
     seen = alignment.look(seen_print, side_px)
     # A print that lies elsewhere explains the samples badly: then one step says little, and is as unsure.
     if seen is not None and square.sides_seen == 4 and seen.sigma <= SURE_SIGMA:
-        even = corrected(square, alignment.bleed(seen_print) * side_px)
+        even = corrected(square, alignment.bleed_px(seen_print, side_px))
         if not _off(seen.step - in_units(even.corners_px, square.corners_px), seen, tolerance).any():
             return even if is_print else None
     found = alignment.aligned(blurred, square.corners_px, camera, origin_px)
     if found is None or found.seen.inside < MIN_INSIDE:
         return None
-    square = corrected(square, found.seen.bleed * side_px)
+    square = corrected(square, found.seen.bleed_px)
     off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
     if off.sum() > MOST_COVERED:
         # Other edges than the print's were taken, as of its paper on a bright floor: the inside says where to look.
         again = fitted_square(light, found.corners_px, samples, 1.0, camera, origin_px, LAST_REACH_PX)
         if again is not None:
-            square = corrected(again, found.seen.bleed * side_px)
+            square = corrected(again, found.seen.bleed_px)
             off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
             is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, camera, origin_px))
     if not off.any():

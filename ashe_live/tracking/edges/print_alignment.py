@@ -26,6 +26,9 @@ RING = 0.3  # over the border's width
 # A print with next to nothing inside (4x4_50:17 is a single white block) does not tell its corners' place: one sample
 # wrong by its whole contrast moves them by so much of the side. It is known by its likeness alone, which must be sure.
 MOST_SPREAD, SURE_LIKENESS = 0.2, 0.96
+# Seen whole, the inside tells how far its edges bleed to a few hundredths of a pixel. A strip that lies over it, or a
+# reflection in the glass before it, looks like a large bleed, and leaves far more unexplained.
+MOST_BLEED_SIGMA_PX = 0.07
 STEPS = 12
 SMALL_STEP = 1e-3  # of the side
 MIN_SIGMA_PX = 0.05
@@ -41,7 +44,7 @@ class Aligned:
     covariance: Float  # (8, 8) of step.ravel()
     sigma: float  # the largest standard deviation in it
     inside: float  # correlation in [-1, 1] of the samples inside the border with the print
-    bleed: float  # how far all edges lie towards white, in units of the side
+    bleed_px: float | None  # how far all edges lie towards white; None where that is not to be told
 
 
 class Alignment(NamedTuple):
@@ -97,47 +100,62 @@ class PrintAlignment(PrintLikeness):
         # All four corners outwards by one, and with them the edges inside, towards their white.
         together = columns[:, 1:9] @ -OUTWARDS.ravel() - columns[:, 12]
         one_shift = np.column_stack([columns[:, 0], columns[:, 9:12], together])
-        self._bleed_solver = np.linalg.pinv(one_shift)[[0, 4]].astype(np.float32)
-        self._spread = np.linalg.inv(columns.T @ columns + 1e-9 * np.eye(13))[1:9, 1:9]
+        self._one_shift = one_shift.astype(np.float32)
+        self._bleed_solver = np.linalg.pinv(one_shift).astype(np.float32)
+        self._bleed_spread = float(np.linalg.inv(one_shift.T @ one_shift + 1e-9 * np.eye(5))[4, 4])
+        spread = np.linalg.inv(columns.T @ columns + 1e-9 * np.eye(13))
+        self._spread, self._bloom_spread = spread[1:9, 1:9], float(spread[12, 12])
         self._largest_spread = float(np.diag(self._spread).max())
-        self.tells_bleed = tells_place
+        self._tells_bleed = tells_place
         is_weak = tells_place and math.sqrt(self._largest_spread) > MOST_SPREAD
         self.tells_place = tells_place and not is_weak
         if is_weak:
             self._least_likeness = SURE_LIKENESS
 
-    def bleed(self, samples: Light) -> float:
-        """How far outwards all four sides of a square lie, in units of its side, from samples within it.
+    def bleed_px(self, samples: Light, side_px: float) -> float | None:
+        """How far outwards all four sides of a square lie, from samples within it; None where that is not to be told.
 
         The edges inside lie as far towards white: a tone curve other than sRGB's, white that is cut off, or ink that
         has spread moves all of them alike.
         """
-        gain, displaced = (self._bleed_solver @ samples.ravel()[self._inside]).tolist()
-        bleed = displaced / gain if gain > 0 else 0.0
-        return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed)
+        inside = samples.ravel()[self._inside]
+        coefficients = self._bleed_solver @ inside
+        gain = float(coefficients[0])
+        if gain <= 0 or not self._tells_bleed:
+            return None
+        variance = self._variance(inside - self._one_shift @ coefficients, len(coefficients), side_px) / gain**2
+        return self._believed_px(float(coefficients[4]) / gain, variance * self._bleed_spread, side_px)
 
     def look(self, samples: Light, side_px: float) -> Aligned | None:
         """One step from samples taken where the print is thought to be; None where nothing of it is seen."""
         inside = samples.ravel()[self._inside]
         coefficients = self._solver @ inside
         gain = float(coefficients[0])
-        left = inside - self._columns @ coefficients
         total = float(((inside - inside.mean()) ** 2).sum())
         if gain <= 0 or total <= 0:
             return None
-        squared = float(left @ left)
-        # Neighbouring samples see the same pixels.
-        per_sample_px = side_px / (self._side - 2 * self._margin)
-        alike = max(AVERAGED, 2 / per_sample_px) ** 2
-        variance = squared / max(1, len(inside) - 13) * alike / gain**2
+        variance = self._variance(inside - self._columns @ coefficients, len(coefficients), side_px) / gain**2
         own = normalised(self._columns[:, 0])
         return Aligned(
             (coefficients[1:9] / gain).astype(np.float64).reshape(4, 2),
             variance * self._spread,
             math.sqrt(variance * self._largest_spread),
             float(own @ normalised(inside)),
-            -float(coefficients[12]) / gain,
+            self._believed_px(-float(coefficients[12]) / gain, variance * self._bloom_spread, side_px),
         )
+
+    def _variance(self, left: Light, unknowns: int, side_px: float) -> float:
+        """Of what a fit leaves unexplained of the samples inside, counted as that of independent ones."""
+        # Neighbouring samples see the same pixels.
+        per_sample_px = side_px / (self._side - 2 * self._margin)
+        alike = max(AVERAGED, 2 / per_sample_px) ** 2
+        return float(left @ left) / max(1, len(left) - unknowns) * alike
+
+    def _believed_px(self, bleed: float, variance: float, side_px: float) -> float | None:
+        """A bleed in units of the side, as of its variance, beyond what the print's own edges may be off."""
+        if math.sqrt(variance) * side_px > MOST_BLEED_SIGMA_PX:
+            return None
+        return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed) * side_px
 
     def aligned(
         self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import cv2
 import numpy as np
 import pytest
 
@@ -20,6 +21,8 @@ from tests.tracking.conftest import frame
 
 MARKER = parse_marker(SPEC)
 POSE = pose_at(0.55, 25, 20)
+# Of the chi-squared distribution with six degrees of freedom.
+BEYOND_1_IN_1000 = 22.46
 CORNERS = project(SMALL, POSE, square_corners(SIDE_M))
 
 
@@ -79,3 +82,27 @@ def test_a_lens_is_undone_where_samples_are_taken() -> None:
     corners, alignment = project(lens, pose, square_corners(SIDE_M)), MARKER.alignment
     samples = alignment.sampled(linear_light(image[:, :, 0]), corners, lens, (0, 0))
     assert alignment.likeness(samples) > 0.95
+
+
+@pytest.mark.parametrize("light", [0.03, 0.3, 0.75])
+def test_a_strip_across_the_middle_is_no_reason_to_be_wrong_and_sure(light: float) -> None:
+    """It leaves the four sides as they are, but looks like edges inside that have bled."""
+    across = Cover(0, 0.56, -0.46, (-0.2, 1.2), 0.02, light)
+    found = MarkerTracker(MARKER, SMALL, SIDE_M, BALANCED.tracking).track(frame(picture(Flaws(cover=across)))).marker
+    if found is None:
+        return
+    turn = cv2.Rodrigues(found.T_cam_marker[:3, :3] @ POSE[:3, :3].T)[0].ravel()
+    error = np.concatenate([turn, found.T_cam_marker[:3, 3] - POSE[:3, 3]])
+    assert error @ np.linalg.solve(found.covariance, error) < BEYOND_1_IN_1000
+
+
+def test_a_print_that_is_partly_covered_does_not_say_how_far_its_edges_bleed() -> None:
+    def bleed_px(cover: Cover | None) -> float | None:
+        light = light_of(Flaws(gamma=2.2, cover=cover))
+        samples = MARKER.alignment.sampled(MARKER.alignment.blurred(light, CORNERS), CORNERS, SMALL, (0, 0))
+        return MARKER.alignment.bleed_px(samples, 131.0)
+
+    clean_px = bleed_px(None)
+    assert clean_px is not None
+    assert clean_px > 0.2
+    assert bleed_px(Cover(0, 0.56, -0.46, (-0.2, 1.2), 0.02, 0.75)) is None
