@@ -4,16 +4,12 @@ import math
 from dataclasses import replace
 
 from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2, unexplained_border_px
+from ashe_live.render.camera.video_look import VideoLook, look_of
+from ashe_live.render.camera.white import white_of
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.lighting import Lighting, lighting_of
 from ashe_live.render.lights.shadow_maps import same_objects
-from ashe_live.render.lights.video_look import (
-    INTERPOLATION_VARIANCE_PX2,
-    VideoLook,
-    look_of,
-    unexplained_border_px,
-    white_of,
-)
 
 LOOK_HELD_S = 0.2  # of the video's time
 

@@ -12,15 +12,18 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
+from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
-from ashe_live.render.lights.video_look import BOX_VARIANCE_PX2, VideoLook
 from ashe_live.render.passes.lens import Lens
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 
 MAX_REACH = 4  # pixels; a wider blur is cut off there
 KERNEL_SIGMAS = 2.0  # of a Gaussian within its kernel's reach
+# Colours at half the resolution are means of two pixels, interpolated: variances of 1/4 and 3/4, by chance the same.
+WIDER_PX2 = SHARPENING_SIGMA_PX**2
 
 
 class Composite:
@@ -33,7 +36,7 @@ class Composite:
 
     def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
         """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
-        return _reach(_variance(viewport[2] / frame.size[0], look))
+        return _reach(_widest(viewport[2] / frame.size[0], look))
 
     def draw(
         self,
@@ -55,12 +58,16 @@ class Composite:
         """
         frame = tracked.frame
         scale = viewport[2] / frame.size[0]
-        variance = _variance(scale, look)
-        reach = _reach(variance)
-        constants = {"reach": reach}
-        if is_cut_out:
-            constants |= {"cut_out": 1}
-        constants |= dict.fromkeys(("coarse_chroma",) * look.has_coarse_chroma + ("bends",) * (lens is not None), 1)
+        variance, widest = _variance(scale, look), _widest(scale, look)
+        reach = _reach(widest)
+        switches = {
+            "wide": widest > variance,
+            "coarse_chroma": look.has_coarse_chroma,
+            "overexposed": look.overexposure > 1,
+            "bends": lens is not None,
+            "cut_out": is_cut_out,
+        }
+        constants = {"reach": reach, **{name: 1 for name, is_on in switches.items() if is_on}}
         program = self._programs.get("composite", **constants)
         if self._rectangle is None or self._rectangle[0] is not program:
             self._release_rectangle()
@@ -71,7 +78,10 @@ class Composite:
             program,
             viewport=tuple(map(float, viewport)),
             weights=_weights(variance, reach),
-            noise_sigma=look.noise_sigma,
+            wide_weights=_weights(widest, reach),
+            sharpening=look.sharpening,
+            overexposure=look.overexposure,
+            noise_sigmas=np.array(look.noise_sigmas),
             grain_px=(scale, viewport[3] / frame.size[1]),
             seed=frame.index,
         )
@@ -112,6 +122,12 @@ def _variance(scale: float, look: VideoLook) -> float:
     if look.blur_sigma_px is None:
         return 0.0
     return scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2)
+
+
+def _widest(scale: float, look: VideoLook) -> float:
+    """Variance of the blur with which the composite's colours are blurred and its brightness is compared."""
+    variance = _variance(scale, look)
+    return variance + scale**2 * WIDER_PX2 if look.sharpening > 0 or look.has_coarse_chroma else variance
 
 
 def _reach(variance: float) -> int:

@@ -27,6 +27,7 @@ VERSIONS = ("bare", "model", "open")  # as it is, with the model, and without th
 MODEL = "cube"
 MODEL_INDEX = 9  # of the object index pass
 LEAST_LIFT_M = 0.0002  # of the sheet over the ground
+PAPER = 0.8  # albedo of office paper; the set's own sheets have 0.6 to 0.85, which no picture of them can tell
 SAMPLES = 32
 FOOTPRINT_SIDES, HEIGHT_SIDES = 1.0, 1.2  # as ashe_live/models/placement.py
 
@@ -42,6 +43,7 @@ def specify(out: Path) -> None:
         spec["pictures"] = [picture]
         spec["ground"]["z_m"] = -LEAST_LIFT_M
         spec["marker"]["card_m"] = spec["marker"]["curl_m"] = 0.0
+        spec["marker"]["paper"] = PAPER
         scenes.append(spec)
     (out / "specifications.json").write_text(json.dumps({"set": "pairs", "model": MODEL, "scenes": scenes}))
 
