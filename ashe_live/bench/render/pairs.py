@@ -18,6 +18,7 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.contract import Json
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
@@ -161,7 +162,8 @@ def _pair(folder: Path, entry: Json, model: str) -> Pair:
     cv2.fillConvexPoly(is_sheet, np.round(sheet).astype(np.int32), 1)
     is_model = read_picture(folder / f"{entry['id']}_mask.png")[..., 0] > 127
     ground = LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3)
-    illumination = Illumination((light,), ground_rgb=np.median(ground, axis=0), seen_in=tracked)
+    body = Proxy("hull", np.pad(np.array(entry["body_m"]), ((0, 0), (0, 2))))
+    illumination = Illumination((light,), real_object=body, ground_rgb=np.median(ground, axis=0), seen_in=tracked)
     scene = Scene(tracked, placed_on_marker(load_model(model), side_m), illumination)
     name = f"{entry['id']} ({entry['ground']}, {entry['camera']}, {entry['angular_diameter_deg']:.1f} deg)"
     return Pair(name, scene, expected, without_sheet, is_model, is_sheet > 0, entry["angular_diameter_deg"])

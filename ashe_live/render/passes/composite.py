@@ -21,6 +21,7 @@ from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 
 MAX_REACH = 4  # pixels; a wider blur is cut off there
+SMALLEST = 2  # rows and columns together from the middle of a kernel to its farthest pixels, at least
 KERNEL_SIGMAS = 2.0  # of a Gaussian within its kernel's reach
 # Colours at half the resolution are means of two pixels, interpolated: variances of 1/4 and 3/4, by chance the same.
 WIDER_PX2 = SHARPENING_SIGMA_PX**2
@@ -135,21 +136,19 @@ def _reach(variance: float) -> int:
 
 
 def _weights(variance: float, reach: int) -> Float:
-    """(reach + 1,) of a row's middle and of the pixels at 1 to `reach` on both sides of it; all together 1.
+    """(reach + 1,) factors by row and column; over the diamond of pixels that is used, their products sum to 1.
 
     The Gaussian's variance is raised until that of the kernel, which is cut off and sampled, is the wanted one.
     """
-    at = np.arange(reach + 1)
-    twice = np.where(at == 0, 1.0, 2.0)
     if variance <= 0 or reach == 0:
-        return np.where(at == 0, 1.0, 0.0)
-    if variance < 0.4:
-        # Narrower than the pixels' own grid: the three-tap kernel of this variance.
-        return np.array([1 - variance, variance / 2, *[0.0] * (reach - 1)])
-    low, high = variance / 4, 40.0 * variance
+        return np.where(np.arange(reach + 1) == 0, 1.0, 0.0)
+    at = np.arange(-reach, reach + 1)
+    used = np.abs(at)[:, None] + np.abs(at) <= max(reach, SMALLEST)
+    low, high = variance / 40, 40.0 * variance
     for _ in range(40):
         raised = math.sqrt(low * high)
-        weights = np.exp(-(at**2) / (2 * raised))
-        weights /= (twice * weights).sum()
-        low, high = (raised, high) if (twice * weights * at**2).sum() < variance else (low, raised)
-    return weights
+        line = np.exp(-(at**2) / (2 * raised))
+        line /= math.sqrt(float((line[:, None] * line)[used].sum()))
+        kernel = np.where(used, line[:, None] * line, 0.0)
+        low, high = (raised, high) if (kernel * at**2).sum() < variance else (low, raised)
+    return line[reach:]

@@ -27,7 +27,7 @@ DIRECTIONS = 48
 DEPTHS = replace(FAST, shadow_map_size=128, soft_on_model=False, pcf_radius=1)
 PATCH_SIZE = 96  # texels a side
 BLUR_TEXELS = 1.5  # of a Gaussian that merges the single directions' shadows
-REACH_HEIGHTS = 1.0  # how far the patch goes beyond the model's bounds, in heights of the model
+REACH_HEIGHTS = 0.75  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
 NO_LIGHT = (0.0, 0.0, 0.0)
 FADE = 0.3  # share of the patch's side along which the darkening ends

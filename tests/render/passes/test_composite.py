@@ -15,7 +15,7 @@ from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.gl.framing import box_corners
-from ashe_live.render.passes.composite import _weights
+from ashe_live.render.passes.composite import SMALLEST, _weights
 from ashe_live.render.scene import Scene
 from tests.render.camera.test_video_look import _sheet
 
@@ -29,7 +29,8 @@ def test_kernel_has_the_variance_that_was_asked_for(variance: float) -> None:
     reach = 5
     weights = _weights(variance, reach)
     at = np.arange(-reach, reach + 1)
-    kernel = weights[np.abs(at)]
+    line = weights[np.abs(at)]
+    kernel = np.where(np.abs(at)[:, None] + np.abs(at) <= max(reach, SMALLEST), line[:, None] * line, 0.0)
     assert kernel.sum() == pytest.approx(1)
     assert (kernel >= 0).all()
     assert (kernel * at**2).sum() == pytest.approx(variance, rel=1e-3)
