@@ -14,6 +14,8 @@ import numpy as np
 from ashe_live.bench.render.borders import shadow_border
 from ashe_live.bench.render.error import colour_difference, read_picture
 from ashe_live.bench.render.flip import flip_error
+from ashe_live.bench.render.forced_choice import crop_features
+from ashe_live.bench.render.seams import seam_pixels
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
@@ -49,7 +51,7 @@ class Pair:
     angular_diameter_deg: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class PairError:
     flip: float  # mean LDR-FLIP where model or shadow change the photo; NaN where they nowhere do, as all others
     border_ratio: float  # median over places on the shadow's border of its width over the true one; NaN if none is told
@@ -57,6 +59,9 @@ class PairError:
     ground_de: float  # mean CIE 1976 colour differences: in the shadow on the ground,
     paper_de: float  # in the shadow on the sheet,
     model_de: float  # and on the model
+    seam_px: int  # pixels of the ground that are a seam between shadows
+    virtual_features: Float  # (n, 7) of crops that show the model, by which it might be told from the photo's,
+    real_features: Float  # which are these
     hidden_de: float  # where the sheet was, of means over some pixels, covered, from the ground without a sheet
 
 
@@ -92,6 +97,9 @@ def pair_error(ctx: Context, pair: Pair, preset: RenderPreset) -> PairError:
         _mean(difference, shadow & ~pair.is_sheet),
         _mean(difference, shadow & pair.is_sheet),
         _mean(difference, within),
+        seam_pixels(ours, pair.expected, cv2.erode(beside.astype(np.uint8), kernel) > 0),
+        crop_features(ours, pair.is_model),
+        crop_features(pair.expected, pair.is_model),
         hidden_error(ctx, pair, preset),
     )
 

@@ -102,10 +102,10 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> floa
 
 
 class _Profile(NamedTuple):
-    """Across an edge, which is in the middle, from dark to light; the mean of many."""
+    """Across an edge, which is in the middle, from dark to light."""
 
-    step: Float  # (k,) linear, dark 0 and light 1
-    encoded: Float  # (k,) as in the picture, in [0, 1]
+    step: Float  # (k,) linear, dark 0 and light 1; mean of many
+    encoded: Float  # (k,) as in the picture, in [0, 1]; their median, as shadows may cross some
     dark: float  # encoded, and so
     light: float
 
@@ -143,7 +143,7 @@ def _profile(grey: Image, corners_px: Float, reach_px: float) -> _Profile | None
     step = np.take_along_axis(steps[near], columns, axis=1).mean(axis=0)
     aligned = np.take_along_axis(encoded[good][near], columns, axis=1) / 255
     dark, light = (float(np.median(encoded[good][near][:, ends])) / 255 for ends in (slice(4), slice(-4, None)))
-    return _Profile(step, aligned.mean(axis=0), dark, light)
+    return _Profile(step, np.median(aligned, axis=0), dark, light)
 
 
 def _blurred_steps(profile: _Profile, count: int) -> Float:

@@ -18,7 +18,7 @@ PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
 INK_RATIO = 0.07
 # Linear brightness of paper from which, and from which fully, it counts as overexposed: tone curves bend the last bit.
 OVEREXPOSED = (0.88, 0.94)
-MOST_OVER = 1.6  # paper is not overexposed by more: nobody would film on
+MOST_OVER = 1.4  # paper is not overexposed by more: nobody would film on
 # Where nothing can be measured: paper comes out a little below the display's white, as in a well exposed photo.
 ASSUMED_WHITE = 0.8
 MIN_CONTRAST = 1.6  # of paper over black ink
@@ -78,10 +78,13 @@ def print_side_m(tracked: TrackedFrame) -> float:
 
 
 def _overexposure(paper: float, ink: float) -> float:
-    """Factor by which paper would be brighter than the picture can show, by ink beside it; linear brightnesses."""
+    """Factor by which paper would be brighter than the picture can show, by ink beside it; linear brightnesses.
+
+    Gloss brightens ink as much as overexposure does, and clips paper, too: half of the logarithm is left to it.
+    """
     low, high = OVEREXPOSED
     share = float(np.clip((paper - low) / (high - low), 0.0, 1.0))
-    return 1 + share * (float(np.clip(ink / INK_RATIO / paper, 1.0, MOST_OVER)) - 1)
+    return 1 + share * (float(np.clip(np.sqrt(ink / INK_RATIO / paper), 1.0, MOST_OVER)) - 1)
 
 
 def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) -> Float:
