@@ -97,7 +97,7 @@ def pair_error(ctx: Context, pair: Pair, preset: RenderPreset) -> PairError:
         _mean(difference, shadow & ~pair.is_sheet),
         _mean(difference, shadow & pair.is_sheet),
         _mean(difference, within),
-        seam_pixels(ours, pair.expected, cv2.erode(beside.astype(np.uint8), kernel) > 0),
+        seam_pixels(ours, (pair.expected, bare), cv2.erode(beside.astype(np.uint8), kernel) > 0),
         crop_features(ours, pair.is_model),
         crop_features(pair.expected, pair.is_model),
         hidden_error(ctx, pair, preset),

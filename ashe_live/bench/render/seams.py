@@ -10,10 +10,11 @@ ASIDE_PX = 3
 STRAY_PX = 2  # the photo may have the like that near by: joints, noise
 
 
-def seam_pixels(picture: Image, photo: Image, where: Mask) -> int:
-    """How many pixels (h, w) of `where` are such a line in the picture and none in the photo (h, w, 3) of the same."""
+def seam_pixels(picture: Image, photos: tuple[Image, ...], where: Mask) -> int:
+    """How many pixels (h, w) of `where` are such a line in the picture and none in photos (h, w, 3) of the place."""
     kernel = np.ones((2 * STRAY_PX + 1,) * 2, np.uint8)
-    known = cv2.dilate(_lines(photo, LEVELS / 2).astype(np.uint8), kernel) > 0
+    seen = np.logical_or.reduce([_lines(photo, LEVELS / 2) for photo in photos])
+    known = cv2.dilate(seen.astype(np.uint8), kernel) > 0
     return int((_lines(picture, LEVELS) & ~known & where).sum())
 
 

@@ -9,12 +9,13 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, linear_from_srgb, srgb_from_linear
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import along_sides, mean_side_px, side_lengths_px
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.lights.cast_shadows import shadow_hull
 from ashe_live.render.lights.lighting import Sun
 
-AROUND = 12  # places along each edge
+AROUND = 12  # places along each of a polygon's edges
 REACH_PX, STEP_PX = 7.0, 0.25  # of a profile across an edge, to both sides
 MIDDLE_PX = 2.0  # to both sides, within which the edge must be
 BORDER_SIDES = 0.11  # of the square: its black border is no thinner, and its paper's no narrower as a rule
@@ -34,7 +35,7 @@ LEAST_SINE = 0.1  # of a light's elevation, for how long its shadows are
 
 
 def edge_blur_px(grey: Image, corners_px: Float, reach_px: float = REACH_PX) -> float:
-    """Sigma of the blur, in pixels, of (h, w) uint8 at a polygon with corners (n, 2); 0 if not to be told.
+    """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2); 0 if not to be told.
 
     Of a step blurred by a Gaussian, height over steepest slope is sqrt(2 pi) sigma; sharpening makes it less.
     """
@@ -56,8 +57,7 @@ def blur_and_sharpening(grey: Image, corners_px: Float) -> tuple[float, float]:
     A camera blurs linear light and sharpens encoded values e by adding s (e - blurred e), which over- and undershoots
     beside an edge. Blurs are tried, each with the s of least squares.
     """
-    sides_px = np.linalg.norm(corners_px - np.roll(corners_px, 1, axis=0), axis=1)
-    reach_px = float(np.clip(BORDER_SIDES * sides_px.min(), LEAST_REACH_PX, REACH_PX))
+    reach_px = float(np.clip(BORDER_SIDES * side_lengths_px(corners_px).min(), LEAST_REACH_PX, REACH_PX))
     sigma_px = edge_blur_px(grey, corners_px, reach_px)
     profile = _profile(grey, corners_px, reach_px)
     if profile is None:
@@ -90,12 +90,11 @@ def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> floa
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
     corners = tracked.marker.corners_px
     border = edge_blur_px(grey, project(tracked.camera, T, points))
-    sides_px = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     # A disc's standard deviation is half its radius; heights are spread evenly along the border, the root of whose mean
     # square is 1 / sqrt(3) of the whole.
     sine = max(float(sun.to_light[2]), LEAST_SINE)
     penumbra_m = sun.tan_half_size * float(body[:, 2].max()) / math.sqrt(3) / sine / 2
-    penumbra = penumbra_m * float(sides_px.mean()) / tracked.marker.side_m
+    penumbra = penumbra_m * mean_side_px(corners) / tracked.marker.side_m
     # The shadow maps' own texels blur about as much as a pixel does.
     rest = border**2 - edge_blur_px(grey, corners) ** 2 - penumbra**2 - BOX_VARIANCE_PX2
     return min(math.sqrt(max(rest, 0.0)), MOST_BORDER_PX * tracked.frame.size[0] / 640)
@@ -114,12 +113,7 @@ def _profile(grey: Image, corners_px: Float, reach_px: float) -> _Profile | None
     """None where no edge can be told."""
     reach_px = round(reach_px / STEP_PX) * STEP_PX
     offsets = np.arange(-reach_px, reach_px + STEP_PX / 2, STEP_PX)
-    starts, ends = corners_px, np.roll(corners_px, -1, axis=0)
-    places = np.linspace(0.15, 0.85, AROUND)
-    points = starts[:, None] + places[:, None] * (ends - starts)[:, None]
-    edge = (ends - starts) / np.maximum(np.linalg.norm(ends - starts, axis=1, keepdims=True), 1e-9)
-    outwards = np.column_stack([edge[:, 1], -edge[:, 0]])
-    outwards *= np.sign(np.einsum("ij,ij->i", outwards, starts - corners_px.mean(axis=0)))[:, None]
+    points, outwards = along_sides(corners_px, np.linspace(0.15, 0.85, AROUND))
     at = points[:, :, None] + offsets[:, None] * outwards[:, None, None]
     at = at.reshape(-1, len(offsets), 2)
     whole = ((at > 0) & (at < np.array(grey.shape[::-1]) - 1)).all(axis=(1, 2))

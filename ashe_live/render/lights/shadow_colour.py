@@ -11,8 +11,8 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Light
 
-# Linear, of the display's white: one grey level at the dark end, and what a lens scatters into a shadow.
-UNCERTAIN = 0.004
+# Linear, of the display's white: what a lens scatters into a shadow, 1 % of a ground of 0.2.
+UNCERTAIN = 0.002
 # Of the logarithm of a channel's ratio about the others': shadows under blue sky are bluer by about as much.
 SPREAD = 0.3
 

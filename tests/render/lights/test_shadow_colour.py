@@ -17,7 +17,7 @@ def test_what_grey_ground_shows_is_kept(grey: float) -> None:
 def test_a_channel_without_light_takes_on_the_others_ratio(noise: float) -> None:
     """Terracotta, with hardly any blue: whatever was measured there, paper's shadow is neither violet nor yellow."""
     ratio = steadied_ratio(np.array((0.14, 0.13, noise)), np.array((0.42, 0.11, 0.002)))
-    assert ratio[2] == pytest.approx(0.135, rel=0.15)
+    assert ratio[2] == pytest.approx(0.135, rel=0.3)
     assert ratio[0] == pytest.approx(0.14, rel=0.05)
 
 
