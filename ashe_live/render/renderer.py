@@ -7,9 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
-from ashe_live.core.proxy import Proxy
 from ashe_live.models.placement import PlacedModel
-from ashe_live.render.cover.hidden_marker import HiddenMarker
 from ashe_live.render.gl.framing import framing, grown, letterbox
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.mirror import Mirror
@@ -27,7 +25,6 @@ from ashe_live.render.passes.light_sign import LightSign, light_sign
 from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
 from ashe_live.render.passes.overlays import OverlayPass
 from ashe_live.render.passes.prepared import ModelSwitch
-from ashe_live.render.passes.real_object import RealObject
 from ashe_live.render.passes.standing import StandingModel
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
@@ -53,11 +50,9 @@ class SceneRenderer:
         self._composite = Composite(ctx, self._programs)
         self._environment = Environment(ctx, preset.environment_size)
         self._layers = LayerPasses(ctx, self._programs)
-        self._hidden_marker = HiddenMarker(ctx)
         self._shadows = ShadowMaps(ctx, preset)
         self._ground_shadows = GroundShadows(ctx, self._programs, preset)
         self._models = ModelSwitch(ctx, self._programs, self._build_shaders, switches_at_once)
-        self._real: RealObject | None = None
         self._photometry = Photometry(preset)
         self._surface = Surface(ctx, size, preset.msaa_samples)
 
@@ -99,7 +94,7 @@ class SceneRenderer:
     @property
     def is_settled(self) -> bool:
         """Whether the same scene would be the same picture again: nothing is being prepared for the next ones."""
-        return self._models.is_settled and self._hidden_marker.is_settled
+        return self._models.is_settled and self._layers.hidden_marker.is_settled
 
     @property
     def preset(self) -> RenderPreset:
@@ -132,7 +127,8 @@ class SceneRenderer:
     def render(self, scene: Scene) -> None:
         """Draws the scene into the renderer's own framebuffer."""
         self._follow_model(scene.model)
-        self._follow_real_object(scene.illumination.real_object)
+        if self._layers.follow_real_object(scene.illumination.real_object):
+            self._shadows.forget()
         if scene.tracked is None:
             self._surface.colour.clear()
         else:
@@ -174,7 +170,7 @@ class SceneRenderer:
     def release(self) -> None:
         """Gives every object back to OpenGL; the renderer is of no use afterwards."""
         self._follow_model(None)
-        self._follow_real_object(None)
+        self._layers.follow_real_object(None)
         self._ctx.detect_framebuffer(0).use()
         for held in (
             self.video,
@@ -182,7 +178,6 @@ class SceneRenderer:
             self._layers,
             self._straight_video,
             self._composite,
-            self._hidden_marker,
             self._lens,
             self._mirror,
             self._shadows,
@@ -199,14 +194,9 @@ class SceneRenderer:
         assert tracked is not None
         assert tracked.marker is not None
         lighting = self._photometry.lighting(scene.illumination)
-        self._shadows.render((model,) if self._real is None else (model, self._real), lighting)
+        self._shadows.render((model,) if self._layers.real is None else (model, self._layers.real), lighting)
         self._ground_shadows.render(self._shadows, lighting)
-        hidden = None
-        if scene.hides_marker:
-            self._hidden_marker.follow(tracked, scene.illumination, self.switches_at_once)
-            hidden = self._hidden_marker if len(self._hidden_marker.corners) else None
-        else:
-            self._hidden_marker.forget()
+        hidden = self._layers.follow_sheet(scene, self.switches_at_once)
         covered = np.zeros((0, 2)) if hidden is None else hidden.corners
         self._layers.catcher.fit(model, lighting, self._shadows, covered)
         viewport = letterbox(tracked.frame.size, self.size)
@@ -227,7 +217,7 @@ class SceneRenderer:
         reach = self._composite.reach_px(viewport, tracked.frame, look)
         with self._surface.drawing(grown(frame.region, 2 * reach + 1, self.size)):
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
-            self._layers.draw(model, inputs, self._real, signs, scene, straight, hidden, self._photometry)
+            self._layers.draw(model, inputs, signs, scene, straight, hidden, self._photometry)
         lens = self._lens if bends else None
         self._composite.draw(
             self._surface, frame.region, viewport, self.video, tracked, look, lens, scene.is_split, scene.is_cut_out
@@ -254,11 +244,3 @@ class SceneRenderer:
                 if next(building, building) is building:
                     return
             yield
-
-    def _follow_real_object(self, proxy: Proxy | None) -> None:
-        if self._real is not None and self._real.proxy is not proxy:
-            self._shadows.forget()
-            self._real.release()
-            self._real = None
-        if self._real is None and proxy is not None:
-            self._real = RealObject(self._ctx, self._programs, proxy)
