@@ -1,5 +1,5 @@
 // The fraction of light that the ground loses where the model blocks it, by the measured ratio of the real shadow, except
-// where the real object's shadow has darkened it already.
+// where the real object's shadow has darkened it already. It is less than nothing where the model's lit sides light it.
 #version 330 core
 #include "srgb.glsl"
 #include "lights.glsl"
@@ -13,8 +13,14 @@ uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video
 const float RIM_PX = 2.5;  // error of the real shadow's outline
 const float FAR_RIM = 0.012;  // its error where the proxy is a poor one: a fraction of the picture's width
 #endif
-uniform sampler2D contact;  // fraction of the sky that the model hides
+uniform sampler2D contact;  // fraction of the sky that the model hides, and its mean direction's x and y times that
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
+uniform mat4 marker_from_placed;
+uniform vec3 model_albedo;  // its mean, linear RGB
+uniform vec3 ground_bounce;
+#if LIGHTS > 0
+uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
+#endif
 
 #ifdef COVERS
 uniform sampler2D cover;  // of the marker's sheet: the ground that it hides; straight alpha
@@ -70,6 +76,9 @@ float lit_past_real(int light, float covered) {
 }
 #endif
 
+// Horizontal part of the mean direction to half of the sky, by cosine: that which a wall hides at its foot.
+const float WALL = 0.4244;  // 4 / (3 pi)
+
 void main() {
     vec2 at = (ground_placed - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
     // Fades out at the patch's border, so that the video beyond it is unchanged.
@@ -79,14 +88,25 @@ void main() {
     vec4 covering = texture(cover, 0.5 + 0.5 * ground / cover_half_m);
     covered = covering.a;
 #endif
+    // What hides the sky is as much of a wall as it does so on one side; the rest of it hangs above.
+    vec3 hidden = texture(contact, at).rgb * (inside.x * inside.y);
+    float is_wall = min(length(hidden.yz) / max(WALL * hidden.x, 1e-4), 1.0);
+    vec2 outward = normalize((marker_from_placed * vec4(-hidden.yz, 0.0, 0.0)).xy + vec2(1e-9, 0.0));
+    vec3 on_walls = vec3(0.0);  // what the lights give them
     vec3 before = sky;
-    vec3 after = sky * (1.0 - texture(contact, at).r * inside.x * inside.y);
+    vec3 after = sky;
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
+        float falloff;
+        vec3 towards = towards_light(light, vec3(ground, 0.0), falloff);
         vec3 seen = sun_on_ground[light] * ground_falloff(light, ground);
+        float share = 1.0;
 #if CASTERS > 1
-        seen *= lit_past_real(light, covered);
+        share = lit_past_real(light, covered);
+        seen *= share;
 #endif
+        // The real object's shadow on the ground goes on up the walls beside it.
+        on_walls += sun[light] * (falloff * share * max(dot(outward, towards.xy), 0.0));
         before += seen;
 #ifdef SOFT_BORDER
         // Four taps have the variance of their offsets.
@@ -99,8 +119,13 @@ void main() {
         after += seen * lit;
     }
 #endif
+    // In the place of the hidden sky the ground sees the model, lit by the ground before it, and if a wall by half the sky.
+    vec3 from_ground = ground_bounce * after / max(before, 1e-3);
+    vec3 facing = model_albedo * mix(from_ground, 0.5 * (sky + from_ground) + on_walls, is_wall);
+    after += hidden.x * (facing - sky);
     vec3 ratio = mix(vec3(1.0), after / max(before, 1e-3), strength);
-    if (covered == 0.0 && min(ratio.r, min(ratio.g, ratio.b)) > 0.9995) discard;
+    vec3 change = abs(1.0 - ratio);
+    if (covered == 0.0 && max(change.r, max(change.g, change.b)) < 0.0005) discard;
     added_light = vec4(0.0);
     removed = vec4(1.0 - (1.0 - covered) * ratio, 0.0);
 #ifdef COVERS

@@ -1,5 +1,5 @@
-// The video times what is left of its light, plus the model's light, both blurred as the video is; then the noise that
-// the video's own pixels have lost or never had. Where nothing was drawn, the video is left unchanged.
+// The video times what is left of its light, plus the model's light, both blurred as the video is; then sharpened, with
+// colours as coarse and the noise that the video's own pixels have lost or never had. Elsewhere the video is left alone.
 #version 330 core
 #include "srgb.glsl"
 
@@ -8,7 +8,15 @@ uniform sampler2D removed;  // fraction of the video's light that is gone, linea
 uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform float weights[REACH + 1];  // of a row's middle, and of its neighbours on either side
-uniform float noise_sigma;  // standard deviation, of encoded values
+#ifdef WIDE
+uniform float wide_weights[REACH + 1];  // of a blur a pixel wider: what sharpening takes away, and how coarse colours are
+uniform float sharpening;
+#endif
+#ifdef OVEREXPOSED
+uniform float overexposure;  // how much brighter than the picture shows what it shows as white is
+const vec2 WHITE = vec2(0.88, 0.94);  // linear brightness from which, and from which fully (as in camera/white.py)
+#endif
+uniform float noise_sigmas[4];  // standard deviations of encoded values, at the middles of four ranges of brightness
 uniform vec2 grain_px;  // size of a pixel of the video, in pixels of the viewport
 uniform int seed;
 #ifdef BENDS
@@ -19,6 +27,8 @@ uniform vec4 region;  // of the pinhole picture, in which something was drawn
 out vec4 encoded;
 
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
+const int ACROSS = max(REACH, 2);  // rows and columns together; of the smallest kernel all
+const float EVEN = 0.006;  // linear difference over a kernel's width that no blur shows
 
 // Jarzynski, Olano, "Hash functions for GPU rendering", JCGT 2020: PCG.
 uint scrambled(uint value) {
@@ -34,6 +44,12 @@ float noise(uvec2 at) {
     return (dot(bytes, vec4(1.0)) / 255.0 - 2.0) * 1.7253;
 }
 
+float noise_sigma(float brightness) {
+    float at = clamp(4.0 * brightness - 0.5, 0.0, 3.0);
+    int below = min(int(at), 2);
+    return mix(noise_sigmas[below], noise_sigmas[below + 1], at - float(below));
+}
+
 // Layers at a whole number of pixels from `middle`, which is a pixel or, where the lens bends, between pixels.
 #ifdef BENDS
 #define READ(layer, middle, column, row) textureLod(layer, (middle + vec2(column, row)) / vec2(textureSize(layer, 0)), 0.0)
@@ -41,6 +57,17 @@ float noise(uvec2 at) {
 #define READ(layer, middle, column, row) \
     texelFetch(layer, clamp(middle + ivec2(column, row), ivec2(0), textureSize(layer, 0) - 1), 0)
 #endif
+
+// What is left of the video's light.
+vec3 left_of(vec3 seen, vec3 gone) {
+#ifdef OVEREXPOSED
+    float share = smoothstep(WHITE.x, WHITE.y, dot(seen, LUMINANCE));
+    // What was too bright to be seen is lost first.
+    return min(seen * mix(1.0, overexposure, share) * (1.0 - gone), max(seen, seen * (1.0 - gone)));
+#else
+    return seen * (1.0 - gone);
+#endif
+}
 
 void main() {
     vec2 at = (gl_FragCoord.xy - viewport.xy) / viewport.zw;
@@ -51,29 +78,61 @@ void main() {
 #else
     ivec2 middle = ivec2(gl_FragCoord.xy);
 #endif
-    vec4 light = vec4(0.0);
-    vec3 gone = vec3(0.0);
-    for (int row = -REACH; row <= REACH; ++row) {
-        for (int column = -REACH; column <= REACH; ++column) {
+    vec4 light = READ(added_light, middle, 0, 0);
+    vec3 gone = READ(removed, middle, 0, 0).rgb;
+    // Most of a picture is even or changes steadily over a kernel's width, and is not worth looking at more closely.
+    vec4 light_differs = vec4(0.0);
+    vec3 gone_differs = vec3(0.0);
+    for (int corner = 0; corner < 4; ++corner) {
+        int across = REACH - 2 * REACH * (corner & 1), up = REACH - REACH * (corner & 2);
+        light_differs = max(light_differs, abs(READ(added_light, middle, across, up) - light));
+        gone_differs = max(gone_differs, abs(READ(removed, middle, across, up).rgb - gone));
+    }
+    light_differs.rgb = max(light_differs.rgb, gone_differs);
+    bool is_even = all(lessThan(light_differs, vec4(EVEN)));
+    float blurred = is_even ? 0.0 : 1.0;
+    light *= 1.0 - blurred;
+    gone *= 1.0 - blurred;
+#ifdef WIDE
+    vec4 wide_light = light;
+    vec3 wide_gone = gone;
+#endif
+    // Ending a loop early saves time on a software rasteriser too, which a branch does not.
+    int rows = is_even ? -REACH - 1 : REACH;
+    for (int row = -REACH; row <= rows; ++row) {
+        // A diamond has half of the square's pixels, and nearly all of its weight.
+        int columns = min(REACH, ACROSS - abs(row));
+        for (int column = -columns; column <= columns; ++column) {
             float weight = weights[abs(row)] * weights[abs(column)];
-            light += weight * READ(added_light, middle, column, row);
-            gone += weight * READ(removed, middle, column, row).rgb;
+            vec4 light_there = READ(added_light, middle, column, row);
+            vec3 gone_there = READ(removed, middle, column, row).rgb;
+            light += weight * light_there;
+            gone += weight * gone_there;
+#ifdef WIDE
+            float wide_weight = wide_weights[abs(row)] * wide_weights[abs(column)];
+            wide_light += wide_weight * light_there;
+            wide_gone += wide_weight * gone_there;
+#endif
         }
     }
-    vec3 seen = linear_from_srgb(texture(video, at).rgb);
-    vec3 composed = srgb_from_linear(seen * (1.0 - gone) + light.rgb);
-#ifdef COARSE_CHROMA
-    // The mean of two by two pixels, which share a colour as they do in the video, from the differences in that square.
-    float luma = dot(composed, LUMINANCE);
-    vec3 colour = composed - luma;
-    vec2 other = 0.5 - mod(floor(gl_FragCoord.xy), 2.0);
-    colour += other.x * dFdx(colour);
-    colour += other.y * dFdy(colour);
-    composed = luma + colour;
+    vec3 change = abs(gone);
+#ifdef WIDE
+    change = max(change, abs(wide_gone));
 #endif
-    if (max(light.a, max(gone.r, max(gone.g, gone.b))) < 0.0005) discard;
+    if (max(light.a, max(change.r, max(change.g, change.b))) < 0.0005) discard;
+    vec3 seen = linear_from_srgb(texture(video, at).rgb);
+    vec3 composed = srgb_from_linear(left_of(seen, gone) + light.rgb);
+    float luma = dot(composed, LUMINANCE);
+#ifdef WIDE
+    vec3 wide = srgb_from_linear(left_of(seen, wide_gone) + wide_light.rgb);
+    float wide_luma = dot(wide, LUMINANCE);
+#ifdef COARSE_CHROMA
+    composed = luma + wide - wide_luma;
+#endif
+    composed += sharpening * (luma - wide_luma);
+#endif
     uvec2 grain = uvec2((gl_FragCoord.xy - viewport.xy) / grain_px);
-    composed += noise_sigma * light.a * noise(grain);
+    composed += noise_sigma(luma) * light.a * noise(grain);
 #ifdef CUT_OUT
     // What gives this picture when it is put over the video: as transparent as it can be, and opaque where the model is.
     vec3 behind = texture(video, at).rgb;

@@ -6,19 +6,6 @@ uniform sampler2D sky_map;  // relative to the mean sky
 uniform float half_radius_m;
 uniform float environment_size;  // texels a side
 
-// Fraction of the light on the ground that the model's shadows leave.
-vec3 ground_light(vec2 at) {
-#if LIGHTS > 0
-    vec3 gone = vec3(0.0);
-    for (int light = 0; light < LIGHTS; ++light) {
-        gone += sun_on_ground[light] * ground_falloff(light, at) * (1.0 - lit_on_ground(0, light, at));
-    }
-    return 1.0 - gone / max(level_at(at), 1e-3);
-#else
-    return vec3(1.0);
-#endif
-}
-
 // Radiance from the unit direction `towards`, seen from `from`, within a lobe of about `alpha` radians.
 vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
     float down = max(-towards.z, 0.02);
@@ -30,7 +17,10 @@ vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
     float lobe_m = alpha * distance * inversesqrt(down);
     vec3 ground = textureLod(ground_map, 0.5 + 0.5 * meets / far, log2(lobe_m / texel_m + 1e-3)).rgb / exposure;
     // A wide lobe would blur the shadow into a gradient, which the surface's shading contains already.
-    ground *= mix(ground_light(meets), vec3(1.0), min(2.0 * alpha, 1.0));
+    #if LIGHTS > 0
+    vec3 left = light_on_ground(meets) / max(level_at(meets), 1e-3);
+    ground *= mix(left, vec3(1.0), min(2.0 * alpha, 1.0));
+#endif
     float up = max(towards.z, 0.0);
     // A texel of the sky's map spans 4 / size radians in its middle, half of that at the horizon.
     vec2 at = 0.5 + 0.5 * normalize(towards.xy + vec2(1e-6, 0.0)) * sqrt((1.0 - up) / (1.0 + up));

@@ -18,4 +18,17 @@ float lit_on_ground(int caster, int light, vec2 ground) {
 #endif
     return texture(ground_shadows, clamp(at.xy, ground_shadow_lower[map], ground_shadow_upper[map])).r;
 }
+
+// The light on level ground, as far as the model leaves it, over that at the marker's centre with nothing there.
+vec3 light_on_ground(vec2 at) {
+    vec3 light = vec3(1.0);
+    for (int number = 0; number < LIGHTS; ++number) {
+        light += sun_on_ground[number] * (ground_falloff(number, at) * lit_on_ground(0, number, at) - 1.0);
+    }
+    return light;
+}
+#else
+vec3 light_on_ground(vec2 at) {
+    return vec3(1.0);
+}
 #endif

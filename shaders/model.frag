@@ -3,6 +3,7 @@
 #version 330 core
 #include "lights.glsl"
 #include "shadow.glsl"
+#include "ground_shadow.glsl"
 
 uniform vec4 base_colour;
 uniform vec3 sky;  // irradiance on level ground over pi, linear RGB
@@ -23,7 +24,6 @@ uniform float alpha_cutoff;
 #include "brdf.glsl"
 #endif
 #ifdef MIRRORS
-#include "ground_shadow.glsl"
 #include "environment.glsl"
 #endif
 
@@ -72,10 +72,19 @@ vec3 surface_normal() {
     return n;
 }
 
-// Light from all around, over pi, on a surface or from a direction: the sky above, the ground below.
+// Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
+// these are the middles of the thirds, as 1 - h / sqrt(h^2 + d^2) of it comes from within d.
+const float THIRDS[3] = float[](0.66, 1.73, 5.92);
+
+// Light from all around, over pi, on a surface or from a direction: the sky above, the ground below, with the model's
+// shadow on it.
 vec3 ambient(vec3 direction) {
     float upward = 0.5 + 0.5 * direction.z;
-    return sky * upward + ground_bounce * bounce_at(position, direction) * (1.0 - upward);
+    vec3 ground = vec3(0.0);
+    for (int part = 0; part < 3; ++part) {
+        ground += light_on_ground(position.xy + THIRDS[part] * max(position.z, 0.0) * direction.xy) / 3.0;
+    }
+    return sky * upward + ground_bounce * ground * (1.0 - upward);
 }
 
 void main() {

@@ -7,27 +7,24 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size
-from ashe_live.core.proxy import Proxy
 from ashe_live.models.placement import PlacedModel
-from ashe_live.render.cover.hidden_marker import HiddenMarker
 from ashe_live.render.gl.framing import framing, grown, letterbox
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.mirror import Mirror
 from ashe_live.render.gl.offscreen import check_graphics
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
+from ashe_live.render.layers import LayerPasses
 from ashe_live.render.lights.environment import Environment
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.photometry import Photometry
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.passes.composite import Composite
-from ashe_live.render.passes.ground import ShadowCatcher
 from ashe_live.render.passes.lens import Lens
-from ashe_live.render.passes.light_sign import LightSign, LightSigns, light_sign
-from ashe_live.render.passes.model_pass import LookedUp, ModelPass, ShadingInputs
+from ashe_live.render.passes.light_sign import LightSign, light_sign
+from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
 from ashe_live.render.passes.overlays import OverlayPass
 from ashe_live.render.passes.prepared import ModelSwitch
-from ashe_live.render.passes.real_object import RealObject
 from ashe_live.render.passes.standing import StandingModel
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
@@ -47,19 +44,15 @@ class SceneRenderer:
         self.video = Video(ctx)
         self._straight_video = Video(ctx)
         self.overlays = OverlayPass(ctx)
-        self._light_signs = LightSigns(ctx)
         self._lens = Lens(ctx)
         self._mirror = Mirror(ctx)
         self._programs = Programs(ctx)
         self._composite = Composite(ctx, self._programs)
         self._environment = Environment(ctx, preset.environment_size)
-        self._model_pass = ModelPass(ctx, self._programs)
-        self._catcher = ShadowCatcher(ctx, self._programs)
-        self._hidden_marker = HiddenMarker(ctx)
+        self._layers = LayerPasses(ctx, self._programs)
         self._shadows = ShadowMaps(ctx, preset)
         self._ground_shadows = GroundShadows(ctx, self._programs, preset)
         self._models = ModelSwitch(ctx, self._programs, self._build_shaders, switches_at_once)
-        self._real: RealObject | None = None
         self._photometry = Photometry(preset)
         self._surface = Surface(ctx, size, preset.msaa_samples)
 
@@ -101,7 +94,7 @@ class SceneRenderer:
     @property
     def is_settled(self) -> bool:
         """Whether the same scene would be the same picture again: nothing is being prepared for the next ones."""
-        return self._models.is_settled and self._hidden_marker.is_settled
+        return self._models.is_settled and self._layers.hidden_marker.is_settled
 
     @property
     def preset(self) -> RenderPreset:
@@ -113,7 +106,7 @@ class SceneRenderer:
         if preset == self._preset:
             return
         self._preset = preset
-        self._catcher.forget()
+        self._layers.catcher.forget()
         self._shadows.release()
         self._ground_shadows.release()
         self._shadows = ShadowMaps(self._ctx, preset)
@@ -134,7 +127,8 @@ class SceneRenderer:
     def render(self, scene: Scene) -> None:
         """Draws the scene into the renderer's own framebuffer."""
         self._follow_model(scene.model)
-        self._follow_real_object(scene.illumination.real_object)
+        if self._layers.follow_real_object(scene.illumination.real_object):
+            self._shadows.forget()
         if scene.tracked is None:
             self._surface.colour.clear()
         else:
@@ -176,15 +170,14 @@ class SceneRenderer:
     def release(self) -> None:
         """Gives every object back to OpenGL; the renderer is of no use afterwards."""
         self._follow_model(None)
-        self._follow_real_object(None)
+        self._layers.follow_real_object(None)
         self._ctx.detect_framebuffer(0).use()
         for held in (
             self.video,
             self.overlays,
-            self._light_signs,
+            self._layers,
             self._straight_video,
             self._composite,
-            self._hidden_marker,
             self._lens,
             self._mirror,
             self._shadows,
@@ -201,16 +194,11 @@ class SceneRenderer:
         assert tracked is not None
         assert tracked.marker is not None
         lighting = self._photometry.lighting(scene.illumination)
-        self._shadows.render((model,) if self._real is None else (model, self._real), lighting)
+        self._shadows.render((model,) if self._layers.real is None else (model, self._layers.real), lighting)
         self._ground_shadows.render(self._shadows, lighting)
-        hidden = None
-        if scene.hides_marker:
-            self._hidden_marker.follow(tracked, scene.illumination, self.switches_at_once)
-            hidden = self._hidden_marker if len(self._hidden_marker.corners) else None
-        else:
-            self._hidden_marker.forget()
+        hidden = self._layers.follow_sheet(scene, self.switches_at_once)
         covered = np.zeros((0, 2)) if hidden is None else hidden.corners
-        self._catcher.fit(model, lighting, self._shadows, covered)
+        self._layers.catcher.fit(model, lighting, self._shadows, covered)
         viewport = letterbox(tracked.frame.size, self.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         T_cam_marker = tracked.marker.T_cam_marker
@@ -229,52 +217,15 @@ class SceneRenderer:
         reach = self._composite.reach_px(viewport, tracked.frame, look)
         with self._surface.drawing(grown(frame.region, 2 * reach + 1, self.size)):
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
-            self._draw_layers(model, inputs, signs, scene, straight, hidden)
+            self._layers.draw(model, inputs, signs, scene, straight, hidden, self._photometry)
         lens = self._lens if bends else None
         self._composite.draw(
             self._surface, frame.region, viewport, self.video, tracked, look, lens, scene.is_split, scene.is_cut_out
         )
 
-    def _draw_layers(
-        self,
-        model: StandingModel,
-        inputs: ShadingInputs,
-        signs: list[LightSign],
-        scene: Scene,
-        video: Video,
-        hidden: HiddenMarker | None,
-    ) -> None:
-        """`video`: as the framing's pinhole camera sees it."""
-        frame, lighting = inputs.framing, inputs.lighting
-        self._ctx.viewport = frame.viewport
-        if self._real is not None:
-            self._real.draw(frame, lighting, self._shadows)
-        if scene.shows_model:
-            self._model_pass.draw_opaque(model, inputs)
-        for sign in signs:
-            self._light_signs.draw(frame, sign)
-        casters = 2 if self._shadows.shadows_meet else 1
-        border_px = self._photometry.border_share(scene.illumination) * frame.viewport[2]
-        ground_rgb = scene.illumination.ground_rgb
-        if scene.casts_shadow or hidden is not None:
-            self._catcher.draw(
-                frame,
-                video,
-                lighting,
-                self._ground_shadows,
-                casters,
-                model,
-                ground_rgb,
-                hidden,
-                scene.casts_shadow,
-                border_px,
-            )
-        if scene.shows_model:
-            self._model_pass.draw_blended(model, inputs)
-
     def _drawn_points(self, model: StandingModel, signs: list[LightSign]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""
-        return np.concatenate([model.corners, self._catcher.polygon, *(sign.corners for sign in signs)])
+        return np.concatenate([model.corners, self._layers.catcher.polygon, *(sign.corners for sign in signs)])
 
     @property
     def _looked_up(self) -> LookedUp:
@@ -282,22 +233,14 @@ class SceneRenderer:
 
     def _follow_model(self, placed: PlacedModel | None) -> None:
         if self._models.follow(placed):
-            for holder in (self._shadows, self._catcher):
+            for holder in (self._shadows, self._layers.catcher):
                 holder.forget()
 
     def _build_shaders(self, model: GpuModel) -> Iterator[None]:
         """In steps, with the variants that are known before the model is drawn."""
-        building = self._model_pass.build_for(model, self._looked_up)
+        building = self._layers.model_pass.build_for(model, self._looked_up)
         while True:
             with self._surface.drawing((0, 0, 1, 1)):
                 if next(building, building) is building:
                     return
             yield
-
-    def _follow_real_object(self, proxy: Proxy | None) -> None:
-        if self._real is not None and self._real.proxy is not proxy:
-            self._shadows.forget()
-            self._real.release()
-            self._real = None
-        if self._real is None and proxy is not None:
-            self._real = RealObject(self._ctx, self._programs, proxy)

@@ -28,7 +28,7 @@ def main():
     for name, make in {"cube": block, "mug": mug, "lantern": lantern, "tree": tree}.items():
         model, image, roughness = make(np.random.default_rng(SEED))
         model.save(out / f"{name}.glb", image, roughness)
-    parts = goblet(np.random.default_rng(SEED))
+    parts = goblet()
     write_glb(out / "goblet.glb", {name: model.mesh(material) for name, (model, material) in parts.items()})
 
 

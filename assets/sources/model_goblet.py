@@ -1,61 +1,29 @@
-"""Goblet of hammered and polished brass with an enamel knot: metal, gloss and a normal map."""
+"""Goblet of satin brass with an enamel knot: metal and gloss."""
 
 import io
 
 import numpy as np
-from mesh_grids import lathe, ring
+from mesh_grids import lathe
 from model_mesh import Model
 from PIL import Image
 from trimesh.visual.material import PBRMaterial
 
-HAMMER_BLOWS, TILE_SIZE, TILES = 70, 128, (3, 5)  # rows and columns of the map
-DEPTH = 1.6  # of the dents' slope: how far the light plays on them
+SATIN = 0.4  # roughness of brushed metal: what it mirrors is a glow, as a small picture of the surroundings allows
 BRASS = (222, 178, 92)
 
 
-def goblet(rng):
+def goblet():
     """Its parts: a shape and its material each."""
     bowl, polished, enamel = Model(), Model(), Model()
-    points, faces, uv = lathe(
-        [
-            (0, 0.0500),
-            (0.0100, 0.0506),
-            (0.0200, 0.0545),
-            (0.0270, 0.0610),
-            (0.0310, 0.0700),
-            (0.0325, 0.0800),
-            (0.0322, 0.0930),
-            (0.0305, 0.0930),
-            (0.0308, 0.0800),
-            (0.0293, 0.0705),
-            (0.0255, 0.0622),
-            (0.0190, 0.0562),
-            (0, 0.0525),
-        ],
-        64,
-    )
-    bowl.shell(points, faces, uv, 50)
-    points, faces, uv = lathe(
-        [
-            (0, 0),
-            (0.0295, 0),
-            (0.0300, 0.0012),
-            (0.0285, 0.0028),
-            (0.0200, 0.0045),
-            (0.0100, 0.0075),
-            (0.0060, 0.0125),
-            (0.0046, 0.0200),
-            (0.0044, 0.0400),
-            (0.0060, 0.0470),
-            (0.0110, 0.0508),
-            (0, 0.0515),
-        ],
-        48,
-    )
-    polished.shell(points, faces, uv, 40)
-    points, faces = ring(np.array([0.0, 0.0, 0.0]), 0.0313, 0.0013, turns=64, sides=10)
-    points = points[:, [0, 2, 1]] + (0, 0.0930, 0)  # lying
-    polished.shell(points, faces, np.zeros((len(points), 2)), 90)
+    lip = [(0.03135 + 0.00095 * np.cos(t), 0.0930 + 0.00095 * np.sin(t)) for t in np.linspace(0.0, np.pi, 9)]
+    outer = [(0.0, 0.0500), (0.0100, 0.0506), (0.0200, 0.0545), (0.0270, 0.0610), (0.0310, 0.0700), (0.0325, 0.0800)]
+    inner = [(0.0308, 0.0800), (0.0293, 0.0705), (0.0255, 0.0622), (0.0190, 0.0562), (0.0, 0.0525)]
+    points, faces, uv = lathe([*rounded([*outer, lip[0]]), *lip[1:-1], *rounded([lip[-1], *inner])], 72)
+    bowl.shell(points, faces, uv, 60)
+    stem = [(0.0300, 0.0012), (0.0200, 0.0045), (0.0100, 0.0075), (0.0060, 0.0125), (0.0046, 0.0200), (0.0044, 0.0400)]
+    foot = [(0.0, 0.0), (0.0293, 0.0), *rounded([*stem, (0.0060, 0.0470), (0.0110, 0.0508)]), (0.0, 0.0515)]
+    points, faces, uv = lathe(foot, 64)
+    polished.shell(points, faces, uv, 50)
     profile = [(0.0095 * np.sin(t), 0.030 - 0.0065 * np.cos(t)) for t in np.linspace(0, np.pi, 17)]
     points, faces, uv = lathe(profile, 40)
     enamel.shell(points, faces, uv, 60)
@@ -64,39 +32,35 @@ def goblet(rng):
         "bowl": (
             bowl,
             PBRMaterial(
-                name="hammered",
-                roughnessFactor=0.25,
-                normalTexture=hammered(rng),
+                name="bowl",
+                roughnessFactor=SATIN,
                 occlusionTexture=shaded_inside(),
                 **brass,
             ),
         ),
-        "foot": (polished, PBRMaterial(name="polished", roughnessFactor=0.12, **brass)),
+        "foot": (polished, PBRMaterial(name="foot", roughnessFactor=SATIN, **brass)),
         "knot": (
             enamel,
             PBRMaterial(
                 name="enamel",
                 baseColorFactor=(14, 60, 92, 255),
                 metallicFactor=0.0,
-                roughnessFactor=0.08,
+                roughnessFactor=0.2,
                 doubleSided=False,
             ),
         ),
     }
 
 
-def hammered(rng):
-    """Tiles of round dents side by side, as a normal map (x right, y up)."""
-    blows = rng.random((HAMMER_BLOWS, 2))
-    y, x = np.mgrid[:TILE_SIZE, :TILE_SIZE] / TILE_SIZE
-    offsets = np.stack([x, y], -1)[:, :, None] - blows
-    offsets -= np.round(offsets)  # the nearest of the tile's copies
-    nearest = np.argmin((offsets**2).sum(-1), axis=2)[..., None, None]
-    slope = DEPTH * np.take_along_axis(offsets, nearest, axis=2)[:, :, 0]
-    # The surface rises away from a dent's middle; the picture's rows run downwards.
-    normal = np.dstack([-slope[..., 0], slope[..., 1], np.ones((TILE_SIZE, TILE_SIZE))])
-    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
-    return encoded(np.tile(np.round(normal * 127 + 128).astype(np.uint8), (*TILES, 1)))
+def rounded(profile, each=4):
+    """The profile with `each` points to a step, on the curve through them (Catmull and Rom 1974)."""
+    points = np.array(profile)
+    points = np.vstack([2 * points[0] - points[1], points, 2 * points[-1] - points[-2]])
+    t = np.arange(each)[:, None] / each
+    steps = []
+    for a, b, c, d in zip(points, points[1:], points[2:], points[3:], strict=False):
+        steps.append(b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a))))
+    return [tuple(each) for each in np.vstack([*steps, points[-2:-1]])]
 
 
 def shaded_inside():

@@ -1,15 +1,18 @@
-"""Bonsai in a tray: trunk, boughs and faceted pads of leaves."""
+"""Bonsai in a tray: trunk, boughs and pads of single leaves."""
 
 import math
 
 import numpy as np
-import trimesh
 from mesh_grids import lathe, tube
 from model_mesh import Model, palette, tint
 
+LEAVES = 360  # of the largest pad
+LEAF_M = 0.0062
+FLATNESS = 0.56  # of a pad: its height over its width
+
 
 def tree(rng):
-    """Bonsai: glazed tray, earth, a leaning trunk with boughs, faceted pads of leaves."""
+    """Bonsai: glazed tray, earth, a leaning trunk with boughs, pads of leaves."""
     model, glaze, earth, bark, leaf = Model(), 0, 1, 2, 3
     paint = palette(
         [
@@ -59,16 +62,29 @@ def tree(rng):
             bough = start + (end - start) * q + [0, -0.004, 0] * np.sin(math.pi * q)
             points, faces = tube(bough, np.linspace(0.0027, 0.0012, 9), 8)
             model.shell(points, faces, tint(len(points), bark, 0.4), 70)
-        for k in range(3):
-            angle = 2 * math.pi * (k / 3 + rng.random())
-            shift = (
-                np.array([math.cos(angle), 0.22 * rng.uniform(-1, 1), math.sin(angle)]) * size * (0.42 if k else 0.0)
-            )
-            blob = trimesh.creation.icosphere(subdivisions=1 if k else 2)
-            waves = rng.normal(0, 2.2, (5, 3))
-            bumps = 1 + 0.07 * np.sin(blob.vertices @ waves.T + rng.uniform(0, 6.3, 5)).sum(1)
-            shape = blob.vertices * bumps[:, None] * np.array([1, 0.56, 1]) * size * (1.0 if k == 0 else 0.78)
-            up = blob.triangles_center[:, 1]
-            tone = 0.48 + 0.32 * up + rng.uniform(-0.10, 0.10, len(up))
-            model.shell(shape + end + shift, blob.faces, tint((len(up), 3), leaf, np.repeat(tone[:, None], 3, 1)), 1)
+        for _ in range(round(LEAVES * (size / 0.019) ** 2)):
+            outward = rng.normal(0, 1, 3)
+            outward /= np.linalg.norm(outward)
+            depth = rng.uniform(0.55, 1.0)
+            at = end + size * depth * outward * (1.0, FLATNESS, 1.0)
+            tone = 0.25 + 0.45 * depth * (0.5 + 0.5 * outward[1]) + rng.uniform(0.0, 0.25)
+            points, faces = blade(at, outward, LEAF_M * rng.uniform(0.8, 1.25), rng)
+            model.shell(points, faces, tint(len(points), leaf, tone), 100)
     return model, paint, 0.7
+
+
+def blade(at, outward, length, rng):
+    """A leaf as a thin closed shell: six points, rounded by its normals, hanging a little, facing about `outward`."""
+    facing = outward * (0.7, 1.0, 0.7) + rng.normal(0, 0.35, 3) + (0, 0.45, 0)
+    facing /= np.linalg.norm(facing)
+    along = rng.normal(0, 1, 3) + 1.2 * outward
+    along -= facing * (along @ facing)
+    along /= np.linalg.norm(along)
+    across = np.cross(facing, along)
+    outline = np.array([(0, 0), (0.42, 0.28), (1, 0), (0.42, -0.28)])  # along and across, in lengths
+    arch = np.array([0.0, 0.05, -0.12, 0.05])
+    rim = at + length * (outline[:, :1] * along + outline[:, 1:] * across + arch[:, None] * facing)
+    middle = at + length * 0.45 * along
+    points = np.vstack([rim, middle + 0.10 * length * facing, middle + 0.04 * length * facing])
+    around = [(k, (k + 1) % 4) for k in range(4)]
+    return points, np.array([(b, a, 4) for a, b in around] + [(a, b, 5) for a, b in around])

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -12,6 +13,7 @@ from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.transforms import direction_from_angles, project, rigid
 from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
 from ashe_live.errors import UserError
+from ashe_live.models.material import Material
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.placement import PlacedModel
 from ashe_live.quality import FAST
@@ -86,6 +88,13 @@ class Stage:
         """Meshes that are in the marker frame already."""
         model = Model("test", parts)
         return PlacedModel(model, model.bounds)
+
+    @staticmethod
+    def glowing_green(mesh: Mesh) -> Mesh:
+        """The same mesh, which is told from the ground by its colour, and whose sides throw no light onto that."""
+        return replace(
+            mesh, colours=None, material=Material(base_colour=(0.0, 0.0, 0.0, 1.0), emissive=(0.0, 1.0, 0.0))
+        )
 
     @staticmethod
     def light(azimuth_deg: float, elevation_deg: float, ratio: tuple[float, ...] | None = None) -> Light:

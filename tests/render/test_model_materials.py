@@ -12,8 +12,8 @@ from ashe_live.core.types import Illumination
 from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.quality import FAST, QUALITIES
+from ashe_live.render.camera.white import ASSUMED_WHITE
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, lighting_of
-from ashe_live.render.lights.video_look import ASSUMED_WHITE
 from ashe_live.render.scene import Scene
 
 HEIGHT_M = 0.01

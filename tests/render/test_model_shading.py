@@ -11,8 +11,8 @@ from ashe_live.models.material import Alpha, Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
+from ashe_live.render.camera.white import ASSUMED_WHITE as EXPOSURE
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, MIN_BALANCED_SINE, lighting_of
-from ashe_live.render.lights.video_look import ASSUMED_WHITE as EXPOSURE
 from ashe_live.render.scene import Scene
 
 SIDE = 0.06

@@ -228,7 +228,8 @@ def test_what_is_cut_out_gives_the_same_picture_over_the_video(make_renderer, st
 def test_a_shadow_is_there_without_its_model(make_renderer, stage) -> None:
     renderer = make_renderer()
     tracked = stage.tracked(150, stage.pose(-90, 45, 0.4))
-    scene = Scene(tracked, stage.placed(box((0.03, 0.03, 0.03))), Illumination((Light((1.0, 0.2, 1.0)),)))
+    black = stage.placed(box((0.03, 0.03, 0.03), (0.0, 0.0, 0.0, 1.0)))  # whose sides light none of the ground
+    scene = Scene(tracked, black, Illumination((Light((1.0, 0.2, 1.0)),)))
     pictures = []
     for shows_model in (True, False):
         renderer.render(dataclasses.replace(scene, shows_model=shows_model))

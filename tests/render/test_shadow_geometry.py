@@ -18,7 +18,6 @@ from tests.shared_data import SHARED
 SCENES = SHARED / "scenes"
 GROUND = 200
 POLE = (0.02, 0.03, 0.07)
-GREEN = (0.0, 1.0, 0.0, 1.0)
 RATIO = (0.2, 0.2, 0.2)
 # Everything lit is brighter than this by far, everything in the shadow darker: the ratio is 0.2 in linear light.
 SHADOW_BELOW = 150
@@ -60,7 +59,7 @@ def test_silhouette_and_shadow_fall_where_geometry_says(
     renderer = make_renderer(QUALITIES[quality].render)
     light = stage.light(light_azimuth_deg, light_elevation_deg, RATIO)
     tracked = stage.tracked(GROUND, stage.pose(azimuth_deg, elevation_deg))
-    renderer.render(Scene(tracked, stage.placed(box(POLE, GREEN)), Illumination((light,))))
+    renderer.render(Scene(tracked, stage.placed(stage.glowing_green(box(POLE))), Illumination((light,))))
     is_model, is_shadow = _split(renderer.read_bgr())
 
     corners = box_corners(np.array([(-POLE[0] / 2, -POLE[1] / 2, 0), (POLE[0] / 2, POLE[1] / 2, POLE[2])]))
@@ -82,7 +81,9 @@ def test_shadow_is_joined_to_the_model_on_its_dark_side(make_renderer, stage) ->
     for light_elevation_deg in (10, 30, 60, 80):
         light = stage.light(90, light_elevation_deg, RATIO)  # from behind, the shadow falls towards the camera
         tracked = stage.tracked(GROUND, stage.pose(-90, 45, 0.2, target=(0, 0, 0)))
-        renderer.render(Scene(tracked, stage.placed(box((0.04, 0.04, 0.06), GREEN)), Illumination((light,))))
+        renderer.render(
+            Scene(tracked, stage.placed(stage.glowing_green(box((0.04, 0.04, 0.06)))), Illumination((light,)))
+        )
         is_model, is_shadow = _split(renderer.read_bgr())
         for x in np.linspace(-0.015, 0.015, 7):
             (column, row), *_ = project(tracked.camera, tracked.marker.T_cam_marker, [(x, -0.02, 0.0)])

@@ -24,6 +24,7 @@ from ashe_live.bench.render.cost import (
 )
 from ashe_live.bench.render.drawing import COSTS, ERRORS, draw_errors, draw_sweeps
 from ashe_live.bench.render.error import picture_error, read_references
+from ashe_live.bench.render.forced_choice import forced_choice
 from ashe_live.bench.render.pairs import pair_error, read_pairs
 from ashe_live.bench.render.tables import print_render_figures
 from ashe_live.capture.clips.clip import ClipSource
@@ -177,8 +178,14 @@ def _pairs(ctx: Context, folder: Path) -> list[Json]:
     pairs = read_pairs(folder)
     rows = []
     for quality in QUALITIES.values():
-        for pair in track(pairs, f"photos of the same with the model, {quality.name}", transient=True):
-            rows.append({"preset": quality.name, "scene": pair.name, **asdict(pair_error(ctx, pair, quality.render))})
+        errors = [
+            pair_error(ctx, pair, quality.render)
+            for pair in track(pairs, f"photos of the same with the model, {quality.name}", transient=True)
+        ]
+        told = forced_choice([each.virtual_features for each in errors], [each.real_features for each in errors])
+        for pair, error in zip(pairs, errors, strict=True):
+            figures = {key: value for key, value in asdict(error).items() if not isinstance(value, np.ndarray)}
+            rows.append({"preset": quality.name, "scene": pair.name, **figures, "forced_choice": told})
     return rows
 
 

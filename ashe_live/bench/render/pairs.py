@@ -14,10 +14,13 @@ import numpy as np
 from ashe_live.bench.render.borders import shadow_border
 from ashe_live.bench.render.error import colour_difference, read_picture
 from ashe_live.bench.render.flip import flip_error
+from ashe_live.bench.render.forced_choice import crop_features
+from ashe_live.bench.render.seams import seam_pixels
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.contract import Json
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project, rigid
 from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
@@ -48,7 +51,7 @@ class Pair:
     angular_diameter_deg: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class PairError:
     flip: float  # mean LDR-FLIP where model or shadow change the photo; NaN where they nowhere do, as all others
     border_ratio: float  # median over places on the shadow's border of its width over the true one; NaN if none is told
@@ -56,6 +59,9 @@ class PairError:
     ground_de: float  # mean CIE 1976 colour differences: in the shadow on the ground,
     paper_de: float  # in the shadow on the sheet,
     model_de: float  # and on the model
+    seam_px: int  # pixels of the ground that are a seam between shadows
+    virtual_features: Float  # (n, 7) of crops that show the model, by which it might be told from the photo's,
+    real_features: Float  # which are these
     hidden_de: float  # where the sheet was, of means over some pixels, covered, from the ground without a sheet
 
 
@@ -91,6 +97,9 @@ def pair_error(ctx: Context, pair: Pair, preset: RenderPreset) -> PairError:
         _mean(difference, shadow & ~pair.is_sheet),
         _mean(difference, shadow & pair.is_sheet),
         _mean(difference, within),
+        seam_pixels(ours, (pair.expected, bare), cv2.erode(beside.astype(np.uint8), kernel) > 0),
+        crop_features(ours, pair.is_model),
+        crop_features(pair.expected, pair.is_model),
         hidden_error(ctx, pair, preset),
     )
 
@@ -161,7 +170,8 @@ def _pair(folder: Path, entry: Json, model: str) -> Pair:
     cv2.fillConvexPoly(is_sheet, np.round(sheet).astype(np.int32), 1)
     is_model = read_picture(folder / f"{entry['id']}_mask.png")[..., 0] > 127
     ground = LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3)
-    illumination = Illumination((light,), ground_rgb=np.median(ground, axis=0), seen_in=tracked)
+    body = Proxy("hull", np.pad(np.array(entry["body_m"]), ((0, 0), (0, 2))))
+    illumination = Illumination((light,), real_object=body, ground_rgb=np.median(ground, axis=0), seen_in=tracked)
     scene = Scene(tracked, placed_on_marker(load_model(model), side_m), illumination)
     name = f"{entry['id']} ({entry['ground']}, {entry['camera']}, {entry['angular_diameter_deg']:.1f} deg)"
     return Pair(name, scene, expected, without_sheet, is_model, is_sheet > 0, entry["angular_diameter_deg"])

@@ -82,6 +82,8 @@ def _pairs(rows: list[Json]) -> Table:
         "dE paper",
         "dE model",
         "dE hidden",
+        "seam px",
+        "told apart",
     )
     for preset in dict.fromkeys(row["preset"] for row in rows):
         own = [row for row in rows if row["preset"] == preset]
@@ -89,6 +91,14 @@ def _pairs(rows: list[Json]) -> Table:
             float(np.nanmean([row[key] for row in own])) for key in ("ground_de", "paper_de", "model_de", "hidden_de")
         ]
         flip = float(np.mean([row["flip"] for row in own]))
+        seams = str(sum(row["seam_px"] for row in own))
         border = float(np.nanmedian([row["border_ratio"] for row in own]))
-        table.add_row(f"{preset}, {len(own)} scenes", f"{flip:.3f}", f"{border:.2f}", *(f"{de:.1f}" for de in means))
+        table.add_row(
+            f"{preset}, {len(own)} scenes",
+            f"{flip:.3f}",
+            f"{border:.2f}",
+            *(f"{de:.1f}" for de in means),
+            seams,
+            f"{100 * own[0]['forced_choice']:.0f} %",
+        )
     return table

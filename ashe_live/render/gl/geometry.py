@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
+from ashe_live.models.albedo import mean_albedo
 from ashe_live.models.material import MAPS, SRGB_MAPS, Alpha
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.placement import PlacedModel
@@ -123,6 +124,7 @@ class GpuModel:
     def __init__(self, ctx: moderngl.Context, placed: PlacedModel, programs: Programs) -> None:
         self.placed = placed
         self.points = placed.outline
+        self.albedo = mean_albedo(placed.model)
         self.mirrors = any(part.material.is_mirror for part in placed.model.parts)
         self.parts: list[GpuPart] = []
         self._ctx = ctx

@@ -4,16 +4,13 @@ import math
 from dataclasses import replace
 
 from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2, unexplained_border_px
+from ashe_live.render.camera.video_look import VideoLook, look_of
+from ashe_live.render.camera.white import white_of
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.lighting import Lighting, lighting_of
+from ashe_live.render.lights.shadow_colour import steadied
 from ashe_live.render.lights.shadow_maps import same_objects
-from ashe_live.render.lights.video_look import (
-    INTERPOLATION_VARIANCE_PX2,
-    VideoLook,
-    look_of,
-    unexplained_border_px,
-    white_of,
-)
 
 LOOK_HELD_S = 0.2  # of the video's time
 
@@ -31,11 +28,12 @@ class Photometry:
         """The irradiances; the same object for the same illumination."""
         known = (*of.lights, of.ambient_rgb_ratio, of.ground_rgb, of.seen_in, of.real_object)
         if self._lighting is None or not same_objects(self._lighting[0], known):
+            lights = tuple(steadied(light, of.ground_rgb) for light in of.lights)
             albedo = None
             if of.ground_rgb is not None and of.seen_in is not None:
-                lighting = lighting_of(of.lights, of.ambient_rgb_ratio)
+                lighting = lighting_of(lights, of.ambient_rgb_ratio)
                 albedo = of.ground_rgb / white_of(of.seen_in, lighting, of.real_object)
-            self._lighting = known, lighting_of(of.lights, of.ambient_rgb_ratio, albedo)
+            self._lighting = known, lighting_of(lights, of.ambient_rgb_ratio, albedo)
         return self._lighting[1]
 
     def border_share(self, of: Illumination) -> float:

@@ -12,15 +12,19 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
+from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
-from ashe_live.render.lights.video_look import BOX_VARIANCE_PX2, VideoLook
 from ashe_live.render.passes.lens import Lens
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 
 MAX_REACH = 4  # pixels; a wider blur is cut off there
+SMALLEST = 2  # rows and columns together from the middle of a kernel to its farthest pixels, at least
 KERNEL_SIGMAS = 2.0  # of a Gaussian within its kernel's reach
+# Colours at half the resolution are means of two pixels, interpolated: variances of 1/4 and 3/4, by chance the same.
+WIDER_PX2 = SHARPENING_SIGMA_PX**2
 
 
 class Composite:
@@ -33,7 +37,7 @@ class Composite:
 
     def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
         """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
-        return _reach(_variance(viewport[2] / frame.size[0], look))
+        return _reach(_widest(viewport[2] / frame.size[0], look))
 
     def draw(
         self,
@@ -55,12 +59,16 @@ class Composite:
         """
         frame = tracked.frame
         scale = viewport[2] / frame.size[0]
-        variance = _variance(scale, look)
-        reach = _reach(variance)
-        constants = {"reach": reach}
-        if is_cut_out:
-            constants |= {"cut_out": 1}
-        constants |= dict.fromkeys(("coarse_chroma",) * look.has_coarse_chroma + ("bends",) * (lens is not None), 1)
+        variance, widest = _variance(scale, look), _widest(scale, look)
+        reach = _reach(widest)
+        switches = {
+            "wide": widest > variance,
+            "coarse_chroma": look.has_coarse_chroma,
+            "overexposed": look.overexposure > 1,
+            "bends": lens is not None,
+            "cut_out": is_cut_out,
+        }
+        constants = {"reach": reach, **{name: 1 for name, is_on in switches.items() if is_on}}
         program = self._programs.get("composite", **constants)
         if self._rectangle is None or self._rectangle[0] is not program:
             self._release_rectangle()
@@ -71,7 +79,10 @@ class Composite:
             program,
             viewport=tuple(map(float, viewport)),
             weights=_weights(variance, reach),
-            noise_sigma=look.noise_sigma,
+            wide_weights=_weights(widest, reach),
+            sharpening=look.sharpening,
+            overexposure=look.overexposure,
+            noise_sigmas=np.array(look.noise_sigmas),
             grain_px=(scale, viewport[3] / frame.size[1]),
             seed=frame.index,
         )
@@ -114,26 +125,30 @@ def _variance(scale: float, look: VideoLook) -> float:
     return scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2)
 
 
+def _widest(scale: float, look: VideoLook) -> float:
+    """Variance of the blur with which the composite's colours are blurred and its brightness is compared."""
+    variance = _variance(scale, look)
+    return variance + scale**2 * WIDER_PX2 if look.sharpening > 0 or look.has_coarse_chroma else variance
+
+
 def _reach(variance: float) -> int:
     return min(MAX_REACH, math.ceil(KERNEL_SIGMAS * math.sqrt(variance) - 1)) if variance > 0 else 0
 
 
 def _weights(variance: float, reach: int) -> Float:
-    """(reach + 1,) of a row's middle and of the pixels at 1 to `reach` on both sides of it; all together 1.
+    """(reach + 1,) factors by row and column; over the diamond of pixels that is used, their products sum to 1.
 
     The Gaussian's variance is raised until that of the kernel, which is cut off and sampled, is the wanted one.
     """
-    at = np.arange(reach + 1)
-    twice = np.where(at == 0, 1.0, 2.0)
     if variance <= 0 or reach == 0:
-        return np.where(at == 0, 1.0, 0.0)
-    if variance < 0.4:
-        # Narrower than the pixels' own grid: the three-tap kernel of this variance.
-        return np.array([1 - variance, variance / 2, *[0.0] * (reach - 1)])
-    low, high = variance / 4, 40.0 * variance
+        return np.where(np.arange(reach + 1) == 0, 1.0, 0.0)
+    at = np.arange(-reach, reach + 1)
+    used = np.abs(at)[:, None] + np.abs(at) <= max(reach, SMALLEST)
+    low, high = variance / 40, 40.0 * variance
     for _ in range(40):
         raised = math.sqrt(low * high)
-        weights = np.exp(-(at**2) / (2 * raised))
-        weights /= (twice * weights).sum()
-        low, high = (raised, high) if (twice * weights * at**2).sum() < variance else (low, raised)
-    return weights
+        line = np.exp(-(at**2) / (2 * raised))
+        line /= math.sqrt(float((line[:, None] * line)[used].sum()))
+        kernel = np.where(used, line[:, None] * line, 0.0)
+        low, high = (raised, high) if (kernel * at**2).sum() < variance else (low, raised)
+    return line[reach:]

@@ -1,4 +1,6 @@
-"""Contact shadow: the share of the sky that the model hides from the ground around it, seen even without any sun.
+"""Contact: the share of the sky that the model hides from the ground around it, and from which side it does.
+
+It is a shadow even without any sun, and where the model's sides are lit it is where their light falls.
 
 Ambient occlusion by its definition: the mean of the shadows that many lights spread over the sky would cast, each
 with the weight of its cosine (Langer and Buelthoff, "Depth discrimination from shading under diffuse lighting", 2000).
@@ -21,18 +23,18 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import Lighting, Sun
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 
-DIRECTIONS = 24
+DIRECTIONS = 48
 DEPTHS = replace(FAST, shadow_map_size=128, soft_on_model=False, pcf_radius=1)
-PATCH_SIZE = 64  # texels a side
+PATCH_SIZE = 96  # texels a side
 BLUR_TEXELS = 1.5  # of a Gaussian that merges the single directions' shadows
-REACH_HEIGHTS = 0.5  # how far the patch goes beyond the model's bounds, in heights of the model
+REACH_HEIGHTS = 0.75  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
 NO_LIGHT = (0.0, 0.0, 0.0)
 FADE = 0.3  # share of the patch's side along which the darkening ends
 
 
 class ContactPatch:
-    """A texture of the hidden share of the sky on the ground around one model."""
+    """A texture of the ground around a model: hidden share of the sky, and its mean direction's x and y times that."""
 
     def __init__(self, ctx: moderngl.Context, programs: Programs, model: GpuModel) -> None:
         lower, upper = model.placed.bounds
@@ -44,7 +46,7 @@ class ContactPatch:
         self._depth_map = ShadowMaps(ctx, DEPTHS)
         self._program = programs.get("contact", **self._depth_map.constants | {"lights": 1, "casters": 1})
         self._rectangle = ctx.vertex_array(self._program, [])
-        self._texture = ctx.texture((PATCH_SIZE, PATCH_SIZE), 1, dtype="f2")
+        self._texture = ctx.texture((PATCH_SIZE, PATCH_SIZE), 4, dtype="f2")
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = ctx.framebuffer([self._texture])
 
@@ -65,7 +67,7 @@ class ContactPatch:
             self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
             yield
         self._depth_map.release()
-        occlusion = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE)
+        occlusion = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE, 4)
         smooth = cv2.GaussianBlur(occlusion.astype(np.float32), (0, 0), BLUR_TEXELS)
         self._texture.write(np.ascontiguousarray(smooth, dtype=np.float16))
 

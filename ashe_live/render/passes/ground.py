@@ -84,11 +84,15 @@ class ShadowCatcher:
             program,
             clip_from_marker=framing.clip_from_marker,
             placed_from_marker=model.placed_from_marker,
+            marker_from_placed=model.marker_from_placed,
+            model_albedo=tuple(model.model.albedo),
+            ground_bounce=lighting.bounce,
             viewport=tuple(float(value) for value in framing.viewport),
             ground_rgb=(0.0, 0.0, 0.0) if ground_rgb is None else tuple(float(value) for value in ground_rgb),
             sky=lighting.sky,
             strength=1.0 if darkens else 0.0,
             sun_on_ground=lighting.ground_shares,
+            sun=lighting.irradiances,
             border_px=border_px,
         )
         self._fan_of(program).render(moderngl.TRIANGLE_FAN)

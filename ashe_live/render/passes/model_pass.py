@@ -112,8 +112,8 @@ class ModelPass:
             "model", min_roughness=MIN_ROUGHNESS, **shading_constants(part), **looked_up.shadows.constants
         )
         looked_up.shadows.bind(program)
+        looked_up.ground_shadows.bind(program)
         if part.material.is_mirror:
-            looked_up.ground_shadows.bind(program)
             looked_up.environment.bind(program)
         for name, texture in part.maps.items():
             texture.use(UNIT_OF[name])

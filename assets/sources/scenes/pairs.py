@@ -27,7 +27,10 @@ VERSIONS = ("bare", "model", "open")  # as it is, with the model, and without th
 MODEL = "cube"
 MODEL_INDEX = 9  # of the object index pass
 LEAST_LIFT_M = 0.0002  # of the sheet over the ground
+PAPER = 0.8  # albedo of office paper; the set's own sheets have 0.6 to 0.85, which no picture of them can tell
 SAMPLES = 32
+DIRECTIONS = 200  # in which the real object's extreme points are looked for
+DEEP_PX, BESIDE_PX, FEWEST_PX = 5, 40, 60  # ground in and beside the real shadow, away from all borders
 FOOTPRINT_SIDES, HEIGHT_SIDES = 1.0, 1.2  # as ashe_live/models/placement.py
 
 
@@ -42,6 +45,7 @@ def specify(out: Path) -> None:
         spec["pictures"] = [picture]
         spec["ground"]["z_m"] = -LEAST_LIFT_M
         spec["marker"]["card_m"] = spec["marker"]["curl_m"] = 0.0
+        spec["marker"]["paper"] = PAPER
         scenes.append(spec)
     (out / "specifications.json").write_text(json.dumps({"set": "pairs", "model": MODEL, "scenes": scenes}))
 
@@ -50,7 +54,7 @@ def render(out: Path, count: int | None, samples: int) -> None:
     import bpy
 
     from scenes.geometry.index import SHEET
-    from scenes.render import LAYERS, layer, set_up
+    from scenes.render import LAYERS, layer, set_up, triangles
     from scenes.tracing import assembly
 
     content = json.loads((out / "specifications.json").read_text())
@@ -64,7 +68,7 @@ def render(out: Path, count: int | None, samples: int) -> None:
                     continue
                 start = time.perf_counter()
                 assembly.clear()
-                assembly.assemble(spec)
+                made = assembly.assemble(spec)
                 if version == "model":
                     for obj in placed_model(content["model"], spec["marker"]["side_m"]):
                         obj.pass_index = MODEL_INDEX
@@ -79,6 +83,8 @@ def render(out: Path, count: int | None, samples: int) -> None:
                 bpy.ops.render.render()
                 shot = {name: layer(folder, name, spec["size"]).clip(0, 60000).astype(np.float16) for name in LAYERS}
                 index = np.round(layer(folder, "index", spec["size"])[..., 0]).astype(np.uint8)
+                for number, objects in enumerate(made):
+                    shot[f"points{number}"], shot[f"faces{number}"] = triangles(objects)
                 np.savez_compressed(path, **shot, index=index)
                 print(f"{path.name} {time.perf_counter() - start:.1f} s", flush=True)
 
@@ -113,6 +119,7 @@ def develop(out: Path) -> None:
     from scenes.geometry.poses import direction
     from scenes.geometry.surroundings import LUMINANCE, irradiance, radiance
     from scenes.photo.camera import photographed
+    from scenes.photo.masks import masks
 
     content = json.loads((out / "specifications.json").read_text())
     entries = []
@@ -128,6 +135,9 @@ def develop(out: Path) -> None:
             light, on_ground = mixed(spec, picture, raw)
             image, used = photographed(light, on_ground, settings | {"seed": settings["seed"] + number}, gains)
             gains = used
+            if version == "bare":
+                found = masks(spec, picture["lights"], raw)
+                body, seen_ratio = caster_hull(spec, raw), ratio_seen(image, raw["index"], found)
             quality = [cv2.IMWRITE_JPEG_QUALITY, settings["jpeg_quality"]]
             cv2.imwrite(str(out / f"{spec['id']}_{version}.jpg"), image, quality)
             if version == "model":
@@ -143,10 +153,45 @@ def develop(out: Path) -> None:
             "marker_side_m": spec["marker"]["side_m"], "paper_side_m": spec["marker"]["paper_side_m"],
             "to_light": np.round(direction(light["azimuth_deg"], light["elevation_deg"]), 8).tolist(),
             "angular_diameter_deg": light["angular_diameter_deg"],
-            "shadow_ratio": np.round(sky / (sky + sun), 4).tolist(),
+            "shadow_ratio": np.round(sky / (sky + sun) if seen_ratio is None else seen_ratio, 4).tolist(),
+            "body_m": body,
         })  # fmt: skip
         assert math.isclose(float(np.linalg.norm(entries[-1]["to_light"])), 1, abs_tol=1e-6)
     (out / "pairs.json").write_text(json.dumps({"model": content["model"], "pairs": entries}, indent=1) + "\n")
+
+
+def caster_hull(spec: Params, raw: Params) -> list[list[float]]:
+    """Points (n, 3) of the real object whose convex hull is about its own, metres, marker frame."""
+    (number,) = (k for k, each in enumerate(spec["objects"]) if each["role"] == "caster")
+    points = np.asarray(raw[f"points{number}"], np.float64)
+    steps = np.arange(DIRECTIONS) + 0.5
+    z = 1 - 2 * steps / DIRECTIONS
+    turn = steps * math.pi * (3 - math.sqrt(5))
+    around = np.column_stack([np.sqrt(1 - z**2) * np.cos(turn), np.sqrt(1 - z**2) * np.sin(turn), z])
+    return np.round(points[np.unique((around @ points.T).argmax(axis=1))], 5).tolist()
+
+
+def ratio_seen(image: Any, index: Any, found: Params) -> Any:
+    """(3,) of the real shadow in a photo, as an estimator would measure it there; None where too little of it is seen.
+
+    Linear RGB of ground deep in the shadow over that of lit ground around it, medians.
+    """
+    import cv2
+
+    from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+    from scenes.geometry.index import GROUND
+
+    def depth(mask: Any) -> Any:
+        return cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 3)
+
+    ground, shadow = index == GROUND, found["shadow"]
+    dark = ground & (depth(shadow & ground) > DEEP_PX)
+    away = depth(~shadow)
+    lit = ground & (away > DEEP_PX) & (away < BESIDE_PX) & (depth(ground) > DEEP_PX)
+    if min(dark.sum(), lit.sum()) < FEWEST_PX:
+        return None
+    linear = LINEAR_FROM_SRGB_8BIT[image[..., ::-1]]
+    return np.clip(np.median(linear[dark], axis=0) / np.median(linear[lit], axis=0), 0.02, 1.0)
 
 
 def main() -> None:

@@ -12,6 +12,7 @@ from ashe_live.render.lights.lighting import ASSUMED_SHADOW_RATIO
 from ashe_live.render.scene import Scene
 
 POLE_HEIGHT = 0.06
+GREY = (0.3, 0.3, 0.3, 1.0)
 
 
 def _pole(stage):
@@ -64,8 +65,8 @@ def test_without_a_light_only_the_contact_zone_is_darkened(make_renderer, stage,
     tracked = stage.tracked(image, stage.pose(-70, 60, 0.4))
     renderer.render(Scene(tracked, _pole(stage)))
     picture = renderer.read_bgr()
-    # The pole seen from 60 degrees hides ground up to 0.035 behind its foot, the contact zone ends at 0.04.
-    far = _ground_beyond(tracked, 0.06)
+    # The pole seen from 60 degrees hides ground up to 0.035 behind its foot, the contact zone ends at 0.07.
+    far = _ground_beyond(tracked, 0.071)
     assert far.mean() > 0.3
     np.testing.assert_array_equal(picture[far], image[far])
 
@@ -73,14 +74,14 @@ def test_without_a_light_only_the_contact_zone_is_darkened(make_renderer, stage,
 def test_contact_darkening_has_no_direction(make_renderer, stage) -> None:
     """Nothing that could be taken for a sun: a round model darkens the ground alike on all sides."""
     renderer = make_renderer()
-    round_model = stage.placed(revolved([(0, 0), (0.02, 0), (0.02, 0.05), (0, 0.05)], 48))
+    round_model = stage.placed(revolved([(0, 0), (0.02, 0), (0.02, 0.05), (0, 0.05)], 48, GREY))
     tracked = stage.tracked(255, stage.pose(-90, 89, 0.4, target=(0, 0, 0)))
     renderer.render(Scene(tracked, round_model))
     picture = renderer.read_bgr()
     angles = np.radians(np.arange(0, 360, 15))
     near, beyond = (
         np.array([_pixel(picture, tracked, (r * np.cos(a), r * np.sin(a), 0))[0] for a in angles])
-        for r in (0.026, 0.06)
+        for r in (0.026, 0.08)
     )
     assert near.max() < 245
     assert near.max() - near.min() < 16
@@ -144,3 +145,48 @@ def test_flat_model_is_seen_above_its_ground(make_renderer, stage) -> None:
     blue, green, red = _pixel(renderer.read_bgr(), tracked, (0.01, 0.01, 0))
     assert green > red + 50
     assert green > blue + 50
+
+
+def _lit_beside(make_renderer, stage, colour: tuple[float, ...], azimuth_deg: float) -> np.ndarray:
+    """(3,) linear RGB of ground 2 cm before a wall's +x side, over what it is without the wall."""
+    renderer = make_renderer()
+    tracked = stage.tracked(128, stage.pose(0, 55, 0.5))
+    wall = stage.placed(box((0.02, 0.2, 0.1), colour))
+    renderer.render(Scene(tracked, wall, Illumination((stage.light(azimuth_deg, 30, (0.25, 0.25, 0.25)),))))
+    seen = _pixel(renderer.read_bgr(), tracked, (0.03, 0, 0))[::-1]
+    return LINEAR_FROM_SRGB_8BIT[seen.astype(int)] / LINEAR_FROM_SRGB_8BIT[128]
+
+
+def test_a_sunlit_wall_lights_the_ground_before_it_in_its_own_colour(make_renderer, stage) -> None:
+    """By Lambert: a wall that fills the fraction F of the sky adds F times its radiance to what is left of the sky."""
+    black = _lit_beside(make_renderer, stage, (0.0, 0.0, 0.0, 1.0), 0)
+    orange = _lit_beside(make_renderer, stage, (0.8, 0.4, 0.0, 1.0), 0)
+    assert (black < 0.97).all()  # of a sky that gives a quarter of the light, a third or so is hidden
+    assert orange[0] > 1.1
+    np.testing.assert_allclose((orange - black)[:2], (orange - black)[0] * np.array((1.0, 0.5)), rtol=0.08)
+    assert orange[2] == pytest.approx(black[2], abs=0.01)
+    hidden = (1 - black[0]) / 0.25
+    # The sun of 30 degrees gives level ground 0.75, a wall across from it cot(30 degrees) times that; the sky half of
+    # its 0.25, and the ground, whose albedo is taken to be 0.35, half of its own.
+    radiance = 0.8 * (0.75 / np.tan(np.radians(30)) + 0.125 + 0.35 / 2)
+    assert (orange - black)[0] == pytest.approx(hidden * radiance, rel=0.25)
+
+
+def test_a_wall_in_its_own_shade_lights_nothing_much(make_renderer, stage) -> None:
+    black, white = (_lit_beside(make_renderer, stage, (grey, grey, grey, 1.0), 180) for grey in (0.0, 1.0))
+    # What is behind the wall lies in its shadow: of the sky's quarter only.
+    assert (white < 0.25).all()
+    assert (white >= black).all()
+
+
+def test_the_foot_of_a_wall_over_its_own_shadow_is_darker_than_over_lit_ground(make_renderer, stage) -> None:
+    """The light from below is that of the ground there: the same shaded wall, its shadow before it or beside it."""
+    feet = []
+    for azimuth_deg in (180, 90):  # from behind; along the wall, which so gets none either
+        renderer = make_renderer()
+        tracked = stage.tracked(200, stage.pose(0, 40, 0.5))
+        light = stage.light(azimuth_deg, 40, (0.25, 0.25, 0.25))
+        bright = Illumination((light,), ground_rgb=np.full(3, 0.5), seen_in=tracked)
+        renderer.render(Scene(tracked, stage.placed(box((0.02, 0.2, 0.1))), bright))
+        feet.append(LINEAR_FROM_SRGB_8BIT[int(_pixel(renderer.read_bgr(), tracked, (0.01, 0, 0.008))[0])])
+    assert feet[0] < 0.8 * feet[1]

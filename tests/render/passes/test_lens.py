@@ -12,7 +12,6 @@ from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.passes.lens import straight_from_bent, wide_pinhole
 from ashe_live.render.scene import Scene
 
-GREEN = (0.0, 1.0, 0.0, 1.0)
 LENSES = [(-0.3, 0.1, 0.002, -0.001, 0.0), (0.25, 0.0, 0.0, 0.0, 0.0)]
 SIZE = (0.05, 0.05, 0.06)
 
@@ -51,7 +50,7 @@ def test_model_and_shadow_stand_where_the_lens_puts_them(
     tracked = stage.tracked(200, T_cam_marker, camera)
     light = stage.light(200, 40, (0.2, 0.2, 0.2))
     renderer = make_renderer(BALANCED.render)
-    renderer.render(Scene(tracked, stage.placed(box(SIZE, GREEN)), Illumination((light,))))
+    renderer.render(Scene(tracked, stage.placed(stage.glowing_green(box(SIZE))), Illumination((light,))))
     blue, green, red = np.moveaxis(renderer.read_bgr().astype(int), 2, 0)
     is_model = (green > red + 30) & (green > blue + 30)
     is_shadow = ~is_model & (green < 150)

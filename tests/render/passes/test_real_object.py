@@ -9,8 +9,8 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
+from ashe_live.render.camera.white import ASSUMED_WHITE
 from ashe_live.render.lights.lighting import lighting_of
-from ashe_live.render.lights.video_look import ASSUMED_WHITE
 from ashe_live.render.scene import Scene
 
 RATIO = (0.3, 0.4, 0.5)

@@ -11,15 +11,10 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.models.primitives import box
 from ashe_live.quality import BALANCED, FAST
-from ashe_live.render.lights.video_look import (
-    ASSUMED_WHITE,
-    BODY_PRINT_SHARE,
-    PAPER_ALBEDO,
-    edge_blur_px,
-    has_coarse_chroma,
-    look_of,
-    white_of,
-)
+from ashe_live.render.camera.edges import blur_and_sharpening, edge_blur_px
+from ashe_live.render.camera.grain import has_coarse_chroma, noise_levels
+from ashe_live.render.camera.video_look import look_of
+from ashe_live.render.camera.white import ASSUMED_WHITE, BODY_PRINT_SHARE, INK_RATIO, PAPER_ALBEDO, white_of
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.cube.faces import TAG_SHARE
 from ashe_live.tracking.families.layout import cube_layout
@@ -34,12 +29,14 @@ def _corners(half: float) -> np.ndarray:
     return half * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)], dtype=float)
 
 
-def _sheet(stage, white: tuple[float, ...] = (0.7, 0.7, 0.7), blur: float = 0.0, noise: float = 0.0) -> TrackedFrame:
+def _sheet(
+    stage, white: tuple[float, ...] = (0.7, 0.7, 0.7), blur: float = 0.0, noise: float = 0.0, ink: float = 0.02
+) -> TrackedFrame:
     """A black square on paper of a linear RGB, on darker ground."""
     T_cam_marker = stage.pose(-80, 50, 0.3, target=(0, 0, 0))
     camera = stage.camera()
     canvas = np.full((camera.size[1] * FINE, camera.size[0] * FINE, 3), 0.25)
-    for half, colour in ((0.72 * SIDE, np.array(white) * PAPER_ALBEDO), (SIDE / 2, np.full(3, 0.02))):
+    for half, colour in ((0.72 * SIDE, np.array(white) * PAPER_ALBEDO), (SIDE / 2, np.full(3, ink))):
         outline = (project(camera, T_cam_marker, _corners(half)) + 0.5) * FINE - 0.5
         mask = cv2.fillConvexPoly(np.zeros(canvas.shape[:2], np.uint8), np.round(outline * 16).astype(int), 1, shift=4)
         canvas[mask > 0] = colour
@@ -61,6 +58,13 @@ def test_white_is_the_papers(stage, white: tuple[float, ...]) -> None:
     np.testing.assert_allclose(white_of(_sheet(stage, white)), white, rtol=0.02)
 
 
+def test_white_of_overexposed_paper_is_told_by_the_ink(stage) -> None:
+    """Paper is at most 1 in the picture; ink goes on becoming brighter. It may be gloss, so half of that counts."""
+    whites = [1.3, 1.6, 2.2]
+    found = [white_of(_sheet(stage, (white,) * 3, ink=INK_RATIO * PAPER_ALBEDO * white))[1] for white in whites]
+    np.testing.assert_allclose(found, [np.sqrt(PAPER_ALBEDO * white) / PAPER_ALBEDO for white in whites], rtol=0.06)
+
+
 def test_white_is_assumed_where_there_is_no_paper(stage) -> None:
     assert white_of(stage.tracked(120, stage.pose(-80, 50))) == (ASSUMED_WHITE,) * 3
 
@@ -72,7 +76,35 @@ def test_blur_is_measured_at_the_markers_edges(stage, blur: float) -> None:
 
 @pytest.mark.parametrize("noise", [1.0, 3.0, 8.0])
 def test_noise_is_measured_around_the_marker(stage, noise: float) -> None:
-    assert look_of(_sheet(stage, noise=noise)).noise_sigma * 255 == pytest.approx(noise, rel=0.2, abs=0.3)
+    dark, dim, *_ = look_of(_sheet(stage, noise=noise)).noise_sigmas
+    # Black ink is clipped where it would be darker than black.
+    assert dim * 255 == pytest.approx(noise, rel=0.2, abs=0.3)
+    assert dark <= dim * 1.2
+
+
+def test_noise_goes_with_brightness() -> None:
+    """As a sensor's does: four strips of grey, each with noise of its own."""
+    greys, sigmas = np.array([30, 100, 150, 220]), np.array([1.5, 3.0, 4.0, 6.0])
+    noise = np.random.default_rng(5).normal(0, 1, (60, 4, 60)) * sigmas[:, None]
+    picture = np.round(greys[:, None] + noise).reshape(60, 240).astype(np.uint8)
+    np.testing.assert_allclose(np.array(noise_levels(picture)) * 255, sigmas, rtol=0.15)
+
+
+def test_a_brightness_that_does_not_occur_has_the_nearest_ones_noise() -> None:
+    noise = np.random.default_rng(5).normal(0, 4, (100, 100))
+    dark, dim, light, bright = noise_levels(np.round(160 + noise).astype(np.uint8))
+    assert dark == dim == light == bright > 0
+
+
+@pytest.mark.parametrize(("blur", "amount"), [(0.0, 0.0), (0.4, 0.0), (0.9, 0.0), (1.6, 0.0), (0.4, 0.5), (0.4, 1.2)])
+def test_sharpening_is_measured_at_the_markers_edges(stage, blur: float, amount: float) -> None:
+    tracked = _sheet(stage, blur=blur)
+    grey = cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY).astype(float)
+    sharp = grey + amount * (grey - cv2.GaussianBlur(grey, (0, 0), 1.0))
+    picture = np.clip(np.round(sharp), 0, 255).astype(np.uint8)
+    sigma_px, found = blur_and_sharpening(picture, tracked.marker.corners_px)
+    assert found == pytest.approx(amount, rel=0.3, abs=0.15)
+    assert sigma_px == pytest.approx(blur, abs=0.3)
 
 
 def test_models_edges_are_as_soft_as_the_markers(make_renderer, stage) -> None:
@@ -102,6 +134,22 @@ def test_a_picture_without_colour_tells_nothing_of_its_chroma() -> None:
     assert not has_coarse_chroma(np.repeat(grey, 3, axis=2))
 
 
+def test_what_is_drawn_is_sharpened_as_the_video_is(make_renderer, stage) -> None:
+    """A grey sheet in the marker's place: beside its edge it overshoots where the marker's own edges do."""
+    plain = _sheet(stage, (0.25, 0.25, 0.25), blur=0.4)
+    grey = plain.frame.image_bgr.astype(float)
+    sharp = np.clip(np.round(grey + 1.0 * (grey - cv2.GaussianBlur(grey, (0, 0), 1.0))), 0, 255).astype(np.uint8)
+    model = stage.placed(box((SIDE, SIDE, 0.0), (0.0, 0.0, 0.0, 1.0)))
+    found = []
+    for image in (plain.frame.image_bgr, sharp):
+        renderer = make_renderer(BALANCED.render)
+        renderer.render(Scene(replace(plain, frame=Frame(image, 0, 0.0)), model))
+        picture = cv2.cvtColor(renderer.read_bgr(), cv2.COLOR_BGR2GRAY)
+        found.append(blur_and_sharpening(picture, plain.marker.corners_px)[1])
+    assert found[0] == 0
+    assert found[1] > 0.5
+
+
 def test_models_noise_is_the_videos_and_new_in_every_frame(make_renderer, stage) -> None:
     renderer = make_renderer(BALANCED.render)
     tracked = _sheet(stage, noise=4.0)
@@ -114,7 +162,7 @@ def test_models_noise_is_the_videos_and_new_in_every_frame(make_renderer, stage)
         frame = Frame(tracked.frame.image_bgr, index, 0.0)
         renderer.render(Scene(TrackedFrame(frame, tracked.camera, tracked.marker), model))
         pictures.append(renderer.read_bgr().astype(float))
-        assert pictures[-1][inside > 0].std() == pytest.approx(look_of(tracked).noise_sigma * 255, rel=0.25)
+        assert pictures[-1][inside > 0].std() == pytest.approx(look_of(tracked).noise_sigmas[2] * 255, rel=0.25)
     assert (pictures[0] - pictures[1])[inside > 0].std() > 4.0
     far = cv2.dilate(inside, np.ones((61, 61))) == 0
     np.testing.assert_array_equal(pictures[0][far], tracked.frame.image_bgr[far])

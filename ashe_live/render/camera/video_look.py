@@ -1,0 +1,76 @@
+"""The video's exposure, blur and noise, which the model must have to look as if the same camera had filmed it.
+
+Everything is measured at the printed marker, of one frame: white paper around a black square with sharp edges.
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.colour import REC709_LUMINANCE
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import TrackedFrame
+from ashe_live.render.camera.edges import blur_and_sharpening
+from ashe_live.render.camera.grain import NoiseLevels, has_coarse_chroma, noise_levels
+from ashe_live.render.camera.white import OVEREXPOSED, PAPER_ALBEDO, print_pixels, print_side_m, white_of
+from ashe_live.render.lights.lighting import RGB, Lighting
+
+WINDOW_PX = 160  # a side of the part of the picture whose noise and colours stand for the whole
+SILENT: NoiseLevels = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class VideoLook:
+    """Measured in one frame."""
+
+    white_rgb: RGB  # linear RGB in the picture of a fully lit, level, perfectly white surface
+    # Of the lens and the processing, beyond the pixel's own area; pixels of the video. None: not asked for.
+    blur_sigma_px: float | None
+    noise_sigmas: NoiseLevels  # standard deviations of the encoded values in [0, 1], as `noise_levels` has them
+    sharpening: float = 0.0  # how much of what a blur of a pixel would take away the camera has added once more
+    has_coarse_chroma: bool = False  # colour at half the resolution, as most encodings of video and photos have it
+
+    @property
+    def overexposure(self) -> float:
+        """How much brighter than the picture can show its paper is; 1 where it can."""
+        paper = PAPER_ALBEDO * float(np.array(self.white_rgb) @ REC709_LUMINANCE)
+        return max(1.0, paper / OVEREXPOSED[1])
+
+
+def look_of(
+    tracked: TrackedFrame,
+    blur: bool = True,
+    noise: bool = True,
+    lighting: Lighting | None = None,
+    real_object: Proxy | None = None,
+) -> VideoLook:
+    """White (as `white_of`), blur and noise of a frame with a marker; None or 0 for what is not asked for."""
+    assert tracked.marker is not None
+    white = white_of(tracked, lighting, real_object)
+    if not blur and not noise:
+        return VideoLook(white, None, SILENT)
+    grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
+    corners = tracked.marker.corners_px
+    if tracked.marker.body is not None:
+        half = 0.5 * print_side_m(tracked)
+        corners = print_pixels(tracked, np.array([(-half, half), (half, half), (half, -half), (-half, -half)]))
+    middle = corners.mean(axis=0)
+    sigma_px, sharpening = blur_and_sharpening(grey, corners) if blur else (None, 0.0)
+    return VideoLook(
+        white,
+        sigma_px,
+        noise_levels(_window(grey, middle)) if noise else SILENT,
+        sharpening,
+        blur and has_coarse_chroma(_window(tracked.frame.image_bgr, middle)),
+    )
+
+
+def _window(image: Image, centre: Float) -> Image:
+    """The part around `centre` that stands for the whole; all of a small picture."""
+    half = WINDOW_PX // 2
+    column, row = (
+        int(np.clip(at, half, max(half, limit - half))) for at, limit in zip(centre, image.shape[1::-1], strict=True)
+    )
+    return image[max(0, row - half) : row + half, max(0, column - half) : column + half]

@@ -1,0 +1,114 @@
+"""Exposure and white balance: what perfectly white ground has in the picture, by the marker's paper and ink."""
+
+from collections.abc import Callable
+from functools import partial
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.types import TrackedFrame
+from ashe_live.render.lights.cast_shadows import lit_past
+from ashe_live.render.lights.lighting import RGB, Lighting
+
+PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
+# Of printed black over paper: 0.045 of a laser printer's toner over 0.8, and what a lens scatters, 1 % of the paper.
+INK_RATIO = 0.07
+# Linear brightness of paper from which, and from which fully, it counts as overexposed: tone curves bend the last bit.
+OVEREXPOSED = (0.88, 0.94)
+MOST_OVER = 1.4  # paper is not overexposed by more: nobody would film on
+# Where nothing can be measured: paper comes out a little below the display's white, as in a well exposed photo.
+ASSUMED_WHITE = 0.8
+MIN_CONTRAST = 1.6  # of paper over black ink
+RING_SIDES = (0.57, 0.62)  # from the marker's centre, in sides: on the paper's margin
+INK_SIDES = 0.45  # and in the middle of the square's black border
+LEAST_LEVEL = 0.05  # of the light in a shadow: black says nothing about white
+MIN_PAPER = 0.02  # its linear brightness in the picture: darker is no white
+AROUND = 12  # places along each of the square's edges
+BODY_PRINT_SHARE = 0.7  # of a body's edge: the black square on its faces, as `tracking.cube.faces` has it printed
+
+
+def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_object: Proxy | None = None) -> RGB:
+    """Linear RGB that white, fully lit at the marker's centre, has in a frame with a marker; grey without any paper.
+
+    `lighting`: with lamps in it the paper is brighter towards them, and all of it may be in the real object's shadow.
+    """
+    assert tracked.marker is not None
+    side = print_side_m(tracked)
+    along = np.linspace(-0.5, 0.5, AROUND)
+    ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in RING_SIDES for x in along])
+    inside = np.concatenate([[(INK_SIDES * s, 0.9 * x), (0.9 * x, INK_SIDES * s)] for s in (-1, 1) for x in along])
+    level = partial(_level, lighting, real_object)
+    paper, ink = (_linear_at(tracked, side * points, level) for points in (ring, inside))
+    grey = (ASSUMED_WHITE, ASSUMED_WHITE, ASSUMED_WHITE)
+    if len(paper) < AROUND or len(ink) < AROUND:
+        return grey
+    brightness, darkness = paper @ REC709_LUMINANCE, ink @ REC709_LUMINANCE
+    # Some of the paper may lie in a shadow.
+    lit = paper[brightness >= np.quantile(brightness, 0.6)]
+    if np.median(brightness) < max(MIN_CONTRAST * np.median(darkness), MIN_PAPER):
+        return grey
+    seen = lit.mean(axis=0)
+    seen = seen * _overexposure(float(seen @ REC709_LUMINANCE), float(np.quantile(darkness, 0.6)))
+    red, green, blue = (float(value) / PAPER_ALBEDO for value in seen)
+    return red, green, blue
+
+
+def print_pixels(tracked: TrackedFrame, places: Float) -> Float:
+    """(n, 2) pixels of places (n, 2) of the marker's upright print; NaN where any lies behind the camera.
+
+    A body's is the one on its top.
+    """
+    assert tracked.marker is not None
+    camera, T, body = tracked.camera, tracked.marker.T_cam_marker, tracked.marker.body
+    height = 0.0 if body is None else tracked.marker.side_m
+    points = np.column_stack([places, np.full(len(places), height)])
+    if (points @ T[2, :3] + T[2, 3]).min() <= 0:
+        return np.full((len(places), 2), np.nan)
+    pixels = cv2.projectPoints(points, cv2.Rodrigues(T[:3, :3])[0], T[:3, 3], camera.K, camera.dist)[0]
+    return np.asarray(pixels.reshape(-1, 2), dtype=np.float64)
+
+
+def print_side_m(tracked: TrackedFrame) -> float:
+    """Of the black square."""
+    assert tracked.marker is not None
+    return tracked.marker.side_m * (1.0 if tracked.marker.body is None else BODY_PRINT_SHARE)
+
+
+def _overexposure(paper: float, ink: float) -> float:
+    """Factor by which paper would be brighter than the picture can show, by ink beside it; linear brightnesses.
+
+    Gloss brightens ink as much as overexposure does, and clips paper, too: half of the logarithm is left to it.
+    """
+    low, high = OVEREXPOSED
+    share = float(np.clip((paper - low) / (high - low), 0.0, 1.0))
+    return 1 + share * (float(np.clip(np.sqrt(ink / INK_RATIO / paper), 1.0, MOST_OVER)) - 1)
+
+
+def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) -> Float:
+    """(n, 3) the light at places (n, 2) of the plane if a shadow covers all of them; else as if there were no shadow.
+
+    Where light and shadow meet, the picture tells them apart better than an estimated light does.
+    """
+    if lighting is None:
+        return np.ones((len(ground), 3))
+    level = lighting.level_at(ground)
+    if real_object is not None:
+        for sun in lighting.suns:
+            if not np.nan_to_num(lit_past(real_object, sun, ground), nan=1.0).any():
+                level = level - np.outer(sun.ground_falloff(ground), sun.ground_share)
+    return np.maximum(level, LEAST_LEVEL)
+
+
+def _linear_at(tracked: TrackedFrame, ground: Float, level: Callable[[Float], Float]) -> Float:
+    """(m, 3) linear RGB of those places (n, 2) of the print in view, over the light's `level` (n, 3) there."""
+    pixels = print_pixels(tracked, ground)
+    if not np.isfinite(pixels).all():
+        return np.zeros((0, 3))
+    column, row = np.round(pixels).T
+    width, height = tracked.frame.size
+    seen = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    bgr = tracked.frame.image_bgr[row[seen].astype(int), column[seen].astype(int)]
+    return np.asarray(LINEAR_FROM_SRGB_8BIT[bgr[:, ::-1]] / level(ground)[seen])

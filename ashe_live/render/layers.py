@@ -1,0 +1,86 @@
+"""What is drawn into the layers of added and removed light, one pass after the other."""
+
+import moderngl
+
+from ashe_live.core.proxy import Proxy
+from ashe_live.render.cover.hidden_marker import HiddenMarker
+from ashe_live.render.gl.programs import Programs
+from ashe_live.render.lights.photometry import Photometry
+from ashe_live.render.passes.ground import ShadowCatcher
+from ashe_live.render.passes.light_sign import LightSign, LightSigns
+from ashe_live.render.passes.model_pass import ModelPass, ShadingInputs
+from ashe_live.render.passes.real_object import RealObject
+from ashe_live.render.passes.standing import StandingModel
+from ashe_live.render.passes.video import Video
+from ashe_live.render.scene import Scene
+
+
+class LayerPasses:
+    """Real object, model, lights' signs and ground, in the order in which depth and blending want them."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
+        self._ctx = ctx
+        self._light_signs = LightSigns(ctx)
+        self.model_pass = ModelPass(ctx, programs)
+        self.catcher = ShadowCatcher(ctx, programs)
+        self.hidden_marker = HiddenMarker(ctx)
+        self.real: RealObject | None = None
+        self._programs = programs
+
+    def follow_real_object(self, proxy: Proxy | None) -> bool:
+        """Readies the real object that is there now; whether there was another one."""
+        was_other = self.real is not None and self.real.proxy is not proxy
+        if was_other and self.real is not None:
+            self.real.release()
+            self.real = None
+        if self.real is None and proxy is not None:
+            self.real = RealObject(self._ctx, self._programs, proxy)
+        return was_other
+
+    def follow_sheet(self, scene: Scene, at_once: bool) -> HiddenMarker | None:
+        """What covers the marker's sheet in a scene with a marker, once there is something; `at_once` as it has it."""
+        if not scene.hides_marker or scene.tracked is None:
+            self.hidden_marker.forget()
+            return None
+        self.hidden_marker.follow(scene.tracked, scene.illumination, at_once)
+        return self.hidden_marker if len(self.hidden_marker.corners) else None
+
+    def draw(
+        self,
+        model: StandingModel,
+        inputs: ShadingInputs,
+        signs: list[LightSign],
+        scene: Scene,
+        video: Video,
+        hidden: HiddenMarker | None,
+        photometry: Photometry,
+    ) -> None:
+        """`video`: as the framing's pinhole camera sees it. `hidden`: what covers the marker's sheet."""
+        frame, lighting, shadows = inputs.framing, inputs.lighting, inputs.looked_up.shadows
+        self._ctx.viewport = frame.viewport
+        if self.real is not None:
+            self.real.draw(frame, lighting, shadows)
+        if scene.shows_model:
+            self.model_pass.draw_opaque(model, inputs)
+        for sign in signs:
+            self._light_signs.draw(frame, sign)
+        if scene.casts_shadow or hidden is not None:
+            self.catcher.draw(
+                frame,
+                video,
+                lighting,
+                inputs.looked_up.ground_shadows,
+                2 if shadows.shadows_meet else 1,
+                model,
+                scene.illumination.ground_rgb,
+                hidden,
+                scene.casts_shadow,
+                photometry.border_share(scene.illumination) * frame.viewport[2],
+            )
+        if scene.shows_model:
+            self.model_pass.draw_blended(model, inputs)
+
+    def release(self) -> None:
+        self.catcher.forget()
+        self.hidden_marker.release()
+        self._light_signs.release()

@@ -1,0 +1,38 @@
+"""The shadow's ratio in every channel, also where the ground that it was measured on throws back next to no light.
+
+A ratio belongs to the light and holds on paper as it does on terracotta, but was measured on one of them: in a channel
+in which that ground is dark, shadow and lit ground differ by less than what a lens scatters, and their ratio is noise.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import Light
+
+# Linear, of the display's white: what a lens scatters into a shadow, 1 % of a ground of 0.2.
+UNCERTAIN = 0.002
+# Of the logarithm of a channel's ratio about the others': shadows under blue sky are bluer by about as much.
+SPREAD = 0.3
+
+
+def steadied(light: Light, ground_rgb: Float | None) -> Light:
+    """The light, its shadow's ratio drawn towards one for all channels where ground (3,), linear, shows too little."""
+    if light.shadow_rgb_ratio is None or ground_rgb is None:
+        return light
+    return replace(light, shadow_rgb_ratio=steadied_ratio(light.shadow_rgb_ratio, ground_rgb))
+
+
+def steadied_ratio(ratio: Float, ground_rgb: Float) -> Float:
+    """(3,) the likeliest ratios, of measured ones on ground of such a linear colour in the picture.
+
+    Logarithms are normal: the measured with its variance about the true one, and that with SPREAD about a common one.
+    """
+    known = np.clip(ratio, 1e-3, 1.0)
+    logs = np.log(known)
+    variance = np.square(UNCERTAIN / np.maximum(ground_rgb * known, 1e-6))
+    weights = 1 / (variance + SPREAD**2)
+    common = float((weights * logs).sum() / weights.sum())
+    share = SPREAD**2 / (SPREAD**2 + variance)
+    return np.asarray(np.exp(common + share * (logs - common)), np.float64)

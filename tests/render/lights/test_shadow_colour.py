@@ -1,0 +1,35 @@
+"""Ratios of shadows, in channels in which the ground has light and in those in which it has none."""
+
+import numpy as np
+import pytest
+
+from ashe_live.render.lights.shadow_colour import steadied_ratio
+
+BLUISH = np.array((0.25, 0.32, 0.42))
+
+
+@pytest.mark.parametrize("grey", [0.3, 0.9])
+def test_what_grey_ground_shows_is_kept(grey: float) -> None:
+    np.testing.assert_allclose(steadied_ratio(BLUISH, np.full(3, grey)), BLUISH, rtol=0.03)
+
+
+@pytest.mark.parametrize("noise", [0.02, 0.3, 1.0])
+def test_a_channel_without_light_takes_on_the_others_ratio(noise: float) -> None:
+    """Terracotta, with hardly any blue: whatever was measured there, paper's shadow is neither violet nor yellow."""
+    ratio = steadied_ratio(np.array((0.14, 0.13, noise)), np.array((0.42, 0.11, 0.002)))
+    assert ratio[2] == pytest.approx(0.135, rel=0.3)
+    assert ratio[0] == pytest.approx(0.14, rel=0.05)
+
+
+def test_the_less_light_the_less_it_counts() -> None:
+    blues = [steadied_ratio(np.array((0.2, 0.2, 0.6)), np.array((0.4, 0.4, blue)))[2] for blue in (0.001, 0.01, 0.1, 1)]
+    assert blues == sorted(blues)
+    assert blues[0] < 0.25
+    assert blues[-1] > 0.55
+
+
+def test_black_ground_and_no_shadow_at_all_stay_finite() -> None:
+    for ratio in (np.zeros(3), np.ones(3)):
+        found = steadied_ratio(ratio, np.zeros(3))
+        assert np.isfinite(found).all()
+        assert (found <= 1).all()
