@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.edges.outline_points import (
-    POINTS_PER_OUTLINE,
     OutlinePoints,
     derivatives_by_theta,
     evenly_spaced,
@@ -49,6 +48,7 @@ class EdgeFit:
     normal: Float  # (split + q, split + q) matrix of the normal equations: the information on theta
     cost: float  # squared distances of its outlines from the steps, in sigmas, each MISSED at most
     count: int  # points at which a step should be seen
+    shadow_steps: int  # points of the shadow's outline at which one is; of two lights' shadows, of that with fewer
 
     @property
     def mean_cost(self) -> float:
@@ -146,7 +146,10 @@ class _Seen:
         found: list[EdgeFit | None] = []
         for i, lit in enumerate(self.views[0].bodies):
             size = lit.layout.split + len(lit.body.shape)
-            fit = EdgeFit(lit, normals[i, :size, :size], float(cost[i]), int(count[i]))
+            seen = np.sum(
+                [view.information[i].reshape(len(lit.lights) + 1, -1) > 0 for view in self.views], axis=(0, 2)
+            )
+            fit = EdgeFit(lit, normals[i, :size, :size], float(cost[i]), int(count[i]), int(seen[1:].min()))
             found.append(fit if any(view.is_in_view[i] for view in self.views) else None)
         return found
 
@@ -189,12 +192,20 @@ def _by_outline(values: NDArray[Scalar], n: int) -> NDArray[Scalar]:
 
 
 def _visible(places: OutlinePoints, n: int) -> Mask:
-    """(n, 1 + l, p) whether the n bodies leave points of their shadows' outlines visible; True for their own."""
+    """(n, 1 + l, p) whether points of the n bodies' shadows show a step that is theirs alone; True for bodies' own.
+
+    Not where the body hides them, nor in another light's shadow, out of which light rises by another ratio.
+    """
     points, normals = _by_outline(places.points, n), _by_outline(places.normals, n)
-    # A point is outside of a convex outline if it is so of one of its tangents.
-    outside = np.einsum("nojk,nik->noji", points[:, 1:], normals[:, 0])
-    outside -= np.einsum("nik,nik->ni", points[:, 0], normals[:, 0])[:, None, None]
-    return np.concatenate([np.ones((n, 1, POINTS_PER_OUTLINE), bool), outside.max(axis=3) > BESIDE_BODY_PX], axis=1)
+    count = points.shape[1]
+    seen = np.ones(points.shape[:3], dtype=np.bool_)
+    for number in range(1, count):
+        for other in (each for each in range(count) if each != number):
+            # A point is outside of a convex outline if it is so of one of its tangents.
+            reached = np.einsum("npk,nik->npi", points[:, number], normals[:, other])
+            reached -= np.einsum("nik,nik->ni", points[:, other], normals[:, other])[:, None]
+            seen[:, number] &= reached.max(axis=2) > BESIDE_BODY_PX
+    return seen
 
 
 def _sizes_px(outlines: Float) -> Float:

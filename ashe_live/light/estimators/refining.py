@@ -36,7 +36,7 @@ def refined_and_others(
     others = different(each for each in ranked if not any(each is one for one in chosen))
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
-    return [sharpener.sharpened(each) for each in sharpener.measured(found)] + others
+    return [sharpener.sharpened(each) for each in found] + others
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:

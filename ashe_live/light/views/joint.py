@@ -117,7 +117,7 @@ def sharpened_in_views(explanation: JointExplanation, sharpener: Sharpener) -> J
 
     sharpener: of all views at full resolution, that of the answer first.
     """
-    best = sharpener.best_fit([explanation.joint.alignment.placed.lit], explanation.joint)
+    best = sharpener.best_fit(explanation.joint)
     if best is None:
         return explanation
     costs = [own_costs(each) for each in explanation.each]
