@@ -29,9 +29,10 @@ ROOMS: dict[str, set[str]] = {
     "light.ground": {"core", "light.pixels"},
     "light.shape": {"core", "light.pixels"},
     "light.outline_fit": {"core", "light.shape"},
+    "light.edges": {"core", "light.pixels", "light.shape", "light.outline_fit"},
     "light.labels": {"core", "light.pixels", "light.ground", "light.shape"},
     "light.explanation": {
-        "core", "light.pixels", "light.ground", "light.shape", "light.outline_fit", "light.labels",
+        "core", "light.pixels", "light.ground", "light.shape", "light.outline_fit", "light.edges", "light.labels",
     },
     "light.views": {
         "core", "light.pixels", "light.ground", "light.shape", "light.outline_fit", "light.labels",

@@ -83,7 +83,7 @@ def radius_of_68_percent(covariance_rad2: Float) -> float:
     Between 0.99 of the larger deviation (a line) and 1.51 of it (a circle); in between, and at both ends, right to 1 %.
     """
     smaller, larger = np.maximum(np.linalg.eigvalsh(covariance_rad2), 0.0)
-    return math.sqrt(0.985 * larger + 1.326 * smaller)
+    return min(math.sqrt(0.985 * larger + 1.326 * smaller), math.pi)  # no two directions are farther apart
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> float:

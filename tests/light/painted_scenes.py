@@ -4,7 +4,7 @@ Everything is painted in linear light at three times the size, averaged, and enc
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -25,7 +25,7 @@ SIDE_M = 0.08
 HFOV_DEG = 55.0
 SUPERSAMPLING = 3
 SHADOW_RATIO = np.array([0.22, 0.27, 0.36])  # linear RGB: lit by the blue sky alone
-AMBIENT, SUN = 0.3, 0.9
+AMBIENT, SUN, SKY = 0.3, 0.9, 0.5
 NEAR_M = 0.05
 VIEW = camera_towards((0.08, 0.0), 0.55, 45.0)
 
@@ -107,11 +107,13 @@ def paint(
     seed: int = 0,
     other: OtherLight | None = None,
     lamp_m: Float | None = None,
+    gloss: float = 0.0,
 ) -> Painted:
     """The casters in one directional light, or two; no casters: the empty ground.
 
     Focal length: by HFOV_DEG if not given. The shadow of what is returned is the first light's. lamp_m: (3,) place of a
-    lamp, in place of the first light; the shadow ratio is then that at the marker's centre.
+    lamp, in place of the first light; the shadow ratio is then that at the marker's centre. gloss: fraction of the
+    light of what the ground mirrors that it adds to its own; of the sky it does everywhere.
     """
     camera = Camera.from_hfov(size, HFOV_DEG) if focal_px is None else Camera.from_focal(size, focal_px)
     fine = camera.resized((size[0] * SUPERSAMPLING, size[1] * SUPERSAMPLING))
@@ -134,14 +136,16 @@ def paint(
         left -= second[..., None] * np.array(other.blocked_rgb, np.float32)
     linear *= left
     eye = -T_cam_marker[:3, :3].T @ T_cam_marker[:3, 3]
-    for caster in sorted(casters, key=lambda caster: -float(np.linalg.norm(eye[:2] - caster.at))):
-        for corners, normal in caster.faces():
-            if normal @ (eye - corners[0]) > 0:
-                aside = light[:3] - light[3] * corners.mean(axis=0)
-                facing = max(float(normal @ aside), 0) / float(np.linalg.norm(aside)) ** 3
-                lit = np.multiply(caster.rgb, AMBIENT + SUN * facing)
-                _fill(linear, fine, T_cam_marker, corners, tuple(map(float, lit)))
-                _fill(body, fine, T_cam_marker, corners, 1)
+    farthest_first = sorted(casters, key=lambda caster: -float(np.linalg.norm(eye[:2] - caster.at)))
+    mirrored = np.zeros_like(linear)
+    for caster in farthest_first if gloss else ():
+        for corners, lit in _lit_faces(caster, light, eye * (1, 1, -1)):
+            _fill(mirrored, fine, T_cam_marker, corners * (1, 1, -1), tuple(value - SKY for value in lit))
+    linear += gloss * mirrored
+    for caster in farthest_first:
+        for corners, lit in _lit_faces(caster, light, eye):
+            _fill(linear, fine, T_cam_marker, corners, lit)
+            _fill(body, fine, T_cam_marker, corners, 1)
 
     encoded = 255 * srgb_from_linear(np.minimum(exposure * _averaged(linear), 1))
     encoded += np.random.default_rng(seed).normal(0, noise_levels, encoded.shape)
@@ -155,6 +159,15 @@ def paint(
         shadow_mask,
         _averaged(sheet.astype(np.float32)) > 0,
     )
+
+
+def _lit_faces(caster: Caster, light: Float, eye: Float) -> Iterator[tuple[Float, tuple[float, ...]]]:
+    """The corners (n, 3) of the faces that the eye sees, and their linear RGB in a light (4,)."""
+    for corners, normal in caster.faces():
+        if normal @ (eye - corners[0]) > 0:
+            aside = light[:3] - light[3] * corners.mean(axis=0)
+            facing = max(float(normal @ aside), 0) / float(np.linalg.norm(aside)) ** 3
+            yield corners, tuple(map(float, np.multiply(caster.rgb, AMBIENT + SUN * facing)))
 
 
 def tracked_frame(image: Image, camera: Camera, T_cam_marker: Float = VIEW, side_m: float = SIDE_M) -> TrackedFrame:

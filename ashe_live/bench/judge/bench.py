@@ -50,6 +50,8 @@ FIRST_RANGES = {
     "long": (0.0, 1.0),
     "lit side": (-0.5, 0.9),
     "missed": (-3.0, -1.0),
+    "in shadow": (0.0, 0.5),
+    "lit": (0.0, 0.5),
     "edge": (0.0, 1.0),
     "border": (0.0, 1.0),
     "second": (0.0, 1.0),

@@ -13,6 +13,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import Proposal, explained, refined_by_tangents
+from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.ground.regions import Region, region_of
 from ashe_live.light.ground.shadow_shift import shift_within
@@ -69,7 +70,7 @@ def directions_from_labels(
     (found,) = explained([Proposal(region, materials, split)], steps.fine_fit)
     if found is None:
         return None
-    lights = refined_by_tangents(found).lights
+    lights = Sharpener.of([fine]).sharpened(refined_by_tangents(found)).lights
     return [lights[order.index(i)].to_light_marker for i in range(len(order))]
 
 

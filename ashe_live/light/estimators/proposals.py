@@ -3,13 +3,15 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.explain import Proposal
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import distinct, flat_areas, splits, with_near_shadow_undecided
-from ashe_live.light.labels.materials import materials_of
+from ashe_live.light.labels.associate import Split, distinct, flat_areas, splits, with_near_shadow_undecided
+from ashe_live.light.labels.materials import Materials, materials_of, with_faint_as_ground
 from ashe_live.light.labels.two_lights import (
     are_two_shadows,
     cost_reduction,
@@ -20,6 +22,9 @@ from ashe_live.light.labels.two_lights import (
 from ashe_live.light.views.evidence import plane_support
 
 SHADOWS_PER_SHIFT = 2  # number of areas that are tried as the shadow, the largest first
+# Splits in which what is nearly lit ground belongs to no object are tried too, by the shifts with the most votes, where
+# it is at least this fraction of the unlit pixels.
+LIKELY_SHIFTS, LEAST_FAINT = 4, 0.03
 PAIRS, PAIRS_TRIED = 1, 1  # number of pairs of two lights' shifts that are split, and of such splits that are fitted
 
 
@@ -33,17 +38,25 @@ def proposals_of(
     single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
     both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
     together = [materials for materials in both if materials is not None]
+    faint = region.faint
+    if faint is not None and np.count_nonzero(faint) > LEAST_FAINT * np.count_nonzero(region.unlit):
+        alone += [with_faint_as_ground(materials, faint) for materials in alone[:LIKELY_SHIFTS]]
     for materials in alone + together:
-        for whole in splits(region, ground, materials, SHADOWS_PER_SHIFT, flat):
-            split = replace(whole, parts=separated_shadows(materials, whole.shadow_mask))
-            if materials.lights == 2:
-                if are_two_shadows(split.parts):
-                    yield Proposal(region, materials, split)
-                continue
-            yield Proposal(region, materials, split)
-            doubtful = with_near_shadow_undecided(split)
-            if doubtful is not None:
-                yield Proposal(region, materials, doubtful)
+        yield from _proposed(region, materials, splits(region, ground, materials, SHADOWS_PER_SHIFT, flat))
+
+
+def _proposed(region: Region, materials: Materials, found: Sequence[Split]) -> Iterator[Proposal]:
+    """Each split by itself; by one light also with the shadow near the object in doubt, by two if both show."""
+    for whole in found:
+        split = replace(whole, parts=separated_shadows(materials, whole.shadow_mask))
+        if materials.lights == 2:
+            if are_two_shadows(split.parts):
+                yield Proposal(region, materials, split)
+            continue
+        yield Proposal(region, materials, split)
+        doubtful = with_near_shadow_undecided(split)
+        if doubtful is not None:
+            yield Proposal(region, materials, doubtful)
 
 
 def selected_for_fit(proposals: Sequence[Proposal], count: int, judge: Judge) -> list[Proposal]:

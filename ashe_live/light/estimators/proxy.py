@@ -14,20 +14,19 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.stages import StageClock
-from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
 from ashe_live.light.estimators.other_objects import other_objects
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
+from ashe_live.light.estimators.refining import refined_and_others
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.together import contradicting, explained_together, scene_views, span_of
 from ashe_live.light.estimators.trace import Look, Trace
-from ashe_live.light.explanation.explain import are_alike, different, explained, refined, refined_by_tangents
+from ashe_live.light.explanation.explain import explained
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company, company_features
 from ashe_live.light.explanation.judgement.evidence import shadow_core
 from ashe_live.light.explanation.judgement.judge import (
-    GOOD_RAD,
     Judge,
     best_direction,
     explanation_features,
@@ -43,7 +42,7 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_scene,
 )
 from ashe_live.light.explanation.penumbra import angular_size, soft_size
-from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
+from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
@@ -139,6 +138,7 @@ class ProxyEstimator:
                 ground,
                 trace.unlit,
                 lambda: other_objects(chosen, trace.judged, trace.regions, ground, judge),
+                Sharpener.of([look.views[0].fine]),
             ),
             steps.light,
         )
@@ -196,7 +196,9 @@ class ProxyEstimator:
         proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired)]
         clock.end("associate")
         trace.proposals = selected_for_fit(proposals, steps.tried, judge)
-        trace.rough = rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
+        sharpener = Sharpener.of([fine])
+        rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
+        trace.rough = rough = sharpener.measured(rough)
         to_glint = None if glint is None else glint.to_light_marker
         alone = cache(explanation_features)
 
@@ -204,40 +206,11 @@ class ProxyEstimator:
             company = Company(several, to_glint)
             return cache(lambda each: judge.log_odds_of({**alone(each), **company_features(each, company)}))
 
-        found = _refined_and_others(rough, fine, coarse, ground, steps, log_odds_among(rough))
+        found = refined_and_others(rough, sharpener, fine, coarse, ground, steps, log_odds_among(rough))
         clock.end("fit")
         log_odds = list(map(log_odds_among(found), found))
         clock.end("judge")
         return found, log_odds
-
-
-def _refined_and_others(
-    rough: Sequence[Explanation],
-    fine: View,
-    coarse: View,
-    ground: LitGround,
-    steps: ProxySteps,
-    log_odds: Callable[[Explanation], float],
-) -> list[Explanation]:
-    """The likeliest different explanations, refined and with their lights counted; then the others as they are.
-
-    Those are judged as well, as they are what else the picture may show; so is what refinement has turned into another
-    answer, or could not fit.
-    """
-    ranked = sorted(rough, key=log_odds, reverse=True)
-    chosen = different(ranked, steps.refined)
-    fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, steps.fine_fit)]
-    turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
-    sharp = [fine for fine in fines if fine is not None]
-    found = with_lights_counted(sharp, rough, fine, coarse, ground, steps.region_px, log_odds)
-    others = different(each for each in ranked if not any(each is one for one in chosen))
-    others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
-    return found + [each for each in others if not any(is_part_of(one, each) for one in found)]
-
-
-def _differ(one: Explanation, other: Explanation) -> bool:
-    """Whether the answers by two explanations could not both be good."""
-    return angle_between(one.lights[0].to_light_marker, other.lights[0].to_light_marker) > GOOD_RAD
 
 
 def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:
@@ -261,4 +234,4 @@ def _angular_size(best: Explanation, light: Light, tracked: TrackedFrame) -> flo
     soft = soft_size(best.proxy, light.homogeneous, tracked)
     if soft is not None:
         return soft
-    return angular_size(best.proxy, light.homogeneous, best.materials.shift_fraction, best.predicted, best.region.view)
+    return angular_size(best.proxy, light.homogeneous, best.materials.light_lost, best.predicted, best.region.view)

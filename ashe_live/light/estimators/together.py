@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
+from operator import itemgetter
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge
+from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import fit_lit_ground, with_on_plane
 from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.log_colour import log_opponent
@@ -24,7 +26,9 @@ from ashe_live.light.views.joint import (
     lit_body_of,
     own_costs,
     refined_by_all_tangents,
+    sharpened_in_views,
     with_likeliest_family,
+    with_steps,
 )
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 from ashe_live.light.views.seen import SceneView, costs_around
@@ -139,7 +143,7 @@ def explained_together(
             seen = [own_costs(one) for one in each.each]
             starts.append(JointStart(each.origin, lit, [*seen, *(one for one in more if one is not None)]))
         likely = distinct_explanations([each for each in explained_in_views(starts) if each is not None])
-    likely.sort(key=log_odds, reverse=True)
-    odds = [log_odds(each) for each in likely]
-    likely[:REFITTED] = [refined_by_all_tangents(each) for each in likely[:REFITTED]]
-    return [(each.joint, each_odds) for each, each_odds in zip(likely, odds, strict=True)]
+    sharpener = Sharpener.of([view.fine for view in views])
+    likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
+    likely[:REFITTED] = [sharpened_in_views(refined_by_all_tangents(each), sharpener) for each in likely[:REFITTED]]
+    return sorted(((each.joint, log_odds(each)) for each in likely), key=itemgetter(1), reverse=True)

@@ -18,25 +18,23 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.explanation.borders import POINTS_PER_OUTLINE, Borders, OutlinePoints, borders_at, evenly_spaced
+from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE, derivatives_by_theta, evenly_spaced
+from ashe_live.light.explanation.borders import Borders, borders_at
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.outline_fit.search import information_on_lights, prior_information
+from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, prior_information
 from ashe_live.light.shape.body import LitBody
-from ashe_live.light.shape.family import padded, parts_of
+from ashe_live.light.shape.family import padded
 from ashe_live.light.shape.layout import Layout, light_parameters
 from ashe_live.light.shape.predicted import Predicted, lit_outlines, painted
 from ashe_live.light.shape.sight import Sight
-from ashe_live.light.shape.supports import outline_supports
 
 # Search range for a border on either side of the outline, as a fraction of the object's size: it shrinks every round.
 SEARCH_RANGES, LEAST_RANGE_PX = (0.14, 0.1, 0.06, 0.05), 3.0
 OUTLIER_SHARE, OUTLIER_PX = 0.03, 0.75  # scale of Cauchy's loss in the last round: of the object's size, and at least
 EARLY_LOSS_FACTOR = 3.0  # times that scale in the rounds before
-DAMPING, LARGEST_STEP = 1e-3, 1.0
 # Penalty per parameter: the ln n of the Bayesian information criterion, n the region's pixels, times the number of
 # pixels whose errors are correlated, as a colour model is wrong over whole patches.
 COST_PER_PARAMETER = 250.0
-TURN_RAD = 0.03  # by which a supporting line is rotated to touch one end of a straight edge or the other
 FARTHEST_PX = 5e3
 WIDEST_NEARNESS = 10.0  # one over the body's size: sigma of the prior on what nearness no border tells
 
@@ -181,14 +179,6 @@ class NormalEquations:
         return damped_steps(self.normal, self.gradient)
 
 
-def damped_steps(normal: Float, gradient: Float) -> Float:
-    """(n, t) the Gauss-Newton steps of n normal equations (n, t, t) with gradients (n, t), damped and limited."""
-    damped, diagonal = normal.copy(), np.arange(normal.shape[1])
-    curvature = normal[:, diagonal, diagonal]
-    damped[:, diagonal, diagonal] += DAMPING * curvature + 1e-6 * curvature.max(axis=1, keepdims=True) + 1e-12
-    return np.asarray(np.clip(np.linalg.solve(damped, gradient[..., None])[..., 0], -LARGEST_STEP, LARGEST_STEP))
-
-
 def normal_equations(
     several: Sequence[PlacedBody], range_share: float, loss_factor: float, with_nearness: bool = False
 ) -> NormalEquations:
@@ -206,9 +196,7 @@ def normal_equations(
     away = borders.offset_px.reshape(n, -1)
     scale_px = np.array([[loss_factor * one.outlier_px] for one in several])
     weight = borders.information.reshape(n, -1) / (1 + (away / scale_px) ** 2)
-    by_theta = _derivatives_by_theta(
-        [one.lit for one in several], [one.sight for one in several], points, with_nearness
-    )
+    by_theta = derivatives_by_theta([one.lit for one in several], [one.sight for one in several], points, with_nearness)
     normal = (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2)
     diagonal = np.arange(normal.shape[1])
     layout = Layout(len(several[0].lit.lights), with_nearness)
@@ -255,31 +243,3 @@ def _ends_in_view(lights: Float, by_theta: Float, in_view: Mask) -> tuple[float,
 def _mean_of_known(values: Float) -> float:
     finite = values[np.isfinite(values)]
     return float(finite.mean()) if len(finite) > 2 else 0.0
-
-
-def _derivatives_by_theta(
-    several: Sequence[LitBody], sights: Sequence[Sight], points: OutlinePoints, with_nearness: bool = False
-) -> Float:
-    """(n, split + q, (1 + l) p) derivatives by theta of the outward movement of points on n bodies' outlines.
-
-    A point on a straight edge moves by interpolation between the edge's two ends, which may belong to different
-    spheroids: those that the edge's line touches when it is rotated slightly one way and the other.
-    """
-    n, bodies = len(several), [lit.body for lit in several]
-    c, s = math.cos(TURN_RAD), math.sin(TURN_RAD)
-    normals, along_edge = (
-        points.normals.reshape(n, -1, POINTS_PER_OUTLINE, 2).swapaxes(2, 3),
-        points.along_edge.reshape(n, -1, POINTS_PER_OUTLINE),
-    )
-    aside = s * normals[:, :, ::-1] * [[-1], [1]]
-    outward = np.concatenate([normals, normals], axis=3)
-    turned = np.concatenate([c * normals - aside, c * normals + aside], axis=3)
-    parts, by_shape = parts_of([body.family for body in bodies], padded([body.shape for body in bodies]))
-    P = np.array([sight.P(body.frame) for sight, body in zip(sights, bodies, strict=True)])
-    lights = np.array([lit.lights_in_body_frame for lit in several])
-    supports = outline_supports(P, parts, lights, outward, turned)
-    by_theta = supports.by_theta(by_shape, with_nearness)
-    ends = by_theta[..., :POINTS_PER_OUTLINE], by_theta[..., POINTS_PER_OUTLINE:]
-    return np.asarray(
-        ((1 - along_edge)[:, None] * ends[0] + along_edge[:, None] * ends[1]).reshape(n, by_theta.shape[1], -1)
-    )

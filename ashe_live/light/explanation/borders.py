@@ -9,26 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.edges.outline_points import OutlinePoints
 from ashe_live.light.labels.costs import Side
 
-POINTS_PER_OUTLINE = 48  # points of an outline at which its border is searched
 STEPS = 33  # samples of the search along the normal at a point, from inside to outside
-BENT_PX = 0.01  # a corner that stands out less than this from an edge is taken to lie on it
 EXPECTED_SHARE = 0.6  # sigma of the prior on a border's distance from the outline, as a fraction of the reach
 # Pixels over their effective sample size: the picture is blurred and costs are smoothed, so neighbours are correlated.
 PIXELS_PER_SAMPLE = 2.0
 LEAST_VARIANCE = 0.35**2
 AT_THE_END = 0.2  # weight of a border found at the end of the search range, which may lie beyond it
 CLEAR = 4.0  # extra cost of taking both sides for the same material, from which on a border is fully clear
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class OutlinePoints:
-    """Sample points spread evenly over n closed outlines, the same number p on each."""
-
-    points: Float  # (n, p, 2) pixels
-    normals: Float  # (n, p, 2) outward
-    along_edge: Float  # (n, p) position between the ends of the point's straight edge, 0 to 1, in the sense from x to y
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,30 +29,6 @@ class Borders:
     information: Float  # (n, p) one over the variance of that distance; 0 where no border can be observed
     clarity: Float  # (n, p) 0: both sides look like one material, 1: they surely do not; nan: cannot be observed
     in_view: Mask  # (n, p) whether the point lies on ground inside the picture, even if the object hides it
-
-
-def evenly_spaced(hulls_px: Sequence[Float]) -> OutlinePoints:
-    """Points on the outline of each of n convex hulls (m, 2), pixels."""
-    hulls = [cv2.approxPolyDP(hull.astype(np.float32), BENT_PX, True)[:, 0] for hull in hulls_px]
-    most = max(len(hull) for hull in hulls)
-    # Hulls with fewer corners are padded with copies of their last one.
-    corners = np.array(
-        [np.concatenate([hull, hull[-1:].repeat(most - len(hull), axis=0)]) for hull in hulls], np.float64
-    )
-    edges = np.concatenate([corners[:, 1:], corners[:, :1]], axis=1) - corners
-    lengths = np.hypot(edges[..., 0], edges[..., 1])
-    ends = lengths.cumsum(axis=1)
-    at = (np.arange(POINTS_PER_OUTLINE) + 0.5) / POINTS_PER_OUTLINE * ends[:, -1:]
-    edge = np.minimum((ends[:, None] <= at[..., None]).sum(axis=2), most - 1)
-    row = np.arange(len(hulls))[:, None]
-    length = np.maximum(lengths[row, edge], 1e-9)
-    along_edge = 1 - (ends[row, edge] - at) / length
-    along = edges[row, edge]
-    points = corners[row, edge] + along_edge[..., None] * along
-    twice_area = (corners[..., 0] * edges[..., 1] - corners[..., 1] * edges[..., 0]).sum(axis=1)
-    sense = np.where(twice_area > 0, 1.0, -1.0)[:, None]  # of the corners' order: from x to y, or the other way
-    normals = along[..., ::-1] * (1, -1) * (sense / length)[..., None]
-    return OutlinePoints(points, normals, np.where(sense > 0, along_edge, 1 - along_edge))
 
 
 def borders_at(places: OutlinePoints, sides: Sequence[Side], reach_px: Float) -> Borders:

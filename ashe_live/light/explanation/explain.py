@@ -85,7 +85,10 @@ def aligned_explanations(several: Sequence[tuple[Proposal, Sequence[LitBody], Si
     None where the cheapest body is not in view.
     """
     starts = [Start(bodies, sight, _costs(proposal, bodies[0])) for proposal, bodies, sight in several]
-    return [_explanation(each[0], found) for each, found in zip(several, aligned(starts), strict=True)]
+    return [
+        _explanation(proposal, bodies, found)
+        for (proposal, bodies, _), found in zip(several, aligned(starts), strict=True)
+    ]
 
 
 def realigned(explanation: Explanation, lit: LitBody) -> Explanation | None:
@@ -212,22 +215,23 @@ def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:
     region, as_object = proposal.region, proposal.as_object
     if as_object is None:
         seen = predicted(likeliest.body.proxy, likeliest.lights, region.view)
-        as_object = _cost_of_object(region, seen.body & region.unlit, proposal.split)
+        as_object = _cost_of_object(proposal, seen.body & region.unlit)
     return Costs(region, proposal.materials, as_object)
 
 
-def _explanation(proposal: Proposal, alignment: Alignment | None) -> Explanation | None:
+def _explanation(proposal: Proposal, bodies: Sequence[LitBody], alignment: Alignment | None) -> Explanation | None:
     """The aligned body with its lights, and the object's unary cost as learned from the body's silhouette."""
     if alignment is None:
         return None
     region, split = proposal.region, proposal.split
-    as_object = _cost_of_object(region, alignment.placed.predicted.body & region.is_ground, split)
-    return Explanation(region, proposal.materials, split, alignment, lights_of(alignment), as_object)
+    as_object = _cost_of_object(proposal, alignment.placed.predicted.body & region.is_ground)
+    return Explanation(region, proposal.materials, split, alignment, lights_of(alignment), as_object, tuple(bodies))
 
 
-def _cost_of_object(region: Region, seen: Mask, split: Split) -> Float32:
+def _cost_of_object(proposal: Proposal, seen: Mask) -> Float32:
     """(h, w) the object's unary cost by the colours in `seen`, or in the split's object where `seen` is too small."""
-    return object_cost(region, seen if np.count_nonzero(seen) > FEW_PX else split.object_mask)
+    mask = seen if np.count_nonzero(seen) > FEW_PX else proposal.split.object_mask
+    return object_cost(proposal.region, mask, proposal.materials)
 
 
 def lights_of(alignment: Alignment) -> tuple[FittedLight, ...]:

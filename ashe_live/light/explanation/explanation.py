@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 from ashe_live.core.arrays import Float32
 from ashe_live.core.proxy import Proxy
+from ashe_live.light.edges.alignment import MISSED
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials
+from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.predicted import Predicted
 
@@ -22,6 +24,9 @@ class Explanation:
     alignment: Alignment
     lights: tuple[FittedLight, ...]
     as_object: Float32  # (h, w) unary cost of the object's colours
+    bodies: tuple[LitBody, ...] = ()  # the best of each family by the labels' outlines, the likeliest first
+    # Mean squared distance of the outlines from the steps of light at full resolution, in sigmas, if it was measured.
+    step_cost: float = MISSED
 
     @property
     def predicted(self) -> Predicted:

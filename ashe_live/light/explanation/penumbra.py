@@ -68,16 +68,16 @@ def soft_size(proxy: Proxy, light: Float, tracked: TrackedFrame) -> float | None
     return float(size) if LEAST_SOFT_RAD < size < LARGEST_RAD and high < MOST_SPREAD_OUT * low else None
 
 
-def angular_size(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted, view: View) -> float | None:
+def angular_size(proxy: Proxy, light: Float, light_lost: Float32, masks: Predicted, view: View) -> float | None:
     """The light's angular diameter (rad); None where its penumbra cannot be separated from the picture's own blur.
 
     light: (4,) homogeneous point, marker frame; the diameter of a lamp is that seen from the marker's centre.
-    shift_fraction: (h, w) fraction of the shadow's colour shift that each pixel of `view` shows. A disc of diameter d
+    light_lost: (h, w) share of the light that the shadow takes which each pixel of `view` lacks. A disc of diameter d
     blurs the edge cast from height z with the standard deviation z |J'n| d / 4 across the edge (n its normal on the
     ground, J the derivative of the displacement s by the direction); the picture's blur adds a constant variance. A
     robust linear regression of variances gives d squared (docs/maths.md, "Penumbra").
     """
-    spreads, variances = _edges(proxy, light, shift_fraction, masks, view)
+    spreads, variances = _edges(proxy, light, light_lost, masks, view)
     if len(spreads) < FEWEST_EDGES:
         return None
     design = np.column_stack([np.ones(len(spreads)), spreads**2])
@@ -133,7 +133,7 @@ def _outline(proxy: Proxy, light: Float, camera: Camera, T_cam_marker: Float) ->
     return pixels[seen, 0], across[seen] / scale[seen, None], spreads[seen]
 
 
-def _edges(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
+def _edges(proxy: Proxy, light: Float, light_lost: Float32, masks: Predicted, view: View) -> tuple[Float, Float]:
     """(n,) standard deviations (px) that a light of 1 rad would give the shadow's edge at n points; (n,) the variances
     (px^2) measured there.
     """
@@ -141,7 +141,7 @@ def _edges(proxy: Proxy, light: Float, shift_fraction: Float32, masks: Predicted
     if not len(places):
         return np.empty(0), np.empty(0)
     clear = view.is_ground & ~grown(masks.body, BESIDE_OBJECT_PX)
-    kept, variances = _variances(shift_fraction, clear, places, outward)
+    kept, variances = _variances(light_lost, clear, places, outward)
     return spreads[kept], variances
 
 
@@ -162,9 +162,9 @@ def _blur_per_height(light: Float, points: Float, normals: Float) -> Float:
     return moved / relative_distances(light, points, np.zeros(3))
 
 
-def _variances(shift_fraction: Float32, clear: Mask, places: Float, across: Float) -> tuple[Mask, Float]:
+def _variances(light_lost: Float32, clear: Mask, places: Float, across: Float) -> tuple[Mask, Float]:
     """(n,) at which points (n, 2) there is a clear step from shadow to light along `across`; those edges' variances."""
-    height, width = shift_fraction.shape
+    height, width = light_lost.shape
     offsets = np.arange(-REACH_PX, REACH_PX + STEP_PX / 2, STEP_PX)
     lines = places[:, None] + offsets[:, None] * across[:, None]
     column, row = np.moveaxis(np.rint(np.clip(lines, -1e6, 1e6)).astype(int), 2, 0)
@@ -173,7 +173,7 @@ def _variances(shift_fraction: Float32, clear: Mask, places: Float, across: Floa
     if not kept.any():
         return kept, np.empty(0)
     x, y = np.moveaxis(lines[kept].astype(np.float32), 2, 0)
-    profiles = cv2.remap(shift_fraction, x, y, cv2.INTER_LINEAR)
+    profiles = cv2.remap(light_lost, x, y, cv2.INTER_LINEAR)
     dark, lit = (np.median(end, axis=1) for end in (profiles[:, :END_SAMPLES], profiles[:, -END_SAMPLES:]))
     deep = dark - lit >= LEAST_DEPTH
     kept[kept] = deep

@@ -23,6 +23,9 @@ UNRELIABLE_PX = 2  # beside what is no ground
 JOINED, WIDEST_GAP, BULGE = 2, 0.8, 1.4
 # Squared distance from the lit ground's palette, smoothed, beyond which a pixel is something else.
 UNLIT_DISTANCE, MOST_DISTANCE = 7.0, 60.0
+# What lies nearer than this may be ground all the same: what an object's bright side adds to its light, or what glossy
+# ground mirrors, is a small part of it, and this is a quarter where colours scatter by 5 %. Shadows take more away.
+FAINT_DISTANCE = 30.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +38,7 @@ class Region:
     window: Window  # where it lies in the whole frame
     frame_shape: tuple[int, ...]  # (h, w) of the whole frame at this scale
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
+    faint: Mask | None = None  # (h, w) of `unlit`, those that the lit ground nearly explains; None: not known
     quantised: Quantised = field(init=False)  # its colours, quantised to the size of the noise
     unreliable: Mask = field(init=False)  # (h, w) pixels off the ground, and those near enough to see that border
 
@@ -88,13 +92,13 @@ def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region
     colours = ground_colours(view.image_bgr, ground, window)
     enlarged = cv2.resize(area.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST)[window].astype(bool)
     cut = view.cut(window)
-    unlit = _unlit(colours, ground, enlarged, cut.is_ground)
+    unlit, faint = _unlit(colours, ground, enlarged, cut.is_ground)
     on_plane = None
     if ground.on_plane is not None:
         on_plane = np.asarray(
             cv2.resize(ground.on_plane, view.size, interpolation=cv2.INTER_LINEAR)[window], dtype=np.float32
         )
-    return Region(cut, colours, unlit, window, view.is_ground.shape, on_plane)
+    return Region(cut, colours, unlit, window, view.is_ground.shape, on_plane, faint)
 
 
 def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shape: tuple[int, ...]) -> Window:
@@ -104,7 +108,10 @@ def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shap
     return rows, columns
 
 
-def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> Mask:
+def _unlit(colours: Float32, ground: LitGround, area: Mask, is_ground: Mask) -> tuple[Mask, Mask]:
+    """(h, w) each: the pixels in and around `area` that the lit ground does not explain; those that it nearly does."""
     squared = nearest_squared_distance(colours.reshape(-1, 3), ground.palette).reshape(area.shape)
-    unexplained = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8) > UNLIT_DISTANCE
-    return majority((unexplained & grown(area, 2) & is_ground) | (shrunk(area, 1) & is_ground))
+    smooth = cv2.GaussianBlur(np.minimum(squared, MOST_DISTANCE), (0, 0), 0.8)
+    nearby, inside = grown(area, 2) & is_ground, shrunk(area, 1) & is_ground
+    unlit = majority(((smooth > UNLIT_DISTANCE) & nearby) | inside)
+    return unlit, unlit & ~majority(smooth > FAINT_DISTANCE)

@@ -87,6 +87,8 @@ def splits(
     plane, and is no object.
     """
     unlit = region.unlit if flat is None else region.unlit & ~flat
+    if materials.lit_by_object is not None:
+        unlit = unlit & ~materials.lit_by_object
     shadow_like = _shadow_like(region, ground, materials.shifts)
     shadows = areas_by_size(shadow_like, LEAST_PX)[:shadows_tried]
     roughs = [rough for shadow in shadows for rough in _splits_with(shadow, shadow_like, unlit | shadow_like)]
@@ -189,7 +191,7 @@ def _reassigned(region: Region, materials: Materials, rough: Split) -> Split:
     Where two materials meet, their costs are equal half-way between their colours, which is where the edge is.
     """
     core = _core(rough.object_mask)
-    as_object = object_cost(region, core)
+    as_object = object_cost(region, core, materials)
     if region.on_plane is not None:
         # What an object shows stands above the plane. Twice the log odds, as costs are twice negative logs.
         as_object = as_object + 2 * region.on_plane

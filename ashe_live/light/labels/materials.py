@@ -3,7 +3,8 @@
 Costs are twice negative log densities of colours, so that they can be compared and added up over pixels.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,18 +13,22 @@ from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE
 from ashe_live.light.pixels.areas import shrunk, smoothed
+from ashe_live.light.pixels.log_colour import OPPONENT
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, cost, mixture_of
 
 OBJECT_COLOURS = 4
-# Pairs of the fraction of the shift that a pixel may show, and the extra cost of that fraction: a penumbra and the
-# pixel's own width mix lit and shadowed ground, and near the object the sky is hidden as well.
-LIT_FRACTIONS = ((0.0, 0.0), (0.25, 2.0), (0.42, 2.0))
-SHADED_FRACTIONS = ((1.0, 0.0), (0.55, 2.0), (0.78, 1.0), (1.25, 1.0))
-CONTACT_FRACTIONS = ((1.5, 2.0), (1.8, 3.0))
+# Pairs of the share of its light that a pixel of ground may have lost of what the shadow takes, and the extra cost of
+# that share: a penumbra and the pixel's own width mix lit and shadowed ground, half of either where the border is, and
+# near the object the sky is hidden as well.
+LIT_SHARES = ((0.0, 0.0), (0.22, 2.0), (0.42, 2.0))
+SHADED_SHARES = ((1.0, 0.0), (0.58, 2.0), (0.78, 1.0), (0.92, 1.0), (1.25, 1.0))
+CONTACT_SHARES = ((1.5, 2.0), (1.8, 3.0))
 WIDENED = 0.5  # relative growth of the palette's covariances by a full shift
 MOST_COLOURS = 400  # pixels that the object's mixture is fitted to
 FEWEST_COLOURS = 12
+LEAST_DEPTH = 0.01  # of a shadow, in log brightness: a paler one takes no light
 COMMON = 0.02  # least weight of a palette colour that fractions of the shift are measured from
+LIT_BY_OBJECT = 0.0  # cost of ground that an object lights or that mirrors it: that of lit ground's rarest colours
 NOISE = SHIFT_NOISE.astype(np.float32)
 
 
@@ -35,8 +40,9 @@ class Materials:
     lit: Float32  # (h, w) cost of lit ground
     shaded: Float32  # (h, w) cost of shadow
     contact: Float32  # (h, w) cost of shadow, also where the object hides the sky
-    shift_fraction: Float32  # (h, w) fraction of the shift that a pixel of ground shows: 0 in full light, 1 in shadow
+    light_lost: Float32  # (h, w) share of the light that the shadow takes which a pixel of ground lacks
     layers: tuple[Float32, ...] = ()  # (h, w) cost of shadow by each of the shifts, if there are two lights
+    lit_by_object: Mask | None = None  # (h, w) no object, but ground that one lights or that mirrors one; None: none
 
     @property
     def shift(self) -> Float:
@@ -50,27 +56,46 @@ class Materials:
 def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
     """The region's materials if its shadow has the colour shift `shift` (3,)."""
     lit, shaded, deepest = (
-        cost_of_shift(region, ground, shift, fractions)
-        for fractions in (LIT_FRACTIONS, SHADED_FRACTIONS, CONTACT_FRACTIONS)
+        cost_of_shift(region, ground, shift, shares) for shares in (LIT_SHARES, SHADED_SHARES, CONTACT_SHARES)
     )
-    return Materials((shift,), lit, shaded, np.minimum(shaded, deepest), fraction_of_shift(region, ground, shift))
+    return Materials((shift,), lit, shaded, np.minimum(shaded, deepest), share_of_light_lost(region, ground, shift))
 
 
-def cost_of_shift(
-    region: Region, ground: LitGround, shift: Float, fractions: tuple[tuple[float, float], ...]
-) -> Float32:
-    """(h, w) cost of ground that shows the likeliest of some fractions (each with an extra cost) of a shift."""
-    fraction, extra = np.array(fractions).T
-    shown = ground.palette.shifted(shift, fraction, 1 + WIDENED * fraction)
+def with_faint_as_ground(materials: Materials, faint: Mask) -> Materials:
+    """The materials if what is nearly lit ground, `faint` (h, w), is ground: lit by an object's bright side, or glossy.
+
+    It may be shadow still, where that costs less.
+    """
+    lit = np.where(faint, np.minimum(materials.lit, LIT_BY_OBJECT), materials.lit)
+    return replace(materials, lit=lit, lit_by_object=faint)
+
+
+def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple[tuple[float, float], ...]) -> Float32:
+    """(h, w) cost of ground in the likeliest of some shares (each with an extra cost) of a shadow of `shift` (3,)."""
+    share, extra = np.array(shares).T
+    shown = ground.palette.shifted(shifts_of_shares(shift, share), 1 + WIDENED * share)
     costs = cost(region.quantised.colours, shown, np.repeat(extra, len(ground.palette.weights)))
     return smoothed(region.quantised.as_picture(costs))
 
 
-def object_cost(region: Region, mask: Mask) -> Float32:
+def shifts_of_shares(shift: Float, shares: Float) -> Float:
+    """(s, 3) colour shifts of pixels of which shares (s,) lie in a shadow of `shift` (3,), the rest in full light.
+
+    Light adds up, its logs do not: half in a shadow of a tenth of the light, a pixel shows a quarter of its shift. A
+    share above 1 is a deeper shadow of the same colour.
+    """
+    ratio = np.exp(np.linalg.solve(OPPONENT, shift))
+    mixed = np.log(1 - np.minimum(shares, 1.0)[:, None] * (1 - ratio)) @ OPPONENT.T
+    return np.asarray(np.where(shares[:, None] <= 1, mixed, shares[:, None] * shift))
+
+
+def object_cost(region: Region, mask: Mask, materials: Materials | None = None) -> Float32:
     """(h, w) cost under a mixture fitted to the colours well within `mask`, where no edge mixes them with others.
 
-    UNEXPLAINED everywhere where `mask` holds too few pixels.
+    UNEXPLAINED everywhere where `mask` holds too few pixels. materials: those by which some of it is ground.
     """
+    if materials is not None and materials.lit_by_object is not None:
+        mask = mask & ~materials.lit_by_object
     for margin in (2, 1):
         core = shrunk(mask, margin)
         if np.count_nonzero(core) > max(40, 0.3 * np.count_nonzero(mask)):
@@ -86,8 +111,11 @@ def object_cost(region: Region, mask: Mask) -> Float32:
     return smoothed(region.quantised.as_picture(cost(region.quantised.colours, mixture)))
 
 
-def fraction_of_shift(region: Region, ground: LitGround, shift: Float) -> Float32:
-    """(h, w) each colour's position on the line from the likeliest palette colour, 0, to its shadowed colour, 1."""
+def share_of_light_lost(region: Region, ground: LitGround, shift: Float) -> Float32:
+    """(h, w) how much of the light that a shadow of `shift` (3,) takes is missing at a pixel, if it is ground.
+
+    By each colour's position on the line from the likeliest palette colour, 0, to its shadowed colour, 1.
+    """
     common = ground.palette.weights >= COMMON
     # In units of the noise, so that Euclidean distances to that line are Mahalanobis distances of colours.
     colours, centres = region.quantised.colours / NOISE, ground.palette.centres[common] / NOISE
@@ -98,4 +126,6 @@ def fraction_of_shift(region: Region, ground: LitGround, shift: Float) -> Float3
     away = (centres**2).sum(axis=1)[:, None] - 2 * (centres @ colours.T)
     off = away + length * fraction * (fraction - 2 * along) - 2 * np.log(ground.palette.weights[common])[:, None]
     likeliest = np.take_along_axis(fraction, off.argmin(axis=0)[None], axis=0)[0]
-    return region.quantised.as_picture(likeliest)
+    depth = min(float(shift[0]), -LEAST_DEPTH)
+    lost = np.expm1(depth * likeliest) / math.expm1(depth)
+    return region.quantised.as_picture(lost.astype(np.float32))

@@ -11,7 +11,7 @@ from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shadow_ratio, shift_of_ratio
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.labels.materials import SHADED_FRACTIONS, Materials, cost_of_shift, fraction_of_shift, object_cost
+from ashe_live.light.labels.materials import SHADED_SHARES, Materials, cost_of_shift, object_cost, share_of_light_lost
 from ashe_live.light.pixels.areas import distance_to, large_areas, majority, smoothed
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture, nearest_squared_distance
 from ashe_live.light.shape.predicted import Predicted
@@ -62,9 +62,9 @@ def materials_of_two(region: Region, ground: LitGround, first: Materials, second
     both = shifts_of_both(ground, first.shift, second.shift)
     if both is None:
         return None
-    cost_of_both = cost_of_shift(region, ground, both, SHADED_FRACTIONS)
+    cost_of_both = cost_of_shift(region, ground, both, SHADED_SHARES)
     layers = np.stack([first.shaded, second.shaded, cost_of_both])
-    fractions = np.stack([first.shift_fraction, second.shift_fraction, fraction_of_shift(region, ground, both)])
+    fractions = np.stack([first.light_lost, second.light_lost, share_of_light_lost(region, ground, both)])
     fraction = np.take_along_axis(fractions, layers.argmin(axis=0)[None], axis=0)[0]
     return Materials(
         (first.shift, second.shift, both),

@@ -18,6 +18,7 @@ from ashe_live.core.types import Light
 from ashe_live.light.explanation.explain import lamp_borders
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import probability_of_good
+from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.fall_off import FallOff
@@ -71,6 +72,7 @@ class Scene:
     unlit: Mask  # (h, w) of `view`: what the lit ground does not explain
     # Explanations of other objects with their log odds: looked for where a sun is not certain.
     others: Callable[[], Sequence[tuple[Explanation, float]]]
+    sharpener: Sharpener  # of the view at full resolution
 
 
 def stated(
@@ -114,7 +116,7 @@ def stated(
     if not is_sun:
         worth = WORTH_ALIGNING if kind == AUTO else 0.0
         aligned, at = _aligned_as_lamps(
-            objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth
+            objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth, scene.sharpener
         )
         if _is_near(at, LEAST_SIGMAS if kind == AUTO else 0.0):
             best = aligned[0].explanation
@@ -139,13 +141,14 @@ def _aligned_as_lamps(
     place_of: Callable[[Sequence[SeenObject]], Place],
     covariance_of: Callable[[Explanation, float], Float],
     worth_sigmas: float,
+    sharpener: Sharpener,
 ) -> tuple[Sequence[SeenObject], Place]:
     """The objects aligned again with the lamp's nearness held, and its place by them, as long as that is worth it."""
     for _ in range(ALIGNMENTS):
         if not _is_near(place, worth_sigmas):
             break
         nearness = float(min(place.mean[2], NEAREST))
-        again = [(aligned_as_lamp(each.explanation, nearness), each.probability) for each in objects]
+        again = [(aligned_as_lamp(each.explanation, nearness, sharpener), each.probability) for each in objects]
         if again[0][0] is None:
             break
         objects = [SeenObject(one, sure, covariance_of(one, sure)) for one, sure in again if one is not None]

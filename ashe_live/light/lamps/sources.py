@@ -9,6 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.explain import lamp_borders, realigned
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
 from ashe_live.light.shape.directions import FittedLight
@@ -39,15 +40,16 @@ class SeenObject:
         return place_by_borders(fitted, lamp_borders(self.explanation)[0])
 
 
-def aligned_as_lamp(explanation: Explanation, nearness: float) -> Explanation | None:
+def aligned_as_lamp(explanation: Explanation, nearness: float, sharpener: Sharpener) -> Explanation | None:
     """The explanation aligned again in all of its views with its first light at a nearness w / z (1/m), held.
 
-    None where the object or a shadow is then not in view.
+    None where the object or a shadow is then not in view. sharpener: of the view that is answered.
     """
     alignment = explanation.alignment
     lit = alignment.placed.lit.with_first_light_near(nearness)
     if not alignment.elsewhere:
-        return realigned(explanation, lit)
+        again = realigned(explanation, lit)
+        return None if again is None else sharpener.sharpened(again)
     costs = [one.costs for one in (alignment.placed, *alignment.elsewhere)]
     (found,) = explained_in_views([JointStart(explanation, lit, costs)])
     return None if found is None else found.joint

@@ -23,6 +23,7 @@ FIRST_SELECTION, LAST_SELECTION = (
 )  # iterations after which a third of the starts, and then only the best one, are kept
 CONVERGED = 1e-2  # relative gain of the cost
 FIRST_DAMPING, HIGHEST_DAMPING = 1e-2, 1e5
+STEP_DAMPING, LONGEST_STEP = 1e-3, 1.0  # of single steps, from a start near the solution
 GIVE_UP_FACTOR = 3.0  # a search whose cost remains above this multiple of its scene's best is given up
 
 
@@ -82,6 +83,14 @@ def search(
 def prior_information(family: Family, layout: Layout) -> Float:
     """(split + q,) px^2 diagonal of the prior's information on theta about its start; 0 for the lights."""
     return np.asarray(PRIOR_COST / np.array([np.inf] * layout.split + list(family.spread)) ** 2)
+
+
+def damped_steps(normal: Float, gradient: Float) -> Float:
+    """(n, t) the Gauss-Newton steps of n normal equations (n, t, t) with gradients (n, t), damped and limited."""
+    damped, diagonal = normal.copy(), np.arange(normal.shape[1])
+    curvature = normal[:, diagonal, diagonal]
+    damped[:, diagonal, diagonal] += STEP_DAMPING * curvature + 1e-6 * curvature.max(axis=1, keepdims=True) + 1e-12
+    return np.asarray(np.clip(np.linalg.solve(damped, gradient[..., None])[..., 0], -LONGEST_STEP, LONGEST_STEP))
 
 
 def information_on_lights(normal: Float, layout: Layout) -> Float:

@@ -28,13 +28,13 @@ class Mixture:
     covariances: Float32  # (k, 3, 3)
     weights: Float32  # (k,) mixing proportions
 
-    def shifted(self, shift: Float, fractions: Float, widenings: Float) -> "Mixture":
-        """The union of s copies of the mixture: each shifted by its fraction (s,) of `shift` (3,), its covariances
-        multiplied by its `widenings` (s,).
+    def shifted(self, shifts: Float, widenings: Float) -> "Mixture":
+        """The union of s copies of the mixture: each moved by its own of `shifts` (s, 3), its covariances multiplied
+        by its `widenings` (s,).
         """
-        centres = self.centres + (fractions[:, None, None] * shift).astype(np.float32)
+        centres = self.centres + shifts[:, None].astype(np.float32)
         covariances = self.covariances * widenings[:, None, None, None].astype(np.float32)
-        return Mixture(centres.reshape(-1, 3), covariances.reshape(-1, 3, 3), np.tile(self.weights, len(fractions)))
+        return Mixture(centres.reshape(-1, 3), covariances.reshape(-1, 3, 3), np.tile(self.weights, len(shifts)))
 
 
 def clusters(colours: Float32, count: int, start: NDArray[np.intp] | None = None) -> tuple[NDArray[np.intp], Float32]:

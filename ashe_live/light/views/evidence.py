@@ -8,6 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.evidence import LEAST_STEP_COST
 from ashe_live.light.explanation.judgement.judge import Judge, explanation_features
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import grown
@@ -33,8 +34,13 @@ def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
     of_views = [explanation_features(each) for each in explanation.each[:JUDGED]]
     means = {name: float(np.mean([features[name] for features in of_views])) for name in of_views[0]}
     joint = explanation.joint.alignment
-    misfit = math.log(max(joint.misfit_px, 0.05) / joint.placed.object_px)
-    return {**means, "misfit": misfit, "clear body": joint.clear_body, "clear shadow": joint.clear_shadow}
+    of_all = {
+        "misfit": math.log(max(joint.misfit_px, 0.05) / joint.placed.object_px),
+        "steps": math.log(max(explanation.joint.step_cost, LEAST_STEP_COST)),
+        "clear body": joint.clear_body,
+        "clear shadow": joint.clear_shadow,
+    }
+    return {**means, **of_all}
 
 
 def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:

@@ -17,18 +17,18 @@ from ashe_live.light.explanation.alignment import (
     Alignment,
     PlacedBody,
     criterion,
-    damped_steps,
     measured,
     normal_equations,
     placed_in,
 )
 from ashe_live.light.explanation.explain import lights_of, refined_by_tangents, refitted_bodies
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.sharpen import Sharpener, lights_by_steps
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.outline_fit.preset import FitPreset
-from ashe_live.light.outline_fit.search import prior_information
+from ashe_live.light.outline_fit.search import damped_steps, prior_information
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.sight import Sight
 
@@ -104,6 +104,29 @@ def refined_by_all_tangents(explanation: JointExplanation) -> JointExplanation:
         if split.is_large_enough:
             lights = refined_by_tangents(replace(each, split=split, lights=lights)).lights
     return replace(explanation, joint=replace(explanation.joint, split=splits[0], lights=lights))
+
+
+def with_steps(several: Sequence[JointExplanation], sharpener: Sharpener) -> list[JointExplanation]:
+    """The explanations where they stand, each with its mean cost by the steps of light in all views."""
+    measured_ones = sharpener.measured([each.joint for each in several])
+    return [replace(each, joint=joint) for each, joint in zip(several, measured_ones, strict=True)]
+
+
+def sharpened_in_views(explanation: JointExplanation, sharpener: Sharpener) -> JointExplanation:
+    """The explanation moved onto the steps of light in all views; as it is where they show none.
+
+    sharpener: of all views at full resolution, that of the answer first.
+    """
+    best = sharpener.best_fit(explanation.joint)
+    if best is None:
+        return explanation
+    costs = [own_costs(each) for each in explanation.each]
+    moved = _explained(JointStart(explanation.origin, best.lit, costs))
+    if moved is None:
+        return explanation
+    lights = lights_by_steps(best, moved.joint.alignment, 1 + SHARED * (len(sharpener.pictures) - 1))
+    joint = replace(moved.joint, split=explanation.joint.split, lights=lights, step_cost=best.mean_cost)
+    return replace(moved, joint=joint)
 
 
 def joint_criterion(explanation: JointExplanation) -> float:

@@ -11,9 +11,14 @@ from hypothesis import strategies as st
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.camera import Size
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.alignment import Alignment, Start, _derivatives_by_theta
+from ashe_live.light.edges.outline_points import (
+    POINTS_PER_OUTLINE,
+    OutlinePoints,
+    derivatives_by_theta,
+    evenly_spaced,
+)
+from ashe_live.light.explanation.alignment import Alignment, Start
 from ashe_live.light.explanation.alignment import aligned as all_aligned
-from ashe_live.light.explanation.borders import POINTS_PER_OUTLINE, OutlinePoints, evenly_spaced
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials
@@ -96,7 +101,7 @@ def test_slopes_are_those_of_the_outlines(family: str, lights: Float) -> None:
     here = body(family, lights)
     places = evenly_spaced(smooth_outlines(here, region))
     (slopes,), measured = (
-        _derivatives_by_theta([here], [sight_of(region)], places),
+        derivatives_by_theta([here], [sight_of(region)], places),
         measured_slopes(here, region, places),
     )
     assert slopes.shape == (here.layout.split + len(here.body.shape), (1 + len(lights)) * POINTS_PER_OUTLINE)
@@ -285,7 +290,7 @@ def test_tiny_regions_break_nothing(size: Size) -> None:
     )
     lit, shaded, contact, share = (
         each[window]
-        for each in (here.materials.lit, here.materials.shaded, here.materials.contact, here.materials.shift_fraction)
+        for each in (here.materials.lit, here.materials.shaded, here.materials.contact, here.materials.light_lost)
     )
     costs = Costs(region, Materials((here.true_shift,), lit, shaded, contact, share), costs_of(here).as_object[window])
     found = aligned([body_of(here, BOX)], costs)

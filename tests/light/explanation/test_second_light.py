@@ -22,7 +22,7 @@ from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, SHADOW_RATIO, Caster, OtherLight, Painted, paint
 from tests.light.synthetic_masks import direction
 
-PALE = OtherLight(300.0, 50.0, (0.18, 0.18, 0.17))
+PALE = OtherLight(300.0, 50.0, (0.22, 0.22, 0.21))
 STRONG = OtherLight(80.0, 45.0, (0.12, 0.2, 0.3))
 BODY = Proxy(
     "frustum", [(*CYLINDER.at, 0, CYLINDER.width_m / 2, 0), (*CYLINDER.at, CYLINDER.height_m, CYLINDER.width_m / 2, 0)]

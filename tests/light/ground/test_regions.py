@@ -9,6 +9,7 @@ import pytest
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import ground_colours, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
+from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import in_region, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster, overlap
@@ -113,6 +114,18 @@ def test_a_plain_object_on_specks_of_its_colour_is_found_by_its_mean() -> None:
     with_thing = np.where(thing[..., None], specks[2], image)
     found = with_unlit_on_average(nothing, replace(view, image_bgr=with_thing, is_ground=everywhere))
     assert overlap(found, thing) > 0.6
+
+
+def test_what_glossy_ground_mirrors_is_nearly_lit_and_neither_object_nor_shadow_is() -> None:
+    # Towards the camera the black cylinder takes an eighth of the sky's light from the ground.
+    here = painted_region(replace(CYLINDER, rgb=(0.03, 0.03, 0.04)), azimuth_deg=200.0, elevation_deg=40.0, gloss=0.12)
+    faint = here.region.faint
+    assert faint is not None
+    beside = here.region.unlit & ~grown(here.body | here.shadow, 3)
+    assert beside.sum() > 100
+    assert (faint[beside]).mean() > 0.9
+    assert (faint[here.body]).mean() < 0.02
+    assert (faint[here.shadow]).mean() < 0.1
 
 
 def test_where_nothing_is_unlit_there_is_no_region() -> None:

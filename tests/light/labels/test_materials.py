@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import cv2
 import numpy as np
 import pytest
 
@@ -9,7 +10,8 @@ from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.camera import Camera
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.materials import Materials, materials_of, object_cost
+from ashe_live.light.labels.materials import Materials, materials_of, object_cost, with_faint_as_ground
+from ashe_live.light.pixels.log_colour import OPPONENT
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import PaintedRegion, painted_region, shift_of
@@ -37,8 +39,14 @@ def region_of(colours: Float | Float32) -> Region:
 
 
 def ramp(shares: Float, shift: Float) -> Region:
-    """Rows of ground of which more and more of the shift is seen."""
-    return region_of(np.tile(LIT + shares[:, None] * shift, (9, 1, 1)))
+    """Rows of ground of which larger and larger shares lie in a shadow: light adds up, its logs do not.
+
+    Beyond 1, the shadow itself gets deeper.
+    """
+    ratio = np.exp(np.linalg.solve(OPPONENT, shift))
+    inside = np.minimum(shares, 1.0)[:, None]
+    mixed = np.log((1 - inside) + inside * ratio) @ OPPONENT.T
+    return region_of(np.tile(LIT + mixed + np.maximum(shares - 1, 0)[:, None] * shift, (9, 1, 1)))
 
 
 def dearest(here: PaintedRegion) -> tuple[Float32, Materials, Float32]:
@@ -59,10 +67,10 @@ def test_the_cheapest_label_is_the_true_one(ground: str, caster: Caster) -> None
 
 
 @pytest.mark.parametrize("ground", GROUNDS)
-def test_the_share_of_the_shift_is_all_in_shadow_and_nothing_in_light(ground: str) -> None:
+def test_all_of_the_light_is_lost_in_shadow_and_none_in_light(ground: str) -> None:
     here = painted_region(CYLINDER, ground=ground)
     lit = here.region.is_ground & ~here.body & ~here.shadow
-    share = here.materials.shift_fraction
+    share = here.materials.light_lost
     assert np.median(share[here.shadow]) == pytest.approx(1, abs=0.1)
     assert np.median(share[lit]) == pytest.approx(0, abs=0.1)
 
@@ -77,10 +85,11 @@ def test_costs_change_places_half_way_between_light_and_shadow(ratio: tuple[floa
     assert shares[shaded.argmax()] == pytest.approx(0.5, abs=0.1)
 
 
-def test_the_share_of_the_shift_is_read_off_the_colours() -> None:
-    shares, shift = np.linspace(0, 1.4, 71), shift_of()
+def test_the_share_of_light_that_is_lost_is_read_off_the_colours() -> None:
+    shares, shift = np.linspace(0, 1, 51), shift_of()
     materials = materials_of(ramp(shares, shift), ground_of(LIT), shift)
-    np.testing.assert_allclose(materials.shift_fraction[4], shares, atol=0.02)
+    # Colours are quantised, and compared along a line between the two, while those of mixtures lie beside it.
+    np.testing.assert_allclose(materials.light_lost[4], shares, atol=0.05)
 
 
 def test_where_the_sky_is_hidden_too_only_contact_shadow_is_cheap() -> None:
@@ -122,8 +131,22 @@ def test_regions_of_any_size_have_costs(shape: tuple[int, int]) -> None:
     region = region_of(np.random.default_rng(0).normal(-1, 1, (*shape, 3)))
     materials = materials_of(region, ground_of(LIT), shift_of())
     nowhere = np.zeros(shape, bool)
-    for costs in (materials.lit, materials.shaded, materials.contact, materials.shift_fraction):
+    for costs in (materials.lit, materials.shaded, materials.contact, materials.light_lost):
         assert costs.shape == shape
         assert np.isfinite(costs).all()
     for mask in (nowhere, ~nowhere):
         assert np.isfinite(object_cost(dataclasses.replace(region, unlit=mask), mask)).all()
+
+
+def test_ground_that_an_object_lights_is_no_part_of_it() -> None:
+    """Nearly lit ground is cheapest as ground, though an object is said to have its colour; shadow stays shadow."""
+    here = painted_region(BOX)
+    around = cv2.dilate(here.body.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
+    faint = around & ~here.body & ~here.shadow
+    region = dataclasses.replace(here.region, unlit=here.region.unlit | faint, faint=faint)
+    materials = with_faint_as_ground(here.materials, faint)
+    own = object_cost(region, here.body | faint, materials)
+    assert (materials.lit[faint] < own[faint]).mean() > 0.95
+    assert (own[here.body] < materials.lit[here.body]).mean() > 0.9
+    assert (materials.contact[here.shadow] < materials.lit[here.shadow]).mean() > 0.95
+    np.testing.assert_array_equal(materials.lit[~faint], here.materials.lit[~faint])

@@ -76,7 +76,7 @@ def test_no_colour_costs_more_than_one_that_nothing_explains() -> None:
 
 def test_a_shifted_mixture_costs_shifted_colours_the_same() -> None:
     colours, shift = colours_of_two(300), np.array([-1.3, -0.5, 0.12])
-    shifted = two_colours().shifted(shift, np.ones(1), np.ones(1))
+    shifted = two_colours().shifted(shift[None], np.ones(1))
     np.testing.assert_allclose(
         cost(colours + shift.astype(np.float32), shifted), cost(colours, two_colours()), atol=0.02
     )
@@ -84,7 +84,7 @@ def test_a_shifted_mixture_costs_shifted_colours_the_same() -> None:
 
 def test_widening_brings_all_nearer() -> None:
     colours = colours_of_two(300)
-    wide = two_colours().shifted(np.zeros(3), np.ones(1), np.full(1, 2.0))
+    wide = two_colours().shifted(np.zeros((1, 3)), np.full(1, 2.0))
     near, nearer = (nearest_squared_distance(colours, mixture) for mixture in (two_colours(), wide))
     np.testing.assert_allclose(nearer, near / 2, atol=0.02)
 

@@ -18,14 +18,19 @@ from ashe_live.light.shape.predicted import Predicted
 RING_PX = (1.0, 4.0)
 BESIDE_OBJECT_PX = 3.0  # pixels nearer to the object than this may belong to it
 WITHIN_PX = 1.5
+# Unary cost below which the ground in shadow explains a colour, and the least fraction of the shift that it shows then:
+# what shows less may be the rim of a shadow.
+EXPLAINED, DEEP = 0.0, 0.7
 FLAT = 0.7  # log of breadth over height above which a body counts as flat
 # A strongly lit object may show no shading in the picture: where it is overexposed, translucent or painted.
 LEAST_CONTRAST = -0.5
+LEAST_STEP_COST = 0.1  # of outlines better than which none are told apart
 LEAST_SPREAD = 1e-3  # least standard deviation of values that have a meaningful correlation
 
 # The features, and the sign with which physics lets each count for an explanation (docs/maths.md, "Evidence").
 SIGNS: Mapping[str, int] = {
     "misfit": -1,
+    "steps": -1,
     "clear body": 1,
     "clear shadow": 1,
     "flat": -1,
@@ -37,6 +42,8 @@ SIGNS: Mapping[str, int] = {
     "long": -1,
     "lit side": 1,
     "missed": -1,
+    "in shadow": -1,
+    "lit": -1,
     "edge": 1,
     "border": -1,
     "second": -1,
@@ -50,11 +57,14 @@ def evidence(explanation: Explanation) -> dict[str, float]:
     alignment, shading = explanation.alignment, _shading(explanation)
     return {
         "misfit": math.log(max(alignment.misfit_px, 0.05) / alignment.placed.object_px),
+        "steps": math.log(max(explanation.step_cost, LEAST_STEP_COST)),
         "clear body": alignment.clear_body,
         "clear shadow": alignment.clear_shadow,
         "flat": _flatness(explanation),
         "contrast": max(shading.contrast, LEAST_CONTRAST),
         "sunlit": math.asinh(shading.sunlit),
+        "in shadow": _share_in_shadow(explanation),
+        "lit": _lit_share(explanation),
         **appearance(explanation.region, explanation.materials, explanation.predicted),
     }
 
@@ -75,7 +85,8 @@ def _shading(explanation: Explanation) -> Shading:
 def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[str, float]:
     """The features that need no fit: how the picture looks where `masks` place the object and its shadow."""
     brightness = float(materials.shift[0])
-    size = max(_pixels(region.unlit), 1)
+    unlit = region.unlit if materials.lit_by_object is None else region.unlit & ~materials.lit_by_object
+    size = max(_pixels(unlit), 1)
     longer = math.log(max(_pixels(masks.shadow) / max(_pixels(masks.body), 1), 1e-3))
     return {
         "hue": hue_of(materials.shift),
@@ -83,7 +94,7 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[s
         "short": max(-longer - 1.0, 0.0),
         "long": max(longer, 0.0),
         "lit side": _lit_side(region, masks),
-        "missed": math.log(0.02 + _pixels(region.unlit & ~masks.whole) / size),
+        "missed": math.log(0.02 + _pixels(unlit & ~masks.whole) / size),
         "edge": min(_sharpness(region, materials, masks), 1.0),
         "border": _border_share(masks.shadow, masks.body),
         "second": materials.lights - 1.0,
@@ -96,12 +107,27 @@ def shadow_core(region: Region, masks: Predicted) -> Mask:
     return masks.shadow & clear & (distance_to(~masks.whole) > WITHIN_PX)
 
 
+def _share_in_shadow(explanation: Explanation) -> float:
+    """Fraction of the object's pixels, without its rim, that the ground in the same shadow explains."""
+    materials = explanation.materials
+    core = shrunk(explanation.predicted.body, 1) & explanation.region.is_ground
+    as_shadow = (materials.contact < EXPLAINED) & (materials.light_lost > DEEP) & core
+    return _pixels(as_shadow) / max(_pixels(core), 1)
+
+
+def _lit_share(explanation: Explanation) -> float:
+    """Fraction of the object's and the shadow's pixels that the lit ground explains."""
+    region = explanation.region
+    whole = explanation.predicted.whole & region.is_ground
+    return _pixels(whole & ~region.unlit) / max(_pixels(whole), 1)
+
+
 def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
     """Fraction of the colour shift that vanishes across the predicted shadow's outline: 1 for a sharp edge."""
     low, high = RING_PX
     # A window that holds the ring around the shadow, and all that distances in the ring are measured from.
     window = window_around(masks.shadow, math.ceil(2 * high))
-    shadow, body, fraction = masks.shadow[window], masks.body[window], materials.shift_fraction[window]
+    shadow, body, fraction = masks.shadow[window], masks.body[window], materials.light_lost[window]
     whole = shadow | body
     within, without = distance_to(~whole), distance_to(whole)
     clear = region.is_ground[window] & (distance_to(body) > BESIDE_OBJECT_PX)

@@ -7,13 +7,14 @@ import pytest
 
 from ashe_live.core.arrays import Mask
 from ashe_live.light.explanation.alignment import Alignment
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import LEAST_CONTRAST, SIGNS, appearance, evidence
 from ashe_live.light.explanation.judgement.shading import shading_of
 from ashe_live.light.labels.materials import Materials, materials_of
 from ashe_live.light.pixels.areas import grown, shrunk
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.light_points import at_infinity
-from ashe_live.light.shape.predicted import Predicted
+from ashe_live.light.shape.predicted import Predicted, predicted
 from tests.light.painted_bodies import alignment_of, body_of, explanation_of
 from tests.light.painted_regions import PaintedRegion, painted_region, shift_of
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
@@ -53,6 +54,31 @@ def test_what_is_left_out_is_missed() -> None:
     more = seen(here, grown(here.body, 4), grown(here.shadow, 4))
     assert less["missed"] > truth["missed"]
     assert more["missed"] <= truth["missed"]
+
+
+def with_masks(one: Explanation, masks: Predicted) -> Explanation:
+    placed = replace(one.alignment.placed, predicted=masks)
+    return replace(one, alignment=replace(one.alignment, placed=placed))
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_an_object_that_swallows_its_shadow_is_in_shadow(ground: str) -> None:
+    """Where only the shadow's rim is taken for the shadow, most of the object is the ground in the same shadow."""
+    here = painted_region(BOX, ground=ground)
+    truth, inner = explanation_of(here), shrunk(here.shadow, 2)
+    swallowed = with_masks(truth, Predicted(here.body | inner, here.shadow & ~inner))
+    share = np.count_nonzero(inner) / np.count_nonzero(here.body | inner)
+    assert evidence(truth)["in shadow"] < 0.05
+    assert evidence(swallowed)["in shadow"] > 0.8 * share > 0.15
+
+
+def test_an_object_or_a_shadow_on_lit_ground_is_lit() -> None:
+    here = painted_region(BOX)
+    truth = explanation_of(here)
+    turned = body_of(here, replace(BOX, at=(0.16, 0.0)))
+    aside = with_masks(truth, predicted(turned.body.proxy, turned.lights, here.region.view))
+    assert evidence(truth)["lit"] < 0.1
+    assert evidence(aside)["lit"] > evidence(truth)["lit"] + 0.3
 
 
 def test_the_side_away_from_the_shadow_is_lit() -> None:

@@ -1,0 +1,215 @@
+"""Bodies and their lights moved onto the steps of light in a picture, and which family explains these best.
+
+Gauss-Newton steps with Geman and McClure's weights from a start that is right to a few pixels, much as in
+`explanation.alignment`, whose borders come from unary costs instead (docs/maths.md, "Steps of light").
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.edges.outline_points import (
+    OutlinePoints,
+    derivatives_by_theta,
+    evenly_spaced,
+)
+from ashe_live.light.edges.steps import LightPicture, steps_across
+from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, prior_information
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.family import padded
+from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.predicted import lit_outlines
+from ashe_live.light.shape.sight import Sight
+
+REACHES_PX = (4.0, 3.0, 2.0, 2.0, 2.0)  # within which steps are looked for: what the start may be off, then less
+# Scale of Geman and McClure's loss in the last rounds: at least, and as a fraction of the object's size; and the factor
+# on it in the rounds whose reach still shrinks.
+OUTLIER_PX, OUTLIER_SHARE, EARLY_LOSS_FACTOR = 0.75, 0.0125, 3.0
+BESIDE_BODY_PX = 2.0  # the shadow's outline cannot be seen nearer to the object
+SHAPE_ERROR_SHARE = 0.004  # sigma of a real object's outline from the nearest member of a family, of its size
+MISSED = 9.0  # squared sigmas that a point costs at most, and where no step is found though one should be seen
+POINTS_PER_SAMPLE = 2.3  # errors of neighbouring points are correlated: their number over the effective sample size
+FARTHEST_PX = 5e3
+NOWHERE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgeFit:
+    """A body with its lights, as aligned with the steps of light in a picture."""
+
+    lit: LitBody
+    normal: Float  # (split + q, split + q) matrix of the normal equations: the information on theta
+    cost: float  # squared distances of its outlines from the steps, in sigmas, each MISSED at most
+    count: int  # points at which a step should be seen
+    shadow_steps: int  # points of the shadow's outline at which one is; of two lights' shadows, of that with fewer
+
+    @property
+    def mean_cost(self) -> float:
+        """Mean squared distance of the outlines from the steps, in sigmas; MISSED where nothing can be seen."""
+        return self.cost / self.count if self.count else MISSED
+
+    @property
+    def information(self) -> Float:
+        """(split, split) on the lights, whatever the shape; less where steps are missed by more than their sigmas."""
+        information = information_on_lights(self.normal, self.lit.layout)
+        return np.asarray(information / (POINTS_PER_SAMPLE * max(self.mean_cost, 1.0)))
+
+    @property
+    def criterion(self) -> float:
+        """The Bayesian information criterion, with the effective sample size for n; lower is likelier."""
+        samples = max(self.count / POINTS_PER_SAMPLE, 1.0)
+        return self.mean_cost * samples + len(self.lit.body.shape) * math.log(samples)
+
+
+def aligned_with_steps(
+    several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float
+) -> list[EdgeFit | None]:
+    """Each body moved onto the steps of light around its outlines; None where it does not stay in view.
+
+    several: n nearly right bodies of l lights each. pictures: of one scene, whose normal equations are summed. shifts:
+    (n, l) logs of how much darker the ground is in each light's shadow than out of it, negative.
+    """
+    here = list(several)
+    for reach in REACHES_PX:
+        seen = _Seen([_measured(here, picture, shifts, reach) for picture in pictures])
+        steps = seen.steps(EARLY_LOSS_FACTOR if reach > REACHES_PX[-1] else 1.0)
+        here = [lit.moved(step) for lit, step in zip(here, steps, strict=True)]
+    return _Seen([_measured(here, picture, shifts, REACHES_PX[-1]) for picture in pictures]).fits()
+
+
+def measured_at_steps(
+    several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float
+) -> list[EdgeFit | None]:
+    """As `aligned_with_steps`, of bodies where they stand."""
+    return _Seen([_measured(several, picture, shifts, REACHES_PX[0]) for picture in pictures]).fits()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Measured:
+    """The steps of light around n bodies in one picture, as they enter the normal equations."""
+
+    bodies: Sequence[LitBody]
+    is_in_view: Mask  # (n,)
+    offset_px: Float  # (n, r) of the r = (1 + l) p points of a body's outlines
+    information: Float  # (n, r) 0 where there is no step, and everywhere for a body that is not in view
+    should_be_seen: Mask  # (n, r) points where a step must be, if the body is right
+    by_theta: Float  # (n, split + q, r)
+    object_px: Float  # (n,) the object's size: the square root of its silhouette's area
+
+    def weight(self, loss_factor: float) -> Float:
+        """(n, r) the information, reduced for outliers."""
+        scale_px = loss_factor * np.maximum(OUTLIER_PX, OUTLIER_SHARE * self.object_px)[:, None]
+        return np.asarray(self.information / (1 + (self.offset_px / scale_px) ** 2) ** 2)
+
+    def equations(self, loss_factor: float) -> tuple[Float, Float]:
+        """(n, t, t) normal matrices without the prior on the shape, (n, t) gradients towards the steps."""
+        weight = self.weight(loss_factor)
+        gradient = (self.by_theta @ (weight * self.offset_px)[..., None])[..., 0]
+        return (self.by_theta * weight[:, None]) @ self.by_theta.swapaxes(1, 2), gradient
+
+    def costs(self) -> tuple[Float, Float]:
+        """(n,) squared distances in sigmas, each MISSED at most, and the number of points that these are of."""
+        variance = 1 / np.maximum(self.information, 1e-9) + (SHAPE_ERROR_SHARE * self.object_px[:, None]) ** 2
+        squares = np.where(self.information > 0, np.minimum(self.offset_px**2 / variance, MISSED), MISSED)
+        counted = self.should_be_seen & self.is_in_view[:, None]
+        return (squares * counted).sum(axis=1), counted.sum(axis=1).astype(np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class _Seen:
+    """The steps of light around n bodies in all pictures."""
+
+    views: Sequence[_Measured]
+
+    def equations(self, loss_factor: float) -> tuple[Float, Float]:
+        """As `_Measured.equations`, of all pictures and with the prior on the shape."""
+        normals, gradients = zip(*(view.equations(loss_factor) for view in self.views), strict=True)
+        normal, bodies = np.sum(normals, axis=0), self.views[0].bodies
+        diagonal, layout = np.arange(normal.shape[1]), Layout(len(bodies[0].lights))
+        normal[:, diagonal, diagonal] += padded([prior_information(one.body.family, layout) for one in bodies])
+        return normal, np.sum(gradients, axis=0)
+
+    def steps(self, loss_factor: float) -> Float:
+        """(n, split + q) damped Gauss-Newton steps of theta."""
+        return damped_steps(*self.equations(loss_factor))
+
+    def fits(self) -> list[EdgeFit | None]:
+        normals, _ = self.equations(1.0)
+        cost, count = np.sum([view.costs() for view in self.views], axis=0)
+        found: list[EdgeFit | None] = []
+        for i, lit in enumerate(self.views[0].bodies):
+            size = lit.layout.split + len(lit.body.shape)
+            seen = np.sum(
+                [view.information[i].reshape(len(lit.lights) + 1, -1) > 0 for view in self.views], axis=(0, 2)
+            )
+            fit = EdgeFit(lit, normals[i, :size, :size], float(cost[i]), int(count[i]), int(seen[1:].min()))
+            found.append(fit if any(view.is_in_view[i] for view in self.views) else None)
+        return found
+
+
+def _measured(bodies: Sequence[LitBody], picture: LightPicture, shifts: Float, reach_px: float) -> _Measured:
+    sight = Sight.of(picture.view)
+    hulls = lit_outlines(bodies, [sight] * len(bodies))
+    in_view = np.array([all(hull is not None and np.abs(hull).max() <= FARTHEST_PX for hull in each) for each in hulls])
+    # What is not in view takes the place of a triangle somewhere, so that the batch keeps its shape.
+    shown = [
+        hull if is_shown and hull is not None else NOWHERE
+        for each, is_shown in zip(hulls, in_view, strict=True)
+        for hull in each
+    ]
+    places, n = evenly_spaced(shown), len(bodies)
+    # Its own outline may rise or fall; out of a shadow the ground is brighter.
+    rises = np.column_stack([np.full(n, np.nan), -shifts]).ravel()
+    steps = steps_across(picture.linear_bgr, places, reach_px, rises)
+    should_be_seen = _by_outline(picture.is_reliable_at(places.points), n) & _visible(places, n)
+    landed = places.points + steps.offset_px[..., None] * places.normals
+    is_usable = should_be_seen & _by_outline(picture.is_reliable_at(landed), n) & in_view[:, None, None]
+    outlines = _by_outline(places.points, n)[:, 0]
+    sights = [Sight(sight.camera, sight.T_cam_marker, outline.mean(axis=0)) for outline in outlines]
+    information = np.where(is_usable, _by_outline(steps.information, n), 0.0)
+    by_theta = derivatives_by_theta(bodies, sights, places)
+    return _Measured(
+        bodies,
+        in_view,
+        steps.offset_px.reshape(n, -1),
+        information.reshape(n, -1),
+        should_be_seen.reshape(n, -1),
+        np.where(in_view[:, None, None], by_theta, 0.0),
+        _sizes_px(outlines),
+    )
+
+
+def _by_outline(values: NDArray[Scalar], n: int) -> NDArray[Scalar]:
+    """(n, 1 + l, p, ...) from (n (1 + l), p, ...): of each body its own outline, then those of its shadows."""
+    return values.reshape(n, -1, *values.shape[1:])
+
+
+def _visible(places: OutlinePoints, n: int) -> Mask:
+    """(n, 1 + l, p) whether points of the n bodies' shadows show a step that is theirs alone; True for bodies' own.
+
+    Not where the body hides them, nor in another light's shadow, out of which light rises by another ratio.
+    """
+    points, normals = _by_outline(places.points, n), _by_outline(places.normals, n)
+    count = points.shape[1]
+    seen = np.ones(points.shape[:3], dtype=np.bool_)
+    for number in range(1, count):
+        for other in (each for each in range(count) if each != number):
+            # A point is outside of a convex outline if it is so of one of its tangents.
+            reached = np.einsum("npk,nik->npi", points[:, number], normals[:, other])
+            reached -= np.einsum("nik,nik->ni", points[:, other], normals[:, other])[:, None]
+            seen[:, number] &= reached.max(axis=2) > BESIDE_BODY_PX
+    return seen
+
+
+def _sizes_px(outlines: Float) -> Float:
+    """(n,) square roots of the areas of closed outlines (n, p, 2)."""
+    x, y = outlines[..., 0], outlines[..., 1]
+    twice = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    return np.asarray(np.sqrt(0.5 * np.abs(twice)))

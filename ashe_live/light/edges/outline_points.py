@@ -1,0 +1,79 @@
+"""Sample points on the outlines of bodies and of their shadows, and how they move with the bodies' parameters."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.family import padded, parts_of
+from ashe_live.light.shape.sight import Sight
+from ashe_live.light.shape.supports import outline_supports
+
+POINTS_PER_OUTLINE = 48  # points of an outline at which its border is searched
+BENT_PX = 0.01  # a corner that stands out less than this from an edge is taken to lie on it
+TURN_RAD = 0.03  # by which a supporting line is rotated to touch one end of a straight edge or the other
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OutlinePoints:
+    """Sample points spread evenly over n closed outlines, the same number p on each."""
+
+    points: Float  # (n, p, 2) pixels
+    normals: Float  # (n, p, 2) outward
+    along_edge: Float  # (n, p) position between the ends of the point's straight edge, 0 to 1, in the sense from x to y
+
+
+def evenly_spaced(hulls_px: Sequence[Float]) -> OutlinePoints:
+    """Points on the outline of each of n convex hulls (m, 2), pixels."""
+    hulls = [cv2.approxPolyDP(hull.astype(np.float32), BENT_PX, True)[:, 0] for hull in hulls_px]
+    most = max(len(hull) for hull in hulls)
+    # Hulls with fewer corners are padded with copies of their last one.
+    corners = np.array(
+        [np.concatenate([hull, hull[-1:].repeat(most - len(hull), axis=0)]) for hull in hulls], np.float64
+    )
+    edges = np.concatenate([corners[:, 1:], corners[:, :1]], axis=1) - corners
+    lengths = np.hypot(edges[..., 0], edges[..., 1])
+    ends = lengths.cumsum(axis=1)
+    at = (np.arange(POINTS_PER_OUTLINE) + 0.5) / POINTS_PER_OUTLINE * ends[:, -1:]
+    edge = np.minimum((ends[:, None] <= at[..., None]).sum(axis=2), most - 1)
+    row = np.arange(len(hulls))[:, None]
+    length = np.maximum(lengths[row, edge], 1e-9)
+    along_edge = 1 - (ends[row, edge] - at) / length
+    along = edges[row, edge]
+    points = corners[row, edge] + along_edge[..., None] * along
+    twice_area = (corners[..., 0] * edges[..., 1] - corners[..., 1] * edges[..., 0]).sum(axis=1)
+    sense = np.where(twice_area > 0, 1.0, -1.0)[:, None]  # of the corners' order: from x to y, or the other way
+    normals = along[..., ::-1] * (1, -1) * (sense / length)[..., None]
+    return OutlinePoints(points, normals, np.where(sense > 0, along_edge, 1 - along_edge))
+
+
+def derivatives_by_theta(
+    several: Sequence[LitBody], sights: Sequence[Sight], points: OutlinePoints, with_nearness: bool = False
+) -> Float:
+    """(n, split + q, (1 + l) p) derivatives by theta of the outward movement of points on n bodies' outlines.
+
+    A point on a straight edge moves by interpolation between the edge's two ends, which may belong to different
+    spheroids: those that the edge's line touches when it is rotated slightly one way and the other.
+    """
+    n, bodies = len(several), [lit.body for lit in several]
+    c, s = math.cos(TURN_RAD), math.sin(TURN_RAD)
+    normals, along_edge = (
+        points.normals.reshape(n, -1, POINTS_PER_OUTLINE, 2).swapaxes(2, 3),
+        points.along_edge.reshape(n, -1, POINTS_PER_OUTLINE),
+    )
+    aside = s * normals[:, :, ::-1] * [[-1], [1]]
+    outward = np.concatenate([normals, normals], axis=3)
+    turned = np.concatenate([c * normals - aside, c * normals + aside], axis=3)
+    parts, by_shape = parts_of([body.family for body in bodies], padded([body.shape for body in bodies]))
+    P = np.array([sight.P(body.frame) for sight, body in zip(sights, bodies, strict=True)])
+    lights = np.array([lit.lights_in_body_frame for lit in several])
+    supports = outline_supports(P, parts, lights, outward, turned)
+    by_theta = supports.by_theta(by_shape, with_nearness)
+    ends = by_theta[..., :POINTS_PER_OUTLINE], by_theta[..., POINTS_PER_OUTLINE:]
+    return np.asarray(
+        ((1 - along_edge)[:, None] * ends[0] + along_edge[:, None] * ends[1]).reshape(n, by_theta.shape[1], -1)
+    )

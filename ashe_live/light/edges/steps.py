@@ -1,0 +1,147 @@
+"""Steps of light across outlines in the picture at full resolution: where one side turns brighter than the other.
+
+Unary costs (`labels`) tell materials apart by what they look like in the whole region, and place a border to about a
+third of a coarse pixel. Once an outline is nearly right, the step across it can be measured by itself, as edges are in
+model-based tracking (Harris and Stennett, "RAPID", 1990): each side's level comes from the pixels beside that very
+point, and light adds up, so that the border lies where half of the step is reached (docs/maths.md, "Steps of light").
+"""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.light.edges.outline_points import OutlinePoints
+from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.view import View
+
+SAMPLING_PX = 0.5  # along a profile
+WINDOW_PX = 3.0  # on either side of a step, in which that side's level is measured
+GAP_PX = 0.75  # between the step and either window: the picture's blur
+# Parallel profiles that are averaged, evenly spread over at most so many pixels to either side along the outline.
+PARALLEL, SIDEWAYS_PX = 5, 4.0
+EXPECTED_SHARE = 0.6  # sigma of the prior on a step's distance from the outline, as a fraction of the reach
+NOISE = 2e-4  # variance of linear light, of all three channels together, that any picture has
+# Independent samples in both windows together, as blurred neighbours are correlated; and the distance in pixels over
+# which a blurred step rises. Together they give the variance of a step's place.
+SAMPLES, RISE_PX = 5.0, 2.0
+LEAST_SIGMA_PX = 0.15  # of a step's place: the raster of the pixels, sharpening, compression
+LEAST_CONTRAST = 1.0  # squared step over the variance within both windows, below which there is no step
+# Sigma of the rise of a step, going out of a shadow, from the shadow's shift of the log of brightness: a share of it
+# and so much, for penumbrae, contact shadows and grain; and the sigmas beyond which a step is not that shadow's.
+RISE_SHARE, RISE_SLACK, MOST_UNLIKE = 0.25, 0.05, 2.0
+UNRELIABLE_PX = 2  # from the ground's end: its own edge is no outline's
+DARKEST = 1e-4  # of linear light, whose log is taken
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LightPicture:
+    """A picture in linear light, and where steps in it can be those of an object or of a shadow on the ground."""
+
+    view: View
+    linear_bgr: Float32  # (h, w, 3)
+    reliable: Mask  # (h, w)
+
+    @staticmethod
+    def of(view: View) -> "LightPicture":
+        """The whole of `view`."""
+        linear = LINEAR_FROM_SRGB_8BIT.astype(np.float32)[view.image_bgr]
+        return LightPicture(view, linear, ~grown(~view.is_ground, UNRELIABLE_PX))
+
+    def is_reliable_at(self, points: Float) -> Mask:
+        """(...) whether points (..., 2) lie on reliable pixels of the picture."""
+        height, width = self.reliable.shape
+        inside = np.asarray(np.isfinite(points).all(axis=-1))
+        x, y = np.moveaxis(np.rint(np.where(inside[..., None], points, -1.0)), -1, 0)
+        inside &= (x >= UNRELIABLE_PX) & (y >= UNRELIABLE_PX)
+        inside &= (x < width - UNRELIABLE_PX) & (y < height - UNRELIABLE_PX)
+        at = np.where(inside, y, 0).astype(np.intp), np.where(inside, x, 0).astype(np.intp)
+        return np.asarray(inside & self.reliable[at])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Steps:
+    """The steps found at p points of each of m outlines."""
+
+    offset_px: Float  # (m, p) distance of the step outside of the point, along the normal
+    information: Float  # (m, p) one over the variance of that distance; 0 where no step is within reach
+    rise: Float  # (m, p) log of the brightness outside over that inside
+
+
+def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, rises: Float) -> Steps:
+    """The likeliest step of light within `reach_px` of each point of m outlines.
+
+    linear_bgr: (h, w, 3). rises: (m,) the log of brightness by which each outline's step should rise going out, as that
+    of a shadow does; NaN where it may be any, as that of an object. A step parts a profile along the normal into two
+    windows, whose levels differ more than they vary within; its place is where the profile passes half of the way from
+    one level to the other.
+    """
+    m, p = places.points.shape[:2]
+    beyond = WINDOW_PX + GAP_PX + SAMPLING_PX
+    count = round((reach_px + beyond) / SAMPLING_PX)
+    offsets = np.asarray(SAMPLING_PX * np.arange(-count, count + 1), dtype=np.float64)
+    profile, squares = _profiles(linear_bgr, places, offsets)
+    window, gap = round(WINDOW_PX / SAMPLING_PX), round(GAP_PX / SAMPLING_PX)
+    at = np.arange(window + gap, len(offsets) - window - gap)
+
+    def means(values: Float) -> tuple[Float, Float]:
+        """(m p, k, 3) means over the window inside and over that outside of each of k places of a step."""
+        sums = np.concatenate([np.zeros_like(values[:, :1]), values.cumsum(axis=1)], axis=1)
+        within = sums[:, at - gap] - sums[:, at - gap - window]
+        without = sums[:, at + gap + 1 + window] - sums[:, at + gap + 1]
+        return within / window, without / window
+
+    (inner, outer), (inner_squares, outer_squares) = means(profile), means(squares)
+    step = outer - inner
+    variance = np.maximum(inner_squares + outer_squares - inner**2 - outer**2, 0).sum(axis=2)
+    contrast = (step**2).sum(axis=2) / (variance + NOISE)
+    rise = np.subtract(*(np.log(np.maximum(level.mean(axis=2), DARKEST)) for level in (outer, inner)))
+    slack = (RISE_SHARE * np.abs(rises) + RISE_SLACK)[:, None].repeat(p, axis=0)
+    unlike = np.nan_to_num((rise - rises[:, None].repeat(p, axis=0)) / slack)
+    # Twice the log of a step's likelihood ratio, both sides' variance being unknown, and of the priors' densities.
+    expected_px = EXPECTED_SHARE * reach_px
+    plausible = 2 * SAMPLES * np.log1p(contrast) - (offsets[at] / expected_px) ** 2 - unlike**2
+    row = np.arange(m * p), plausible.argmax(axis=1)
+    contrast, inner, step, rise, unlike = contrast[row], inner[row], step[row], rise[row], unlike[row]
+    share = ((profile - inner[:, None]) * step[:, None]).sum(axis=2)
+    share /= np.maximum((step**2).sum(axis=1), 1e-12)[:, None]
+    crossing, is_crossed = _half_way(share, at[row[1]], gap + 2)
+    offset_px = offsets[0] + SAMPLING_PX * crossing
+    variance_px2 = LEAST_SIGMA_PX**2 + RISE_PX**2 / (SAMPLES * np.maximum(contrast, 1e-9))
+    is_found = (
+        is_crossed & (contrast > LEAST_CONTRAST) & (np.abs(offset_px) <= reach_px) & (np.abs(unlike) < MOST_UNLIKE)
+    )
+    found = np.where(is_found, offset_px, 0.0), np.where(is_found, 1 / variance_px2, 0.0), rise
+    return Steps(*(values.reshape(m, p) for values in found))
+
+
+def _profiles(linear_bgr: Float32, places: OutlinePoints, offsets: Float) -> tuple[Float, Float]:
+    """(m p, s, 3) means and mean squares over parallel profiles through each point, sampled at `offsets` (s,)."""
+    m, p = places.points.shape[:2]
+    aside = places.normals[..., ::-1] * (-1, 1)
+    spacing_px = np.linalg.norm(places.points - np.roll(places.points, 1, axis=1), axis=2).mean(axis=1)
+    sideways_px = np.clip(spacing_px / 2, 1.0, SIDEWAYS_PX)[:, None] * np.linspace(-1, 1, PARALLEL)
+    starts = places.points[:, :, None] + sideways_px[:, None, :, None] * aside[:, :, None]
+    lines = starts[..., None, :] + offsets[:, None] * places.normals[:, :, None, None]
+    x, y = np.moveaxis(lines.reshape(m * p * PARALLEL, -1, 2), 2, 0).astype(np.float32)
+    sampled = cv2.remap(linear_bgr, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    values = sampled.reshape(m * p, PARALLEL, len(offsets), 3).astype(np.float64)
+    return values.mean(axis=1), (values**2).mean(axis=1)
+
+
+def _half_way(share: Float, middle: Float, reach: int) -> tuple[Float, Mask]:
+    """(n,) index, between samples, where a profile (n, s) rises through one half, nearest to `middle` (n,); and whether
+    it does within `reach` samples.
+    """
+    last = share.shape[1] - 1
+    around = np.clip(middle[:, None] + np.arange(-reach, reach + 1), 0, last).astype(np.intp)
+    near = np.take_along_axis(share, around, axis=1)
+    rises = (near[:, :-1] < 0.5) & (near[:, 1:] >= 0.5)
+    away = np.abs(np.arange(-reach, reach) + 0.5)
+    first = np.where(rises, away, np.inf).argmin(axis=1)[:, None]
+    low, high = np.take_along_axis(near, first, axis=1), np.take_along_axis(near, first + 1, axis=1)
+    is_crossed = np.asarray(rises.any(axis=1))
+    part = np.where(is_crossed, ((0.5 - low) / np.maximum(high - low, 1e-12))[:, 0], 0.0)
+    return np.asarray(np.take_along_axis(around, first, axis=1)[:, 0] + part), is_crossed

@@ -1,0 +1,44 @@
+"""The explanations that are judged: the likeliest refined and moved onto the steps of light, the others as they are."""
+
+from collections.abc import Callable, Sequence
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.explanation.explain import are_alike, different, refined, refined_by_tangents
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
+from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.pixels.view import View
+
+
+def refined_and_others(
+    rough: Sequence[Explanation],
+    sharpener: Sharpener,
+    fine: View,
+    coarse: View,
+    ground: LitGround,
+    steps: ProxySteps,
+    log_odds: Callable[[Explanation], float],
+) -> list[Explanation]:
+    """The likeliest different explanations, refined and with their lights counted; then the others as they are.
+
+    Those are judged as well, as they are what else the picture may show; so is what refinement has turned into another
+    answer, or could not fit.
+    """
+    ranked = sorted(rough, key=log_odds, reverse=True)
+    chosen = different(ranked, steps.refined)
+    fines = [None if one is None else refined_by_tangents(one) for one in refined(chosen, steps.fine_fit)]
+    turned = [one for one, fine in zip(chosen, fines, strict=True) if fine is None or _differ(one, fine)]
+    sharp = [fine for fine in fines if fine is not None]
+    found = with_lights_counted(sharp, rough, fine, coarse, ground, steps.region_px, log_odds)
+    others = different(each for each in ranked if not any(each is one for one in chosen))
+    others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
+    others = [each for each in others if not any(is_part_of(one, each) for one in found)]
+    return [sharpener.sharpened(each) for each in found] + others
+
+
+def _differ(one: Explanation, other: Explanation) -> bool:
+    """Whether the answers by two explanations could not both be good."""
+    return angle_between(one.lights[0].to_light_marker, other.lights[0].to_light_marker) > GOOD_RAD
