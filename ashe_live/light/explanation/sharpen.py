@@ -24,7 +24,6 @@ FAMILIES = 4  # that are aligned with steps, the likeliest by the labels' outlin
 FEWEST_STEPS = 6  # of an outline's 48 points: with fewer, a shadow is hidden, and goes where it likes
 # By so much more than the least of them the pixels' unary costs refute a family, however its outlines lie on steps.
 MOST_COST = 2 * COST_PER_PARAMETER
-# by which the pixels' unary costs refute a family, however its outlines lie on steps
 
 
 @dataclass(frozen=True, slots=True)
