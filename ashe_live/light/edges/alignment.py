@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.edges.outline_points import (
+    POINTS_PER_OUTLINE,
     OutlinePoints,
     derivatives_by_theta,
     evenly_spaced,
@@ -32,6 +33,7 @@ REACHES_PX = (4.0, 3.0, 2.0, 2.0, 2.0)  # within which steps are looked for: wha
 OUTLIER_PX, OUTLIER_SHARE, EARLY_LOSS_FACTOR = 0.75, 0.0125, 3.0
 BESIDE_BODY_PX = 2.0  # the shadow's outline cannot be seen nearer to the object
 SHAPE_ERROR_SHARE = 0.004  # sigma of a real object's outline from the nearest member of a family, of its size
+FEWEST_STEPS = 6  # of an outline's 48 points: with fewer, a shadow is hidden, and goes where it likes
 MISSED = 9.0  # squared sigmas that a point costs at most, and where no step is found though one should be seen
 POINTS_PER_SAMPLE = 2.3  # errors of neighbouring points are correlated: their number over the effective sample size
 FARTHEST_PX = 5e3
@@ -52,8 +54,8 @@ class EdgeFit:
 
     @property
     def mean_cost(self) -> float:
-        """Mean squared distance of the outlines from the steps, in sigmas; MISSED where nothing can be seen."""
-        return self.cost / self.count if self.count else MISSED
+        """Mean squared distance of the outlines from the steps, in sigmas; MISSED where a shadow is hidden."""
+        return _mean_cost(self.cost, self.count, self.shadow_steps)
 
     @property
     def information(self) -> Float:
@@ -84,11 +86,15 @@ def aligned_with_steps(
     return _Seen([_measured(here, picture, shifts, REACHES_PX[-1]) for picture in pictures]).fits()
 
 
-def measured_at_steps(
-    several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float
-) -> list[EdgeFit | None]:
-    """As `aligned_with_steps`, of bodies where they stand."""
-    return _Seen([_measured(several, picture, shifts, REACHES_PX[0]) for picture in pictures]).fits()
+def step_costs(several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float) -> list[float]:
+    """The mean costs, as `EdgeFit.mean_cost`, of bodies where they stand; arguments as of `aligned_with_steps`."""
+    seen = _Seen([_measured(several, picture, shifts, REACHES_PX[0]) for picture in pictures])
+    return [_mean_cost(*each) for each in zip(*seen.costs(), strict=True)]
+
+
+def _mean_cost(cost: float, count: int, shadow_steps: int) -> float:
+    """A hidden shadow misses no steps, but tells nothing of its light either."""
+    return float(cost / count) if shadow_steps >= FEWEST_STEPS else MISSED
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,8 +105,9 @@ class _Measured:
     is_in_view: Mask  # (n,)
     offset_px: Float  # (n, r) of the r = (1 + l) p points of a body's outlines
     information: Float  # (n, r) 0 where there is no step, and everywhere for a body that is not in view
-    should_be_seen: Mask  # (n, r) points where a step must be, if the body is right
-    by_theta: Float  # (n, split + q, r)
+    should_be_seen: Mask  # (n, r) points where a step must be, if the body is right; none of a body not in view
+    places: OutlinePoints  # the r points, outline by outline
+    sights: Sequence[Sight]  # (n,) about the bodies' middles
     object_px: Float  # (n,) the object's size: the square root of its silhouette's area
 
     def weight(self, loss_factor: float) -> Float:
@@ -110,16 +117,19 @@ class _Measured:
 
     def equations(self, loss_factor: float) -> tuple[Float, Float]:
         """(n, t, t) normal matrices without the prior on the shape, (n, t) gradients towards the steps."""
-        weight = self.weight(loss_factor)
-        gradient = (self.by_theta @ (weight * self.offset_px)[..., None])[..., 0]
-        return (self.by_theta * weight[:, None]) @ self.by_theta.swapaxes(1, 2), gradient
+        weight, by_theta = self.weight(loss_factor), derivatives_by_theta(self.bodies, self.sights, self.places)
+        by_theta = np.where(self.is_in_view[:, None, None], by_theta, 0.0)
+        gradient = (by_theta @ (weight * self.offset_px)[..., None])[..., 0]
+        return (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2), gradient
 
-    def costs(self) -> tuple[Float, Float]:
-        """(n,) squared distances in sigmas, each MISSED at most, and the number of points that these are of."""
+    def costs(self) -> tuple[Float, Float, Float]:
+        """(n,) squared distances in sigmas, each MISSED at most; the number of points that these are of; (n, l) of each
+        shadow's points that have a step.
+        """
         variance = 1 / np.maximum(self.information, 1e-9) + (SHAPE_ERROR_SHARE * self.object_px[:, None]) ** 2
         squares = np.where(self.information > 0, np.minimum(self.offset_px**2 / variance, MISSED), MISSED)
-        counted = self.should_be_seen & self.is_in_view[:, None]
-        return (squares * counted).sum(axis=1), counted.sum(axis=1).astype(np.float64)
+        steps = (self.information > 0).reshape(len(self.bodies), -1, POINTS_PER_OUTLINE).sum(axis=2)
+        return (squares * self.should_be_seen).sum(axis=1), self.should_be_seen.sum(axis=1), steps[:, 1:]
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,17 +150,22 @@ class _Seen:
         """(n, split + q) damped Gauss-Newton steps of theta."""
         return damped_steps(*self.equations(loss_factor))
 
+    def costs(self) -> tuple[Float, Float, Float]:
+        """As `_Measured.costs`, of all pictures, with the points of the shadow that has the fewest (n,)."""
+        cost, count, steps = (np.sum(each, axis=0) for each in zip(*(view.costs() for view in self.views), strict=True))
+        return cost, count, steps.min(axis=1)
+
     def fits(self) -> list[EdgeFit | None]:
+        """Of every body; None for one that is in view nowhere."""
         normals, _ = self.equations(1.0)
-        cost, count = np.sum([view.costs() for view in self.views], axis=0)
+        in_view = np.any([view.is_in_view for view in self.views], axis=0)
         found: list[EdgeFit | None] = []
-        for i, lit in enumerate(self.views[0].bodies):
+        for lit, normal, cost, count, steps, is_seen in zip(
+            self.views[0].bodies, normals, *self.costs(), in_view, strict=True
+        ):
             size = lit.layout.split + len(lit.body.shape)
-            seen = np.sum(
-                [view.information[i].reshape(len(lit.lights) + 1, -1) > 0 for view in self.views], axis=(0, 2)
-            )
-            fit = EdgeFit(lit, normals[i, :size, :size], float(cost[i]), int(count[i]), int(seen[1:].min()))
-            found.append(fit if any(view.is_in_view[i] for view in self.views) else None)
+            fit = EdgeFit(lit, normal[:size, :size], float(cost), int(count), int(steps))
+            found.append(fit if is_seen else None)
         return found
 
 
@@ -169,19 +184,20 @@ def _measured(bodies: Sequence[LitBody], picture: LightPicture, shifts: Float, r
     rises = np.column_stack([np.full(n, np.nan), -shifts]).ravel()
     steps = steps_across(picture.linear_bgr, places, reach_px, rises)
     should_be_seen = _by_outline(picture.is_reliable_at(places.points), n) & _visible(places, n)
+    should_be_seen &= in_view[:, None, None]
     landed = places.points + steps.offset_px[..., None] * places.normals
-    is_usable = should_be_seen & _by_outline(picture.is_reliable_at(landed), n) & in_view[:, None, None]
+    is_usable = should_be_seen & _by_outline(picture.is_reliable_at(landed), n)
     outlines = _by_outline(places.points, n)[:, 0]
     sights = [Sight(sight.camera, sight.T_cam_marker, outline.mean(axis=0)) for outline in outlines]
     information = np.where(is_usable, _by_outline(steps.information, n), 0.0)
-    by_theta = derivatives_by_theta(bodies, sights, places)
     return _Measured(
         bodies,
         in_view,
         steps.offset_px.reshape(n, -1),
         information.reshape(n, -1),
         should_be_seen.reshape(n, -1),
-        np.where(in_view[:, None, None], by_theta, 0.0),
+        places,
+        sights,
         _sizes_px(outlines),
     )
 

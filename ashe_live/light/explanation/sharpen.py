@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ashe_live.light.edges.alignment import MISSED, EdgeFit, aligned_with_steps, measured_at_steps
+from ashe_live.light.edges.alignment import MISSED, EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, measured, placed_in
 from ashe_live.light.explanation.explain import refined_by_tangents
@@ -21,7 +21,6 @@ from ashe_live.light.shape.directions import (
 )
 
 FAMILIES = 4  # that are aligned with steps, the likeliest by the labels' outlines
-FEWEST_STEPS = 6  # of an outline's 48 points: with fewer, a shadow is hidden, and goes where it likes
 # By so much more than the least of them the pixels' unary costs refute a family, however its outlines lie on steps.
 MOST_COST = 2 * COST_PER_PARAMETER
 
@@ -66,7 +65,7 @@ class Sharpener:
     def _fits(self, bodies: Sequence[LitBody], explanation: Explanation) -> list[EdgeFit]:
         """The bodies with their lights, moved, without those whose shadows show too few steps to tell their lights."""
         fits = aligned_with_steps(bodies, self.pictures, np.repeat([_shifts(explanation)], len(bodies), axis=0))
-        return [fit for fit in fits if fit is not None and fit.shadow_steps >= FEWEST_STEPS]
+        return [fit for fit in fits if fit is not None and fit.mean_cost < MISSED]
 
     def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:
         """The explanations where they stand, each with its `step_cost`."""
@@ -75,9 +74,8 @@ class Sharpener:
             members = [i for i, each in enumerate(explanations) if len(each.lights) == count]
             bodies = [explanations[i].alignment.placed.lit for i in members]
             shifts = np.array([_shifts(explanations[i]) for i in members])
-            for i, fit in zip(members, measured_at_steps(bodies, self.pictures, shifts), strict=True):
-                is_seen = fit is not None and fit.shadow_steps >= FEWEST_STEPS
-                found[i] = replace(explanations[i], step_cost=fit.mean_cost if fit and is_seen else MISSED)
+            for i, cost in zip(members, step_costs(bodies, self.pictures, shifts), strict=True):
+                found[i] = replace(explanations[i], step_cost=cost)
         return found
 
 

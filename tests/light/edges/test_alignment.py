@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, radius_of_68_percent
-from ashe_live.light.edges.alignment import MISSED, EdgeFit, aligned_with_steps, measured_at_steps
+from ashe_live.light.edges.alignment import MISSED, EdgeFit, aligned_with_steps, step_costs
 from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.explanation.judgement.uncertainty import covariance_of_outlines
 from ashe_live.light.pixels.view import View
@@ -80,20 +80,22 @@ def test_the_true_family_is_the_likeliest() -> None:
 def test_a_body_where_nothing_is_misses_its_steps() -> None:
     here = painted_region(BOX)
     nowhere = moved(body_of(here, BOX), 2, 1.5)
-    (found,) = measured_at_steps([nowhere], [picture_of(here)], SHIFTS)
-    assert found is not None
-    assert found.mean_cost > 0.6 * MISSED
+    (cost,) = step_costs([nowhere], [picture_of(here)], SHIFTS)
+    assert cost > 0.6 * MISSED
 
 
 def test_a_step_of_another_depth_is_not_the_shadows() -> None:
     here = painted_region(BOX)
     pale, true = (
-        measured_at_steps([body_of(here, BOX)], [picture_of(here)], np.array([[depth]]))[0]
-        for depth in (-0.3, SHIFTS[0, 0])
+        step_costs([body_of(here, BOX)], [picture_of(here)], np.array([[depth]]))[0] for depth in (-0.3, SHIFTS[0, 0])
     )
-    assert pale is not None
-    assert true is not None
-    assert pale.mean_cost > true.mean_cost + 1
+    assert pale > true + 1
+
+
+def test_a_shadow_that_its_body_hides_tells_nothing() -> None:
+    here = painted_region(BOX)
+    overhead = LitBody(body_of(here, BOX).body, np.array([(0.0, 0.0, 1.0, 0.0)]))
+    assert step_costs([overhead], [picture_of(here)], SHIFTS) == [MISSED]
 
 
 def test_a_picture_seen_twice_tells_twice_as_much_of_the_lights_and_the_same_place() -> None:
