@@ -16,6 +16,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.edges.outline_points import (
     POINTS_PER_OUTLINE,
     OutlinePoints,
+    are_in_view,
     derivatives_by_theta,
     evenly_spaced,
 )
@@ -36,7 +37,6 @@ SHAPE_ERROR_SHARE = 0.004  # sigma of a real object's outline from the nearest m
 FEWEST_STEPS = 6  # of an outline's 48 points: with fewer, a shadow is hidden, and goes where it likes
 MISSED = 9.0  # squared sigmas that a point costs at most, and where no step is found though one should be seen
 POINTS_PER_SAMPLE = 2.3  # errors of neighbouring points are correlated: their number over the effective sample size
-FARTHEST_PX = 5e3
 NOWHERE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 Scalar = TypeVar("Scalar", bound=np.generic)
@@ -172,7 +172,7 @@ class _Seen:
 def _measured(bodies: Sequence[LitBody], picture: LightPicture, shifts: Float, reach_px: float) -> _Measured:
     sight = Sight.of(picture.view)
     hulls = lit_outlines(bodies, [sight] * len(bodies))
-    in_view = np.array([all(hull is not None and np.abs(hull).max() <= FARTHEST_PX for hull in each) for each in hulls])
+    in_view = np.array([are_in_view(each) for each in hulls])
     # What is not in view takes the place of a triangle somewhere, so that the batch keeps its shape.
     shown = [
         hull if is_shown and hull is not None else NOWHERE

@@ -15,7 +15,13 @@ from ashe_live.light.shape.supports import outline_supports
 
 POINTS_PER_OUTLINE = 48  # points of an outline at which its border is searched
 BENT_PX = 0.01  # a corner that stands out less than this from an edge is taken to lie on it
+FARTHEST_PX = 5e3  # of an outline from the picture's corner
 TURN_RAD = 0.03  # by which a supporting line is rotated to touch one end of a straight edge or the other
+
+
+def are_in_view(hulls_px: Sequence[Float | None]) -> bool:
+    """Whether outlines (m, 2) in pixels can all be projected, none of them unreasonably far out."""
+    return all(hull is not None and np.abs(hull).max() <= FARTHEST_PX for hull in hulls_px)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

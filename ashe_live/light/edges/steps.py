@@ -67,7 +67,6 @@ class Steps:
 
     offset_px: Float  # (m, p) distance of the step outside of the point, along the normal
     information: Float  # (m, p) one over the variance of that distance; 0 where no step is within reach
-    rise: Float  # (m, p) log of the brightness outside over that inside
 
 
 def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, rises: Float) -> Steps:
@@ -104,7 +103,7 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     expected_px = EXPECTED_SHARE * reach_px
     plausible = 2 * SAMPLES * np.log1p(contrast) - (offsets[at] / expected_px) ** 2 - unlike**2
     row = np.arange(m * p), plausible.argmax(axis=1)
-    contrast, inner, step, rise, unlike = contrast[row], inner[row], step[row], rise[row], unlike[row]
+    contrast, inner, step, unlike = contrast[row], inner[row], step[row], unlike[row]
     share = ((profile - inner[:, None]) * step[:, None]).sum(axis=2)
     share /= np.maximum((step**2).sum(axis=1), 1e-12)[:, None]
     crossing, is_crossed = _half_way(share, at[row[1]], gap + 2)
@@ -113,7 +112,7 @@ def steps_across(linear_bgr: Float32, places: OutlinePoints, reach_px: float, ri
     is_found = (
         is_crossed & (contrast > LEAST_CONTRAST) & (np.abs(offset_px) <= reach_px) & (np.abs(unlike) < MOST_UNLIKE)
     )
-    found = np.where(is_found, offset_px, 0.0), np.where(is_found, 1 / variance_px2, 0.0), rise
+    found = np.where(is_found, offset_px, 0.0), np.where(is_found, 1 / variance_px2, 0.0)
     return Steps(*(values.reshape(m, p) for values in found))
 
 

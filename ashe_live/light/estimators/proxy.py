@@ -138,7 +138,7 @@ class ProxyEstimator:
                 ground,
                 trace.unlit,
                 lambda: other_objects(chosen, trace.judged, trace.regions, ground, judge),
-                Sharpener.of([look.views[0].fine]),
+                lambda: Sharpener.of([look.views[0].fine]),
             ),
             steps.light,
         )

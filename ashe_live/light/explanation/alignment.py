@@ -18,7 +18,7 @@ from operator import attrgetter
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE, derivatives_by_theta, evenly_spaced
+from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE, are_in_view, derivatives_by_theta, evenly_spaced
 from ashe_live.light.explanation.borders import Borders, borders_at
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, prior_information
@@ -35,7 +35,6 @@ EARLY_LOSS_FACTOR = 3.0  # times that scale in the rounds before
 # Penalty per parameter: the ln n of the Bayesian information criterion, n the region's pixels, times the number of
 # pixels whose errors are correlated, as a colour model is wrong over whole patches.
 COST_PER_PARAMETER = 250.0
-FARTHEST_PX = 5e3
 WIDEST_NEARNESS = 10.0  # one over the body's size: sigma of the prior on what nearness no border tells
 
 
@@ -62,7 +61,7 @@ class PlacedBody:
     @property
     def is_in_view(self) -> bool:
         """Whether all its outlines can be projected, and none of them is unreasonably large."""
-        return all(hull is not None and np.abs(hull).max() <= FARTHEST_PX for hull in self.hulls_px)
+        return are_in_view(self.hulls_px)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -72,7 +72,7 @@ class Scene:
     unlit: Mask  # (h, w) of `view`: what the lit ground does not explain
     # Explanations of other objects with their log odds: looked for where a sun is not certain.
     others: Callable[[], Sequence[tuple[Explanation, float]]]
-    sharpener: Sharpener  # of the view at full resolution
+    sharpener: Callable[[], Sharpener]  # of the view at full resolution: asked for where lights are aligned as lamps
 
 
 def stated(
@@ -116,7 +116,7 @@ def stated(
     if not is_sun:
         worth = WORTH_ALIGNING if kind == AUTO else 0.0
         aligned, at = _aligned_as_lamps(
-            objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth, scene.sharpener
+            objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth, scene.sharpener()
         )
         if _is_near(at, LEAST_SIGMAS if kind == AUTO else 0.0):
             best = aligned[0].explanation
