@@ -510,6 +510,30 @@ def test_a_new_estimate_ends_the_light_by_hand_and_one_asked_for_before_does_not
     assert session.lit_by.lights is session.estimate.lights
 
 
+def test_what_a_person_asks_for_while_nobodys_estimate_is_made_counts_from_when_they_asked(make, fakes):
+    session = make()
+    worker = session.watch._worker
+    session.take(fakes.tracked(0), 0.0)
+    session.request_estimate(0.0)
+    worker.answer = fakes.estimate(0, sigma_rad=0.07)
+    session.poll(0.5)
+    session.watch.key_views = fakes.KeyViews(*orbit(fakes, 4))
+    session.take(fakes.tracked(1), 1.0)
+    assert session.is_estimating
+    assert not session.watch.is_awaited
+    by_hand(session, 2.0)
+    session.take(fakes.tracked(2), 3.0)
+    assert session.request_estimate(3.0)
+    assert session.watch.is_awaited
+    assert not session.request_estimate(3.1), "one person's request waits at a time"
+    worker.answer = fakes.estimate(1)
+    assert session.poll(4.0) is None, "the answer that nobody waits for is not shown"
+    assert worker.requested[-1].frame.index == 2
+    worker.answer = fakes.estimate(2)
+    assert session.poll(5.0) is session.estimate
+    assert session.hand.light is None, "Space came after the hand, and so replaces its light"
+
+
 def test_an_estimate_without_a_light_leaves_the_one_by_hand(make, fakes):
     session = make()
     session.take(fakes.tracked(), 0.0)

@@ -13,12 +13,10 @@ from typing import Self
 
 import av
 import numpy as np
-from av.container import OutputContainer
 from av.video.frame import VideoFrame
-from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, Interpolation
-from av.video.stream import VideoStream
 
 from ashe_live.capture.container import WrittenContainer
+from ashe_live.capture.recording.encoding import added_stream, converted, even_size
 from ashe_live.capture.recording.fragments import IN_THE_MAKING, made_playable, published
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
@@ -29,10 +27,9 @@ TICKS_PER_S = 90_000
 # Constant quality: 18 looks lossless, 23 is x264's default.
 CRF = 20
 PRESET = "veryfast"
+PIXELS = "yuv420p"
 KEYFRAME_EVERY_S = 2
 MAX_FPS = 1000.0  # of a clip that states a rate; more is a damaged header
-# The plain conversion darkens every colour by 1.5 levels; rounding rightly costs 0.4 ms at 640x480.
-CONVERSION = Interpolation.BILINEAR | Interpolation.ACCURATE_RND
 
 
 class Recorder:
@@ -48,11 +45,9 @@ class Recorder:
         self.path = Path(path)  # once closed, where the clip is: beside a file that has appeared there meanwhile
         self.frame_count = 0
         self._size = size
-        self._even_size = (size[0] // 2 * 2, size[1] // 2 * 2)
         if not 0 < fps < float("inf"):
             raise ValueError(f"a clip cannot have {fps} frames a second")
-        if min(self._even_size) < 2:
-            raise UserError(f"pictures of {size[0]}x{size[1]} cannot be recorded", "give a --size of 2x2 or more")
+        self._even_size = even_size(size)
         if self.path.suffix.lower() != ".mp4":
             raise UserError(f"{self.path} is not named as an MP4 file", "let its name end in .mp4")
         fps = min(fps, MAX_FPS)
@@ -86,13 +81,8 @@ class Recorder:
             raise ValueError(f"a frame of {image_bgr.shape} {image_bgr.dtype} in a recording of {self._size}")
         pts = self._pts(time_s)
         width, height = self._even_size
-        picture = VideoFrame.from_numpy_buffer(np.ascontiguousarray(image_bgr[:height, :width]), "bgr24").reformat(
-            format="yuv420p",
-            dst_colorspace=Colorspace.ITU709,
-            dst_color_range=ColorRange.MPEG,
-            interpolation=CONVERSION,
-            threads=1,
-        )
+        whole = np.ascontiguousarray(image_bgr[:height, :width])
+        picture = converted(VideoFrame.from_numpy_buffer(whole, "bgr24"), PIXELS)
         picture.pts, picture.duration = pts, self._ticks_per_frame
         picture.time_base = Fraction(1, TICKS_PER_S)
         try:
@@ -134,25 +124,13 @@ class Recorder:
         )
         container = self._written.container
         container.metadata["comment"] = IN_THE_MAKING
-        self._stream = self._add_h264(container, fps)
+        # Without B-frames: encoded in the order shown, so that no time has to be shifted.
+        options = {"preset": PRESET, "crf": str(CRF), "bf": "0"}
+        self._stream = added_stream(container, "libx264", PIXELS, self._even_size, fps, TICKS_PER_S, options)
+        self._stream.codec_context.gop_size = max(1, round(KEYFRAME_EVERY_S * fps))
         # At once, as it is by its header that an abandoned recording is known.
         container.start_encoding()
         self._written.check()
-
-    def _add_h264(self, container: OutputContainer, fps: float) -> VideoStream:
-        # Without B-frames: encoded in the order shown, so that no time has to be shifted.
-        options = {"preset": PRESET, "crf": str(CRF), "bf": "0"}
-        stream = container.add_stream("libx264", rate=Fraction(fps).limit_denominator(1001), options=options)
-        codec = stream.codec_context
-        codec.width, codec.height = self._even_size
-        codec.pix_fmt = "yuv420p"
-        codec.time_base = Fraction(1, TICKS_PER_S)
-        codec.gop_size = max(1, round(KEYFRAME_EVERY_S * fps))
-        # One thread, as the viewer needs the others.
-        codec.thread_count = 1
-        codec.colorspace, codec.color_range = Colorspace.ITU709, ColorRange.MPEG
-        codec.color_primaries, codec.color_trc = ColorPrimaries.BT709, ColorTrc.BT709
-        return stream
 
     def _pts(self, time_s: float | None) -> int:
         """In ticks from the first frame, later than the last."""

@@ -27,7 +27,8 @@ class LightWatch:
         self.frozen: TrackedFrame | None = None  # of the last request
         self._others: Sequence[TrackedFrame] = ()  # that went with it
         self._is_awaited = False
-        self._waiting: tuple[TrackedFrame, Draw | None] | None = None  # a person's request, while another is made
+        # A person's request, and when it was made, while another estimate is under way.
+        self._waiting: tuple[TrackedFrame, float, Draw | None] | None = None
         self._worker = worker
 
     @property
@@ -60,7 +61,7 @@ class LightWatch:
         a change is estimated.
         """
         if is_awaited and self._worker.busy and not self.is_awaited:
-            self._waiting = frozen, draw
+            self._waiting = frozen, now_s, draw
             return True
         views = self.key_views.views
         others = tuple(view for view in views if view.frame.index != frozen.frame.index)
@@ -96,8 +97,8 @@ class LightWatch:
         """The worker's outcome, once."""
         outcome = self._taken(self._worker.poll())
         if self._waiting is not None and not self._worker.busy:
-            (frozen, draw), self._waiting = self._waiting, None
-            self.ask(frozen, self.asked_s, draw)
+            waiting, self._waiting = self._waiting, None
+            self.ask(*waiting)
             return None  # what nobody has asked for would be taken for what somebody did
         return outcome
 
