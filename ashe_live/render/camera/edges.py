@@ -34,21 +34,10 @@ MOST_BORDER_PX = 1.5  # in a picture 640 pixels wide
 LEAST_SINE = 0.1  # of a light's elevation, for how long its shadows are
 
 
-def edge_blur_px(grey: Image, corners_px: Float, reach_px: float = REACH_PX) -> float:
-    """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2); 0 if not to be told.
-
-    Of a step blurred by a Gaussian, height over steepest slope is sqrt(2 pi) sigma; sharpening makes it less.
-    """
-    profile = _profile(grey, corners_px, reach_px)
-    if profile is None:
-        return 0.0
-    step = profile.step
-    # Over half a pixel to both sides, so that noise does not steepen the slope.
-    wide = int(0.5 / STEP_PX)
-    slope = float((step[2 * wide :] - step[: -2 * wide]).max()) / (2 * wide * STEP_PX)
-    variance = 1 / (2 * math.pi * max(slope, 1e-3) ** 2) - 4 * wide**2 * STEP_PX**2 / 12
-    variance -= BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2
-    return float(np.clip(math.sqrt(max(variance, 0.0)), *BLUR_RANGE_PX))
+def edge_blur_px(grey: Image, corners_px: Float) -> float:
+    """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2); 0 where untold."""
+    profile = _profile(grey, corners_px, REACH_PX)
+    return 0.0 if profile is None else _blur_px(profile.step)
 
 
 def blur_and_sharpening(grey: Image, corners_px: Float) -> tuple[float, float]:
@@ -58,10 +47,10 @@ def blur_and_sharpening(grey: Image, corners_px: Float) -> tuple[float, float]:
     beside an edge. Blurs are tried, each with the s of least squares.
     """
     reach_px = float(np.clip(BORDER_SIDES * side_lengths_px(corners_px).min(), LEAST_REACH_PX, REACH_PX))
-    sigma_px = edge_blur_px(grey, corners_px, reach_px)
     profile = _profile(grey, corners_px, reach_px)
     if profile is None:
-        return sigma_px, 0.0
+        return 0.0, 0.0
+    sigma_px = _blur_px(profile.step)
     seen = profile.encoded
     if np.ptp(seen) - (profile.light - profile.dark) < LEAST_OVERSHOOT * (profile.light - profile.dark):
         return sigma_px, 0.0
@@ -138,6 +127,19 @@ def _profile(grey: Image, corners_px: Float, reach_px: float) -> _Profile | None
     aligned = np.take_along_axis(encoded[good][near], columns, axis=1) / 255
     dark, light = (float(np.median(encoded[good][near][:, ends])) / 255 for ends in (slice(4), slice(-4, None)))
     return _Profile(step, np.median(aligned, axis=0), dark, light)
+
+
+def _blur_px(step: Float) -> float:
+    """Sigma of the Gaussian that has blurred a step (k,), 0 and 1 at its ends, every STEP_PX.
+
+    Height over steepest slope is sqrt(2 pi) sigma; sharpening makes it less.
+    """
+    # Over half a pixel to both sides, so that noise does not steepen the slope.
+    wide = int(0.5 / STEP_PX)
+    slope = float((step[2 * wide :] - step[: -2 * wide]).max()) / (2 * wide * STEP_PX)
+    variance = 1 / (2 * math.pi * max(slope, 1e-3) ** 2) - 4 * wide**2 * STEP_PX**2 / 12
+    variance -= BOX_VARIANCE_PX2 + INTERPOLATION_VARIANCE_PX2
+    return float(np.clip(math.sqrt(max(variance, 0.0)), *BLUR_RANGE_PX))
 
 
 def _blurred_steps(profile: _Profile, count: int) -> Float:

@@ -6,6 +6,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 
 NoiseLevels = tuple[float, float, float, float]
+SILENT: NoiseLevels = (0.0, 0.0, 0.0, 0.0)
 LEVELS = 4  # equal ranges of encoded brightness, as composite.frag interpolates between their middles
 FEWEST_PX = 150  # of a range of brightness, to tell its noise by
 STEEP = 4.0  # grey levels a pixel, of the smoothed picture: an edge and no noise
@@ -20,19 +21,20 @@ def noise_levels(grey: Image) -> NoiseLevels:
     """Standard deviation of the noise of (h, w) uint8, as a fraction of 255, in each of four ranges of brightness.
 
     Immerkaer, "Fast noise variance estimation", CVIU 1996, with the median in the place of the mean, away from
-    edges. A range that hardly occurs has the noise of the nearest that does.
+    edges. A range that hardly occurs has the noise of the nearest that does; 0 where there are nothing but edges.
     """
     kernel = np.array([[1, -2, 1], [-2, 4, -2], [1, -2, 1]], np.float32)
     response = np.abs(cv2.filter2D(grey, cv2.CV_32F, kernel)[1:-1, 1:-1])
     if not response.size:
-        return 0.0, 0.0, 0.0, 0.0
+        return SILENT
     smooth = cv2.GaussianBlur(grey, (0, 0), SMOOTHED_PX).astype(np.float32)
     slope = np.hypot(cv2.Sobel(smooth, -1, 1, 0, scale=1 / 8), cv2.Sobel(smooth, -1, 0, 1, scale=1 / 8))[1:-1, 1:-1]
     number = np.where(slope < STEEP, smooth[1:-1, 1:-1] * LEVELS / 256, -1.0).astype(int)
     ranges = [response[number == each] for each in range(LEVELS)]
-    told = [each for each in range(LEVELS) if ranges[each].size >= FEWEST_PX] or [
-        int(np.argmax([r.size for r in ranges]))
-    ]
+    most = max(each.size for each in ranges)
+    if not most:
+        return SILENT
+    told = [each for each in range(LEVELS) if ranges[each].size >= min(FEWEST_PX, most)]
     sigmas = {each: float(np.median(ranges[each])) / (0.6745 * 6 * 255) for each in told}
     dark, dim, light, bright = (sigmas[min(told, key=lambda each: abs(each - wanted))] for wanted in range(LEVELS))
     return dark, dim, light, bright

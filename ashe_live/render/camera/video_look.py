@@ -13,12 +13,11 @@ from ashe_live.core.colour import REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.edges import blur_and_sharpening
-from ashe_live.render.camera.grain import NoiseLevels, has_coarse_chroma, noise_levels
+from ashe_live.render.camera.grain import SILENT, NoiseLevels, has_coarse_chroma, noise_levels
 from ashe_live.render.camera.white import OVEREXPOSED, PAPER_ALBEDO, print_pixels, print_side_m, white_of
 from ashe_live.render.lights.lighting import RGB, Lighting
 
 WINDOW_PX = 160  # a side of the part of the picture whose noise and colours stand for the whole
-SILENT: NoiseLevels = (0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 import moderngl
 
-from ashe_live.core.camera import Size
+from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.programs import build_program, set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 
@@ -16,11 +16,12 @@ class Mirror:
         self._ctx = ctx
         self._program = build_program(ctx, "screen")
         self._rectangle = ctx.vertex_array(self._program, [])
-        self._copy: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
+        self._copy = Canvas(ctx)
 
     def turn(self, picture: moderngl.Framebuffer) -> None:
         """All of a framebuffer that has colours alone, of a single sample."""
-        texture, copy = self._copy_of(picture.size)
+        texture, copy = self._copy.of_size(picture.size)
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self._ctx.copy_framebuffer(copy, picture)
         picture.use()
         self._ctx.viewport = (0, 0, *picture.size)
@@ -30,21 +31,6 @@ class Mirror:
         self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
 
     def release(self) -> None:
-        self._release_copy()
+        self._copy.release()
         self._rectangle.release()
         self._program.release()
-
-    def _copy_of(self, size: Size) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
-        if self._copy is None or self._copy[0].size != size:
-            self._release_copy()
-            texture = self._ctx.texture(size, 4)
-            texture.filter = moderngl.NEAREST, moderngl.NEAREST
-            self._copy = texture, self._ctx.framebuffer([texture])
-        return self._copy
-
-    def _release_copy(self) -> None:
-        if self._copy is not None:
-            texture, framebuffer = self._copy
-            framebuffer.release()
-            texture.release()
-        self._copy = None

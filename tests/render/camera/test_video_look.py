@@ -96,6 +96,11 @@ def test_a_brightness_that_does_not_occur_has_the_nearest_ones_noise() -> None:
     assert dark == dim == light == bright > 0
 
 
+def test_a_picture_of_nothing_but_edges_tells_no_noise() -> None:
+    ramp = np.tile(np.arange(0, 240, 8, dtype=np.uint8), (30, 1))
+    assert noise_levels(ramp) == (0, 0, 0, 0)
+
+
 @pytest.mark.parametrize(("blur", "amount"), [(0.0, 0.0), (0.4, 0.0), (0.9, 0.0), (1.6, 0.0), (0.4, 0.5), (0.4, 1.2)])
 def test_sharpening_is_measured_at_the_markers_edges(stage, blur: float, amount: float) -> None:
     tracked = _sheet(stage, blur=blur)
