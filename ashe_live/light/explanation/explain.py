@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion, lights_as_lamps
+from ashe_live.light.explanation.alignment import Alignment, Start, aligned, criterion
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split, distinct
@@ -26,7 +26,6 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
     with_hemisphere_prior,
 )
-from ashe_live.light.shape.layout import Layout, nearness_of
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import observe_outlines
@@ -34,12 +33,11 @@ from ashe_live.light.shape.silhouettes import observe_outlines
 EDGE_SIGMA_PX = 0.7  # standard deviation of the masks' edges from the truth
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed
 LOWEST_Z = 0.03  # of a light's direction: a lower one is no usable start of a fit, as its shadow is too long
-FEW_PX = 20  # from which an object's colours are not learned
+FEW_PX = 20  # of a silhouette: so few do not tell an object's colours
 # The number of borders over their effective sample size, as errors of neighbouring borders are correlated; and the
 # misfit, as a fraction of the object's size, at which the body's model error doubles the variance of its borders. What
 # both leave over is fitted as the overdispersion of `uncertainty.Calibration`.
 BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE = 2.3, 0.007
-LEAST_EIGENVALUE = 1e-6  # of a correlation matrix
 END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
@@ -138,28 +136,9 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
     return replace(explanation, lights=fitted_lights(body.frame.lights_marker(lights), covariance))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LampBorders:
-    """What an explanation's borders tell of one of its lights as a lamp, whatever the body."""
-
-    nearness: float  # 1/m, w / z that they ask for: 0 for a light at infinity
-    nearness_sigma: float  # 1/m; one unknown body in one view tells next to nothing
-    by_nearness: Float  # (2,) metres: the displacement s at the marker's centre by which a nearer light fits as well
-
-
-def lamp_borders(explanation: Explanation) -> list[LampBorders]:
-    """For each light; all are about the explanation's own lights, whose displacement depends on their nearness."""
-    placed, frame = explanation.alignment.placed, explanation.alignment.placed.lit.body.frame
-    offset, information = lights_as_lamps([placed, *explanation.alignment.elsewhere])
-    covariance = _bounded_inverse(_tempered(information, explanation.alignment))
-    layout = Layout(len(placed.lit.lights), with_nearness=True)
-    found = []
-    for i, held in enumerate(nearness_of(placed.lit.lights)):
-        of_light = layout.light(i)
-        spread, nearness = covariance[of_light, of_light], float(held) + offset[of_light][2] / frame.unit_m
-        at_foot = spread[:2, 2] / spread[2, 2] * frame.unit_m
-        found.append(LampBorders(nearness, float(np.sqrt(spread[2, 2])) / frame.unit_m, at_foot + frame.origin_marker))
-    return found
+def tempered(information: Float, alignment: Alignment) -> Float:
+    """The borders' information, over what their correlation and the body's model error leave of it."""
+    return information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2))
 
 
 def explanation_criterion(explanation: Explanation) -> float:
@@ -247,19 +226,7 @@ def _information(alignment: Alignment) -> Float:
     """(split, split) information on the lights, lowered where the misfit shows that the body is a poor model."""
     lit = alignment.placed.lit
     information = information_on_lights(alignment.normal, lit.layout)
-    return with_hemisphere_prior(_tempered(information, alignment), lit.lights_in_body_frame)
-
-
-def _bounded_inverse(information: Float) -> Float:
-    """The inverse of a symmetric matrix whose smallest eigenvalues rounding may have made zero or negative."""
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-9))
-    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
-    return np.asarray((vectors / np.maximum(values, LEAST_EIGENVALUE)) @ vectors.T / np.outer(scale, scale))
-
-
-def _tempered(information: Float, alignment: Alignment) -> Float:
-    """The borders' information, over what their correlation and the body's model error leave of it."""
-    return information / (BORDERS_PER_SAMPLE * (1 + _relative_misfit(alignment) ** 2))
+    return with_hemisphere_prior(tempered(information, alignment), lit.lights_in_body_frame)
 
 
 def _relative_misfit(alignment: Alignment) -> float:

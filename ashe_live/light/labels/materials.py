@@ -27,7 +27,7 @@ WIDENED = 0.5  # relative growth of the palette's covariances by a full shift
 MOST_COLOURS = 400  # pixels that the object's mixture is fitted to
 FEWEST_COLOURS = 12
 LEAST_DEPTH = 0.01  # of a shadow, in log brightness: a paler one takes no light
-COMMON = 0.02  # least weight of a palette colour that fractions of the shift are measured from
+COMMON = 0.02  # least weight of a palette colour that shares of light lost are measured from
 LIT_BY_OBJECT = 0.0  # cost of ground that an object lights or that mirrors it: that of lit ground's rarest colours
 NOISE = SHIFT_NOISE.astype(np.float32)
 

@@ -37,6 +37,8 @@ def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], 
     shifts: (3,) each. Returns at most `count` pairs of indices, the best first.
     """
     colours = region.colours[region.unlit]
+    if not len(colours):
+        return []
     colours = colours[:: len(colours) // MOST_ASKED + 1]
     palette, noise = ground.palette, np.diag(SHIFT_NOISE**2).astype(np.float32)
 
@@ -64,14 +66,14 @@ def materials_of_two(region: Region, ground: LitGround, first: Materials, second
         return None
     cost_of_both = cost_of_shift(region, ground, both, SHADED_SHARES)
     layers = np.stack([first.shaded, second.shaded, cost_of_both])
-    fractions = np.stack([first.light_lost, second.light_lost, share_of_light_lost(region, ground, both)])
-    fraction = np.take_along_axis(fractions, layers.argmin(axis=0)[None], axis=0)[0]
+    shares = np.stack([first.light_lost, second.light_lost, share_of_light_lost(region, ground, both)])
+    light_lost = np.take_along_axis(shares, layers.argmin(axis=0)[None], axis=0)[0]
     return Materials(
         (first.shift, second.shift, both),
         np.minimum(first.lit, second.lit),
         layers.min(axis=0),
         np.minimum(np.minimum(first.contact, second.contact), cost_of_both),
-        fraction,
+        light_lost,
         tuple(layers),
     )
 

@@ -15,11 +15,11 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light
-from ashe_live.light.explanation.explain import lamp_borders
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import probability_of_good
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.explanation.explain import LampBorders
+from ashe_live.light.lamps.borders import LampBorders
 from ashe_live.light.shape.directions import FittedLight, direction_by_displacement, information_on_displacement
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 

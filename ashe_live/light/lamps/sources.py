@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.explanation.explain import lamp_borders, realigned
+from ashe_live.light.explanation.explain import realigned
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
 from ashe_live.light.shape.directions import FittedLight

@@ -8,7 +8,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angles_from_direction
 from ashe_live.core.types import Light
-from ashe_live.light.explanation.explain import LampBorders
+from ashe_live.light.lamps.borders import LampBorders
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
 from ashe_live.light.shape.directions import FittedLight
 

@@ -18,8 +18,8 @@ from ashe_live.light.shape.predicted import Predicted
 RING_PX = (1.0, 4.0)
 BESIDE_OBJECT_PX = 3.0  # pixels nearer to the object than this may belong to it
 WITHIN_PX = 1.5
-# Unary cost below which the ground in shadow explains a colour, and the least fraction of the shift that it shows then:
-# what shows less may be the rim of a shadow.
+# Unary cost below which the ground in shadow explains a colour, and the least share of the shadow's light that it lacks
+# then: what lacks less may be the rim of a shadow.
 EXPLAINED, DEEP = 0.0, 0.7
 FLAT = 0.7  # log of breadth over height above which a body counts as flat
 # A strongly lit object may show no shading in the picture: where it is overexposed, translucent or painted.
@@ -123,7 +123,7 @@ def _lit_share(explanation: Explanation) -> float:
 
 
 def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
-    """Fraction of the colour shift that vanishes across the predicted shadow's outline: 1 for a sharp edge."""
+    """Share of the light that the shadow takes which comes back across its predicted outline: 1 for a sharp edge."""
     low, high = RING_PX
     # A window that holds the ring around the shadow, and all that distances in the ring are measured from.
     window = window_around(masks.shadow, math.ceil(2 * high))

@@ -1,0 +1,44 @@
+"""What the borders of silhouette and shadow tell of a light's nearness, whatever the body."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.explanation.alignment import lights_as_lamps
+from ashe_live.light.explanation.explain import tempered
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.shape.layout import Layout, nearness_of
+
+LEAST_EIGENVALUE = 1e-6  # of a correlation matrix
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LampBorders:
+    """What an explanation's borders tell of one of its lights as a lamp, whatever the body."""
+
+    nearness: float  # 1/m, w / z that they ask for: 0 for a light at infinity
+    nearness_sigma: float  # 1/m; one unknown body in one view tells next to nothing
+    by_nearness: Float  # (2,) metres: the displacement s at the marker's centre by which a nearer light fits as well
+
+
+def lamp_borders(explanation: Explanation) -> list[LampBorders]:
+    """For each light; all are about the explanation's own lights, whose displacement depends on their nearness."""
+    placed, frame = explanation.alignment.placed, explanation.alignment.placed.lit.body.frame
+    offset, information = lights_as_lamps([placed, *explanation.alignment.elsewhere])
+    covariance = _bounded_inverse(tempered(information, explanation.alignment))
+    layout = Layout(len(placed.lit.lights), with_nearness=True)
+    found = []
+    for i, held in enumerate(nearness_of(placed.lit.lights)):
+        of_light = layout.light(i)
+        spread, nearness = covariance[of_light, of_light], float(held) + offset[of_light][2] / frame.unit_m
+        at_foot = spread[:2, 2] / spread[2, 2] * frame.unit_m
+        found.append(LampBorders(nearness, float(np.sqrt(spread[2, 2])) / frame.unit_m, at_foot + frame.origin_marker))
+    return found
+
+
+def _bounded_inverse(information: Float) -> Float:
+    """The inverse of a symmetric matrix whose smallest eigenvalues rounding may have made zero or negative."""
+    scale = np.sqrt(np.maximum(np.diag(information), 1e-9))
+    values, vectors = np.linalg.eigh(information / np.outer(scale, scale))
+    return np.asarray((vectors / np.maximum(values, LEAST_EIGENVALUE)) @ vectors.T / np.outer(scale, scale))
