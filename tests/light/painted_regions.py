@@ -39,7 +39,7 @@ class PaintedRegion:
 
     @cached_property
     def shifts(self) -> list[Float]:
-        return shadow_shifts(self.ground, self.unlit, BALANCED.shifts)
+        return shadow_shifts(self.ground, [self.region.colours[self.region.unlit]], BALANCED.shifts)
 
 
 @cache

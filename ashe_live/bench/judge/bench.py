@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import ClassVar
@@ -50,6 +50,7 @@ FIRST_RANGES = {
     "long": (0.0, 1.0),
     "lit side": (-0.5, 0.9),
     "missed": (-3.0, -1.0),
+    "shaded": (2.0, 16.0),
     "in shadow": (0.0, 0.5),
     "lit": (0.0, 0.5),
     "edge": (0.0, 1.0),
@@ -58,18 +59,20 @@ FIRST_RANGES = {
     "constrained": (-2.0, 0.0),
     "agreeing": (0.0, 1.0),
 }
-OF_SPLITS = ("hue", "brightness", "short", "long", "lit side", "missed", "edge", "border", "second")
+OF_SPLITS = ("hue", "brightness", "short", "long", "lit side", "missed", "shaded", "edge", "border", "second")
 LOOKS = tuple(dict.fromkeys(of_one_view(look) for steps in PRESETS.values() for look in steps.looks))
 WEIGHT = 1 / len(LOOKS)  # all look at the same pictures, which are to count once
-ROUNDS = (3, 1)  # of which every so many-th picture is explained: the first only finds which features matter
+# The first round explains every so many-th picture by so many of its splits, of which it learns which to fit.
+FIRST_EVERY, FIRST_TRIED = 3, 24
 
 
 @dataclass(frozen=True, slots=True)
 class JudgeBench(Bench):
     """Fits the judge to the folders `scenes`, with the explanations of each picture by all presets' looks.
 
-    In the first round all features count alike; in the next, the explanations are those that its judge refines.
-    The same pictures give the same tables.
+    In the first round all features count alike, and more splits than usual are fitted; splits are judged by what came
+    of them. In the second, the explanations are those that the first round's judge fits and refines. The same pictures
+    give the same tables.
     """
 
     SCHEMA: ClassVar[int] = 1
@@ -81,12 +84,12 @@ class JudgeBench(Bench):
     def parts(self) -> Iterator[Json]:
         cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit : self.every]]
         cases = [case for case in cases if case.to_lights_marker is not None]
-        judge = Judge(first_tables())
-        for every in ROUNDS:
-            chosen = cases[::every]
-            pictures = self._pictures(chosen, judge, f"{len(chosen)} of {len(cases)} pictures")
-            answers, tables = self._fitted(chosen, pictures)
-            judge = Judge(tables)
+        few = cases[::FIRST_EVERY]
+        first = self._pictures(few, Judge(first_tables()), f"{len(few)} of {len(cases)} pictures", FIRST_TRIED)
+        splits = splits_score(first)
+        judge = Judge(self._fitted(few, first, splits)[1])
+        pictures = self._pictures(cases, judge, f"{len(cases)} pictures")
+        answers, tables = self._fitted(cases, pictures, splits)
         families = list(by_families_left_out(pictures, explanation_score, PRESETS["balanced"], tables.averages[1]))
         every_answer = [each for several in answers.values() for each in several]
         self.console.print(score_table("explanations", tables.explanation))
@@ -117,17 +120,21 @@ class JudgeBench(Bench):
         every = "" if self.every == 1 else f" --every {self.every}"
         return f"ashe-live bench fit-judge --scenes {folders}{limit}{every}"
 
-    def _pictures(self, cases: Sequence[Case], judge: Judge, what: str) -> list[dict[ProxySteps, Sample]]:
-        estimators = {steps: ProxyEstimator(steps, judge) for steps in LOOKS}
+    def _pictures(
+        self, cases: Sequence[Case], judge: Judge, what: str, tried: int | None = None
+    ) -> list[dict[ProxySteps, Sample]]:
+        """The pictures by every look; with `tried` splits fitted instead of each look's own number."""
+        estimators = {steps: ProxyEstimator(replace(steps, tried=tried or steps.tried), judge) for steps in LOOKS}
         return [
             {steps: sample_of(case, estimator) for steps, estimator in estimators.items()}
             for case in track(cases, what, console=self.console, transient=True)
         ]
 
-    def _fitted(self, cases: Sequence[Case], pictures: Pictures) -> tuple[dict[str, list[Judged]], Tables]:
+    def _fitted(
+        self, cases: Sequence[Case], pictures: Pictures, splits: Score
+    ) -> tuple[dict[str, list[Judged]], Tables]:
         """The answers by fits to other scenes, by preset; and the tables, of which confidences are fitted to these."""
         explanation = explanation_score(pictures)
-        splits = [sample.splits for picture in pictures for sample in picture.values() if sample.splits]
         scores = scores_by_others(pictures, explanation_score)
         averages, answers = {}, {}
         for looks in sorted({len(steps.looks) for steps in PRESETS.values()}):
@@ -149,13 +156,19 @@ class JudgeBench(Bench):
             "date": datetime.now(UTC).date().isoformat(),
         }
         calibration = fitted_calibration([each for each in given if each is not None])
-        return answers, Tables(fitted_score(splits, WEIGHT), explanation, averages, least, calibration, origin)
+        return answers, Tables(splits, explanation, averages, least, calibration, origin)
 
 
 def explanation_score(pictures: Pictures) -> Score:
     """The explanations' score, fitted to all looks at these pictures."""
     samples = [sample for picture in pictures for sample in picture.values()]
     return fitted_score([sample.judged for sample in samples if sample.judged], WEIGHT)
+
+
+def splits_score(pictures: Pictures) -> Score:
+    """The splits' score, fitted to what came of those that were tried in all looks at these pictures."""
+    samples = [sample for picture in pictures for sample in picture.values()]
+    return fitted_score([sample.splits for sample in samples if sample.splits], WEIGHT)
 
 
 def first_tables() -> Tables:

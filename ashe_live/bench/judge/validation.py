@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -9,7 +10,6 @@ from ashe_live.bench.cases import KINDS
 from ashe_live.bench.judge.calibration import Answer
 from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
 from ashe_live.bench.metrics import risk_by_coverage
-from ashe_live.core.arrays import Float
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.judgement.judge import (
     GOOD_RAD,
@@ -25,8 +25,10 @@ FEWEST_PICTURES = 12  # of a family that is left out
 # The share of good answers at a confidence below which none is given. Their stated sigma is tens of degrees then.
 LEAST_GOOD = 0.4
 BAD_RAD, BAD_CONFIDENCE = np.radians(15.0), 0.5  # of an answer that is sure and wrong
-FOLDS = 5  # parts of the pictures, each of which is judged by a fit to the others
+# Kinds of families of which each picture's are left out where it is judged, and the number of parts that they are in.
+LEFT_OUT, FOLDS = ("object_family", "ground"), 4
 NEWTON_STEPS = 30  # in fitting the recalibration
+LEAST_SLOPE = 0.1  # of the log odds of being right over those of the confidence: less tells nothing
 # Prior information on how confidence is recalibrated: as much as so many answers of even odds have.
 PRIOR_ANSWERS = 4.0
 
@@ -88,28 +90,46 @@ def by_families_left_out(
     steps: by which they are answered.
     """
 
-    def family_of(picture: Mapping[ProxySteps, Sample], kind: str) -> str:
-        return next(iter(picture.values())).tags.get(kind, "")
-
     for kind in KINDS:
-        for family in sorted({family_of(picture, kind) for picture in pictures} - {""}):
-            held = [picture for picture in pictures if family_of(picture, kind) == family]
-            rest = [picture for picture in pictures if family_of(picture, kind) != family]
+        for family in sorted({_family(picture, kind) for picture in pictures} - {""}):
+            held = [picture for picture in pictures if _family(picture, kind) == family]
+            rest = [picture for picture in pictures if _family(picture, kind) != family]
             if len(held) >= FEWEST_PICTURES and rest:
                 score = fit(rest)
                 yield kind, family, [judged(score, looks_by(picture, steps), average) for picture in held]
 
 
 def scores_by_others(pictures: Pictures, fit: Callable[[Pictures], Score]) -> list[Score]:
-    """For each picture the score fitted to four fifths of them, without it or its neighbours.
+    """For each picture the score fitted to those that share neither its part of the objects nor that of the grounds.
 
-    The pictures of one scene follow each other, and are left out together.
+    So confidences are of objects and grounds that the score has not seen. Families are dealt to FOLDS parts; pictures
+    without stated families follow each other in parts, as those of one scene do.
     """
-    scores: list[Score] = []
-    for part in np.array_split(np.arange(len(pictures)), FOLDS):
-        rest = [picture for i, picture in enumerate(pictures) if i not in part]
-        scores += [fit(rest or pictures)] * len(part)
-    return scores
+    parts = list(zip(*(_parts(pictures, kind) for kind in LEFT_OUT), strict=True))
+
+    @cache
+    def score(held: tuple[int, ...]) -> Score:
+        rest = [
+            picture
+            for picture, part in zip(pictures, parts, strict=True)
+            if all(one != other for one, other in zip(part, held, strict=True))
+        ]
+        return fit(rest or pictures)
+
+    return [score(part) for part in parts]
+
+
+def _parts(pictures: Pictures, kind: str) -> list[int]:
+    """Each picture's part of FOLDS, by its family of a kind."""
+    families = sorted({_family(picture, kind) for picture in pictures} - {""})
+    return [
+        families.index(family) % FOLDS if (family := _family(picture, kind)) else i * FOLDS // len(pictures)
+        for i, picture in enumerate(pictures)
+    ]
+
+
+def _family(picture: Mapping[ProxySteps, Sample], kind: str) -> str:
+    return next(iter(picture.values())).tags.get(kind, "")
 
 
 def fitted_average(pictures: Pictures, scores: Sequence[Score], several: Sequence[ProxySteps], looks: int) -> Average:
@@ -169,23 +189,10 @@ def risk_curve(answers: Sequence[Judged]) -> list[tuple[float, float, float]]:
 
 
 def least_confidence(answers: Sequence[Judged]) -> float:
-    """The confidence below which fewer than LEAST_GOOD of the answers are good, by isotonic regression.
-
-    To two decimals; pool adjacent violators (Ayer et al., 1955).
-    """
-    ranked = sorted(answers, key=lambda each: each.confidence)
-    fitted = isotonic(np.array([float(each.is_good) for each in ranked]))
-    above = [each.confidence for each, share in zip(ranked, fitted, strict=True) if share >= LEAST_GOOD]
-    return round(min(above, default=1.0), 2)
+    """The confidence, to two decimals, at which LEAST_GOOD of the answers are good, by logistic regression."""
+    offset, slope = fitted_confidence(answers)
+    return round(float(1 / (1 + np.exp((offset - _log_odds(LEAST_GOOD)) / max(slope, LEAST_SLOPE)))), 2)
 
 
-def isotonic(values: Float) -> Float:
-    """(n,) the rising values nearest to `values` (n,) by least squares."""
-    blocks: list[tuple[float, int]] = []
-    for value in values:
-        mean, size = float(value), 1
-        while blocks and blocks[-1][0] >= mean:
-            other, count = blocks.pop()
-            mean, size = (mean * size + other * count) / (size + count), size + count
-        blocks.append((mean, size))
-    return np.concatenate([np.full(size, mean) for mean, size in blocks]) if blocks else np.empty(0)
+def _log_odds(probability: float) -> float:
+    return float(np.log(probability / (1 - probability)))

@@ -22,7 +22,7 @@ from ashe_live.light.estimators.refining import refined_and_others
 from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.together import contradicting, explained_together, scene_views, span_of
 from ashe_live.light.estimators.trace import Look, Trace
-from ashe_live.light.explanation.explain import explained
+from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company, company_features
 from ashe_live.light.explanation.judgement.evidence import shadow_core
@@ -191,9 +191,13 @@ class ProxyEstimator:
         if not regions:
             return [], []
 
-        shifts = shadow_shifts(ground, unlit, steps.shifts)
-        paired = shadow_shifts(ground, unlit, steps.shifts, FINE)
-        proposals = [each for region in regions for each in proposals_of(region, ground, shifts, paired)]
+        proposals: list[Proposal] = []
+        for region in regions:
+            # What stands out elsewhere may outvote a region's own shadow; but all shadows are of the same lights.
+            votes = region.colours[region.unlit], ground.colours[unlit]
+            shifts = shadow_shifts(ground, votes, steps.shifts)
+            paired = shadow_shifts(ground, votes, steps.shifts, FINE)
+            proposals += proposals_of(region, ground, shifts, paired)
         clock.end("associate")
         trace.proposals = selected_for_fit(proposals, steps.tried, judge)
         sharpener = Sharpener.of([fine])

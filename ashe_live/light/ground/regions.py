@@ -7,7 +7,8 @@ from itertools import combinations
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float32, Mask, set_frozen
+from ashe_live.core.arrays import Float, Float32, Mask, set_frozen
+from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.light.ground.lit_ground import LitGround, ground_colours
 from ashe_live.light.pixels.areas import distance_to, grown, majority, shrunk
 from ashe_live.light.pixels.mixtures import nearest_squared_distance
@@ -60,17 +61,28 @@ class Region:
 def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: int, count: int) -> list[Region]:
     """The regions around the largest groups of unlit areas of a coarser picture, `count` at most.
 
-    The last is around two of them and the gap between, where that is small. Each is scaled to about `size_px`, as far
-    as the resolution of `fine` allows.
+    A pixel counts less the farther its ground is from the marker, beside which people put their object. The last region
+    is around two of the groups and the gap between, where that is small. Each is scaled to about `size_px`, as far as
+    the resolution of `fine` allows.
     """
     _, labels = cv2.connectedComponents(grown(coarse_unlit, APART_PX).astype(np.uint8), connectivity=8)
     labels[~coarse_unlit] = 0
-    sizes = np.bincount(labels.ravel())[1:]
+    sizes = np.bincount(labels.ravel(), _nearness(fine, coarse_unlit.shape).ravel())[1:]
     largest = np.argsort(-sizes, kind="stable")[:count]
     areas = [labels == index + 1 for index in largest if sizes[index] > 0]
     pairs = (_joined(one, other) for one, other in combinations(areas[:JOINED], 2))
     together = [area for area in pairs if area is not None]
     return [region_of(fine, area, ground, size_px) for area in areas[: count - len(together)] + together]
+
+
+def _nearness(view: View, shape: tuple[int, ...]) -> Float:
+    """(h, w) 1 / (1 + d²) of the view's ground at another scale: d its distance from the marker over the camera's."""
+    height, width = shape
+    columns, rows = np.meshgrid(np.arange(width), np.arange(height))
+    pixels = (np.column_stack([columns.ravel(), rows.ravel()]) + 0.5) * (view.size[0] / width) - 0.5
+    ground = raycast_to_plane(view.camera, view.T_cam_marker, pixels)
+    away = np.hypot(ground[:, 0], ground[:, 1]) / np.linalg.norm(view.T_cam_marker[:3, 3])
+    return np.asarray(np.nan_to_num(1 / (1 + away**2)).reshape(shape))
 
 
 def _joined(one: Mask, other: Mask) -> Mask | None:

@@ -5,11 +5,12 @@ shifts that would make it a shadow of each colour of the lit ground; modes of th
 are kept, as an object of one colour votes for one too: the geometry decides between them.
 """
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent_of_linear
 from ashe_live.light.pixels.mixtures import Mixture
@@ -34,12 +35,17 @@ def hue_of(shift: Float) -> float:
     return float(abs(green + 0.25 * red_blue))
 
 
-def shadow_shifts(ground: LitGround, unlit: Mask, count: int, width: float = 1.0) -> list[Float]:
-    """Up to `count` modes (3,) of the vote of the unlit pixels, by falling number of votes.
+def shadow_shifts(ground: LitGround, votes: Sequence[Float32], count: int, width: float = 1.0) -> list[Float]:
+    """Up to `count` modes (3,) of each of several votes by falling number of votes, without those of an earlier one.
 
-    width: kernel width of the mean shift that finds modes, in units of SHIFT_NOISE.
+    votes: each the colours (n, 3) of unlit pixels. width: kernel width of the mean shift that finds modes, in units of
+    SHIFT_NOISE.
     """
-    return _voted_for(ground.colours[unlit], ground.palette, count, width)
+    found: list[Float] = []
+    for colours in votes:
+        shifts = _voted_for(colours, ground.palette, count, width)
+        found += [shift for shift in shifts if _is_new(shift, found)]
+    return found
 
 
 def shift_within(colours: Float32, ground: LitGround) -> Float | None:
@@ -79,10 +85,14 @@ def _voted_for(colours: Float32, palette: Mixture, count: int, width: float = 1.
     peaks = _peaks(_blurred(votes) * _plausibility(), count)
     shifts: list[Float] = []
     for shift in _modes(offsets, weights, LOWEST + (peaks + 0.5) * BIN, width):
-        is_new = all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in shifts)
-        if is_new and hue_of(shift) <= LARGEST_HUE:
+        if _is_new(shift, shifts) and hue_of(shift) <= LARGEST_HUE:
             shifts.append(shift)
     return shifts
+
+
+def _is_new(shift: Float, others: Sequence[Float]) -> bool:
+    """Whether the noise tells a shift from all of the others."""
+    return all(np.abs((shift - other) / SHIFT_NOISE).max() >= 1 for other in others)
 
 
 def shadow_ratio(ground: LitGround, shift: Float) -> Float:

@@ -80,6 +80,15 @@ def test_objects_apart_are_regions_of_their_own_the_largest_first() -> None:
     np.testing.assert_array_equal(only.unlit, here.regions[0].unlit)
 
 
+def test_what_is_beside_the_marker_comes_before_what_fills_the_background() -> None:
+    here = painted_region(BOX)
+    background = 1 + math.ceil(np.count_nonzero(here.unlit) / here.unlit.shape[1])
+    both = here.unlit.copy()
+    both[:background] = True
+    nearest, *_ = unlit_regions(fine_of(), both, here.ground, BALANCED.region_px, 2)
+    np.testing.assert_array_equal(nearest.unlit, here.region.unlit)
+
+
 def test_an_object_and_a_shadow_that_hardly_part_are_one_region() -> None:
     here = painted_region(BOX)
     unlit = here.unlit.copy()

@@ -1,11 +1,9 @@
 """The shift from lit to shadowed ground, on painted scenes whose ratio of shadow to light is known."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import LitGround
@@ -30,6 +28,11 @@ def ground_of(colour: Float) -> LitGround:
     return LitGround(
         np.zeros((1, 1, 3), np.float32), np.zeros((5, 3), np.float32), palette, nothing, one[None], nothing
     )
+
+
+def scattered(colour: Float, count: int) -> Float32:
+    """(count, 3) colours that scatter about one (3,)."""
+    return (colour + np.random.default_rng(0).normal(0, 0.05, (count, 3))).astype(np.float32)
 
 
 @pytest.mark.parametrize("ratio", [(1.0, 1.0, 1.0), (0.2, 0.3, 0.45), (0.05, 0.05, 0.05), (0.9, 0.8, 0.7)])
@@ -66,9 +69,7 @@ def test_the_true_shift_is_among_those_voted_for(ground: str, caster: Caster) ->
 def test_pale_and_nearly_black_shadows_are_voted_for(ratio: float) -> None:
     """Phones make strong shadows black."""
     lit, shaded = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, ratio))
-    colours = shaded + np.random.default_rng(0).normal(0, 0.05, (20, 20, 3))
-    ground = replace(ground_of(lit), colours=colours.astype(np.float32))
-    shifts = shadow_shifts(ground, np.ones((20, 20), bool), 3)
+    shifts = shadow_shifts(ground_of(lit), [scattered(shaded, 400)], 3)
     assert min(np.abs(shift - (shaded - lit)).max() for shift in shifts) < 0.05
 
 
@@ -83,12 +84,29 @@ def test_shifts_are_different_ones_and_make_darker() -> None:
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_no_more_are_told_than_asked_for(count: int) -> None:
     here = painted_region(BOX, ground="striped")
-    assert len(shadow_shifts(here.ground, here.unlit, count)) == count
+    assert len(shadow_shifts(here.ground, [here.region.colours[here.region.unlit]], count)) == count
 
 
 def test_a_few_pixels_vote_for_nothing() -> None:
     here = painted_region(BOX)
-    few = np.zeros_like(here.unlit)
-    assert shadow_shifts(here.ground, few, 5) == []
-    few[100, 100:110] = True
-    assert shadow_shifts(here.ground, few, 5) == []
+    colours = here.region.colours[here.region.unlit]
+    assert shadow_shifts(here.ground, [colours[:0]], 5) == []
+    assert shadow_shifts(here.ground, [colours[:10]], 5) == []
+    assert shadow_shifts(here.ground, [], 5) == []
+
+
+def test_many_dark_pixels_elsewhere_do_not_outvote_a_small_shadow() -> None:
+    lit, small, large = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, 0.15, 0.5))
+    near, everywhere = scattered(small, 100), np.concatenate([scattered(large, 6000), scattered(small, 100)])
+
+    def is_told(votes: list[Float32]) -> bool:
+        return any(np.abs(shift - (small - lit)).max() < 0.1 for shift in shadow_shifts(ground_of(lit), votes, 3))
+
+    assert not is_told([everywhere])
+    assert is_told([near, everywhere])
+
+
+def test_what_two_votes_agree_on_is_told_once() -> None:
+    lit, shaded = (log_opponent_of(np.array([0.5, 0.45, 0.4]) * part) for part in (1.0, 0.3))
+    once = shadow_shifts(ground_of(lit), [scattered(shaded, 400)], 3)
+    assert len(shadow_shifts(ground_of(lit), [scattered(shaded, 400)] * 2, 3)) == len(once)

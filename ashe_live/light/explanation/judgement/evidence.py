@@ -42,6 +42,7 @@ SIGNS: Mapping[str, int] = {
     "long": -1,
     "lit side": 1,
     "missed": -1,
+    "shaded": 1,
     "in shadow": -1,
     "lit": -1,
     "edge": 1,
@@ -95,6 +96,7 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[s
         "long": max(longer, 0.0),
         "lit side": _lit_side(region, masks),
         "missed": math.log(0.02 + _pixels(unlit & ~masks.whole) / size),
+        "shaded": _mean((materials.lit - materials.shaded)[masks.shadow]),
         "edge": min(_sharpness(region, materials, masks), 1.0),
         "border": _border_share(masks.shadow, masks.body),
         "second": materials.lights - 1.0,
@@ -165,6 +167,10 @@ def _median(values: Float32) -> float:
     """The median, or the upper of the two middle values; 0 of five values or fewer."""
     middle = len(values) // 2
     return float(np.partition(values, middle)[middle]) if len(values) > 5 else 0.0
+
+
+def _mean(values: Float32) -> float:
+    return float(values.mean()) if len(values) else 0.0
 
 
 def _border_share(mask: Mask, other: Mask) -> float:
