@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
+from ashe_live.light.known_body.ambient import open_sky_rgb, sky_slope_rgb
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb
 from ashe_live.light.known_body.lights import Found, lights_of
 from ashe_live.light.known_body.seen import Seen
@@ -51,21 +51,23 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     likely = [each for each in found.lights if each.confidence >= LEAST_CONFIDENCE] if found is not None else []
     if not likely:
         return none(_why_none(seen, found))
-    lights, ambient = _answers(seen, likely, tracked)
+    illumination = _illumination(seen, likely, tracked)
     masks = masks_of(view, body, [each.light for each in likely])
-    illumination = Illumination(lights, ambient, seen.lit_rgb, body)
     clock.end("judge")
     return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms())
 
 
-def _answers(seen: Seen, found: Sequence[FoundLight], tracked: TrackedFrame) -> tuple[tuple[Light, ...], Float]:
-    """The lights with their uncertainty, and what is left of the table's light where none of them reaches it."""
+def _illumination(seen: Seen, found: Sequence[FoundLight], tracked: TrackedFrame) -> Illumination:
+    """The lights with their uncertainty, and the sky: how much of the table's light it gives, and how it leans."""
     dark = darkenings_rgb(seen, found)
     lights = [
         replace(_light(each, tracked), shadow_rgb_ratio=np.clip(1 - taken, 1e-3, 1.0))
         for each, taken in zip(found, dark, strict=True)
     ]
-    return tuple(lights), np.clip(1 - dark.sum(axis=0), 1e-3, 1.0)
+    sky = open_sky_rgb(seen, found, dark)
+    slope = sky_slope_rgb(seen, found, dark, sky)
+    leaning = slope if slope.any() else None
+    return Illumination(tuple(lights), sky, seen.lit_rgb, seen.body, sky_slope_rgb=leaning)
 
 
 def _light(found: FoundLight, tracked: TrackedFrame) -> Light:
