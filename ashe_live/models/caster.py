@@ -10,8 +10,9 @@ from ashe_live.models.loading import SUFFIXES, load_model_file
 from ashe_live.models.placement import PlacedModel, all_around
 from ashe_live.models.reading import read_apart
 
-# Points of a hull, the extreme ones in so many directions: of a sphere they miss half a percent of its radius.
-MOST_POINTS = 400
+# In so many directions a hull may reach less far than the model by this part of its extent: a third of what sizes that
+# are measured with a ruler err by.
+DIRECTIONS, MOST_MISSED = 400, 0.005
 
 
 def read_caster(spec: str) -> Caster:
@@ -22,13 +23,17 @@ def read_caster(spec: str) -> Caster:
     """
     if Path(spec).suffix.lower() not in SUFFIXES:
         return parsed_caster(spec)
-    return Caster.hull(read_apart(_extreme_points, (spec,), spec))
+    return Caster.hull(read_apart(_few_points, (spec,), spec))
 
 
-def _extreme_points(path: str) -> Float:
-    """(n, 3) at most MOST_POINTS points of a model, whose convex hull is nearly its own."""
+def _few_points(path: str) -> Float:
+    """(n, 3) as few points of a model as reach nearly as far as it does, those that are missed most first."""
     model = load_model_file(Path(path))
     points = PlacedModel(model, model.bounds).outline
-    extents = np.maximum(np.ptp(points, axis=0), 1e-6 * np.ptp(points))
-    farthest = (points @ (all_around(MOST_POINTS) / extents).T).argmax(axis=0)
-    return np.asarray(points[np.unique(farthest)])
+    reaches = all_around(DIRECTIONS) @ points.T
+    farthest, whole = reaches.argmax(axis=1), reaches.max(axis=1)
+    chosen, reached = [], np.full(DIRECTIONS, -np.inf)
+    while (whole - reached).max() > MOST_MISSED * np.ptp(points, axis=0).max():
+        chosen.append(int(farthest[(whole - reached).argmax()]))
+        reached = np.maximum(reached, reaches[:, chosen[-1]])
+    return np.asarray(points[chosen])

@@ -7,7 +7,7 @@ import pytest
 
 from ashe_live.core.caster import Caster
 from ashe_live.errors import UserError
-from ashe_live.models.caster import MOST_POINTS, read_caster
+from ashe_live.models.caster import MOST_MISSED, read_caster
 from ashe_live.models.loading import load_model_file
 from tests.checkout import CHECKOUT
 
@@ -43,8 +43,10 @@ def test_a_round_models_hull_is_as_large_as_it_is() -> None:
     path = CHECKOUT / "assets" / "models" / "goblet.glb"
     lower, upper = load_model_file(path).bounds
     hull = np.array(read_caster(str(path)).spheroids)[:, :3]
-    assert len(hull) <= MOST_POINTS
-    np.testing.assert_allclose(np.ptp(hull, axis=0), upper - lower, rtol=0.01)
+    extent = upper - lower
+    np.testing.assert_allclose(np.ptp(hull, axis=0), extent, atol=2.5 * MOST_MISSED * extent.max())
+    # Few are enough: each of them costs time in every estimate.
+    assert len(hull) < 150
 
 
 @pytest.mark.parametrize(
