@@ -17,6 +17,7 @@ from ashe_live.core.ranges import DRAWN, MARKER_SIDE, Range
 from ashe_live.core.types import Frame, Illumination, LightEstimate, TrackedFrame
 from ashe_live.errors import ModelWarning
 from ashe_live.light.estimators import estimator as estimators
+from ashe_live.models.caster import read_caster
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
 from ashe_live.quality import QUALITIES, Quality
@@ -47,17 +48,19 @@ def estimate_light(
     quality: str = "balanced",
     estimator: str = "proxy",
     light: str = "auto",
+    caster: str | None = None,
 ) -> LightEstimate:
     """Where the light is in a picture (h, w, 3) uint8 BGR, in the frame of the marker that lies in it.
 
     A list or tuple of pictures is of one scene in which nothing has moved, from several sides; the answer is for the
     first of them that shows the marker. `camera` is scaled to the picture; `side_m` is the black square's side (None:
     0.08) or the cube's edge (None: 0.06). A `light` that is "auto" is a lamp where the picture tells its distance;
-    "sun" and "lamp" are always the one or the other. Without a marker, or without a light, the estimate has no lights
-    and says why. Raises UserError when the marker's name or file cannot be used, or the camera is of another shape;
-    ValueError for wrong use.
+    "sun" and "lamp" are always the one or the other. `caster` is the object that casts the shadow where its shape and
+    size are known: "box:WxDxH", "cylinder:RxH" or "sphere:R" in metres, or the path of a model whose convex hull it is.
+    Without a marker, or without a light, the estimate has no lights and says why. Raises UserError when the marker's or
+    the caster's name or file cannot be used, or the camera is of another shape; ValueError for wrong use.
     """
-    chosen, tracker = make_estimator(estimator, quality, light), Tracker(camera, marker, side_m, quality)
+    chosen, tracker = make_estimator(estimator, quality, light, caster), Tracker(camera, marker, side_m, quality)
     pictures = image_bgr if isinstance(image_bgr, (list, tuple)) else (image_bgr,)
     if not pictures:
         raise ValueError("there is no picture to look at")
@@ -70,20 +73,26 @@ def estimate_light(
     return chosen.estimate(first, others)
 
 
-def make_estimator(name: str = "proxy", quality: str = "balanced", light: str = "auto") -> "LightEstimator":
+def make_estimator(
+    name: str = "proxy", quality: str = "balanced", light: str = "auto", caster: str | None = None
+) -> "LightEstimator":
     """An estimator for one frame after another, which `estimate_light` makes anew each time.
 
-    Raises UserError for an estimator that is not there, ValueError for such a quality or light.
+    Raises UserError for an estimator that is not there or a caster that is none, ValueError for such a quality or
+    light. Frames of the paper cube are estimated by the cube, whatever the caster.
     """
-    return LightEstimator(arguments.text(name, "name"), quality, light)
+    return LightEstimator(arguments.text(name, "name"), quality, light, caster)
 
 
 class LightEstimator:
     """Where the light is in tracked frames. For use by one thread at a time."""
 
-    def __init__(self, name: str, quality: str, light: str) -> None:
+    def __init__(self, name: str, quality: str, light: str, caster: str | None = None) -> None:
         """As `make_estimator`."""
-        self._estimator = estimators.make_estimator(name, replace(_quality(quality).light, light=light))
+        steps = replace(_quality(quality).light, light=light)
+        if caster is not None:
+            steps = steps.with_caster(read_caster(arguments.text(caster, "caster")))
+        self._estimator = estimators.make_estimator(name, steps)
 
     @property
     def name(self) -> str:

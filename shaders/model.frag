@@ -7,6 +7,7 @@
 
 uniform vec4 base_colour;
 uniform vec3 sky;  // irradiance on level ground over pi, linear RGB
+uniform vec3 sky_slope[2];  // what surfaces that face x and y get of the sky beyond that of an even one
 uniform vec3 ground_bounce;
 uniform vec3 eye;  // metres, marker frame
 uniform vec3 exposure;  // value in the picture of a radiance of 1
@@ -84,7 +85,8 @@ vec3 ambient(vec3 direction) {
     for (int part = 0; part < 3; ++part) {
         ground += light_on_ground(position.xy + THIRDS[part] * max(position.z, 0.0) * direction.xy) / 3.0;
     }
-    return sky * upward + ground_bounce * ground * (1.0 - upward);
+    vec3 from_sky = sky * upward + sky_slope[0] * direction.x + sky_slope[1] * direction.y;
+    return max(from_sky, 0.0) + ground_bounce * ground * (1.0 - upward);
 }
 
 void main() {

@@ -14,6 +14,7 @@ import pytest
 
 import ashe_live as al
 from tests.checkout import CHECKOUT
+from tests.conftest import box_corners
 
 PAGE = CHECKOUT / "docs" / "api.md"
 EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
@@ -129,6 +130,10 @@ WRONG = {
     ("quality", "make_estimator"): (lambda value: al.make_estimator("proxy", value), NO_QUALITIES),
     ("light", "make_estimator"): (lambda value: al.make_estimator("proxy", light=value), NO_QUALITIES),
     ("light", "estimate_light"): (lambda value: al.estimate_light(GREY, CAMERA, light=value), NO_QUALITIES),
+    ("caster", "make_estimator"): (
+        lambda value: al.make_estimator(caster=value),
+        [one for one in NO_NAMES if one is not None],
+    ),
     ("name", "make_estimator"): (al.make_estimator, NO_NAMES),
     ("tracked", "estimate"): (lambda value: al.make_estimator().estimate(value), (None, "a", GREY)),
     ("quality", "Renderer"): (lambda value: al.Renderer((64, 48), value), NO_QUALITIES),
@@ -211,6 +216,8 @@ def test_what_a_person_can_mend_is_a_user_error():
         al.estimate_light(grey, camera, marker="qr:7")
     with pytest.raises(al.UserError):
         al.estimate_light(grey, al.Camera.from_hfov((100, 20), 60))
+    with pytest.raises(al.UserError):
+        al.estimate_light(grey, camera, caster="tin")
 
 
 def test_every_name_is_there_and_no_other():
@@ -253,6 +260,18 @@ def test_several_pictures_of_one_scene_have_one_answer_for_the_first_with_a_mark
     assert al.estimate_light([empty], camera).reason == "no marker found"
     with pytest.raises(ValueError, match="no picture"):
         al.estimate_light([], camera)
+
+
+def test_a_known_caster_is_the_real_object_of_the_answer(picture_of_box):
+    camera = al.Camera.from_hfov((640, 480), 55)
+    picture = picture_of_box(-100)
+    base, top = box_corners()
+    known = al.estimate_light(picture, camera, quality="fast", caster="box:0.05x0.05x0.08")
+    assert known.light is not None
+    points = known.illumination.real_object.points_marker()
+    nearest = np.linalg.norm(points[:, None] - np.concatenate([base, top]), axis=2).min(axis=0)
+    assert nearest.max() < 0.002
+    assert al.make_estimator(quality="fast", caster="sphere:0.2").estimate(al.Tracker(camera).track(picture)).reason
 
 
 def test_other_views_are_tracked_frames_and_those_without_a_marker_are_left_out(picture_of_box):

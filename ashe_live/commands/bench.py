@@ -56,6 +56,7 @@ def _light(options: argparse.Namespace) -> None:
         QUICK_PRESETS if options.quick or not has_presets else tuple(QUALITIES),
         options.quick,
         options.limit,
+        options.casters,
         sweeps=has_presets and not options.quick,
     )
     bench.run(options.out, options.overwrite)

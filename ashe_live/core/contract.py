@@ -93,6 +93,7 @@ def illumination_json(illumination: Illumination, reason: str | None = None) -> 
         "lights": [light_json(light) for light in illumination.lights],
         "ambient_rgb_ratio": _listed(illumination.ambient_rgb_ratio),
         "ground_rgb": _listed(illumination.ground_rgb),
+        "sky_slope_rgb": None if illumination.sky_slope_rgb is None else illumination.sky_slope_rgb.tolist(),
         "caster": caster_json(illumination.real_object),
     }
 

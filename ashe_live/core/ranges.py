@@ -29,6 +29,7 @@ class Range:
 
 
 MARKER_SIDE = Range(1e-6, 1e6, "m")  # what arithmetic bears; a printed one has centimetres
+CASTER_SIZE = Range(1e-3, 10.0, "m")  # of an object beside a marker; a drawing in millimetres is above it
 PRINTED_MM = Range(0.1, 10_000, "mm")  # what pages hold is narrower, and printing says so
 FOCAL = Range(1e-3, 1e7, "px")  # of a picture of one pixel to a telescope's
 PIXEL = Range(-1e7, 1e7, "px")  # a place in a picture or far outside it

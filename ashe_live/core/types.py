@@ -184,14 +184,17 @@ class Illumination:
     # With a marker: the frame that polished surfaces mirror, and by whose white `ground_rgb` is an albedo.
     # None: they mirror even ground under an overcast sky.
     seen_in: TrackedFrame | None = None
+    # (2, 3) linear RGB, how the sky's light leans: a surface with the normal n gets n_x and n_y times these beyond what
+    # an even sky gives, over all light on level ground. None: an even sky.
+    sky_slope_rgb: Float | None = None
 
     def __post_init__(self) -> None:
         for light in arguments.instance(self.lights, tuple, "lights"):
             arguments.instance(light, Light, "each of lights")
-        for name in ("ambient_rgb_ratio", "ground_rgb"):
+        for name, shape in (("ambient_rgb_ratio", (3,)), ("ground_rgb", (3,)), ("sky_slope_rgb", (2, 3))):
             colour = getattr(self, name)
             if colour is not None:
-                set_frozen(self, **{name: frozen_floats(colour, (3,), name)})
+                set_frozen(self, **{name: frozen_floats(colour, shape, name)})
         if self.real_object is not None:
             arguments.instance(self.real_object, Proxy, "real_object")
         if self.seen_in is not None:

@@ -80,7 +80,7 @@ def _outline(model: Model) -> Float:
     # Across the extents, so that a flat model is looked at as closely as a ball.
     extents = np.ptp(points, axis=0).astype(np.float64)
     extents = np.maximum(extents, max(1e-6 * extents.max(), 1e-30))
-    directions = (_all_around(MAX_OUTLINE_POINTS) / extents).astype(np.float32)
+    directions = (all_around(MAX_OUTLINE_POINTS) / extents).astype(np.float32)
     reach = np.full(len(directions), -np.inf, np.float32)
     extreme = np.zeros(len(directions), np.int64)
     order, bounds = _in_cells(points, extents)
@@ -113,7 +113,7 @@ def _in_cells(points: Float32, extents: Float) -> tuple[NDArray[np.int64], NDArr
     return order, np.append(begins, len(points))
 
 
-def _all_around(count: int) -> Float:
+def all_around(count: int) -> Float:
     """(count, 3) unit vectors, evenly spread on a golden-angle spiral."""
     z = 1 - (2 * np.arange(count) + 1) / count
     azimuth = np.arange(count) * (math.pi * (3 - math.sqrt(5)))

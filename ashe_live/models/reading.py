@@ -4,11 +4,16 @@ Whatever a file does to its parser, the viewer goes on; and parsing text would h
 than a picture lasts.
 """
 
+from collections.abc import Callable
+from typing import TypeVar
+
 from ashe_live.errors import UserError
 from ashe_live.models.catalogue import load_model, model_names
 from ashe_live.models.placement import PlacedModel, placed_on_marker
 from ashe_live.process.apart import NoAnswerError, called_apart
 from ashe_live.process.children import Limits
+
+Result = TypeVar("Result")
 
 # The largest models that the limits of limits.py let pass take three quarters of each.
 LIMITS = Limits(niceness=10, memory_bytes=2_000_000_000, processor_s=20, silent=True)
@@ -22,11 +27,19 @@ def read_model(name: str, marker_side_m: float, up: str | None = None) -> Placed
     """
     if name in model_names():
         return _read(name, marker_side_m, up)
+    return read_apart(_read, (name, marker_side_m, up), name)
+
+
+def read_apart(read: Callable[..., Result], arguments: tuple[object, ...], file: str) -> Result:
+    """What `read(*arguments)` makes of a model's file, in a process of its own: functions and values as `called_apart`.
+
+    Raises the UserError that it raises, and one for a file that no process has read to its end.
+    """
     try:
-        return called_apart(_read, (name, marker_side_m, up), "ashe-live model", LIMITS, LONGEST_S)
+        return called_apart(read, arguments, "ashe-live model", LIMITS, LONGEST_S)
     except NoAnswerError as failure:
         raise UserError(
-            f"the model file {name} could not be read ({failure})", "reduce it, or export it again"
+            f"the model file {file} could not be read ({failure})", "reduce it, or export it again"
         ) from None
 
 

@@ -293,7 +293,8 @@ class LiveViewer:
         start = QUALITIES.get(name, QUALITIES["balanced"])
         self._auto = AutoQuality(self._interval_s * 1e3, start) if name == AUTO else None
         # The estimator has a process of its own: its preset need not step down when the renderer's does.
-        self._session.watch.preset = replace(start.light, light=self._session.watch.preset.light)
+        before = self._session.watch.preset
+        self._session.watch.preset = replace(start.light, light=before.light).with_caster(before.caster)
         self._apply(start)
 
     def _apply(self, quality: Quality) -> None:

@@ -27,10 +27,11 @@ def estimate(*lights: Light) -> LightEstimate:
 
 
 CONE = Proxy("frustum", np.array([[0.1, 0.0, 0.0, 0.03, 0.0], [0.1, 0.0, 0.08, 0.0, 0.0]]))
+SKY_SLOPE = np.array([[0.1, 0.1, 0.2], [0.0, -0.1, 0.0]])
 WHOLE = LightEstimate(
     "proxy",
     3,
-    Illumination((FULL,), np.array([0.2, 0.3, 0.4]), np.array([0.6, 0.5, 0.4]), CONE),
+    Illumination((FULL,), np.array([0.2, 0.3, 0.4]), np.array([0.6, 0.5, 0.4]), CONE, sky_slope_rgb=SKY_SLOPE),
 )
 
 VIEWS = dataclasses.replace(WHOLE, views=(3, 9, 14), span_rad=0.4)
@@ -103,15 +104,16 @@ def test_the_body_and_what_light_falls_on_stand_beside_the_lights() -> None:
     assert record["caster"] == {"family": "frustum", "spheroids_marker": CONE.spheroids_marker.tolist()}
     assert record["ambient_rgb_ratio"] == [0.2, 0.3, 0.4]
     assert record["ground_rgb"] == [0.6, 0.5, 0.4]
+    assert record["sky_slope_rgb"] == SKY_SLOPE.tolist()
 
 
 @pytest.mark.parametrize("kind", ["answered", "no light", "no marker", "bad file"])
 def test_what_was_not_measured_is_null_and_not_missing(kind: str) -> None:
     record = RECORDS[kind].to_json()
-    assert record["caster"] is record["ambient_rgb_ratio"] is record["ground_rgb"] is None
+    assert record["caster"] is record["ambient_rgb_ratio"] is record["ground_rgb"] is record["sky_slope_rgb"] is None
 
 
-@pytest.mark.parametrize("field", ["caster", "ambient_rgb_ratio", "ground_rgb"])
+@pytest.mark.parametrize("field", ["caster", "ambient_rgb_ratio", "ground_rgb", "sky_slope_rgb"])
 def test_the_schema_misses_a_field_that_is_left_out(field: str) -> None:
     record = RECORDS["all measured"].to_json()
     del record[field]

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.colour import srgb_from_linear
+from ashe_live.core.colour import linear_from_srgb, srgb_from_linear
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
 from ashe_live.models.material import Alpha, Material
@@ -141,3 +141,30 @@ def test_back_of_a_double_sided_sheet_is_seen_and_of_a_single_sided_one_not(make
     for double_sided in (True, False):
         renderer.render(Scene(tracked, stage.placed(_sheet(Material(double_sided=double_sided)))))
         assert (renderer.read_bgr().max() > 60) == double_sided
+
+
+BACK_LIT = np.array([(0.0, 0.0, 0.0), (-0.1, -0.15, -0.2)])  # more light from -y, red the least
+
+
+def test_a_sky_that_leans_lights_the_faces_that_it_leans_to(make_renderer, stage) -> None:
+    renderer = make_renderer()
+    tracked = stage.tracked(90, stage.pose(-80, 35, 0.25))
+    light = stage.light(90, 40, (0.5, 0.5, 0.5))  # behind the front face
+    seen = {}
+    for name, slope in (("even", None), ("brighter", BACK_LIT), ("darker", -BACK_LIT)):
+        illumination = Illumination((light,), sky_slope_rgb=slope)
+        renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), illumination))
+        picture = renderer.read_bgr()
+        faces = (np.median(_face(picture, tracked, corners), axis=0)[::-1] for corners in (FRONT, TOP))
+        seen[name] = [linear_from_srgb(face / 255) / EXPOSURE for face in faces]
+    (front, top), (brighter, top_then), (darker, _) = seen.values()
+    np.testing.assert_allclose(brighter - front, -BACK_LIT[1], atol=0.012)
+    np.testing.assert_allclose(darker - front, BACK_LIT[1], atol=0.012)
+    # Level ground and what faces up get as much as before.
+    np.testing.assert_allclose(top_then, top, atol=0.012)
+
+
+def test_no_sky_leans_so_far_that_it_takes_light_away(stage) -> None:
+    lighting = lighting_of((stage.light(10, 40, (0.2, 0.3, 0.4)),), sky_slope_rgb=np.full((2, 3), 2.0))
+    assert np.linalg.norm(lighting.sky_slope, axis=0) == pytest.approx(0.5 * np.array(lighting.sky))
+    assert not lighting_of(()).sky_slope.any()

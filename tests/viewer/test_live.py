@@ -4,6 +4,7 @@ import errno
 import json
 import threading
 import time
+from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -13,11 +14,12 @@ import pytest
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
+from ashe_live.core.caster import Caster
 from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews
-from ashe_live.quality import FAST
+from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_told
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
@@ -155,6 +157,15 @@ def test_commands_reach_pipeline_and_window(stage):
     stage.run(Command.PAUSE, Command.PAUSE, Command.RESTART, Command.FULLSCREEN, None)
     assert stage.pipeline.paused == [True, False]
     assert (stage.pipeline.restarts, stage.window.fullscreen) == (1, 1)
+
+
+def test_what_is_known_of_the_light_and_the_caster_holds_for_every_quality(stage):
+    ball = Caster.sphere(0.03)
+    stage.session.watch.preset = replace(FAST.light, light="sun").with_caster(ball)
+    stage.put(0)
+    viewer = stage.run(Command.QUALITY, None, quality="fast")
+    assert viewer._quality_name == "balanced"
+    assert stage.session.watch.preset == replace(BALANCED.light, light="sun").with_caster(ball)
 
 
 def test_quality_goes_round(stage):

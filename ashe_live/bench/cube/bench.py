@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ashe_live.bench.bench import Bench
+from ashe_live.bench.cube.ambient import ambient_errors
 from ashe_live.bench.cube.painter import CubeScene, painted
 from ashe_live.bench.cube.scenes import CAMERA, EDGE_M, SETS, CubeSet, looking, sun
 from ashe_live.bench.tables import figures_table
@@ -49,7 +50,7 @@ class CubeBench(Bench):
         yield {"tracking": self._tracking()}
         table = figures_table(
             f"light of a cube of {1000 * EDGE_M:g} mm, {self.count} pictures each, 640x480",
-            "set", "answered", "median", "95 %", "largest", "count right", "worse light, median", "ms",
+            "set", "answered", "median", "95 %", "largest", "count right", "worse light", "even sky", "leaning", "ms",
         )  # fmt: skip
         rows = []
         for one in SETS:
@@ -97,9 +98,9 @@ class CubeBench(Bench):
         return _Tracked(turn_deg(pose.measured_T_cam_marker, T_cam_marker), _following_s(tracker, picture))
 
     def _lights(self, one: CubeSet) -> Json:
+        """Errors of the strongest light, of the true one that is found worst, and of the ambient light."""
         estimator = make_estimator("proxy", self.quality.light)
-        """Errors of the strongest light, and of the true one that is found worst."""
-        first, worse, counted, spent, answered = [], [], [], [], 0
+        first, worse, ambient, counted, spent, answered = [], [], [], [], [], 0
         for scene in one.scenes(self.count):
             tracked = self._tracker(cube_layout()).track(Frame(painted(scene), 0, 0.0))
             if tracked.marker is None:
@@ -115,6 +116,7 @@ class CubeBench(Bench):
                 errors = _errors_deg(estimate, scene)
                 first.append(errors[0].min())
                 worse.append(errors.min(axis=0).max())
+                ambient.append(ambient_errors(scene, estimate.illumination))
         return {
             "set": one.name,
             "answered": answered / self.count,
@@ -123,6 +125,8 @@ class CubeBench(Bench):
             "largest_deg": max(first, default=None),
             "count_right": float(np.mean(counted)) if counted else None,
             "worse_median_deg": _median(worse),
+            "ambient_even": _median([even for even, _ in ambient]),
+            "ambient_leaning": _median([leaning for _, leaning in ambient]),
             "ms": _median(spent),
         }
 

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ashe_live.bench.cube.bounce import light_from_table
 from ashe_live.core.arrays import Float, Float32, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
@@ -128,14 +129,26 @@ def _irradiance(scene: CubeScene, normal: Float, place: Float) -> Float:
         way = one.point[:3] - one.point[3] * place
         nearer = 1.0 if one.point[3] == 0 else float(np.linalg.norm(one.point[:3]) / np.linalg.norm(way)) ** 2
         total = total + nearer * one.irradiance_rgb * max(float(normal @ way) / float(np.linalg.norm(way)), 0.0)
-    table = scene.table_rgb * _level(scene)
-    return np.asarray(total + table * (1 - normal[2]) / 2)
+    body = hull_of(scene)
+    lit = [(_on_table(one), _cast(body, one.point)[:, :2]) for one in scene.lights]
+    table = light_from_table(normal, place, lambda x, y: (1 - _hidden_sky(scene, x, y))[:, None] * scene.sky_rgb, lit)
+    return np.asarray(total + scene.table_rgb * table)
 
 
-def _level(scene: CubeScene) -> Float:
+def _hidden_sky(scene: CubeScene, x: Float, y: Float) -> Float:
+    """The part of the sky that the cube hides from places on the table."""
+    beyond = np.hypot(*(np.maximum(np.abs(each) - scene.edge_m / 2, 0) for each in (x, y)))
+    return np.asarray(HIDDEN_SKY * np.exp(-beyond / (FADING * scene.edge_m)))
+
+
+def level_of(scene: CubeScene) -> Float:
     """(3,) irradiance over pi of the open table."""
-    direct = [one.irradiance_rgb * one.point[2] / np.linalg.norm(one.point[:3]) for one in scene.lights]
-    return np.asarray(scene.sky_rgb + sum(direct, np.zeros(3)))
+    return np.asarray(scene.sky_rgb + sum(map(_on_table, scene.lights), np.zeros(3)))
+
+
+def _on_table(one: PaintedLight) -> Float:
+    """(3,) irradiance over pi of the open table at the origin."""
+    return np.asarray(one.irradiance_rgb * one.point[2] / np.linalg.norm(one.point[:3]))
 
 
 def _table(scene: CubeScene, fine: Camera) -> Float32:
@@ -151,10 +164,8 @@ def _table(scene: CubeScene, fine: Camera) -> Float32:
     body = hull_of(scene)
     from_pixel = np.linalg.inv(image_from_plane(scene.camera, scene.T_cam_cube))
     x, y, w = (a * np.arange(width)[None] + b * np.arange(height)[:, None] + c for a, b, c in from_pixel)
-    half = scene.edge_m / 2
     with np.errstate(divide="ignore", invalid="ignore"):
-        beyond = np.hypot(*(np.maximum(np.abs(each / w) - half, 0) for each in (x, y)))
-    hidden = HIDDEN_SKY * np.exp(-np.nan_to_num(beyond, nan=1e3) / (FADING * scene.edge_m))
+        hidden = np.nan_to_num(_hidden_sky(scene, x / w, y / w), nan=0.0)
 
     def finer(picture: Float) -> Float32:
         whole = cv2.resize(picture.astype(np.float32), fine.size, interpolation=cv2.INTER_LINEAR)
@@ -162,8 +173,7 @@ def _table(scene: CubeScene, fine: Camera) -> Float32:
 
     light = finer(reflectance * (1 - hidden)[..., None] * scene.sky_rgb)
     for one in scene.lights:
-        level = one.irradiance_rgb * one.point[2] / np.linalg.norm(one.point[:3])
-        light += finer(reflectance * level * _falloff(one, x, y, w)) * _seen(scene, fine, body, one)[..., None]
+        light += finer(reflectance * _on_table(one) * _falloff(one, x, y, w)) * _seen(scene, fine, body, one)[..., None]
     return light
 
 
@@ -226,7 +236,7 @@ def _print(bitmap: Image) -> Float32:
 def _developed(scene: CubeScene, light: Float32) -> Image:
     """sRGB of a camera that is exposed for white in the light of the open table, which it takes for white."""
     rng = np.random.default_rng(scene.seed + 1)
-    level = _level(scene)
+    level = level_of(scene)
     exposed = scene.exposure * light / level.mean() / (level / level.mean())
     blurred = cv2.GaussianBlur(exposed.astype(np.float32), (0, 0), scene.blur_px)
     encoded = 255 * srgb_from_linear(blurred.clip(0, 1)) + rng.normal(0, scene.noise, light.shape)

@@ -3,7 +3,7 @@
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
@@ -12,6 +12,7 @@ from rich.progress import track
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.light.clips import ClipResult, estimate_clip, read_clips
+from ashe_live.bench.light.known_casters import print_known_casters, with_known_casters
 from ashe_live.bench.light.preset_tables import print_preset
 from ashe_live.bench.light.results import CaseResult, Summary, case_result, grouped, stage_times, summarise
 from ashe_live.bench.light.set_tables import print_clips, print_lamps, print_risk, print_takes
@@ -21,8 +22,10 @@ from ashe_live.bench.light.trade import COST, print_trade, sweep
 from ashe_live.bench.light.truth import error_on_true_labels_deg, mask_overlaps
 from ashe_live.bench.machine import measured_with
 from ashe_live.bench.plots import SUFFIXES, draw_trade, points_of
+from ashe_live.core.caster import Caster
 from ashe_live.core.contract import Json
 from ashe_live.core.types import TrackedFrame
+from ashe_live.errors import UserError
 from ashe_live.light.estimators.estimator import Estimator, make_estimator
 from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.quality import QUALITIES
@@ -45,6 +48,7 @@ class LightBench(Bench):
     presets: Sequence[str] = tuple(QUALITIES)
     quick: bool = False  # a few scenes of each category, a few frames of each clip
     limit: int | None = None  # number of scenes of each folder, the first ones; None: all
+    casters: bool = False  # also with the objects' shapes and sizes given, where they are boxes, cylinders or spheres
     sweeps: bool = False  # also measures and draws error against time, on some scenes of each category
 
     def parts(self) -> Iterator[Json]:
@@ -64,6 +68,7 @@ class LightBench(Bench):
             draw_trade(points, "Light estimation: error against time", COST, _note(record), out / TRADE, overwrite)
 
     def _measured(self, estimators: Mapping[str, Estimator]) -> Json:
+        known_cases = self._known_cases()
         results = self._results(estimators)
         clips = self._clip_results(estimators)
         takes = self._take_results(estimators)
@@ -84,6 +89,9 @@ class LightBench(Bench):
             print_clips(self.console, clips)
         if takes:
             print_takes(self.console, takes)
+        known = self._known_caster_results(known_cases)
+        if known:
+            print_known_casters(self.console, results, known)
         return {
             "scenes": [folder.resolve().name for folder in self.scenes],
             "quick": self.quick,
@@ -92,6 +100,7 @@ class LightBench(Bench):
             "presets": presets,
             "cases": [asdict(result) for result in results],
             "takes": [asdict(result) for result in takes],
+            "known_casters": [asdict(result) for result in known],
         }
 
     def cases(self) -> list[Case]:
@@ -116,6 +125,24 @@ class LightBench(Bench):
             for preset, estimator in estimators.items():
                 steps = FROM_LABELS.get(self.estimator, {}).get(preset)
                 results.append(attempt(estimator, preset, case, tracked, steps))
+        return results
+
+    def _known_cases(self) -> list[tuple[Case, Caster]]:
+        """The cases that are also run with their caster given; raises UserError if the estimator has no use for it."""
+        if not self.casters:
+            return []
+        if self.estimator not in FROM_LABELS:
+            raise UserError(f"the estimator {self.estimator} makes no use of known casters", "leave out --casters")
+        return with_known_casters(self.cases(), self.scenes)
+
+    def _known_caster_results(self, cases: Sequence[tuple[Case, Caster]]) -> list[CaseResult]:
+        """All presets on each case, with its caster given."""
+        results = []
+        for index, (case, caster) in enumerate(track(cases, "known casters", console=self.console, transient=True)):
+            tracked = case.tracked(index)
+            for preset in self.presets:
+                estimator = make_estimator(self.estimator, PRESETS[preset].with_caster(caster))
+                results.append(replace(attempt(estimator, preset, case, tracked, None), caster=caster.kind))
         return results
 
     def _clip_results(self, estimators: Mapping[str, Estimator]) -> list[ClipResult]:

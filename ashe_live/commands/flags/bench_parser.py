@@ -40,6 +40,9 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
     _add_results_folder(light)
     light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
     light.add_argument("--estimator", default=DEFAULT_ESTIMATOR, metavar="NAME")
+    light.add_argument(
+        "--casters", action="store_true", help="also with the scenes' own boxes, cylinders and spheres as --caster"
+    )
     light.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
 
     judge = benches.add_parser("fit-judge", help="fits confidence to scenes whose light is known")

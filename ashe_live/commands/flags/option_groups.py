@@ -12,6 +12,10 @@ MARKER_HELP = (
     f"aruco:DICT:ID, apriltag:36h11:ID, pattern:FILE.patt (ARToolKit), image:FILE.png, "
     f"grid:DICT:COLSxROWS or cube (default: the one in view, or {DEFAULT_MARKER})"
 )
+CASTER_HELP = (
+    "the object that casts the shadow, where its shape and size are known: box:WxDxH, cylinder:RxH or sphere:R in "
+    "metres, or the file of a model (default: any object)"
+)
 LIGHTS = ("auto", "sun", "lamp")
 LIGHT_HELP = "what it is taken for: a lamp where the picture tells its distance (auto), or always the one or the other"
 LAYERS = ("both", "model", "shadow")
@@ -31,6 +35,7 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
         metavar="METRES",
         help="black square's side (default 0.08), or the cube's edge (default 0.06)",
     )
+    scene.add_argument("--caster", metavar="SHAPE|FILE", help=CASTER_HELP)
     camera = scene.add_mutually_exclusive_group()
     camera.add_argument("--camera-file", type=Path, metavar="FILE.json", help='calibration: {"size", "K", "dist"}')
     camera.add_argument("--focal-px", type=values.focal_px, metavar="F", help="focal length in pixels of the source")

@@ -34,7 +34,7 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
 
     demo = commands.add_parser("demo", help="play the shipped clip (without a display: into a video file)")
     add_view_options(demo)
-    demo.set_defaults(camera_file=None, focal_px=None, hfov=None)
+    demo.set_defaults(camera_file=None, focal_px=None, hfov=None, caster=None)
 
     webcam = commands.add_parser("webcam", help="open a camera that looks at a printed marker")
     webcam.add_argument("--camera", type=values.camera, default="0", metavar="N|PATH", help="(default 0)")

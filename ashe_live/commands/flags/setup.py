@@ -9,8 +9,10 @@ from ashe_live.capture.sources import Source
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.models.caster import read_caster
 from ashe_live.process.messages import tell
 from ashe_live.quality import BALANCED, QUALITIES, Quality
+from ashe_live.tracking.cube.faces import CUBE
 from ashe_live.tracking.families.layout import parse_target, usual_side_m
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
@@ -25,8 +27,16 @@ def quality_of(options: argparse.Namespace) -> Quality:
 
 
 def light_steps(options: argparse.Namespace) -> ProxySteps:
-    """The estimator's preset, with what lights are taken for."""
-    return replace(quality_of(options).light, light=options.light)
+    """The estimator's preset, with what lights are taken for, and the caster that --caster gives.
+
+    Raises UserError for a caster that is none, and for one beside the paper cube.
+    """
+    steps = replace(quality_of(options).light, light=options.light)
+    if options.caster is None:
+        return steps
+    if options.marker == CUBE:
+        raise UserError("the paper cube casts the shadow that is looked for", "leave out --caster")
+    return steps.with_caster(read_caster(options.caster))
 
 
 def camera_chooser(options: argparse.Namespace) -> CameraFor:

@@ -42,9 +42,11 @@ def _proxy(preset: ProxySteps) -> Estimator:
     return ProxyEstimator(preset)
 
 
-def _paper(preset: ProxySteps) -> Estimator:  # noqa: ARG001 - as published, it has no presets
+def _paper(preset: ProxySteps) -> Estimator:  # as published, it has no presets
     from ashe_live.light.paper.estimator import PaperEstimator
 
+    if preset.caster is not None:
+        raise UserError("the estimator paper makes no use of a known caster", "choose proxy, or give no caster")
     return PaperEstimator()
 
 
@@ -57,7 +59,7 @@ OF_ONE_FRAME = frozenset({"paper"})  # those that ignore other views
 def make_estimator(name: str, preset: ProxySteps = BALANCED) -> Estimator:
     """A new estimator of that name in ESTIMATORS; the estimator `paper`, as published, has no presets.
 
-    Raises UserError for an unknown estimator.
+    Raises UserError for an unknown estimator, and for one that makes no use of the preset's caster.
     """
     if name not in ESTIMATORS:
         raise UserError(f"there is no light estimator {name!r}", f"choose one of {', '.join(ESTIMATORS)}")

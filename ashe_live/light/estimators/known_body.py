@@ -1,16 +1,17 @@
 """The light from a body that is known beforehand, as the paper cube: only lights are fitted."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
+from ashe_live.light.known_body.ambient import open_sky_rgb, sky_slope_rgb
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb
 from ashe_live.light.known_body.lights import Found, lights_of
 from ashe_live.light.known_body.seen import Seen
@@ -21,8 +22,7 @@ IN_SHADE = "the cube stands in another thing's shadow: move it into the light"
 BLOCKED = (
     "the cube's shadow falls on other things, or what darkens the table is no shadow of it: clear the table around it"
 )
-# Probability that the likeliest light is right (`Found.confidence`), below which there is no answer: of the painted
-# pictures below it as many are wrong as right.
+# Probability that a light is right, below which it is none: of painted pictures below it as many are wrong as right.
 LEAST_CONFIDENCE = 0.4
 # Of an answer that may be wrong; an error of the folded paper is among the systematic ones.
 CALIBRATION = Calibration(1.0, np.radians(10.0).item(), 1.0)
@@ -48,31 +48,34 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
         return none(TOO_LITTLE_GROUND)
     found = lights_of(seen)
     clock.end("fit")
-    if found is None or found.confidence < LEAST_CONFIDENCE:
+    likely = [each for each in found.lights if each.confidence >= LEAST_CONFIDENCE] if found is not None else []
+    if not likely:
         return none(_why_none(seen, found))
-    lights, ambient = _answers(seen, found, tracked)
-    masks = masks_of(view, body, [each.light for each in found.lights])
-    illumination = Illumination(lights, ambient, seen.lit_rgb, body)
+    illumination = _illumination(seen, likely, tracked)
+    masks = masks_of(view, body, [each.light for each in likely])
     clock.end("judge")
     return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms())
 
 
-def _answers(seen: Seen, found: Found, tracked: TrackedFrame) -> tuple[tuple[Light, ...], Float]:
-    """The lights with their uncertainty, and what is left of the table's light where none of them reaches it."""
-    dark = darkenings_rgb(seen, found.lights)
+def _illumination(seen: Seen, found: Sequence[FoundLight], tracked: TrackedFrame) -> Illumination:
+    """The lights with their uncertainty, and the sky: how much of the table's light it gives, and how it leans."""
+    dark = darkenings_rgb(seen, found)
     lights = [
-        replace(_light(each, found.confidence, tracked), shadow_rgb_ratio=np.clip(1 - taken, 1e-3, 1.0))
-        for each, taken in zip(found.lights, dark, strict=True)
+        replace(_light(each, tracked), shadow_rgb_ratio=np.clip(1 - taken, 1e-3, 1.0))
+        for each, taken in zip(found, dark, strict=True)
     ]
-    return tuple(lights), np.clip(1 - dark.sum(axis=0), 1e-3, 1.0)
+    sky = open_sky_rgb(seen, found, dark)
+    slope = sky_slope_rgb(seen, found, dark, sky)
+    leaning = slope if slope.any() else None
+    return Illumination(tuple(lights), sky, seen.lit_rgb, seen.body, sky_slope_rgb=leaning)
 
 
-def _light(found: FoundLight, confidence: float, tracked: TrackedFrame) -> Light:
+def _light(found: FoundLight, tracked: TrackedFrame) -> Light:
     to_light = found.light[:3] / np.linalg.norm(found.light[:3])
     by_edges = direction_covariance(found.light, found.covariance)
-    covariance = CALIBRATION.covariance(by_edges, to_light, confidence, tracked)
+    covariance = CALIBRATION.covariance(by_edges, to_light, found.confidence, tracked)
     size = found.fit.size_rad if found.fit is not None else None
-    return Light(to_light, covariance, radius_of_68_percent(covariance), confidence, size)
+    return Light(to_light, covariance, radius_of_68_percent(covariance), found.confidence, size)
 
 
 def _why_none(seen: Seen, found: Found | None) -> str:

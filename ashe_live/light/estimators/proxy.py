@@ -19,7 +19,7 @@ from ashe_live.light.estimators.known_body import estimate_by_body
 from ashe_live.light.estimators.other_objects import other_objects
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.refining import refined_and_others
-from ashe_live.light.estimators.steps import BALANCED, FIRST_FIT, ProxySteps
+from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.estimators.together import contradicting, explained_together, scene_views, span_of
 from ashe_live.light.estimators.trace import Look, Trace
 from ashe_live.light.explanation.explain import Proposal, explained
@@ -34,9 +34,11 @@ from ashe_live.light.explanation.judgement.judge import (
     probabilities_of,
     recalibrated,
 )
+from ashe_live.light.explanation.known_size import is_as_given
 from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
     NOTHING_THERE,
+    OTHER_SIZE,
     TOO_LITTLE_GROUND,
     fault_of_exposure,
     fault_of_scene,
@@ -125,6 +127,8 @@ class ProxyEstimator:
         clock.end("judge")
         if confidence < judge.least_confidence:
             return none(fault_of_scene(best, confidence), *_masks_of(best))
+        if not is_as_given(best, steps.first_fit):
+            return none(OTHER_SIZE, *_masks_of(best))
         ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
         assert trace.unlit is not None
         chosen = best
@@ -201,7 +205,7 @@ class ProxyEstimator:
         clock.end("associate")
         trace.proposals = selected_for_fit(proposals, steps.tried, judge)
         sharpener = Sharpener.of([fine])
-        rough = [each for each in explained(trace.proposals, FIRST_FIT) if each]
+        rough = [each for each in explained(trace.proposals, steps.first_fit) if each]
         trace.rough = rough = sharpener.measured(rough)
         to_glint = None if glint is None else glint.to_light_marker
         alone = cache(explanation_features)

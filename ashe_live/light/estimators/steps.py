@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass, replace
 
+from ashe_live.core.caster import Caster
 from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.lamps.kinds import AUTO, KINDS
 from ashe_live.light.outline_fit import preset
 from ashe_live.light.outline_fit.preset import FitPreset
 
-FIRST_FIT = preset.FAST  # of the selected splits
+FIRST_FIT = preset.FAST  # of splits, where nothing is known of the object
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +23,7 @@ class ProxySteps:
     tried: int  # number of splits that are fitted, the best-looking
     refined: int  # number of fits that are relabelled and refitted, the likeliest
     ground: GroundSteps
-    fine_fit: FitPreset  # of those; the first fit is the same for all presets
+    fine_fit: FitPreset  # of those; the first fit is the same for all presets, but for the caster
     views: int  # number of views that are used together, the frame's own included
     companions: int  # number of the other views that explanations are looked for in, as in the frame itself
     joint: int  # number of explanations that are aligned in all views, the likeliest
@@ -32,6 +33,21 @@ class ProxySteps:
     def __post_init__(self) -> None:
         if self.light not in KINDS:
             raise ValueError(f"light {self.light!r} is not one of {', '.join(KINDS)}")
+
+    def with_caster(self, caster: Caster | None) -> "ProxySteps":
+        """The same for pictures of one object whose shape and size are known; None for any object."""
+        second_look = self.second_look and self.second_look.with_caster(caster)
+        return replace(self, fine_fit=replace(self.fine_fit, caster=caster), second_look=second_look)
+
+    @property
+    def caster(self) -> Caster | None:
+        """The object that casts the shadow, where its shape and size are known."""
+        return self.fine_fit.caster
+
+    @property
+    def first_fit(self) -> FitPreset:
+        """That of the selected splits."""
+        return replace(FIRST_FIT, caster=self.caster)
 
     @property
     def looks(self) -> tuple["ProxySteps", ...]:

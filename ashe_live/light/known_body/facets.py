@@ -28,13 +28,14 @@ class Facets:
     light_rgb: Float  # (n, 3) linear light of the white, as the picture has it
     centres: Float  # (n, 3) metres
     is_clipped: Float  # (n,) bool: brighter than the picture shows
+    width_px: Float  # (n,) of the narrowest strip of the picture that holds it
 
 
 def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
     """Those of a box along the marker's axes that are seen in `picture` (h, w, 3), linear light, B, G, R."""
     points = body.points_marker(4)
     eye = camera_centre(view.T_cam_marker)
-    found: list[tuple[Float, Float, Float, bool]] = []
+    found: list[tuple[Float, Float, Float, bool, float]] = []
     for normal in NORMALS:
         along = points @ normal
         corners = points[along > along.max() - FOLDED * np.ptp(along)]
@@ -52,8 +53,9 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
         brightness = seen @ np.full(3, 1 / 3, np.float32)
         least, most = np.percentile(brightness, WHITE)
         white = seen[(brightness >= least) & (brightness <= most)].mean(axis=0)[::-1].astype(np.float64)
-        found.append((normal, white, centre, bool(white.max() > CLIPPED)))
+        width_px = min(cv2.minAreaRect(hull)[1])
+        found.append((normal, white, centre, bool(white.max() > CLIPPED), width_px))
     if not found:
-        return Facets(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0, bool))
-    normals, light, centres, clipped = zip(*found, strict=True)
-    return Facets(np.array(normals), np.array(light), np.array(centres), np.array(clipped))
+        return Facets(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0, bool), np.empty(0))
+    normals, light, centres, clipped, widths = zip(*found, strict=True)
+    return Facets(np.array(normals), np.array(light), np.array(centres), np.array(clipped), np.array(widths))

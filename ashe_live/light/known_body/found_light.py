@@ -26,6 +26,7 @@ class FoundLight:
     covariance: Float  # (2, 2) of s = (x, y) / z
     fit: EdgeFit | None  # None where the shadow's edges are hidden: the direction is that of a template
     darkening: float  # part of the table's light that it gives
+    confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
 
 
 def darkenings_rgb(seen: Seen, found: Sequence[FoundLight]) -> Float:

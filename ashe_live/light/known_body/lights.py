@@ -1,4 +1,4 @@
-"""The lights that a known body stands in, from its shadows and its lit sides, with the probability of the first one."""
+"""The lights that a known body stands in, from its shadows and its lit sides, each with its probability."""
 
 import math
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.candidates import APART_RAD, refined
 from ashe_live.light.known_body.fit import fitted, room_of, without
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb
-from ashe_live.light.known_body.odds import edge_log_odds, with_edges
+from ashe_live.light.known_body.odds import PALE, PALEST, edge_log_odds, with_edges
 from ashe_live.light.known_body.scan import SKY_SHARES, shadows_of, templates_of
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.shadow_edges import shadow_edges
@@ -34,7 +34,6 @@ class Found:
     """What a picture of a known body says of its lights."""
 
     lights: tuple[FoundLight, ...]  # the strongest first
-    confidence: float  # probability that the likeliest one is within NEAR_RAD of the truth
     is_dark_elsewhere: bool  # the table is darkened as if by a shadow, of whatever
 
 
@@ -51,30 +50,61 @@ def lights_of(seen: Seen) -> Found | None:
         for likelihood, each in candidates
     ]
     likelihood, first = max(scored, key=lambda pair: pair[0])
-    step = float(darkenings_rgb(seen, [first])[0].mean())
-    confidence = with_edges(_posterior_near(seen, log_likelihood, first.light), first.fit, step)
     found = [first]
     while len(found) < MOST_LIGHTS:
         further = _further(seen, found)
         if further is None:
             break
-        found = _refitted(seen, [*found, further])
+        both = _refitted(seen, [*found, further])
+        if not are_apart(both):
+            break  # what was taken for another shadow is the rest of one that is known
+        found = both
+    found = [_with_confidence(seen, each, found, log_likelihood) for each in found]
     found.sort(key=lambda each: -each.darkening)
-    return Found(tuple(found), confidence, likelihood > DARK_ELSEWHERE)
+    return Found(tuple(found), likelihood > DARK_ELSEWHERE)
 
 
-def _posterior_near(seen: Seen, log_likelihood: Float, light: Float) -> float:
+def _with_confidence(seen: Seen, one: FoundLight, among: Sequence[FoundLight], log_likelihood: Float) -> FoundLight:
+    """`one` of the lights `among` which it is, with the posterior of the directions near it, and what its edges say.
+
+    log_likelihood: as of `_posterior_near`, of a light that is alone. Beside others, whose shadows are known, the map
+    alone tells: shading knows no two lights.
+    """
+    others = [other for other in among if other is not one]
+    none, palest, pale = LOG_NONE + seen.by_shading_of_sky, PALEST, PALE
+    if others:
+        also = shadows_of(seen.body, np.array([other.light for other in others]))
+        log_likelihood = seen.scan(templates_of(seen.body).shadows, also).log_likelihood
+        none, palest, pale = LOG_NONE + _without_another(seen, also), LEAST_DARKENING, LEAST_DARKENING
+    near = _posterior_near(seen, log_likelihood, none, one.light)
+    step = float(darkenings_rgb(seen, [one, *others])[0].mean())
+    return replace(one, confidence=with_edges(near, one.fit, step, palest, pale))
+
+
+def _posterior_near(seen: Seen, log_likelihood: Float, none: float, light: Float) -> float:
     """Posterior probability, before any edge is looked at, of the directions within NEAR_RAD of a light (4,).
 
-    log_likelihood: (m, k) of the templates, under each of SKY_SHARES.
+    log_likelihood: (m, k) of the templates, under each of SKY_SHARES. none: of no such light, times its prior.
     """
     templates = templates_of(seen.body)
     by_light = log_likelihood + np.log(templates.solid_angle[:, None] / len(SKY_SHARES))
-    none = LOG_NONE + seen.by_shading_of_sky
     most = max(float(by_light.max()), none)
     posterior = np.exp(by_light - most)
     near = templates.lights[:, :3] @ normalised(light[:3]) > math.cos(NEAR_RAD)
     return float(posterior[near].sum() / (posterior.sum() + math.exp(none - most)))
+
+
+def are_apart(found: Sequence[FoundLight]) -> bool:
+    """Whether no two lights are as near to each other as the map tells none apart."""
+    to_lights = np.array([normalised(each.light[:3]) for each in found])
+    return bool((to_lights @ to_lights.T - 2 * np.eye(len(found)) < math.cos(APART_RAD)).all())
+
+
+def _without_another(seen: Seen, also: Float32) -> float:
+    """Log likelihood of the map where only `also` (k, n * n) and the sky's share darken it."""
+    # Of a shadow that is nowhere the scan says what the sky's share alone explains.
+    nowhere = np.zeros((1, also.shape[1]), np.float32)
+    return float(seen.scan(nowhere, also).log_likelihood.max())
 
 
 def _log_likelihood(seen: Seen, one: FoundLight, also: Float32) -> float:
@@ -87,9 +117,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     """Another light, whose shadow the map shows beside those of the lights that are known."""
     templates = templates_of(seen.body)
     also = shadows_of(seen.body, np.array([each.light for each in known]))
-    # Of a shadow that is nowhere the scan says what the sky's share alone explains.
-    nowhere = np.zeros((1, also.shape[1]), np.float32)
-    none = float(seen.scan(nowhere, also).log_likelihood.max())
+    none = _without_another(seen, also)
     score = seen.scan(templates.shadows, also).log_likelihood.max(axis=1) - none
     for each in known:
         to_light = normalised(each.light[:3])

@@ -30,16 +30,18 @@ def edge_log_odds(fit: EdgeFit | None) -> float:
     return places * (shown + (1 - fit.clear) * math.log((1 - SHOWN) / (1 - CHANCE)))
 
 
-def with_edges(confidence: float, fit: EdgeFit | None, step: float) -> float:
+def with_edges(
+    confidence: float, fit: EdgeFit | None, step: float, palest: float = PALEST, pale: float = PALE
+) -> float:
     """A probability of a direction, after a look at the edges that its shadow should have.
 
-    step: part of the table's light that the shadow lacks. One that is too pale is none, and of a pale one the edges
-    only speak against it, as stains have edges, too.
+    step: part of the table's light that the shadow lacks. One paler than `palest` is none, and of one paler than `pale`
+    the edges only speak against it, as stains have edges, too.
     """
-    if step <= PALEST:
+    if step <= palest:
         return 0.0
     if fit is None:
         return HIDDEN * confidence
-    most = MOST_LOG_ODDS if step > PALE else 0.0
+    most = MOST_LOG_ODDS if step > pale else 0.0
     for_it = confidence * math.exp(float(np.clip(edge_log_odds(fit), -MOST_LOG_ODDS, most)))
     return for_it / (for_it + 1 - confidence)

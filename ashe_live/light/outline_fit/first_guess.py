@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.shape.body import BodyFrame
 from ashe_live.light.shape.layout import Layout
@@ -26,10 +27,11 @@ class FirstGuess:
     lights: Float  # (l, 4) homogeneous points, in that frame
 
 
-def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
+def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None = None) -> FirstGuess | str:
     """A cylinder that covers the object's outline, and lights that cast its top to the tips of the shadows.
 
-    The sight's pixels must be counted from the outlines' centre. Returns the reason, for the user, where the camera's
+    caster: the object, where its size is known: the cylinder's. The sight's pixels must be counted from the outlines'
+    centre. Returns the reason, for the user, where the camera's
     view allows no guess.
     """
     P = sight.P_marker
@@ -51,15 +53,10 @@ def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
         return "the object lies above the horizon"
     away = (foot[1] - foot[0]) / max(float(np.linalg.norm(foot[1] - foot[0])), 1e-300)
     depth = float(P[2] @ (*foot[0], 0.0, 1.0))
-    radius = 0.5 * breadth * depth / math.sqrt(sight.camera.K[0, 0] * sight.camera.K[1, 1])
+    seen_radius = 0.5 * breadth * depth / math.sqrt(sight.camera.K[0, 0] * sight.camera.K[1, 1])
+    radius = seen_radius if caster is None else caster.radius_m
     centre = foot[0] + radius * away
-
-    image = P @ (*centre, 0.0, 1.0)
-    top = float(along.max())
-    gain = float(P[:2, 2] @ up - top * P[2, 2])
-    missing = float(top * image[2] - image[:2] @ up)
-    height = HIGHEST * missing / gain if gain > 0 else math.inf
-    height = min(max(height, FLATTEST * radius), SLENDEREST * radius)
+    height = _height(P, centre, up, float(along.max()), radius) if caster is None else caster.height_m
     unit = max(radius, height)
     frame = BodyFrame(centre, unit)
     if not (math.isfinite(unit) and unit > 0 and P[2] @ frame.T_marker_body[:, 3] > 0):
@@ -76,6 +73,15 @@ def guess_scene(sight: Sight, outlines: Outlines) -> FirstGuess | str:
         reach = float((offsets @ towards).max()) - 0.7 * radius / unit
         displacements.append(-towards * max(reach, 0.1 * radius / unit) * unit / height)
     return FirstGuess(frame, radius / unit, height / unit, layout.lights_of(np.concatenate(displacements)))
+
+
+def _height(P: Float, centre: Float, up: Float, top_px: float, radius: float) -> float:
+    """The height of an upright cylinder about `centre` (2,) whose top is seen `top_px` along the unit vector `up`."""
+    image = P @ (*centre, 0.0, 1.0)
+    gain = float(P[:2, 2] @ up - top_px * P[2, 2])
+    missing = float(top_px * image[2] - image[:2] @ up)
+    height = HIGHEST * missing / gain if gain > 0 else math.inf
+    return min(max(height, FLATTEST * radius), SLENDEREST * radius)
 
 
 def _ground_from_image(P: Float) -> Float | None:

@@ -19,6 +19,7 @@ from ashe_live.light.shape.body import Body, LitBody
 from ashe_live.light.shape.contours import AnyMask
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family
+from ashe_live.light.shape.known import family_of, resized_family_of
 from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
@@ -139,7 +140,7 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
     if isinstance(outlines, str):
         return FitFailure(outlines)
     sight = replace(masks.sight, centre_px=outlines.centre_px)
-    guess = guess_scene(sight, outlines)
+    guess = guess_scene(sight, outlines, preset.caster)
     if isinstance(guess, str):
         return FitFailure(guess)
     starts = [guess.lights] if masks.start is None else [guess.lights, guess.frame.lights(masks.start)]
@@ -153,7 +154,7 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
         [scene.outlines for scene in scenes],
         [scene.outlier_px for scene in scenes],
     )
-    for families in _generations(preset.families):
+    for families in _generations(preset):
         # A small ball looks much like a cup too, so all families that grow from the first guess are always tried.
         problems = [
             scene.problem(number, family)
@@ -169,12 +170,14 @@ def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:
             scenes[problem.scene].solutions[problem.family.name] = solution
 
 
-def _generations(names: Sequence[str]) -> Iterator[list[Family]]:
+def _generations(preset: FitPreset) -> Iterator[list[Family]]:
     """Lists of families, each list holding those whose parents are in the lists before.
 
     Raises ValueError where a parent is not among them.
     """
-    remaining = [FAMILIES[name] for name in names]
+    remaining = [FAMILIES[name] for name in preset.families]
+    if preset.caster is not None:
+        remaining = [(resized_family_of if preset.resizes else family_of)(preset.caster)]
     tried: set[str | None] = {None}
     while remaining:
         ready = [family for family in remaining if family.grows_from in tried]

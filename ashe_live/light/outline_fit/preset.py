@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from ashe_live.core.caster import Caster
 from ashe_live.light.shape.families import FAMILIES
 
 
@@ -13,6 +14,8 @@ class FitPreset:
     families: tuple[str, ...]  # tried in this order, each after the one that it grows from
     iterations: int
     sufficient_rms: float  # residual, in sigmas of the masks' edges, below which no further families are tried
+    caster: Caster | None = None  # the body, where its shape and size are known: in the place of the families
+    resizes: bool = False  # whether the caster's sizes are fitted as well, as if they had been measured wrong
 
 
 FAST = FitPreset(32, ("frustum", "box", "sphere", "vase", "lump"), 8, 1.5)

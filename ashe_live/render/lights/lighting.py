@@ -1,7 +1,7 @@
 """Irradiances of the sky, suns and lamps for shading, from the measured ratios of the real shadows."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -76,6 +76,8 @@ class Lighting:
     suns: tuple[Sun, ...]  # and lamps; strongest first, MAX_LIGHTS at most
     sky: RGB  # on level ground; with the suns' shares it makes 1 at the marker's centre
     bounce: RGB  # from the ground at the marker's centre, on a surface that faces it
+    # (2, 3) what surfaces that face x and y get of the sky beyond what an even one gives them.
+    sky_slope: Float = field(default_factory=lambda: np.zeros((2, 3)))
 
     @property
     def has_lamps(self) -> bool:
@@ -111,13 +113,15 @@ def lighting_of(
     lights: tuple[Light, ...],
     ambient_rgb_ratio: Float | None = None,
     ground_albedo: Float | None = None,
+    sky_slope_rgb: Float | None = None,
 ) -> Lighting:
     """Sky and suns from the shadows' ratios: a light whose shadow has the ratio r gives 1 - r of level ground's light.
 
     Where ratios and ambient (3,) contradict each other, the ambient holds and the suns share the rest. The ambient is
     that where the shadow lies, so that where a lamp's share was measured at the marker's centre that holds. Lights
     below the horizon give nothing; without any the sky gives all: no sun is invented. What a surface gets from below
-    is the ground's own light, of its own colour (3,).
+    is the ground's own light, of its own colour (3,). The sky may lean by a slope (2, 3), by
+    which no surface gets less than nothing.
     """
     albedo = np.full(3, GROUND_ALBEDO) if ground_albedo is None else np.clip(ground_albedo, 0.0, MAX_ALBEDO)
     lights = tuple(light for light in lights if light.to_light_marker[2] > 0)[:MAX_LIGHTS]
@@ -138,7 +142,10 @@ def lighting_of(
         Sun(light.to_light_marker, _rgb(share), _rgb(irradiance), angular_size(light), light.inverse_distance)
         for light, share, irradiance in zip(lights, shares, across, strict=True)
     )
-    return Lighting(suns, _rgb(sky), _rgb(albedo * level))
+    # A wall that faces away from all of an even sky's slope still gets half of that sky.
+    slope = np.zeros((2, 3)) if sky_slope_rgb is None else sky_slope_rgb
+    steepest = np.maximum(np.linalg.norm(slope, axis=0), 1e-9)
+    return Lighting(suns, _rgb(sky), _rgb(albedo * level), slope * np.minimum(1.0, 0.5 * sky / steepest))
 
 
 def ground_ratio(light: Light, count: int = 1) -> Float:

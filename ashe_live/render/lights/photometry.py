@@ -26,14 +26,14 @@ class Photometry:
 
     def lighting(self, of: Illumination) -> Lighting:
         """The irradiances; the same object for the same illumination."""
-        known = (*of.lights, of.ambient_rgb_ratio, of.ground_rgb, of.seen_in, of.real_object)
+        known = (*of.lights, of.ambient_rgb_ratio, of.sky_slope_rgb, of.ground_rgb, of.seen_in, of.real_object)
         if self._lighting is None or not same_objects(self._lighting[0], known):
             lights = tuple(steadied(light, of.ground_rgb) for light in of.lights)
             albedo = None
             if of.ground_rgb is not None and of.seen_in is not None:
                 lighting = lighting_of(lights, of.ambient_rgb_ratio)
                 albedo = of.ground_rgb / white_of(of.seen_in, lighting, of.real_object)
-            self._lighting = known, lighting_of(lights, of.ambient_rgb_ratio, albedo)
+            self._lighting = known, lighting_of(lights, of.ambient_rgb_ratio, albedo, of.sky_slope_rgb)
         return self._lighting[1]
 
     def border_share(self, of: Illumination) -> float:

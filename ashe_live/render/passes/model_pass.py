@@ -100,6 +100,7 @@ class ModelPass:
             emissive=material.emissive,
             alpha_cutoff=material.alpha_cutoff,
             sky=inputs.lighting.sky,
+            sky_slope=inputs.lighting.sky_slope,
             ground_bounce=inputs.lighting.bounce,
             sun=inputs.lighting.irradiances,
             sun_on_ground=inputs.lighting.ground_shares,

@@ -2,11 +2,12 @@
 
 Every face has six small numbers, three of a turn and three of a shift, which are known beforehand to be as small as
 careful folding makes them. Each frame is one step of an information filter: its pose is eliminated (by the Schur
-complement), and what it says of the faces is added. What all faces share is no fold but the pose, and stays as it is.
+complement), and what it says of the faces is added. What all faces share is no fold but the pose, and makes that
+uncertain (docs/maths.md, "Folds").
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import cv2
@@ -28,8 +29,8 @@ LATER_FRAMES, MOST_FRAMES = 0.2, 60
 # Learned from every one of the first frames, then from one in so many.
 EVERY_ONE_OF, EVERY = 4, 8
 EACH = 6
-# Cubes are folded better and worse: the scales of these standard deviations that are tried, and the information about
-# what lies along an axis, in units of the prior, from which on it says something of them.
+# Cubes are folded better and worse: the scales of these standard deviations, any as likely as another beforehand, and
+# the information about what lies along an axis, in units of the prior, from which on it says something of them.
 SCALES: Float = np.array([0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4])
 LEAST_INFORMATION = 0.05
 
@@ -42,10 +43,11 @@ class Folding:
         prior = np.tile([TURN_SIGMA] * 3 + [SHIFT_SIGMA * edge_m] * 3, len(FACES)) ** -2.0
         self._prior: Float = prior
         self._information = np.zeros((len(prior), len(prior)))
-        self._scale = 1.0  # of this cube's folds, over those of careful folding
         self._vector = np.zeros(len(prior))
+        self._covariance: Float = np.diag(1 / prior)  # of the folds, by all that was seen
         self._frames = self._seen_in = 0
-        self._met: set[int] = set()
+        self._numbers: tuple[int, ...] = ()  # of the faces whose pose `pose_covariance` is of
+        self._pose_covariance = np.diag(1 / prior[:EACH])
         self._folds = np.zeros((len(FACES), EACH))
 
     def corners(self, number: int, side: float = TAG_SHARE) -> Float:
@@ -61,35 +63,28 @@ class Folding:
 
     @property
     def pose_covariance(self) -> Float:
-        """(6, 6) of a turn about and a shift of the cube's middle, rad and m, that is common to all faces met so far.
+        """(6, 6) of the turn about and the shift of the cube's middle, rad and m, cube's axes, that folds may have.
 
-        As large as folding leaves it, by how these faces agree.
+        For the faces that were seen last. What they share is the pose itself, as no picture tells them apart.
         """
-        met = sorted(self._met)
-        if not met:
-            return np.diag(np.append(np.full(3, TURN_SIGMA), np.full(3, SHIFT_SIGMA * self._edge_m)) ** 2)
-        return np.asarray(self._scale**2 / len(met) * np.diag(1 / self._prior[:EACH]))
+        return self._pose_covariance
 
     def stated(self, pose: MarkerPose) -> MarkerPose:
-        """`pose` with the cube's body, and as uncertain as what all its faces may have in common."""
+        """`pose` with the cube's body, and as uncertain as the folds make it."""
         if pose.covariance is None:
             return replace(pose, body=self.body)
-        # Of a turn about the cube's middle, and of its shift, in the camera's axes, to those about the origin.
-        R, middle = pose.T_cam_marker[:3, :3], pose.T_cam_marker[:3, :3] @ (0, 0, 0.5 * self._edge_m)
-        moved = np.eye(EACH)
-        moved[3:, :3] = _crosses(middle[None])[0]
-        turned = np.zeros((EACH, EACH))
-        turned[:3, :3] = turned[3:, 3:] = R
-        by_folds = moved @ turned @ self.pose_covariance @ turned.T @ moved.T
+        by_middle = self._pose_by_middle(pose.T_cam_marker)
+        by_folds = by_middle @ self.pose_covariance @ by_middle.T
         return replace(pose, body=self.body, covariance=pose.covariance + 0.5 * (by_folds + by_folds.T))
 
     def add(self, squares: Mapping[int, Sighting], T_cam_cube: Float, camera: Camera) -> bool:
         """Learns from a frame's faces by number, seen from `T_cam_cube`; returns whether the shape has changed."""
         self._seen_in += 1
+        numbers = tuple(squares)
         is_due = self._frames < EVERY_ONE_OF or self._seen_in % EVERY == 0
-        if len(squares) < 2 or self._frames >= MOST_FRAMES or not is_due:
+        is_learned = len(squares) > 1 and self._frames < MOST_FRAMES and is_due
+        if not is_learned and numbers == self._numbers:
             return False
-        numbers = list(squares)
         sightings = list(squares.values())
         information = corners_information(sightings, corners_noise(sightings))
         R, t = T_cam_cube[:3, :3], T_cam_cube[:3, 3]
@@ -101,47 +96,64 @@ class Folding:
         predicted = (in_camera / in_camera[:, 2:]) @ camera.K[:2].T
         off = (np.concatenate([one.square.corners_px for one in sightings]) - predicted).ravel()
         by_pose = pixels_by_pose(turned, in_camera, camera.K)
-        by_points = pixels_by_points(in_camera, camera.K) @ R
-        by_folds = np.zeros((len(off), self._folds.size))
-        for row, number in enumerate(numbers):
-            arms = points[4 * row : 4 * row + 4] - self._edge_m * FACES[number].centre
-            moved = np.concatenate([-_crosses(arms), np.tile(np.eye(3), (4, 1, 1))], axis=2)
-            block = (by_points[4 * row : 4 * row + 4] @ moved).reshape(8, EACH)
-            by_folds[8 * row : 8 * row + 8, EACH * number : EACH * number + EACH] = block
+        by_folds = self._pixels_by_folds(numbers, points, pixels_by_points(in_camera, camera.K) @ R)
         off = off + by_folds @ self._folds.ravel()
         whole = np.concatenate([by_pose, by_folds], axis=1)
         weighted = whole.T @ information
         normal, pull = weighted @ whole, weighted @ off
         mixed = np.column_stack([normal[:EACH, EACH:], pull[:EACH]])
         by_both = np.linalg.solve(normal[:EACH, :EACH] + 1e-12 * np.eye(EACH), mixed)
-        share = LATER_FRAMES if self._frames else 1.0
-        self._information += share * (normal[EACH:, EACH:] - normal[EACH:, :EACH] @ by_both[:, :-1])
-        self._vector += share * (pull[EACH:] - normal[EACH:, :EACH] @ by_both[:, -1])
-        self._frames += 1
-        self._met.update(numbers)
-        self._scale = self._likeliest_scale()
-        total = self._information + np.diag(self._prior / self._scale**2)
-        folds: Float = np.asarray(np.linalg.solve(total, self._vector)).reshape(-1, EACH)
-        if not np.isfinite(folds).all():
+        pose_by_folds = np.linalg.solve(self._pose_by_middle(T_cam_cube), by_both[:, :-1])
+        if not np.isfinite(by_both).all():
             return False
-        self._folds = folds
-        return True
+        if is_learned:
+            share = LATER_FRAMES if self._frames else 1.0
+            self._information += share * (normal[EACH:, EACH:] - normal[EACH:, :EACH] @ by_both[:, :-1])
+            self._vector += share * (pull[EACH:] - normal[EACH:, :EACH] @ by_both[:, -1])
+            self._frames += 1
+            self._covariance = self._posterior_covariance()
+            self._folds = np.asarray(self._covariance @ self._vector).reshape(-1, EACH)
+        self._numbers = numbers
+        self._pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
+        return is_learned
 
-    def _likeliest_scale(self) -> float:
-        """The scale of the folds under which the faces' disagreement is likeliest: empirical Bayes.
+    def _pixels_by_folds(self, numbers: Sequence[int], points: Float, by_points: Float) -> Float:
+        """(8 n, 30) derivatives of the pixels of n faces' corners (4 n, 3) by all folds; by_points: by the corners."""
+        by_folds = np.zeros((2 * len(points), self._folds.size))
+        for row, number in enumerate(numbers):
+            arms = points[4 * row : 4 * row + 4] - self._edge_m * FACES[number].centre
+            moved = np.concatenate([-_crosses(arms), np.tile(np.eye(3), (4, 1, 1))], axis=2)
+            block = (by_points[4 * row : 4 * row + 4] @ moved).reshape(8, EACH)
+            by_folds[8 * row : 8 * row + 8, EACH * number : EACH * number + EACH] = block
+        return by_folds
+
+    def _posterior_covariance(self) -> Float:
+        """(30, 30) of the folds by all that was seen, over all scales that these may have.
 
         In units of the prior, along each principal axis of the information, what was measured is normal with the
-        variance of the folds and of the measurement together; what all faces share has no information, and no say.
+        variance of the folds and of the measurement together, so that the faces' disagreement tells the scale; what all
+        faces share has no information, and no say. Few disagree, so that the scale stays uncertain: to take its
+        likeliest value would make the pose's standard deviations a tenth too small.
         """
         sigmas = self._prior**-0.5
         values, axes = np.linalg.eigh(sigmas[:, None] * self._information * sigmas)
         told = values > LEAST_INFORMATION
-        if not told.any():
-            return 1.0
         noise = 1 / values[told]
         squares = (axes[:, told].T @ (sigmas * self._vector) * noise) ** 2
         variance = SCALES[:, None] ** 2 + noise
-        return float(SCALES[(np.log(variance) + squares / variance).sum(axis=1).argmin()])
+        log_likelihood = -0.5 * (np.log(variance) + squares / variance).sum(axis=1)
+        posterior = np.exp(log_likelihood - log_likelihood.max())
+        by_scale = 1 / (np.maximum(values, 0.0) + 1 / SCALES[:, None] ** 2)
+        spread = sigmas[:, None] * axes
+        return np.asarray((spread * (posterior @ by_scale / posterior.sum())) @ spread.T)
+
+    def _pose_by_middle(self, T_cam_cube: Float) -> Float:
+        """(6, 6) a pose's turn about the frame's origin and its shift, camera's axes, by those of the cube's middle."""
+        R = T_cam_cube[:3, :3]
+        by_middle = np.zeros((EACH, EACH))
+        by_middle[:3, :3] = by_middle[3:, 3:] = R
+        by_middle[3:, :3] = _crosses((R @ (0, 0, 0.5 * self._edge_m))[None])[0] @ R
+        return by_middle
 
     def _placed(self, number: int, points: Float) -> Float:
         centre, fold = self._edge_m * FACES[number].centre, self._folds[number]

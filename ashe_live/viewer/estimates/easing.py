@@ -46,12 +46,19 @@ def _between(start: Illumination, end: Illumination, share: float) -> Illuminati
     ambient = None
     if ambient_of_start is not None and ambient_of_end is not None:
         ambient = (1 - eased) * ambient_of_start + eased * ambient_of_end
-    return replace(end, lights=lights, ambient_rgb_ratio=ambient)
+    slope = (1 - eased) * _slope(start) + eased * _slope(end)
+    return replace(end, lights=lights, ambient_rgb_ratio=ambient, sky_slope_rgb=slope if slope.any() else None)
 
 
 def _ambient(illumination: Illumination) -> Float | None:
     """(3,) ambient ratio: 1 without lights, as the sky then gives all light; None where it was not measured."""
     return illumination.ambient_rgb_ratio if illumination.lights else np.ones(3)
+
+
+def _slope(illumination: Illumination) -> Float:
+    """(2, 3) of the sky; 0 without lights, as of it alone none is known."""
+    slope = illumination.sky_slope_rgb
+    return np.zeros((2, 3)) if slope is None or not illumination.lights else slope
 
 
 def _lights_between(start: tuple[Light, ...], end: tuple[Light, ...], share: float) -> Iterator[Light]:

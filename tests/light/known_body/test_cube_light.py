@@ -11,6 +11,8 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
 from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.light.known_body.found_light import FoundLight
+from ashe_live.light.known_body.lights import are_apart
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
@@ -96,3 +98,35 @@ def test_the_same_frame_gives_the_same_answer() -> None:
     assert first.light is not None
     assert second.light is not None
     assert np.array_equal(first.light.to_light_marker, second.light.to_light_marker)
+
+
+def confidences(answer: LightEstimate) -> dict[int, float]:
+    """By the light's elevation, rounded to ten degrees."""
+    return {round(light.elevation_deg, -1): light.confidence for light in answer.lights if light.confidence is not None}
+
+
+def test_each_light_is_as_sure_as_its_own_shadow_shows_it() -> None:
+    low, high = sun(200, 30, on_table=0.4), sun(75, 60, on_table=0.3)
+    both = confidences(estimate(CubeScene(CAMERA, looking(0.4, 45, 30), [low, high])))
+    assert set(both) == {30, 60}
+    assert min(both.values()) > 0.9
+    # The cube hides nearly all of a shadow that falls away from the camera.
+    hidden = sun(40, 70, on_table=0.3)
+    one_hidden = confidences(estimate(CubeScene(CAMERA, looking(0.4, 60, 220), [low, hidden])))
+    assert one_hidden[30] > 0.99
+    assert one_hidden.get(70, 0.0) < one_hidden[30]
+
+
+def test_the_rest_of_a_shadow_is_no_second_light() -> None:
+    """Lights that are moved onto the same edges are one."""
+    for azimuth_deg in (20, 140, 260):
+        answer = estimate(
+            CubeScene(CAMERA, looking(0.45, 50, 80), [sun(azimuth_deg, 44)], mottled=0.1, seed=azimuth_deg)
+        )
+        assert len(answer.lights) <= 1
+
+
+def test_lights_that_come_within_the_maps_resolution_are_one() -> None:
+    apart = [FoundLight(sun(azimuth, 50).point, np.eye(2), None, 0.3) for azimuth in (0, 30, 200)]
+    assert are_apart(apart)
+    assert not are_apart([*apart, FoundLight(sun(35, 50).point, np.eye(2), None, 0.3)])

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from ashe_live.bench.cases import read_cases
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.camera import Camera
+from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import angle_between, angles_from_direction, rigid
 from ashe_live.light.outline_fit.fit import FitFailure, Masks, fit_bodies
 from ashe_live.light.outline_fit.preset import BALANCED, FAST, FitPreset
@@ -332,3 +334,31 @@ def test_shipped_scenes_are_solved(name: str) -> None:
     fit = best_of(Masks(body, [shadow], Sight(case.camera, case.marker.T_cam_marker), None, 0.2))
     assert isinstance(fit, LitBody)
     assert error_deg(fit, case.to_lights_marker[0]) < 2
+
+
+KNOWN = {
+    "box": Caster.box(0.06, 0.04, 0.08),
+    "cylinder": Caster.cylinder(0.03, 0.1),
+    "ball": Caster.sphere(0.035),
+    "cone": Caster.hull(turned(0.0, 0.0, [(0.04, 0.0), (0.0, 0.09)])[0]),
+    "ell": Caster.hull(np.concatenate(ell(0.0, 0.0, 0.0))),
+}
+
+
+@pytest.mark.parametrize("azimuth_deg", [20.0, 110.0, 200.0, 290.0])
+@pytest.mark.parametrize("name", KNOWN)
+def test_a_known_body_is_found_where_it_stands_and_so_is_its_light(name: str, azimuth_deg: float) -> None:
+    light = direction(azimuth_deg, 45.0)
+    fit = fitted(render(BODIES[name](), [light], VIEW), replace(BALANCED, caster=KNOWN[name]))
+    assert error_deg(fit, light) < 1.0
+    points = fit.body.proxy.points_marker(60)
+    truth = np.concatenate(BODIES[name]())
+    np.testing.assert_allclose(points.min(axis=0), truth.min(axis=0), atol=0.0015)
+    np.testing.assert_allclose(points.max(axis=0), truth.max(axis=0), atol=0.0015)
+
+
+def test_the_sizes_of_a_known_body_are_not_fitted() -> None:
+    preset = replace(FAST, caster=Caster.cylinder(0.033, 0.11))
+    fit = fitted(render(BODIES["cylinder"](), [LIGHT], VIEW), preset)
+    assert fit.body.proxy.spheroids_marker[1, 2] == pytest.approx(0.11)
+    np.testing.assert_allclose(fit.body.proxy.spheroids_marker[:, 3], 0.033)

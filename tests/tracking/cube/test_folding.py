@@ -2,17 +2,19 @@
 
 import math
 
+import cv2
 import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import project
+from ashe_live.core.types import MarkerPose
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.cube.faces import FACES, TAG_SHARE
-from ashe_live.tracking.cube.folding import Folding
+from ashe_live.tracking.cube.folding import SHIFT_SIGMA, TURN_SIGMA, Folding
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import cube_layout
-from ashe_live.tracking.poses.pose import Sighting
+from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
 
@@ -60,6 +62,59 @@ def test_two_faces_are_learned_but_for_what_they_share() -> None:
     # The angle between both is what it is; whether one turned or the other, nothing says.
     between = math.acos(float(across(0) @ across(2)))
     assert between == pytest.approx(math.pi / 2 + 0.02, abs=2e-3)
+
+
+def sightings_of(folding: Folding, squares: dict[int, FittedSquare]) -> dict[int, Sighting]:
+    return {number: Sighting(folding.corners(number), square) for number, square in squares.items()}
+
+
+def pose_of(folding: Folding, squares: dict[int, FittedSquare]) -> MarkerPose:
+    pose = pose_of_squares(list(sightings_of(folding, squares).values()), CAMERA, EDGE_M)
+    assert pose is not None
+    return pose
+
+
+def frame_error(rng: np.random.Generator, folds: Folds, frames: int) -> float:
+    """Squared error of the last frame's pose over its stated covariance, of a cube that is followed so long."""
+    folding, corner_px = Folding(EDGE_M), 0.05
+    for _ in range(frames):
+        T = looking(0.35, rng.uniform(30, 65), rng.uniform(0, 360))
+        eye = -T[:3, :3].T @ T[:3, 3]
+        shown = [number for number, face in enumerate(FACES) if (eye - EDGE_M * face.centre) @ face.outwards > 0.1]
+        squares = {}
+        for number in shown:
+            exact = project(CAMERA, T, EDGE_M * folds.placed(number, FACES[number].corners(TAG_SHARE)))
+            squares[number] = FittedSquare.guessed(exact + rng.normal(0, corner_px, (4, 2)), corner_px)
+        pose = pose_of(folding, squares)
+        folding.add(sightings_of(folding, squares), pose.T_cam_marker, CAMERA)
+        pose = pose_of(folding, squares)
+    stated = folding.stated(pose)
+    turn = cv2.Rodrigues(T[:3, :3] @ stated.T_cam_marker[:3, :3].T)[0].ravel()
+    error = np.append(turn, T[:3, 3] - stated.T_cam_marker[:3, 3])
+    return float(error @ np.linalg.solve(stated.covariance, error))
+
+
+@pytest.mark.parametrize("frames", [1, 4])
+@pytest.mark.parametrize("careful", [0.4, 1.0])
+def test_frames_of_crooked_cubes_lie_in_their_ellipsoids(frames: int, careful: float) -> None:
+    """However crooked cubes are: how much is told by how their own faces disagree."""
+    rng = np.random.default_rng(round(10 * careful) + frames)
+    squares = [
+        frame_error(rng, Folds.drawn(rng, EDGE_M, careful * 1e-3, careful * 1.5), frames) for _ in range(120 // frames)
+    ]
+    # Of six degrees of freedom.
+    assert math.sqrt(np.mean(squares) / 6) == pytest.approx(1.0, abs=0.2)
+    assert 0.86 <= np.mean(np.array(squares) < 12.59) <= 1.0
+
+
+def test_a_face_that_is_seen_alone_leaves_the_cubes_place_to_its_own_fold() -> None:
+    folding, T = Folding(EDGE_M), looking(0.35, 50, 40)
+    folding.add(seen(T, Folds(), folding, [0]), T, CAMERA)
+    of_one = folding.pose_covariance
+    # A turn of the top about its middle moves the cube's middle, half an edge below it.
+    assert of_one[3, 3] == pytest.approx((SHIFT_SIGMA**2 + (0.5 * TURN_SIGMA) ** 2) * EDGE_M**2, rel=0.05)
+    assert of_one[5, 5] == pytest.approx((SHIFT_SIGMA * EDGE_M) ** 2, rel=0.05)
+    assert of_one[0, 0] == pytest.approx(TURN_SIGMA**2, rel=0.05)
 
 
 def test_the_frame_of_a_crooked_cube_errs_at_most_half_again_as_much_as_it_says() -> None:

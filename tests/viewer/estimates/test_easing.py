@@ -112,3 +112,13 @@ def test_a_lamp_whose_share_was_measured_at_the_marker_fades_by_it():
     shares = [lighting_of(shown.lights).suns[0].ground_share[0] for shown in passage(NONE, Illumination((lamp,)))]
     assert (shares[0], shares[-1]) == pytest.approx((0.0, 0.75))
     assert max(np.diff(shares)) < 0.1
+
+
+def test_a_sky_leans_over_without_a_jump():
+    lit = lit_from(SUN)
+    slope = np.full((2, 3), 0.1)
+    leaning = [shown.sky_slope_rgb for shown in passage(lit, replace(lit, sky_slope_rgb=slope))]
+    values = [0.0 if each is None else float(each[0, 0]) for each in leaning]
+    assert (values[0], values[-1]) == (0.0, 0.1)
+    assert max(b - a for a, b in itertools.pairwise(values)) < 0.02
+    assert passage(replace(lit, sky_slope_rgb=slope), lit)[-1].sky_slope_rgb is None

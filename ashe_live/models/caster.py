@@ -1,0 +1,39 @@
+"""A real object of known shape and size, as a person gives it: by its sizes, or by the file of its model."""
+
+from pathlib import Path
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.caster import Caster, parsed_caster
+from ashe_live.models.loading import SUFFIXES, load_model_file
+from ashe_live.models.placement import PlacedModel, all_around
+from ashe_live.models.reading import read_apart
+
+# In so many directions a hull may reach less far than the model by this part of its extent: a third of what sizes that
+# are measured with a ruler err by.
+DIRECTIONS, MOST_MISSED = 400, 0.005
+
+
+def read_caster(spec: str) -> Caster:
+    """The body that `spec` gives: its kind and sizes (`parsed_caster`), or the path of a model's file.
+
+    Of a model it is the convex hull, standing as it is loaded, with the file's unit for a metre; its hollows and gaps
+    are filled. Raises UserError when there is no such body, or it is too small or too large to cast a shadow.
+    """
+    if Path(spec).suffix.lower() not in SUFFIXES:
+        return parsed_caster(spec)
+    return Caster.hull(read_apart(_few_points, (spec,), spec))
+
+
+def _few_points(path: str) -> Float:
+    """(n, 3) as few points of a model as reach nearly as far as it does, those that are missed most first."""
+    model = load_model_file(Path(path))
+    points = PlacedModel(model, model.bounds).outline
+    reaches = all_around(DIRECTIONS) @ points.T
+    farthest, whole = reaches.argmax(axis=1), reaches.max(axis=1)
+    chosen, reached = [], np.full(DIRECTIONS, -np.inf)
+    while (whole - reached).max() > MOST_MISSED * np.ptp(points, axis=0).max():
+        chosen.append(int(farthest[(whole - reached).argmax()]))
+        reached = np.maximum(reached, reaches[:, chosen[-1]])
+    return np.asarray(points[chosen])

@@ -1,0 +1,68 @@
+"""`--caster`: what it may be, what it reaches, and what is said where it cannot be."""
+
+from dataclasses import replace
+
+import jsonschema
+import pytest
+
+from ashe_live.commands.flags.parser import build_parser
+from ashe_live.commands.flags.setup import light_steps
+from ashe_live.core.caster import Caster
+from ashe_live.light.estimators.steps import BALANCED, FAST
+from tests.checkout import CHECKOUT
+
+WRONG = ["tin", "box:0.1x0.1", "sphere:-1", "cylinder:axb", "none.glb", "sphere:60"]
+
+
+def test_it_reaches_the_estimator_with_the_other_choices():
+    options = build_parser().parse_args(
+        ["webcam", "--caster", "box:0.06x0.05x0.1", "--light", "sun", "--quality", "fast"]
+    )
+    assert light_steps(options) == replace(FAST, light="sun").with_caster(Caster.box(0.06, 0.05, 0.1))
+    assert light_steps(build_parser().parse_args(["demo"])) == BALANCED
+    model = str(CHECKOUT / "assets" / "models" / "goblet.glb")
+    caster = light_steps(build_parser().parse_args(["play", "a.mp4", "--caster", model])).caster
+    assert caster is not None
+    assert caster.kind == "hull"
+
+
+@pytest.mark.parametrize("spec", WRONG)
+def test_what_is_no_body_is_one_line_and_status_2(run, files, spec):
+    outcome = run("estimate", files["photo"], "--caster", spec)
+    assert outcome.status == 2
+    assert outcome.out == []
+    assert len(outcome.err) == 1
+
+
+def test_a_model_that_is_damaged_is_one_line(run, files):
+    outcome = run("estimate", files["photo"], "--caster", files["broken_model"])
+    assert outcome.status == 2
+    assert len(outcome.err) == 1
+    assert "broken.glb" in outcome.err[0]
+
+
+def test_the_paper_cube_needs_none(run, files):
+    outcome = run("estimate", files["photo"], "--marker", "cube", "--caster", "sphere:0.03")
+    assert (outcome.status, len(outcome.err)) == (2, 1)
+    assert "leave out --caster" in outcome.err[0]
+
+
+def test_the_papers_method_has_no_use_for_it(run, files):
+    outcome = run("estimate", files["photo"], "--estimator", "paper", "--caster", "sphere:0.03")
+    assert (outcome.status, len(outcome.err)) == (2, 1)
+
+
+def test_the_answer_says_which_body_it_is(run, film, schema):
+    (record,) = run(
+        "estimate", "--json", "--camera-file", film.camera_file, "--caster", "box:0.05x0.05x0.08", film.path
+    ).records
+    jsonschema.validate(record, schema)
+    assert record["light"]["kind"] != "none"
+    assert record["caster"]["family"] == "box"
+    assert max(spheroid[2] for spheroid in record["caster"]["spheroids_marker"]) == pytest.approx(0.08)
+
+
+def test_a_wrong_one_is_told_also_before_a_clip_is_played(run, film):
+    outcome = run("play", film.path, "--headless", "--caster", "box:1x1", "--hfov", "55")
+    assert outcome.status == 2
+    assert "box:WxDxH" in outcome.err[-1]
