@@ -18,6 +18,7 @@ from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import Layout, members_of
 from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.memory import Memory, remembered
+from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares, poses_of_square
 from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
@@ -46,6 +47,7 @@ class MarkerTracker:
         self.marker = marker
         self.side_m = side_m
         self.preset = preset
+        self.others = PlaneMarkers(())  # that are looked for on the plane of this one
         self.filters = True  # holds the pose still while the marker is; off, every frame's pose is its own
         self._members = members_of(marker)
         # What it is printed on, where that is folded by hand and no two are alike.
@@ -64,6 +66,7 @@ class MarkerTracker:
         self._note: str | None = None
         self._before_jump: MarkerPose | None = None
         self._filter.reset()
+        self.others.reset()
 
     def jump(self) -> None:
         """As reset, but between a square's two poses the last one still decides: another time, and no other place.
@@ -103,7 +106,9 @@ class MarkerTracker:
             self._last = remembered(frame, pose, corners_px, bridged, last)
             self._lost_frames = 0
             self._before_jump = None
-        return TrackedFrame(frame, camera, pose, (time.perf_counter() - start) * 1e3, self._note if pose else None)
+        others = self.others.found(frame, camera, pose, self.preset)
+        detect_ms = (time.perf_counter() - start) * 1e3
+        return TrackedFrame(frame, camera, pose, detect_ms, self._note if pose else None, others)
 
     def _camera_for(self, size: Size) -> Camera:
         if self._camera_now is None or self._camera_now.size != size:

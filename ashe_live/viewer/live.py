@@ -168,7 +168,7 @@ class LiveViewer:
         moment = self._playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality_shown, self._playback.pace_shown, recording)))
-        self._display.drawn_model = self._renderer.shown_model
+        self._display.drawn_models = self._renderer.shown_models
         scene = self._display.scene(self._session, size, manner, now_s, self._fps(), status, scale, moment)
         if menu := self._menu.overlays(size):
             scene = replace(scene, overlays=menu)  # alone, as text over text cannot be read
@@ -311,8 +311,11 @@ class LiveViewer:
 def _same(now: tuple[Scene, Size, RenderPreset], before: tuple[Scene, Size, RenderPreset]) -> bool:
     """Whether the pictures are the same, as far as their parts are the same objects."""
     parts = [
-        (*scene.overlays, scene.tracked, scene.model, scene.illumination, scene.placement)
+        (*scene.overlays, scene.tracked, scene.illumination, *(model for model, _ in scene.models))
         for scene, *_ in (now, before)
     ]
-    kinds = [(scene.kind, scene.time_s, *rest) for scene, *rest in (now, before)]
+    kinds = [
+        (scene.kind, scene.time_s, [placement for _, placement in scene.models], *rest)
+        for scene, *rest in (now, before)
+    ]
     return kinds[0] == kinds[1] and len(parts[0]) == len(parts[1]) and all(map(operator.is_, *parts))

@@ -1,6 +1,7 @@
 """The viewer's state without its window: the same on the screen, for a video file and in the tests."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,14 +10,15 @@ from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Draw, WorkerFailure
-from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
+from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
+from ashe_live.models.placement import UNMOVED, PlacedModel
 from ashe_live.process.messages import tell
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.estimates.beside import first_placement
+from ashe_live.viewer.arrangement import Arrangement
 from ashe_live.viewer.estimates.easing import LightEasing
 from ashe_live.viewer.estimates.light_watch import LightWatch
 from ashe_live.viewer.estimates.sharpening import Sharpening
-from ashe_live.viewer.hands.controls import Command, Request
+from ashe_live.viewer.hands.controls import Command, Drag, Request
 from ashe_live.viewer.hands.hand import Hand, HandContext
 from ashe_live.viewer.hands.undo import Undo
 from ashe_live.viewer.motion_clock import MotionClock
@@ -56,8 +58,12 @@ class Session:
         policy: EstimatePolicy,
         steadiness: Steadiness,
         true_to_light_marker: Float | None = None,
+        others: Sequence[ChosenModel] = (),
     ) -> None:
-        """`true_to_light_marker` (3,): known for a rendered clip, so that the estimate's error can be shown."""
+        """`true_to_light_marker` (3,): known for a rendered clip, so that the estimate's error can be shown.
+
+        `others`: models beside the one that `shelf` begins with.
+        """
         self.true_to_light_marker = true_to_light_marker
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
@@ -65,6 +71,7 @@ class Session:
         self.steps_bgr: Image | None = None  # sheet of the steps to the last estimate; None: nobody asked for it
         self.shown = Illumination()  # on its way to `lit_by`
         self.hand = Hand()
+        self.arrangement = Arrangement(shelf, self.hand, others)
         self.motion = MotionClock()
         self._undo = Undo()
         self.automatic = policy.automatic  # the light is watched, also while the camera stands still
@@ -84,10 +91,7 @@ class Session:
         self._policy_is_done = False
         self._steadiness = steadiness
         self._easing = LightEasing()
-        self._placements: dict[str, Placement] = {}  # of models that were shown, by their names
-        self._placed_name: str | None = None  # the model that the hand's placement is of
-        self._first_placement = UNMOVED  # of models that nobody has moved
-        self._first_placement_is_due = True  # where they stand depends on the light, and on what the marker is
+        self._met_name: str | None = None  # of the model that is in the hand, once it is known whether it moves
         self._by_hand_s = -math.inf
         self._notice: tuple[str, float] | None = None
 
@@ -118,8 +122,8 @@ class Session:
 
     @property
     def motion_s(self) -> float:
-        """The moment of its motion that the model is shown at; 0 where it has none."""
-        return self.motion.time_s if self._shelf.moves else 0.0
+        """The moment of their motion that the models are shown at; 0 where none has one."""
+        return self.motion.time_s if self.arrangement.moves else 0.0
 
     @property
     def has_seen_marker(self) -> bool:
@@ -159,7 +163,7 @@ class Session:
         if self._estimated.seen_in is None and tracked.marker is not None:
             self._estimated = Illumination(seen_in=tracked)
         self.motion.tick(now_s)
-        self._stand_clear()
+        self.arrangement.stand_clear(tracked, self._estimated.light)
         is_steady = self._steadiness.add(tracked.marker)
         if has_gone_round and self.settle_for_last(now_s):
             return
@@ -185,7 +189,7 @@ class Session:
         self._estimated = Illumination()
         self.shown = self._easing.jump(self._estimated)
         self.hand.reset()
-        self._first_placement, self._first_placement_is_due = UNMOVED, True
+        self.arrangement.begin_anew()
         self._undo.forget()
         self.watch.begin_anew()
         self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
@@ -222,34 +226,20 @@ class Session:
             self.say(str(error), now_s)
         self.motion.tick(now_s)
         self.tell_of_models(now_s)
-        self._keep_placements(now_s)
+        self._follow_shelf(now_s)
         outcome = self._accept(self.watch.poll(), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
         return outcome
 
-    def _stand_clear(self) -> None:
-        """A model that nobody has moved stands over the marker; where that is a body, beside it and its shadow."""
-        if not self._first_placement_is_due or self.tracked is None or self.tracked.marker is None:
-            return
-        self._first_placement_is_due = False
-        before, self._first_placement = self._first_placement, first_placement(self.tracked, self._estimated.light)
-        if self.hand.placement == before:
-            self.hand.placement = self._first_placement
-
-    def _keep_placements(self, now_s: float) -> None:
-        """Each model stays where it was put, and as large."""
-        shown = self._shelf.shown_name
-        if shown == self._placed_name:
-            return
-        if self._placed_name is not None:
-            self._placements[self._placed_name] = self.hand.placement
-            self.hand.placement = self._placements.get(shown, self._first_placement)
+    def _follow_shelf(self, now_s: float) -> None:
+        if self.arrangement.follow_shelf():
             self._undo.forget()
-        self._placed_name = shown
-        if self._shelf.moves and self.notice(now_s) is None:
-            self.say(f"{self.model_name} moves: K stops it", now_s)
+        if self._shelf.shown_name != self._met_name:
+            self._met_name = self._shelf.shown_name
+            if self._shelf.moves and self.notice(now_s) is None:
+                self.say(f"{self.model_name} moves: K stops it", now_s)
 
     def tell_of_models(self, now_s: float) -> None:
         """Says, here and on the terminal, what is drawn otherwise than a new model's file says."""
@@ -299,6 +289,8 @@ class Session:
                 self._stop_motion(now_s)
             case Command.TURN_UP:
                 self.say(f"{self.model_name}: {self._shelf.turn_up()} is up", now_s)
+            case Command.ADD_MODEL | Command.REMOVE_MODEL | Command.NEXT_IN_HAND:
+                self._rearrange(request.command, now_s)
             case Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR | Command.LIGHT_DISTANCE:
                 self._obey_hand(request, now_s)
             case Command.MOVE_LIGHT | Command.MOVE_MODEL | Command.SCALE_MODEL | Command.TURN_MODEL:
@@ -326,7 +318,7 @@ class Session:
             return None
         new, frozen = outcome.estimate, self.watch.frozen
         self._estimated = new.illumination.as_seen_in(frozen)
-        self._first_placement_is_due = True
+        self.arrangement.stand_clear_again()
         self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
@@ -338,10 +330,40 @@ class Session:
                 self.hand.light = None
         return self.estimate
 
+    def _rearrange(self, command: Command, now_s: float) -> None:
+        models = self.arrangement
+        # What was chosen meanwhile belongs to the model that was in the hand until now.
+        self._follow_shelf(now_s)
+        if command is Command.ADD_MODEL and not models.add():
+            self.say(f"{MOST_MODELS} models are the most: Delete takes the one in hand away", now_s)
+        elif command is Command.REMOVE_MODEL and not models.remove():
+            self.say("the last model stays: B hides it", now_s)
+        elif command is Command.NEXT_IN_HAND and not models.step():
+            self.say("there is one model: T puts another beside it", now_s)
+        else:
+            self._undo.forget()
+            self.say(self.in_hand_said, now_s)
+
+    @property
+    def in_hand_said(self) -> str:
+        """Which of several models keys and mouse change."""
+        count = len(self.arrangement)
+        return self.model_name if count == 1 else f"{self.model_name} ({self.arrangement.in_hand + 1} of {count})"
+
     def _obey_hand(self, request: Request, now_s: float) -> None:
+        if request.command is Command.MOVE_MODEL and isinstance(request.argument, Drag) and self.tracked is not None:
+            drag = request.argument
+            if drag.is_first and self.arrangement.take_up_at(drag.begin_px, self.tracked):
+                self._undo.forget()
+                self.say(self.in_hand_said, now_s)
+        anchor = self.arrangement.anchor(self.tracked)
+        if anchor is None and request.command is Command.MOVE_MODEL:
+            self.say(f"its marker {self.arrangement.marker_in_hand} is not in view", now_s)
+            return
         self._undo.note(self.hand, request, now_s)
         before = self.hand.light
-        if (said := self.hand.obey(request, HandContext(self.tracked, self._estimated, self.model))) is not None:
+        context = HandContext(self.tracked, self._estimated, self.model, anchor or UNMOVED)
+        if (said := self.hand.obey(request, context)) is not None:
             self.say(said, now_s)
         if self.hand.light is before:
             return
@@ -352,7 +374,7 @@ class Session:
             self.say("the light is by hand: A watches it again", now_s)
 
     def _stop_motion(self, now_s: float) -> None:
-        if not self._shelf.moves:
+        if not self.arrangement.moves:
             self.say(f"{self.model_name} stands still: it has no animation that is played", now_s)
             return
         self.motion.toggle()

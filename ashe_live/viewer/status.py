@@ -91,7 +91,7 @@ def status_lines(
     rate = [] if fps is None else [f"{fps:.0f} fps"]
     camera = camera_line(session.tracked)
     return [
-        "   ".join([*rate, model_name or session.model_name, quality, *([] if fps is None else [KEYS])]),
+        "   ".join([*rate, model_name or session.in_hand_said, quality, *([] if fps is None else [KEYS])]),
         marker_line(measured or session.tracked),
         *([] if camera is None else [camera]),
         light_line(session),
@@ -111,8 +111,12 @@ def lamp_note(session: Session) -> str | None:
         return LAMP_BELOW
     if not lamps:
         return None
-    points = transform_points(session.hand.placement.marker_from_placed, session.model.outline)
-    return None if all(sees(lamp, points) for lamp in lamps) else LAMP_INSIDE
+    bodies = [
+        transform_points(placement.marker_from_placed, model.outline)
+        for _, model, placement in session.arrangement.models(session.tracked)
+        if placement is not None
+    ]
+    return None if all(sees(lamp, points) for lamp in lamps for points in bodies) else LAMP_INSIDE
 
 
 def guidance(session: Session) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
+from ashe_live.commands.flags.model_choice import other_markers
 from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.steps import ProxySteps
@@ -14,6 +15,7 @@ from ashe_live.quality import BALANCED, QUALITIES, Quality
 from ashe_live.tracking.families.layout import parse_target, usual_side_m
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
+from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.tracker import MarkerTracker
 
 CameraFor = Callable[[Size], Camera]
@@ -78,6 +80,7 @@ def make_tracker(
     if isinstance(tracker, FocalTracker) and isinstance(source, PhotoSource) and source.focal_px is not None:
         tracker.tell(Camera.from_focal(source.size, source.focal_px, "exif"))
     tracker.filters = not options.no_filter
+    tracker.others = PlaneMarkers(other_markers(options))
     return tracker
 
 

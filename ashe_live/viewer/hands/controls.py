@@ -35,6 +35,9 @@ class Command(Enum):
     TURN_MODEL = auto()
     TURN_UP = auto()
     STOP_MOTION = auto()
+    ADD_MODEL = auto()
+    NEXT_IN_HAND = auto()
+    REMOVE_MODEL = auto()
     BEFORE_AFTER = auto()
     LIGHT_STRENGTH = auto()
     LIGHT_SOFTNESS = auto()
@@ -204,6 +207,9 @@ BINDINGS = (
         repeats=True,
         gesture=Gesture.SHIFT_WHEEL,
     ),
+    Binding(("T", "INSERT"), Command.ADD_MODEL, "T", "one more model beside it"),
+    Binding(("TAB",), Command.NEXT_IN_HAND, "Tab", "change the next of several"),
+    Binding((SHIFT + "T", "DELETE"), Command.REMOVE_MODEL, "Shift+T, Delete", "take the model away"),
     Binding(("B",), Command.BEFORE_AFTER, "B", "before and after"),
     Binding(("U",), Command.TURN_UP, "U", "turn another side up"),
     Binding(("K",), Command.STOP_MOTION, "K", "stop a moving model"),

@@ -78,7 +78,11 @@ class Keeper:
         light = None if session.estimate is None else estimated_light_json(session.estimate)
         if hand.light is not None:
             light = light_by_hand_json(hand.light, hand.frame_index)
-        return snapshot_json(tracked, session.model_name, light, hand.placement.marker_from_placed)
+        models = [
+            (Path(name).name, None if placement is None else placement.marker_from_placed)
+            for name, _, placement in session.arrangement.models(tracked)
+        ]
+        return snapshot_json(tracked, models, light)
 
     def record(self, fps: float, now_s: float) -> None:
         """Begins a recording in the current folder, or ends the one under way."""
