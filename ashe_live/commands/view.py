@@ -32,11 +32,12 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.output.report import Report
-from ashe_live.viewer.session import EstimatePolicy, Session
-from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import camera_line, light_line
+from ashe_live.viewer.table.shelf import Shelf
 
 
 @dataclass(frozen=True, slots=True)

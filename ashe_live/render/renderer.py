@@ -204,7 +204,7 @@ class SceneRenderer:
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         T_cam_marker = tracked.marker.T_cam_marker
         signed = scene.illumination.lights if scene.shows_light else ()
-        signs = [light_sign(models.corners, light, camera, T_cam_marker) for light in signed]
+        signs = [light_sign(models.members[0].corners, light, camera, T_cam_marker) for light in signed]
         frame = framing(camera, T_cam_marker, self._drawn_points(models, signs), viewport)
         if frame is None:
             return

@@ -40,7 +40,7 @@ def bare_scene(session: Session) -> Scene:
         shows_model=session.parts_shown != SHADOW_ALONE,
         hides_marker=session.hides_marker,
         is_split=session.parts_shown == SPLIT,
-        time_s=session.motion_s,
+        time_s=session.table.motion_s,
     )
 
 
@@ -72,8 +72,8 @@ class Display:
             overlays = self._hud.overlays(HudText(help=help_rows()), size, content_scale)
             return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
-        if not (self._name and self.drawn_models) or any(each is session.model for each in self.drawn_models):
-            self._name = session.in_hand_said
+        if not (self._name and self.drawn_models) or any(each is session.table.model for each in self.drawn_models):
+            self._name = session.table.in_hand_said
         status = status_lines(session, fps_read, quality, marker_read, self._name)
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
         if not session.show_hud:

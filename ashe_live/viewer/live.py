@@ -223,7 +223,7 @@ class LiveViewer:
     def _follow_mouse(self, now_s: float) -> None:
         size, scale = self._window.framebuffer_size, self._window.content_scale
         for event in self._window.take_mouse():
-            if self._menu.take_mouse(event, lambda: entries_for(*self._session.models), size, scale):
+            if self._menu.take_mouse(event, lambda: entries_for(*self._session.table.offered), size, scale):
                 if (chosen := self._menu.take_request()) is not None:
                     self._obey(chosen, now_s)
                 continue
@@ -238,7 +238,7 @@ class LiveViewer:
             self._session.say("nothing to open: copy a file, or its path, and press Ctrl+V", now_s)
         model, source = first_of_each_kind(paths)
         if model is not None:
-            self._session.open_model(model)
+            self._session.table.open(model)
         if source is not None and self._opening is not None:
             self._opening.begin(Path(source))
             self._session.say(f"opening {Path(source).name}", now_s)

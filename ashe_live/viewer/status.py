@@ -91,7 +91,7 @@ def status_lines(
     rate = [] if fps is None else [f"{fps:.0f} fps"]
     camera = camera_line(session.tracked)
     return [
-        "   ".join([*rate, model_name or session.in_hand_said, quality, *([] if fps is None else [KEYS])]),
+        "   ".join([*rate, model_name or session.table.in_hand_said, quality, *([] if fps is None else [KEYS])]),
         marker_line(measured or session.tracked),
         *([] if camera is None else [camera]),
         light_line(session),
@@ -100,7 +100,7 @@ def status_lines(
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:
     """The lines at the bottom left: guidance, the source's status and the last message."""
-    said = (*guidance(session), source_status, session.model_progress, session.notice(now_s))
+    said = (*guidance(session), source_status, session.table.progress, session.notice(now_s))
     return [text for text in said if text]
 
 

@@ -16,9 +16,10 @@ from ashe_live.models.placement import UNMOVED, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
 from ashe_live.viewer.hands.controls import Command, Request
-from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, EstimatePolicy, Session
+from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, Session
 from ashe_live.viewer.status import (
     LAMP_BELOW,
     LAMP_INSIDE,
@@ -150,7 +151,7 @@ def test_a_failure_is_said_and_keeps_the_last_light(make, fakes):
 
 def test_a_model_that_cannot_be_read_is_said(make):
     session = make()
-    session._shelf.error = UserError("broken.glb is damaged", "export it again")
+    session.table._shelf.error = UserError("broken.glb is damaged", "export it again")
     session.poll(0.0)
     assert "broken.glb" in session.notice(0.0)
 
@@ -173,7 +174,7 @@ def test_keys_choose_models(make):
         (Request(Command.CHOOSE_MODEL, 8), "tree"),
     ):
         assert session.handle(request, 0.0)
-        assert session.model_name == name
+        assert session.table.model_name == name
     assert "4 models" in session.notice(0.0)
 
 
@@ -604,8 +605,8 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
 
 def test_a_models_file_is_shown_by_its_name(make, tmp_path):
     session = make()
-    session.open_model(str(tmp_path / "chair.obj"))
-    assert session.model_name == "chair.obj"
+    session.table.open(str(tmp_path / "chair.obj"))
+    assert session.table.model_name == "chair.obj"
 
 
 def test_the_last_frame_of_a_short_clip_is_estimated(make, fakes):
@@ -646,7 +647,7 @@ def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
 
 def test_what_is_left_out_of_a_model_is_told_in_the_window_and_the_terminal(make, capsys):
     session = make()
-    session._shelf.words = ["duck.glb: points and lines are left out"]
+    session.table._shelf.words = ["duck.glb: points and lines are left out"]
     session.poll(1.0)
     assert session.notice(1.0) == "duck.glb: points and lines are left out"
     assert capsys.readouterr().err == "ashe-live: duck.glb: points and lines are left out\n"
@@ -665,7 +666,7 @@ def test_long_messages_stay_long_enough_to_be_read(make):
 def test_a_key_stands_the_model_on_another_side(make):
     session = make()
     assert session.handle(Request(Command.TURN_UP), 0.0)
-    assert session._shelf.turned == 1
+    assert session.table._shelf.turned == 1
     assert session.notice(0.0) == "cube: z is up"
 
 
@@ -673,7 +674,7 @@ def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
     session = make()
     session.handle(Request(Command.STOP_MOTION), 0.0)
     assert session.notice(0.0) == "cube stands still: it has no animation that is played"
-    session._shelf.moves = True
+    session.table._shelf.moves = True
     session.take(fakes.tracked(0), 10.0)
     shown = []
     for now_s in (10.5, 11.0, 11.5, 12.0):
@@ -682,7 +683,7 @@ def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
         session.handle(Request(Command.STOP_MOTION), now_s)
     assert shown == [0.5, 0.5, 1.0, 1.0]
     session.take(fakes.tracked(1), 3.0)  # a clock that goes back, as a clip's
-    assert session.motion_s == 1.0
+    assert session.table.motion_s == 1.0
 
 
 def test_before_and_after(make, fakes):
@@ -729,7 +730,7 @@ def test_each_model_stays_where_it_was_put(make, fakes):
 def test_a_lamp_where_no_light_can_come_from_is_told(make, fakes, monkeypatch, place, told):
     session = make()
     model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
-    monkeypatch.setattr(session._shelf, "model", lambda: model)
+    monkeypatch.setattr(session.table._shelf, "model", lambda: model)
     session.take(fakes.tracked(), 0.0)
     lamp = Light(place, inverse_distance=1 / np.linalg.norm(place))
     session.hand.light = Illumination((lamp,))

@@ -3,6 +3,7 @@
 http://paulbourke.net/dataformats/mtl/
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -16,6 +17,9 @@ from ashe_live.models.parsing.limits import MAX_MATERIALS
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
 
+# The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
+# files, which begin with these words, colours are linear, and the exponent is 1000 (1 - roughness)^2.
+BLENDERS_FIRST_WORDS, BLENDERS_SHININESS = "# Blender", 1000.0
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 # How many numbers follow an option of a map; what is left is the file's name, spaces and all.
 OPTIONS = {
@@ -64,7 +68,8 @@ def read_mtl(content: bytes, texels: Callable[[str], Image], notes: Notes) -> di
     described: dict[str, _Described] = {}
     one = _Described()
     count = 0
-    for line in text_of(content).splitlines():
+    text = text_of(content)
+    for line in text.splitlines():
         key, _, value = line.strip().partition(" ") if "\t" not in line.strip() else _parted(line)
         key, value = key.lower(), value.strip()
         if key == "newmtl":
@@ -76,7 +81,8 @@ def read_mtl(content: bytes, texels: Callable[[str], Image], notes: Notes) -> di
             _take(one, key, value)
             if key in NOT_DRAWN:
                 notes.add(f"{NOT_DRAWN[key]} of its materials are left out")
-    return {name: _material(one, texels) for name, one in described.items()}
+    is_blenders = text.lstrip().startswith(BLENDERS_FIRST_WORDS)
+    return {name: _material(one, texels, is_blenders) for name, one in described.items()}
 
 
 def _parted(line: str) -> tuple[str, str, str]:
@@ -131,12 +137,13 @@ def _is_name(word: str) -> bool:
     return False
 
 
-def _material(one: _Described, texels: Callable[[str], Image]) -> Material:
+def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool) -> Material:
     opacity = min(max(one.opacity, 0.0), 1.0)
-    red, green, blue = linear_from_srgb(np.clip(one.diffuse or (0.8, 0.8, 0.8), 0, 1)).tolist()
-    glow_red, glow_green, glow_blue = linear_from_srgb(np.clip(one.emission, 0, 1)).tolist()
-    # Phong's lobe of that exponent is about as wide as this roughness's.
-    roughness = float(np.sqrt(np.sqrt(2 / (one.shininess + 2)))) if one.shininess > 0 else UNKNOWN.roughness
+    colours = np.clip([one.diffuse or (0.8, 0.8, 0.8), one.emission], 0, 1)
+    (red, green, blue), (glow_red, glow_green, glow_blue) = (
+        colours if is_blenders else linear_from_srgb(colours)
+    ).tolist()
+    roughness = _roughness(one.shininess, is_blenders)
     plain = replace(
         UNKNOWN,
         base_colour=(red, green, blue, opacity),
@@ -147,6 +154,16 @@ def _material(one: _Described, texels: Callable[[str], Image]) -> Material:
     if one.picture is not None:
         return pictured(plain, texels(one.picture), None if one.cut_out is None else texels(one.cut_out))
     return plain
+
+
+def _roughness(shininess: float, is_blenders: bool) -> float:
+    """Of a material with that exponent `Ns`."""
+    if shininess <= 0 and not is_blenders:
+        return UNKNOWN.roughness
+    if is_blenders:
+        return 1 - math.sqrt(min(max(shininess, 0.0), BLENDERS_SHININESS) / BLENDERS_SHININESS)
+    # Phong's lobe of that exponent is about as wide as this roughness's.
+    return math.sqrt(math.sqrt(2 / (shininess + 2)))
 
 
 def pictured(plain: Material, base_map: Image, cut_out: Image | None = None) -> Material:

@@ -165,3 +165,17 @@ def test_a_face_of_what_is_not_there_is_said(tmp_path: Path, face: str) -> None:
 def test_colours_behind_the_places_are_of_srgb(tmp_path: Path) -> None:
     part = read(tmp_path, "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n").parts[0]
     np.testing.assert_allclose(part.colours, [(1, 0, 0, 1)] * 3)
+
+
+def test_colours_are_linear_where_blender_has_written_them(tmp_path: Path) -> None:
+    """By its exporter's formulas: an exponent of 1000 (1 - roughness)^2, and colours as its shaders have them."""
+    header = "# Blender 4.2.0 MTL File: 'None'\n# www.blender.org\n\n"
+    lines = "newmtl m\nNs 90\nKd 0.2 0.5 0.8\nKe 0.1 0 0\n"
+    theirs, others = (
+        read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=first + lines).parts[0].material
+        for first in (header, "")
+    )
+    assert theirs.base_colour == pytest.approx((0.2, 0.5, 0.8, 1))
+    assert theirs.emissive == pytest.approx((0.1, 0, 0))
+    assert theirs.roughness == pytest.approx(0.7)
+    assert others.base_colour[1] == pytest.approx(0.214, abs=0.001)  # of sRGB's 0.5

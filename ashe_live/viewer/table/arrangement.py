@@ -15,7 +15,7 @@ from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.viewer.estimates.beside import first_placement
 from ashe_live.viewer.hands.hand import Hand
 from ashe_live.viewer.hands.pointing import Pixel
-from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.table.shelf import Shelf
 
 # From the middle of a model to that of the next: half of each, which are a marker's side wide at most, and a gap.
 BESIDE_SIDES = 1.25

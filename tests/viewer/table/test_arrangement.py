@@ -12,11 +12,12 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.arrangement import BESIDE_SIDES
 from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.hands.controls import Command, Drag, Request
-from ashe_live.viewer.session import EstimatePolicy, Session
-from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.table.arrangement import BESIDE_SIDES
+from ashe_live.viewer.table.shelf import Shelf
 
 SIDE_M = 0.08
 OTHER = "aruco:4x4_50:7"
@@ -101,15 +102,15 @@ def test_one_more_is_put_beside_and_taken_away_again(make, fakes):
     asked(session, Command.ADD_MODEL)
     assert names(session) == ["cube", "cube"]
     asked(session, Request(Command.CHOOSE_MODEL, 2))
-    name = session._shelf.chosen_name
-    session._shelf.loaded(name)
+    name = session.table._shelf.chosen_name
+    session.table._shelf.loaded(name)
     session.poll(0.0)
     assert names(session) == ["cube", name]
-    assert session.in_hand_said == f"{name} (2 of 2)"
+    assert session.table.in_hand_said == f"{name} (2 of 2)"
     assert places(session)[0] == UNMOVED
     assert places(session)[1].shift_m[0] == pytest.approx(BESIDE_SIDES * SIDE_M)
     asked(session, Command.REMOVE_MODEL)
-    assert (names(session), session.in_hand_said) == (["cube"], "cube")
+    assert (names(session), session.table.in_hand_said) == (["cube"], "cube")
     asked(session, *[Command.ADD_MODEL] * MOST_MODELS)
     assert len(names(session)) == MOST_MODELS
     assert len({place.shift_m for place in places(session)}) == MOST_MODELS
