@@ -23,12 +23,13 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.hands.controls import Command, Files, MouseAction, MouseEvent, Request
-from ashe_live.viewer.live import UNCHANGED_PICTURES, LiveViewer
+from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.output import keeping
 from ashe_live.viewer.output import recording as recording_module
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources import marker_hunt
 from ashe_live.viewer.status import guidance
+from ashe_live.viewer.stillness import UNCHANGED_PICTURES
 from tests.viewer.scripted_window import ScriptedWindow
 
 PATIENCE_S = 20.0
@@ -169,7 +170,7 @@ def test_quality_goes_round(stage):
     viewer = stage.run(look, Command.QUALITY, None, look, Command.QUALITY, None, look, quality="fast")
     assert shown[0] is FAST.render
     assert len(set(map(id, shown))) == 3
-    assert viewer._quality_name == "accurate"
+    assert viewer._quality.name == "accurate"
 
 
 def test_snapshots_have_the_videos_size(stage, tmp_path):
