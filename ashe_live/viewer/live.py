@@ -12,10 +12,10 @@ from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.auto_quality import QualityChoice
 from ashe_live.viewer.display import Display
-from ashe_live.viewer.hands.controls import Command, Files, Request
 from ashe_live.viewer.hands.gestures import Gestures
 from ashe_live.viewer.hands.menu import Menu, entries_for
 from ashe_live.viewer.hands.pointing import in_mirror, in_video
+from ashe_live.viewer.hands.requests import Command, Files, Request
 from ashe_live.viewer.output.keeping import Keeper
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.playback import Playback

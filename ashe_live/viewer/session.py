@@ -14,7 +14,7 @@ from ashe_live.viewer.estimates.easing import LightEasing
 from ashe_live.viewer.estimates.light_watch import LightWatch
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.sharpening import Sharpening
-from ashe_live.viewer.hands.controls import Command, Request
+from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.table import SETS_LIGHT, Table
 

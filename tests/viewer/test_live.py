@@ -22,7 +22,7 @@ from ashe_live.render.gl.offscreen import graphics_failures_told
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.estimates.policy import EstimatePolicy
-from ashe_live.viewer.hands.controls import Command, Files, MouseAction, MouseEvent, Request
+from ashe_live.viewer.hands.requests import Command, Files, MouseAction, MouseEvent, Request
 from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.output import keeping
 from ashe_live.viewer.output import recording as recording_module

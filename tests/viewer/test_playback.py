@@ -5,7 +5,7 @@ import pytest
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.drawn.time_bar import bar_at
 from ashe_live.viewer.estimates.policy import EstimatePolicy
-from ashe_live.viewer.hands.controls import Command, MouseAction, MouseEvent, Request
+from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
 from ashe_live.viewer.playback import BAR_SHOWN_S, SPEEDS, Playback
 from ashe_live.viewer.session import Session
 

@@ -18,7 +18,7 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
-from ashe_live.viewer.hands.controls import Command, Request
+from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, Session
 from ashe_live.viewer.status import (
     LAMP_BELOW,

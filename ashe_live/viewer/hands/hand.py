@@ -10,8 +10,8 @@ from ashe_live.core.transforms import angles_from_direction, direction_from_angl
 from ashe_live.core.types import Illumination, Light, TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.render.lights.lighting import angular_size, ground_ratio
-from ashe_live.viewer.hands.controls import Command, Drag, Request
 from ashe_live.viewer.hands.pointing import Pixel, ground_at, picture_axes, pixel_of
+from ashe_live.viewer.hands.requests import Command, Drag, Request
 
 # Of one key press, or one notch of the wheel.
 LIGHT_STEP_RAD = math.radians(2)

@@ -7,8 +7,8 @@ from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
 from ashe_live.models.placement import UNMOVED, PlacedModel
 from ashe_live.process.messages import tell
-from ashe_live.viewer.hands.controls import Command, Drag, Request
 from ashe_live.viewer.hands.hand import Hand, HandContext
+from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.hands.undo import Undo
 from ashe_live.viewer.table.arrangement import Arrangement
 from ashe_live.viewer.table.motion_clock import MotionClock

@@ -14,7 +14,7 @@ from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.policy import EstimatePolicy
-from ashe_live.viewer.hands.controls import Command, Drag, Request
+from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.arrangement import BESIDE_SIDES
 from ashe_live.viewer.table.shelf import Shelf
