@@ -7,10 +7,9 @@ from collections.abc import Callable, Container
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera, Size
+from ashe_live.core.camera import Camera, Size, fitted
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.errors import UserError
 from ashe_live.tracking.cube.folding import Folding
 from ashe_live.tracking.edges.flow import flowed_corners
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
@@ -113,7 +112,7 @@ class MarkerTracker:
     def _camera_for(self, size: Size) -> Camera:
         if self._camera_now is None or self._camera_now.size != size:
             self.reset()
-            self._camera_now = _resized(self._camera, size) if isinstance(self._camera, Camera) else self._camera(size)
+            self._camera_now = fitted(self._camera, size) if isinstance(self._camera, Camera) else self._camera(size)
         return self._camera_now
 
     def _recent(self, time_s: float) -> Memory | None:
@@ -241,12 +240,3 @@ class MarkerTracker:
             pose.T_cam_marker, pose.noise_covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
         )
         return dataclasses.replace(pose, T_cam_marker=held, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
-
-
-def _resized(camera: Camera, size: Size) -> Camera:
-    try:
-        return camera.resized(size)
-    except ValueError as error:
-        raise UserError(
-            f"the camera does not fit the picture: {error}", "calibrate at the same aspect ratio"
-        ) from error

@@ -11,10 +11,11 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
+from ashe_live.viewer.before_after import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
 from ashe_live.viewer.drawn.estimate_inset import inset_overlays
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
 from ashe_live.viewer.hands.controls import help_rows
-from ashe_live.viewer.session import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE, Session
+from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
 
 # Numbers that change with every frame are updated this often: to be legible, and because drawing text takes as long as

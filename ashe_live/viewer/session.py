@@ -10,6 +10,7 @@ from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Draw, WorkerFailure
 from ashe_live.models.catalogue import ChosenModel
 from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.viewer.before_after import PARTS, WHOLE
 from ashe_live.viewer.estimates.easing import LightEasing
 from ashe_live.viewer.estimates.light_watch import LightWatch
 from ashe_live.viewer.estimates.policy import EstimatePolicy
@@ -21,11 +22,6 @@ from ashe_live.viewer.table.table import SETS_LIGHT, Table
 NOTICE_S = 4.0
 READ_PER_S = 15.0  # letters, by who reads slowly
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
-# What B goes through.
-WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
-SPLIT = "the video alone in one half"
-SHADOW_ALONE = "the shadow without its model"
-PARTS = WHOLE, "the model without its shadow", SHADOW_ALONE, VIDEO_ALONE, SPLIT
 
 
 class Session:
@@ -80,10 +76,6 @@ class Session:
     def has_seen_marker(self) -> bool:
         """Whether the marker has been in any frame of this source."""
         return self._estimated.seen_in is not None
-
-    @property
-    def is_estimating(self) -> bool:
-        return self.watch.is_estimating
 
     def notice(self, now_s: float) -> str | None:
         """The last message, for a few seconds."""

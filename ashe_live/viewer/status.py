@@ -27,7 +27,7 @@ def light_line(session: Session) -> str:
     """The state of the light; an estimate under way does not hide the last answer."""
     light, estimate = session.lit_by.light, session.estimate
     if light is None and estimate is None:
-        if session.is_estimating:
+        if session.watch.is_estimating:
             return "light: estimating…"
         return f"light: {AWAITED if session.awaits_steady or session.automatic else FIRST_STEP}"
     if light is None:
@@ -128,6 +128,6 @@ def guidance(session: Session) -> tuple[str, ...]:
         return (f"{' and '.join(specs)} {'is' if len(specs) == 1 else 'are'} in view: M follows {specs[0]}",)
     if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
         return NO_MARKER
-    if session.estimate is not None and session.lit_by.light is None and not session.is_estimating:
+    if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
         return f"what helps: {AFTER_NONE}", SET_BY_HAND
     return ()

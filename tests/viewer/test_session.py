@@ -46,10 +46,10 @@ def test_the_first_steady_frame_is_estimated_once(make, fakes):
     session = make(EstimatePolicy(on_first_steady=True))
     for index in range(2):
         session.take(fakes.tracked(index), 0.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
     assert session.awaits_steady
     session.take(fakes.tracked(2), 0.0)
-    assert session.is_estimating
+    assert session.watch.is_estimating
     session.watch._worker.answer = fakes.estimate(2)
     assert session.poll(0.0) is session.estimate
     for index in range(3, 20):
@@ -60,7 +60,7 @@ def test_the_first_steady_frame_is_estimated_once(make, fakes):
 def test_of_a_looped_clip_that_is_never_steady_the_next_rounds_first_frame_is_estimated(make, fakes):
     session = make(EstimatePolicy(on_first_steady=True))
     for index in (0, 1, 3, 5, 0):
-        assert not session.is_estimating
+        assert not session.watch.is_estimating
         session._steadiness = Steadiness(3)
         session.take(fakes.tracked(index), 0.0)
     assert [frozen.frame.index for frozen in session.watch._worker.requested] == [0]
@@ -98,9 +98,9 @@ def test_without_a_policy_nothing_is_estimated_unasked(make, fakes):
     session = make()
     for index in range(20):
         session.take(fakes.tracked(index), 0.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
     assert session.handle(Request(Command.ESTIMATE), 0.0)
-    assert session.is_estimating
+    assert session.watch.is_estimating
 
 
 def test_the_estimate_goes_with_the_frame_it_was_made_from(make, fakes):
@@ -132,7 +132,7 @@ def test_without_a_marker_it_says_so_instead_of_estimating(make, fakes, has_fram
         session.take(fakes.tracked(has_marker=False), 0.0)
     assert not session.request_estimate(0.0)
     assert "no marker in view" in session.notice(0.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
 
 
 def test_a_failure_is_said_and_keeps_the_last_light(make, fakes):
@@ -146,7 +146,7 @@ def test_a_failure_is_said_and_keeps_the_last_light(make, fakes):
     assert session.poll(1.0) is None
     assert session.estimate is good
     assert "has died" in session.notice(1.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
 
 
 def test_a_model_that_cannot_be_read_is_said(make):
@@ -232,7 +232,7 @@ def run_steadily(session, fakes, answers, until_s: float, has_marker=lambda _s: 
     """Thirty frames a second, each request answered by the frame after it."""
     for index in range(round(until_s * 30)):
         now_s = index / 30
-        session.watch._worker.answer = answers(now_s) if session.is_estimating else None
+        session.watch._worker.answer = answers(now_s) if session.watch.is_estimating else None
         session.poll(now_s)
         session.take(fakes.tracked(index, has_marker(now_s)), now_s)
 
@@ -292,7 +292,7 @@ def test_an_outlier_changes_neither_light_nor_masks_and_a_changed_light_does(mak
     before = session.estimate, session.estimated_from
     for answers in range(3):
         session.take(fakes.tracked(1000 + answers), 9.0 + 2 * answers)
-        assert session.is_estimating
+        assert session.watch.is_estimating
         session.watch._worker.answer = fakes.estimate(with_light=False)
         assert (session.poll(9.0) is None) is (answers < 2)
         assert ((session.estimate, session.estimated_from) == before) is (answers < 2)
@@ -339,7 +339,7 @@ def test_while_the_camera_moves_the_answer_is_sharpened_until_that_gains_nothing
         now_s = 1.0 + at
         session.watch.key_views = fakes.KeyViews(*orbit(fakes, 2 + at // 2))
         session.take(fakes.tracked(at), now_s)
-        if session.is_estimating:
+        if session.watch.is_estimating:
             assert not session.watch.is_awaited
             frozen = session.watch._worker.requested[-1]
             assert frozen is session.watch.key_views.views[-1]
@@ -374,7 +374,7 @@ def test_a_light_by_hand_is_not_sharpened(make, fakes):
     by_hand(session, 1.0)
     session.watch.key_views = fakes.KeyViews(*orbit(fakes, 6))
     session.take(fakes.tracked(1), 5.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
 
 
 def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move_the_camera(make, fakes):
@@ -520,7 +520,7 @@ def test_what_a_person_asks_for_while_nobodys_estimate_is_made_counts_from_when_
     session.poll(0.5)
     session.watch.key_views = fakes.KeyViews(*orbit(fakes, 4))
     session.take(fakes.tracked(1), 1.0)
-    assert session.is_estimating
+    assert session.watch.is_estimating
     assert not session.watch.is_awaited
     by_hand(session, 2.0)
     session.take(fakes.tracked(2), 3.0)
@@ -551,7 +551,7 @@ def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(make, fakes
     assert not session.automatic
     for index in range(1, 30):
         session.take(fakes.tracked(index), index / 10)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
     assert session.hand.light is not None
 
 
@@ -590,7 +590,7 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
     session.request_estimate(1.0)
     session.begin_anew(Steadiness(1))
     session.watch._worker.answer = None
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
     assert session.estimate is session.estimated_from is None
     assert session.lit_by == session.shown == Illumination()
     assert session.true_to_light_marker is None
@@ -599,7 +599,7 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
     assert session.watch.held.estimate is None
     assert session.watch.key_views.views == ()
     session.take(fakes.tracked(9), 2.0)  # a photo is steady at once
-    assert session.is_estimating
+    assert session.watch.is_estimating
     assert session.watch._worker.requested[-1].frame.index == 9
 
 
@@ -634,7 +634,7 @@ def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
     for index in range(12):
         now_s += CHECKED_EVERY_S
         session.take(fakes.tracked(index), now_s)
-        if session.is_estimating:
+        if session.watch.is_estimating:
             urgent.append(session.watch._worker.is_awaited)
             session.watch._worker.answer = fakes.estimate(index)
             session.poll(now_s)

@@ -168,7 +168,7 @@ class BenchScene:
         now_s = time.monotonic()
         if tracked is not self._session.tracked:
             self._session.take(tracked, now_s)
-        if not self._session.is_estimating and tracked.marker is not None:
+        if not self._session.watch.is_estimating and tracked.marker is not None:
             self._request(now_s)
         self._note(self._session.poll(now_s))
         self._session.hand.light = self._session.shown = self._true

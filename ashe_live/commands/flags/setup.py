@@ -7,8 +7,7 @@ from dataclasses import replace
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import other_markers
-from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
-from ashe_live.errors import UserError
+from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, fitted, read_camera_file
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.process.messages import tell
 from ashe_live.quality import BALANCED, QUALITIES, Quality
@@ -34,7 +33,8 @@ def light_steps(options: argparse.Namespace) -> ProxySteps:
 def camera_chooser(options: argparse.Namespace) -> CameraFor:
     """The camera for frames of a size, from --camera-file, --focal-px or --hfov, or assumed."""
     if options.camera_file is not None:
-        return _calibrated(read_camera_file(options.camera_file), str(options.camera_file))
+        calibrated = read_camera_file(options.camera_file)
+        return lambda size: fitted(calibrated, size, f"the calibration {options.camera_file}")
     if options.focal_px is not None:
         return lambda size: Camera.from_focal(size, options.focal_px)
     if options.hfov is not None:
@@ -82,15 +82,3 @@ def make_tracker(
     tracker.filters = not options.no_filter
     tracker.others = PlaneMarkers(other_markers(options))
     return tracker
-
-
-def _calibrated(camera: Camera, name: str) -> CameraFor:
-    def camera_for(size: Size) -> Camera:
-        try:
-            return camera.resized(size)
-        except ValueError as error:
-            raise UserError(
-                f"the calibration {name} does not fit ({error})", "calibrate at this aspect ratio"
-            ) from error
-
-    return camera_for

@@ -87,6 +87,7 @@ class Table:
         `is_quiet`: no message is shown that a hint could hide.
         """
         if (error := self._shelf.take_error()) is not None:
+            is_quiet = False
             self._say(str(error), now_s)
         self.motion.tick(now_s)
         if words := self._shelf.take_words():
