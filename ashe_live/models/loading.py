@@ -84,6 +84,8 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
     if not parts:
         raise UserError(f"the model file {path} holds no triangles", "export it as a mesh")
     check_surfaces(path, len(parts))
+    if any(mesh.uvs is None and mesh.material.maps for _, mesh in meshes):
+        notes.add("pictures are left out where it has no texture coordinates")
     model = Model(path.stem, parts, notes.lines)
     lower, upper = model.bounds
     if not (np.isfinite(upper - lower).all() and (upper - lower).max() > 0):

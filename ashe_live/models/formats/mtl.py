@@ -18,8 +18,10 @@ from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
 
 # The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
-# files, which begin with these words, colours are linear, and the exponent is 1000 (1 - roughness)^2.
-BLENDERS_FIRST_WORDS, BLENDERS_SHININESS = "# Blender", 1000.0
+# files, which begin with these words, colours are linear, the exponent is 1000 (1 - roughness)^2, and where the model
+# of illumination is one of mirrors the ambient colour is how much of a metal it is.
+BLENDERS_FIRST_WORDS, BLENDERS_SHININESS, MIRRORS = "# Blender", 1000.0, (3, 6)
+COLOURS = {"ka": "ambient", "kd": "diffuse", "ke": "emission"}
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 # How many numbers follow an option of a map; what is left is the file's name, spaces and all.
 OPTIONS = {
@@ -47,6 +49,8 @@ class _Described:
     emission: tuple[float, ...] = (0.0, 0.0, 0.0)
     opacity: float = 1.0
     shininess: float = 0.0
+    ambient: tuple[float, ...] = (0.0, 0.0, 0.0)
+    illumination: int = 2  # of the format's models, from 0 to 10
     picture: str | None = None
     cut_out: str | None = None
 
@@ -91,18 +95,20 @@ def _parted(line: str) -> tuple[str, str, str]:
 
 
 def _take(one: _Described, key: str, value: str) -> None:
-    if key in ("kd", "ke"):
+    if key in COLOURS:
         numbers = _numbers(value)
         if len(numbers) in (1, 2):
             numbers = numbers[:1] * 3
         if len(numbers) >= 3:
-            setattr(one, "diffuse" if key == "kd" else "emission", numbers[:3])
+            setattr(one, COLOURS[key], numbers[:3])
     elif key in ("d", "tr"):
         # 0 is invisible for the one, and opaque for the other.
         (*_, last) = _numbers(value.replace("-halo", "")) or (1.0,)
         one.opacity = last if key == "d" else 1 - last
     elif key == "ns":
         one.shininess = next(iter(_numbers(value)), 0.0)
+    elif key == "illum":
+        one.illumination = int(next(iter(_numbers(value)), 2))
     elif key == "map_kd":
         one.picture = _file_name(value)
     elif key == "map_d":
@@ -148,6 +154,7 @@ def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool
         UNKNOWN,
         base_colour=(red, green, blue, opacity),
         emissive=(glow_red, glow_green, glow_blue),
+        metallic=float(np.clip(np.mean(one.ambient), 0, 1)) if is_blenders and one.illumination in MIRRORS else 0.0,
         roughness=roughness,
         alpha=Alpha.BLEND if opacity < 1 else Alpha.OPAQUE,
     )

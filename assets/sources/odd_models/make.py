@@ -54,7 +54,7 @@ def shape(chance: random.Random) -> bpy.types.Object:
     return bpy.context.object
 
 
-def paint(thing: bpy.types.Object, chance: random.Random) -> None:
+def paint(thing: bpy.types.Object, chance: random.Random, name: str) -> None:
     material = bpy.data.materials.new("paint")
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -64,7 +64,7 @@ def paint(thing: bpy.types.Object, chance: random.Random) -> None:
     kind = chance.choice(["plain", "picture", "vertices", "metal", "coat"])
     if kind == "picture":
         picture = nodes.new("ShaderNodeTexImage")
-        picture.image = bpy.data.images.new("picture", *chance.choice([(16, 16), (32, 8), (7, 13)]))
+        picture.image = bpy.data.images.new(name, *chance.choice([(16, 16), (32, 8), (7, 13)]))
         texels = np.random.default_rng(len(picture.image.pixels)).random(len(picture.image.pixels))
         texels[3::4] = 1
         picture.image.pixels.foreach_set(texels.astype(np.float32))
@@ -156,7 +156,7 @@ def build(number: int) -> tuple[random.Random, bool]:
             )
         if things and chance.random() < 0.4:
             thing.parent = chance.choice(things)
-        paint(thing, chance)
+        paint(thing, chance, f"picture{number}-{len(things)}")
         (deform if has_keys else modify)(thing, chance)
         for polygon in thing.data.polygons:
             polygon.use_smooth = number % 2 == 0
