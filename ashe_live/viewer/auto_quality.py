@@ -1,12 +1,10 @@
-"""The quality that a person has chosen; with `auto` the best preset that holds the display's rate on this machine."""
+"""`--quality auto`: the best preset that holds the display's rate on this machine."""
 
 from collections import deque
 from statistics import median
 
-from ashe_live.quality import BALANCED, QUALITIES, Quality
+from ashe_live.quality import QUALITIES, Quality
 
-AUTO = "auto"
-NAMES = (*QUALITIES, AUTO)
 LADDER = tuple(QUALITIES.values())
 WINDOW_FRAMES = 60
 TOO_SLOW = 0.9  # of the display's interval: step down before frames are dropped
@@ -48,38 +46,3 @@ class AutoQuality:
             self.quality = LADDER[place + 1]
             return True
         return False
-
-
-class QualityChoice:
-    """One of NAMES, and the preset that is in force."""
-
-    def __init__(self, name: str, interval_s: float) -> None:
-        """`interval_s`: between two pictures of the display."""
-        self._interval_s = interval_s
-        self._begin(name)
-
-    @property
-    def now(self) -> Quality:
-        return self._start if self._auto is None else self._auto.quality
-
-    @property
-    def shown(self) -> str:
-        """For a person."""
-        return self.name if self._auto is None else f"{AUTO} ({self.now.name})"
-
-    @property
-    def is_automatic(self) -> bool:
-        return self._auto is not None
-
-    def step(self) -> None:
-        """Chooses the next one."""
-        self._begin(NAMES[(NAMES.index(self.name) + 1) % len(NAMES)])
-
-    def add(self, work_ms: float) -> bool:
-        """As AutoQuality.add, where that chooses."""
-        return self._auto is not None and self._auto.add(work_ms)
-
-    def _begin(self, name: str) -> None:
-        self.name = name
-        self._start = QUALITIES.get(name, BALANCED)
-        self._auto = AutoQuality(self._interval_s * 1e3, self._start) if name == AUTO else None

@@ -10,7 +10,6 @@ from ashe_live.errors import UserError
 from ashe_live.process.messages import say, tell
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.auto_quality import QualityChoice
 from ashe_live.viewer.display import Display
 from ashe_live.viewer.hands.gestures import Gestures
 from ashe_live.viewer.hands.menu import Menu, entries_for
@@ -19,6 +18,7 @@ from ashe_live.viewer.hands.requests import Command, Files, Request
 from ashe_live.viewer.output.keeping import Keeper
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.playback import Playback
+from ashe_live.viewer.quality_choice import QualityChoice
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.followed import Followed
 from ashe_live.viewer.sources.opening import Opener, Opening, first_of_each_kind, paths_in
@@ -52,7 +52,7 @@ class LiveViewer:
         self._gestures = Gestures(window.content_scale)
         self._menu = Menu()
         self._interval_s = 1 / window.refresh_rate_hz
-        self._quality = QualityChoice(quality_name, self._interval_s)
+        self._quality = QualityChoice(quality_name, self._interval_s, renderer, session)
         self._keeper = Keeper(renderer, session, self._tell, recording)
         self._opening = Opening(opener)
         self._loop = loop
@@ -66,7 +66,7 @@ class LiveViewer:
             Command.CUT_OUT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s, is_cut_out=True),
             Command.KEEP_LIGHT: lambda now_s: self._keeper.light(now_s),
             Command.RECORD: lambda now_s: self._keeper.record(self._pipeline.fps, now_s),
-            Command.QUALITY: self._next_quality,
+            Command.QUALITY: lambda _now: self._quality.step(self._pipeline),
             Command.FULLSCREEN: lambda _now: self._window.toggle_fullscreen(),
             Command.LEAVE: lambda _now: self._leave(),
             Command.FOLLOW_OTHER: self.followed.follow_other,
@@ -79,7 +79,7 @@ class LiveViewer:
 
         `end_if_asked`: called before each picture; what it raises ends the viewer.
         """
-        self._begin_quality()
+        self._quality.begin(self._pipeline)
         frames_left = frame_limit
         due_s = time.monotonic()
         try:
@@ -93,7 +93,7 @@ class LiveViewer:
                 self.followed.look(now_s)
                 is_new = self._take_opened(now_s) or self._take_frame(now_s)
                 self._draw(now_s)
-                self._adapt_quality(now_s)
+                self._quality.adapt(self._pipeline, now_s)
                 self._window.swap()
                 self._stillness.shown()
                 self._keeper.take(self._renderer.preset, is_new, now_s)
@@ -167,17 +167,6 @@ class LiveViewer:
     def _is_idle(self) -> bool:
         """Whether nothing has changed for so long that a person waits for something, or looks elsewhere."""
         return self._stillness.is_still or min(self._window.framebuffer_size) < 1
-
-    def _adapt_quality(self, begun_s: float) -> None:
-        """Tracking and drawing run side by side, so the slower one counts."""
-        if not self._quality.is_automatic:
-            return
-        # Commands that are only queued have cost nothing yet.
-        self._renderer.finish()
-        draw_ms = (time.monotonic() - begun_s) * 1e3
-        detect_ms = self._session.tracked.detect_ms if self._session.tracked is not None else 0.0
-        if self._quality.add(max(draw_ms, detect_ms)):
-            self._apply_quality()
 
     def _obey(self, request: Request, now_s: float) -> None:
         if self._session.is_mirrored:
@@ -253,20 +242,6 @@ class LiveViewer:
             self._window.toggle_fullscreen()
         else:
             self._quit = True
-
-    def _next_quality(self, _now_s: float) -> None:
-        self._quality.step()
-        self._begin_quality()
-
-    def _begin_quality(self) -> None:
-        # The estimator has a process of its own: its preset need not step down when the renderer's does.
-        light = self._quality.now.light
-        self._session.watch.preset = replace(light, light=self._session.watch.preset.light)
-        self._apply_quality()
-
-    def _apply_quality(self) -> None:
-        self._renderer.preset = self._quality.now.render
-        self._pipeline.track_with(self._quality.now.tracking)
 
     def _tell(self, text: str, now_s: float) -> None:
         """Shows a line in the window for a while, and prints it for good."""
