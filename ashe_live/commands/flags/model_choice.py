@@ -14,41 +14,38 @@ def names_of(options: argparse.Namespace) -> list[str]:
 
 
 def follow_named_marker(options: argparse.Namespace) -> None:
-    """A marker that carries a model is named: the first of these is followed, if nobody has said which one is.
+    """Writes out which marker each model stands on, before another one is followed; a marker with a model is named.
 
-    Raises UserError where the followed marker has no model, or a number names no marker.
+    The first of these is followed, if nobody has said which one is. Raises UserError where the followed marker has no
+    model, for too many, and where a number names no marker.
     """
-    markers = [marker for marker, _ in _given(options)]
-    if not any(markers):
+    given = _given(options)
+    if len(given) > MOST_MODELS:
+        raise UserError(f"{len(given)} models are too many", f"give at most {MOST_MODELS}")
+    specs = [None if marker is None else _spec(marker, options.marker) for marker, _ in given]
+    if not any(specs):
         return
-    if all(markers) and options.takes_any_marker:
-        first = markers[0]
-        assert first is not None
-        options.marker = _spec(first, options.marker)
+    if all(specs) and options.takes_any_marker:
+        options.marker = specs[0]
+    if not any(spec in (None, options.marker) for spec in specs):
+        raise UserError(f"no model is for the marker {options.marker}", "give one without a number: --model NAME")
     options.takes_any_marker = False
-    chosen_models(options)
+    names = [name for _, name in given]
+    options.model = tuple(name if spec is None else f"{spec}={name}" for spec, name in zip(specs, names, strict=True))
 
 
 def chosen_models(options: argparse.Namespace) -> tuple[ChosenModel, ...]:
-    """The first stands on the followed marker. Raises UserError where none does, for too many, and for no marker."""
-    chosen = []
-    for marker, name in _given(options):
-        spec = None if marker is None else _spec(marker, options.marker)
-        chosen.append(ChosenModel(name, None if spec == options.marker else spec))
-    if len(chosen) > MOST_MODELS:
-        raise UserError(f"{len(chosen)} models are too many", f"give at most {MOST_MODELS}")
-    first = next((each for each in chosen if each.marker is None), None)
-    if first is None:
-        raise UserError(f"no model is for the marker {options.marker}", "give one without a number: --model NAME")
-    chosen.remove(first)
-    return first, *chosen
+    """Those that stand on the followed marker first, of which there is at least one."""
+    chosen = [ChosenModel(name, None if spec == options.marker else spec) for spec, name in _given(options)]
+    return tuple(sorted(chosen, key=lambda each: each.marker is not None))
 
 
 def other_markers(options: argparse.Namespace) -> list[Marker]:
     """Those that models of their own stand on."""
     if not hasattr(options, "model"):  # of a command that shows none
         return []
-    return [parse_marker(spec) for spec in dict.fromkeys(each.marker for each in chosen_models(options)) if spec]
+    specs = dict.fromkeys(spec for spec, _ in _given(options) if spec not in (None, options.marker))
+    return [parse_marker(spec) for spec in specs if spec is not None]
 
 
 def _given(options: argparse.Namespace) -> list[tuple[str | None, str]]:

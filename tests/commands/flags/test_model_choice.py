@@ -4,6 +4,7 @@ import argparse
 
 import pytest
 
+from ashe_live.commands.flags.marker_choice import with_marker
 from ashe_live.commands.flags.model_choice import chosen_models, follow_named_marker, other_markers
 from ashe_live.commands.flags.options import parsed
 from ashe_live.errors import UserError
@@ -39,11 +40,21 @@ def test_a_number_is_a_marker_of_the_followed_ones_family():
     other = "apriltag:36h11:7"
     assert chosen_models(chosen) == (
         ChosenModel("mug"),
+        ChosenModel("lantern"),
         ChosenModel("tree.glb", other),
         ChosenModel("cube", other),
-        ChosenModel("lantern"),
     )
     assert [marker.spec for marker in other_markers(chosen)] == [other]
+
+
+def test_a_number_stays_that_of_the_marker_when_another_one_is_followed():
+    chosen = options("--marker", "apriltag:36h11:3", *models("mug", "7=tree"))
+    follow_named_marker(chosen)
+    for followed in ("cube", "aruco:4x4_50:7", "apriltag:36h11:7"):
+        later = with_marker(chosen, followed)
+        assert chosen_models(later)[0] == ChosenModel("mug")
+        others = {"apriltag:36h11:7"} - {followed}
+        assert {marker.spec for marker in other_markers(later)} == others
 
 
 def test_the_first_numbered_marker_is_followed_where_none_is_named():
@@ -64,7 +75,7 @@ def test_the_first_numbered_marker_is_followed_where_none_is_named():
 )
 def test_what_cannot_be_is_said(arguments, said):
     with pytest.raises(UserError, match=said):
-        follow_named_marker(chosen := options(*arguments)) or chosen_models(chosen)
+        follow_named_marker(options(*arguments))
 
 
 def test_a_marker_without_a_model_is_refused(capsys):
