@@ -57,16 +57,20 @@ class Arrangement:
         return self._stands[self.in_hand].marker
 
     @property
+    def chosen(self) -> list[ChosenModel]:
+        """All of them in their order, as they could be named at the start."""
+        return [ChosenModel(stand.name, stand.marker) for stand in self._now]
+
+    @property
     def moves(self) -> bool:
         """Whether any of the models does."""
-        return any(stand.model.model.duration_s > 0 for stand in self._but_in_hand()) or self._shelf.moves
+        others = (stand for number, stand in enumerate(self._stands) if number != self.in_hand)
+        return self._shelf.moves or any(stand.model.model.duration_s > 0 for stand in others)
 
     def models(self, tracked: TrackedFrame | None) -> list[tuple[str, PlacedModel, Placement | None]]:
         """All of them in their order, by name; no placement where its marker is not in the frame."""
         found = []
-        for number, stand in enumerate(self._stands):
-            if number == self.in_hand:
-                stand = self._as_it_is()
+        for stand in self._now:
             anchor = self._anchor(stand, tracked)
             found.append((stand.name, stand.model, None if anchor is None else anchor @ stand.placement))
         return found
@@ -145,15 +149,19 @@ class Arrangement:
         self._stands[self.in_hand] = replace(stand, name=shown)
         return True
 
-    def _but_in_hand(self) -> list[Stand]:
-        return [stand for number, stand in enumerate(self._stands) if number != self.in_hand]
-
     def _change_to(self, number: int) -> bool:
         if number == self.in_hand:
             return False
         self._put_down()
         self._take_up(number)
         return True
+
+    @property
+    def _now(self) -> list[Stand]:
+        """All of them, the one in hand as it is."""
+        stands = [*self._stands]
+        stands[self.in_hand] = self._as_it_is()
+        return stands
 
     def _as_it_is(self) -> Stand:
         """The stand of the model in hand now."""

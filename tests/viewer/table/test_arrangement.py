@@ -161,6 +161,16 @@ def test_what_is_moved_by_hand_goes_with_its_marker(make, fakes):
     np.testing.assert_allclose(np.array(places(session)[1].shift_m) - before, moved / 4, atol=1e-12)
 
 
+def test_they_are_named_as_a_command_takes_them(make, fakes):
+    session = make(ChosenModel("mug"), ChosenModel("tree", OTHER))
+    session.take(fakes.tracked(0), 0.0)
+    asked(session, Request(Command.CHOOSE_MODEL, 2))
+    name = session.table._shelf.chosen_name
+    session.table._shelf.loaded(name)
+    session.poll(0.0)
+    assert session.arrangement.chosen == [ChosenModel(name), ChosenModel("mug"), ChosenModel("tree", OTHER)]
+
+
 def test_another_clip_begins_with_all_of_them_at_their_places(make, fakes):
     session = make(ChosenModel("mug"))
     session.take(fakes.tracked(0), 0.0)
