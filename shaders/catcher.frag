@@ -105,8 +105,6 @@ void main() {
         share = lit_past_real(light, covered);
         seen *= share;
 #endif
-        // The real object's shadow on the ground goes on up the walls beside it.
-        on_walls += sun[light] * (falloff * share * max(dot(outward, towards.xy), 0.0));
         before += seen;
 #ifdef SOFT_BORDER
         // Four taps have the variance of their offsets.
@@ -117,7 +115,13 @@ void main() {
         float lit = lit_on_ground(0, light, ground);
 #endif
         after += seen * lit;
+        // A shadow on the ground goes on up the walls beside it.
+        on_walls += sun[light] * (falloff * share * lit * max(dot(outward, towards.xy), 0.0));
     }
+#endif
+#ifdef CONTACT_ALONE
+    // Drawn over a picture that has the shadows, and another model's contact.
+    before = after;
 #endif
     // In the place of the hidden sky the ground sees the model, lit by the ground before it, and if a wall by half the sky.
     vec3 from_ground = ground_bounce * after / max(before, 1e-3);

@@ -7,6 +7,7 @@ from pathlib import Path
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.capture.snapshot import write_png
+from ashe_live.commands.flags.model_choice import follow_named_marker
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, has_display, show_in_window, show_without_window
 from ashe_live.core.arrays import Image
@@ -26,6 +27,7 @@ def run(options: argparse.Namespace) -> int:
     clip = shipped_clip()
     options.takes_any_marker = False
     options.marker, options.marker_size = clip.marker_spec, clip.marker_side_m
+    follow_named_marker(options)
     tracker = make_tracker(options, clip.camera.resized)
     setup = ViewerSetup(ClipSource(clip.path), tracker, options, clip.to_light_marker, shows_light=True)
     if options.headless:

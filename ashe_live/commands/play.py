@@ -4,12 +4,14 @@ import argparse
 
 from ashe_live.capture.sources import open_source
 from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker_in
+from ashe_live.commands.flags.model_choice import follow_named_marker
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, show
 
 
 def run(options: argparse.Namespace) -> int:
     check_outputs(options)
+    follow_named_marker(options)
     make_tracker(options)  # a marker that is none is said before the file is opened
     source = open_source(options.file)
     chosen = with_marker_in(source, options)

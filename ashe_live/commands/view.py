@@ -13,6 +13,7 @@ from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.recording.transparent import TransparentRecorder
 from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.marker_choice import others_said
+from ashe_live.commands.flags.model_choice import chosen_models, names_of
 from ashe_live.commands.flags.setup import light_steps, quality_of
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Size, drawn_size
@@ -31,11 +32,12 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.output.report import Report
-from ashe_live.viewer.session import EstimatePolicy, Session
-from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import camera_line, light_line
+from ashe_live.viewer.table.shelf import Shelf
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +60,8 @@ class ViewerSetup:
 
 def check_outputs(options: argparse.Namespace) -> None:
     """Raises UserError before anything is opened when a file must not or cannot be written."""
-    model = Path(options.model) if options.model not in model_names() else None
-    inputs = (getattr(options, "file", None), options.camera_file, model)
+    models = (Path(name) for name in names_of(options) if name not in model_names())
+    inputs = (getattr(options, "file", None), options.camera_file, *models)
     files.check_outputs((options.out, options.report), inputs, options.overwrite)
     if options.headless and options.loop and options.frames is None:
         raise UserError("--loop without a window never ends", "give --frames N too")
@@ -83,9 +85,11 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     leave_cores_to_renderer()
     policy = EstimatePolicy(not setup.source.is_live, options.estimate_at, options.auto)
     steadiness = Steadiness(1) if setup.source.is_photo else Steadiness()
-    shelf = Shelf(options.model, setup.tracker.side_m, options.up, ModelMemory())
+    first, *others = chosen_models(options)
+    side_m, names = setup.tracker.side_m, [other.name for other in others]
+    shelf = Shelf(first.name, side_m, options.up, ModelMemory(), names)
     with LightWorker(options.estimator) as worker:
-        session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker)
+        session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)
         session.show_light = setup.shows_light
         session.hides_marker = options.hide_marker
         session.is_mirrored = options.mirror

@@ -5,6 +5,7 @@ import argparse
 from ashe_live.capture.cameras import connected, name_of
 from ashe_live.capture.webcam import WebcamSource
 from ashe_live.commands.flags.marker_choice import tracker_maker
+from ashe_live.commands.flags.model_choice import follow_named_marker
 from ashe_live.commands.flags.setup import make_tracker
 from ashe_live.commands.view import ViewerSetup, check_outputs, show
 from ashe_live.process.messages import tell
@@ -13,6 +14,7 @@ from ashe_live.tracking.focal.focal_memory import FocalMemory
 
 def run(options: argparse.Namespace) -> int:
     check_outputs(options)
+    follow_named_marker(options)
     camera = int(options.camera) if options.camera.isdecimal() else options.camera
     memory = FocalMemory(name_of(camera, connected()))
     tracker = make_tracker(options, memory=memory)

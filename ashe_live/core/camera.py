@@ -107,6 +107,14 @@ class Camera:
         return Camera(size, K, self.dist, self.source, self.focal_sigma_px * float(scales[0]))
 
 
+def fitted(camera: Camera, size: Size, name: str = "the camera") -> Camera:
+    """`camera` for frames of another size of the same aspect ratio. Raises UserError, with that name, for any other."""
+    try:
+        return camera.resized(size)
+    except ValueError as error:
+        raise UserError(f"{name} does not fit the picture ({error})", "calibrate at this aspect ratio") from error
+
+
 def drawn_size(size: Size) -> Size:
     """`size`, or one of its shape that is not too large to be drawn at."""
     scale = math.sqrt(min(1.0, DRAWN.high / (size[0] * size[1])))

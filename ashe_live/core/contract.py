@@ -113,19 +113,21 @@ def light_by_hand_json(illumination: Illumination, frame_index: int) -> Json:
     return {"frame": frame_index, "estimator": BY_HAND, **illumination_json(illumination), "views": None}
 
 
-def snapshot_json(tracked: TrackedFrame, model: str, light: Json | None, marker_from_placed: Float) -> Json:
+def snapshot_json(tracked: TrackedFrame, models: Sequence[tuple[str, Float | None]], light: Json | None) -> Json:
     """What is known of a snapshot: written into it under the keyword SNAPSHOT_KEYWORD.
 
+    `models`: at least one, by name, each with its `marker_from_placed` (4, 4), or None where its marker is not in view.
     `light`: of `estimated_light_json` or `light_by_hand_json`; None before there is any.
     """
+    first, *others = ({"model": name, "marker_from_placed": _listed(matrix)} for name, matrix in models)
     return {
         "schema": SCHEMA,
         "frame": tracked.frame.index,
         "time_s": tracked.frame.time_s,
         "camera": camera_json(tracked.camera),
         "marker": marker_json(tracked.marker),
-        "model": model,
-        "marker_from_placed": marker_from_placed.tolist(),
+        **first,
+        "others": others,
         "estimate": light,
     }
 

@@ -10,6 +10,7 @@ import numpy as np
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen
 from ashe_live.core.camera import Camera
+from ashe_live.core.plane_marker import PlaneMarker
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.ranges import ANGLE, INVERSE_DISTANCE, LAMP_RADIUS, MARKER_SIDE, SHARE
 from ashe_live.core.transforms import angles_from_direction, normalised
@@ -79,6 +80,7 @@ class TrackedFrame:
     marker: MarkerPose | None  # None: no marker in this frame
     detect_ms: float = 0.0
     note: str | None = None  # for a person, e.g. that two equal markers are in view
+    others: tuple[PlaneMarker, ...] = ()  # of those that were asked for, the ones that are in this frame
 
     def __post_init__(self) -> None:
         arguments.instance(self.frame, Frame, "frame")

@@ -1,6 +1,7 @@
 """The models that ship with the program, and how a name or a path becomes one."""
 
 import os
+from dataclasses import dataclass
 from pathlib import Path
 
 from ashe_live.errors import UserError
@@ -9,6 +10,15 @@ from ashe_live.models.loading import SUFFIXES, load_model_file
 from ashe_live.models.mesh import Model
 
 FIRST = "cube"
+MOST_MODELS = 9  # at once
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenModel:
+    """A model by its name or path, and what it is to stand on."""
+
+    name: str
+    marker: str | None = None  # the spec of a marker of its own; None: the one that is followed
 
 
 def model_names() -> tuple[str, ...]:

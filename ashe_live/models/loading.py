@@ -20,7 +20,7 @@ from ashe_live.models.mesh import Model
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.limits import MAX_FILE_BYTES, check_surfaces, check_text, check_triangles
 from ashe_live.models.parsing.malformed import MalformedError
-from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.notes import WITHOUT_COORDINATES, Notes
 from ashe_live.models.up import Y_UP, guessed_up, z_up_from
 
 GLTF_SUFFIXES = (".glb", ".gltf")
@@ -84,6 +84,8 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
     if not parts:
         raise UserError(f"the model file {path} holds no triangles", "export it as a mesh")
     check_surfaces(path, len(parts))
+    if any(mesh.uvs is None and mesh.material.maps for _, mesh in meshes):
+        notes.add(WITHOUT_COORDINATES)
     model = Model(path.stem, parts, notes.lines)
     lower, upper = model.bounds
     if not (np.isfinite(upper - lower).all() and (upper - lower).max() > 0):

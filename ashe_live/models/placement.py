@@ -48,6 +48,20 @@ class Placement:
         if not (self.scale > 0 and all(map(math.isfinite, (self.scale, self.turn_rad, *self.shift_m)))):
             raise ValueError(f"a model cannot be scaled by {self.scale}, turned by {self.turn_rad} to {self.shift_m}")
 
+    def __matmul__(self, first: "Placement") -> "Placement":
+        """This one after `first`, as of matrices."""
+        if self == UNMOVED:
+            return first
+        x, y = self.turned(first.shift_m)
+        shift_m = (self.scale * x + self.shift_m[0], self.scale * y + self.shift_m[1])
+        return Placement(self.scale * first.scale, (self.turn_rad + first.turn_rad) % math.tau, shift_m)
+
+    def turned(self, vector: tuple[float, float], back: bool = False) -> tuple[float, float]:
+        """A vector x, y of the plane, turned as the model is, or `back`."""
+        cosine, sine = math.cos(self.turn_rad), math.sin(self.turn_rad) * (-1 if back else 1)
+        x, y = vector
+        return cosine * x - sine * y, sine * x + cosine * y
+
     @property
     def marker_from_placed(self) -> Float:
         """(4, 4) similarity that keeps the plane z = 0."""

@@ -10,7 +10,7 @@ from ashe_live.render.passes.ground import ShadowCatcher
 from ashe_live.render.passes.light_sign import LightSign, LightSigns
 from ashe_live.render.passes.model_pass import ModelPass, ShadingInputs
 from ashe_live.render.passes.real_object import RealObject
-from ashe_live.render.passes.standing import StandingModel
+from ashe_live.render.passes.standing import StandingGroup
 from ashe_live.render.passes.video import Video
 from ashe_live.render.scene import Scene
 
@@ -47,7 +47,7 @@ class LayerPasses:
 
     def draw(
         self,
-        model: StandingModel,
+        models: StandingGroup,
         inputs: ShadingInputs,
         signs: list[LightSign],
         scene: Scene,
@@ -61,7 +61,7 @@ class LayerPasses:
         if self.real is not None:
             self.real.draw(frame, lighting, shadows)
         if scene.shows_model:
-            self.model_pass.draw_opaque(model, inputs)
+            self.model_pass.draw_opaque(models, inputs)
         for sign in signs:
             self._light_signs.draw(frame, sign)
         if scene.casts_shadow or hidden is not None:
@@ -71,14 +71,14 @@ class LayerPasses:
                 lighting,
                 inputs.looked_up.ground_shadows,
                 2 if shadows.shadows_meet else 1,
-                model,
+                models,
                 scene.illumination.ground_rgb,
                 hidden,
                 scene.casts_shadow,
                 photometry.border_share(scene.illumination) * frame.viewport[2],
             )
         if scene.shows_model:
-            self.model_pass.draw_blended(model, inputs)
+            self.model_pass.draw_blended(models, inputs)
 
     def release(self) -> None:
         self.catcher.forget()

@@ -1,6 +1,6 @@
 """Draws a scene: the video, the model and its shadow on the video, the lights' signs, and overlays."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import moderngl
 import numpy as np
@@ -24,8 +24,8 @@ from ashe_live.render.passes.lens import Lens
 from ashe_live.render.passes.light_sign import LightSign, light_sign
 from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
 from ashe_live.render.passes.overlays import OverlayPass
-from ashe_live.render.passes.prepared import ModelSwitch
-from ashe_live.render.passes.standing import StandingModel
+from ashe_live.render.passes.prepared import ModelSwitches
+from ashe_live.render.passes.standing import StandingGroup
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 from ashe_live.render.scene import Scene
@@ -52,7 +52,7 @@ class SceneRenderer:
         self._layers = LayerPasses(ctx, self._programs)
         self._shadows = ShadowMaps(ctx, preset)
         self._ground_shadows = GroundShadows(ctx, self._programs, preset)
-        self._models = ModelSwitch(ctx, self._programs, self._build_shaders, switches_at_once)
+        self._models = ModelSwitches(ctx, self._programs, self._build_shaders, switches_at_once)
         self._photometry = Photometry(preset)
         self._surface = Surface(ctx, size, preset.msaa_samples)
 
@@ -65,9 +65,9 @@ class SceneRenderer:
         return self._surface.size
 
     @property
-    def shown_model(self) -> PlacedModel | None:
-        """What was drawn last, which may be the former one for some pictures."""
-        return None if self._models.shown is None else self._models.shown.placed
+    def shown_models(self) -> tuple[PlacedModel, ...]:
+        """What was drawn last, which may be the former ones for some pictures."""
+        return self._models.shown
 
     @property
     def switches_at_once(self) -> bool:
@@ -126,7 +126,7 @@ class SceneRenderer:
 
     def render(self, scene: Scene) -> None:
         """Draws the scene into the renderer's own framebuffer."""
-        self._follow_model(scene.model)
+        self._follow_models([model for model, _ in scene.models])
         if self._layers.follow_real_object(scene.illumination.real_object):
             self._shadows.forget()
         if scene.tracked is None:
@@ -139,8 +139,9 @@ class SceneRenderer:
                 self._surface.colour.clear()
             else:
                 self.video.copy_or_draw(self._surface.colour, viewport)
-            if self._models.shown is not None and scene.tracked.marker is not None:
-                self._draw_model(self._models.shown.standing(scene.placement, scene.time_s), scene, bends)
+            standing = self._models.standing([placement for _, placement in scene.models], scene.time_s)
+            if standing is not None and scene.tracked.marker is not None:
+                self._draw_models(standing, scene, bends)
             if scene.is_mirrored:
                 self._mirror.turn(self._surface.colour)
         self._surface.colour.use()
@@ -169,7 +170,7 @@ class SceneRenderer:
 
     def release(self) -> None:
         """Gives every object back to OpenGL; the renderer is of no use afterwards."""
-        self._follow_model(None)
+        self._follow_models(())
         self._layers.follow_real_object(None)
         self._ctx.detect_framebuffer(0).use()
         for held in (
@@ -188,27 +189,27 @@ class SceneRenderer:
         ):
             held.release()
 
-    def _draw_model(self, model: StandingModel, scene: Scene, bends: bool) -> None:
+    def _draw_models(self, models: StandingGroup, scene: Scene, bends: bool) -> None:
         """`bends`: the picture is that of the camera's own lens; else that of a pinhole camera."""
         tracked = scene.tracked
         assert tracked is not None
         assert tracked.marker is not None
         lighting = self._photometry.lighting(scene.illumination)
-        self._shadows.render((model,) if self._layers.real is None else (model, self._layers.real), lighting)
+        self._shadows.render((models,) if self._layers.real is None else (models, self._layers.real), lighting)
         self._ground_shadows.render(self._shadows, lighting)
         hidden = self._layers.follow_sheet(scene, self.switches_at_once)
         covered = np.zeros((0, 2)) if hidden is None else hidden.corners
-        self._layers.catcher.fit(model, lighting, self._shadows, covered)
+        self._layers.catcher.fit(models, lighting, self._shadows, covered)
         viewport = letterbox(tracked.frame.size, self.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         T_cam_marker = tracked.marker.T_cam_marker
         signed = scene.illumination.lights if scene.shows_light else ()
-        signs = [light_sign(model.corners, light, camera, T_cam_marker) for light in signed]
-        frame = framing(camera, T_cam_marker, self._drawn_points(model, signs), viewport)
+        signs = [light_sign(models.members[0].corners, light, camera, T_cam_marker) for light in signed]
+        frame = framing(camera, T_cam_marker, self._drawn_points(models, signs), viewport)
         if frame is None:
             return
         look = self._photometry.look(tracked, scene.illumination)
-        if model.model.mirrors:
+        if models.mirrors:
             self._environment.show(scene.illumination, look.white_rgb)
         straight = self.video
         if bends and self._shadows.shadows_meet:
@@ -217,21 +218,21 @@ class SceneRenderer:
         reach = self._composite.reach_px(viewport, tracked.frame, look)
         with self._surface.drawing(grown(frame.region, 2 * reach + 1, self.size)):
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
-            self._layers.draw(model, inputs, signs, scene, straight, hidden, self._photometry)
+            self._layers.draw(models, inputs, signs, scene, straight, hidden, self._photometry)
         lens = self._lens if bends else None
         self._composite.draw(
             self._surface, frame.region, viewport, self.video, tracked, look, lens, scene.is_split, scene.is_cut_out
         )
 
-    def _drawn_points(self, model: StandingModel, signs: list[LightSign]) -> Float:
+    def _drawn_points(self, models: StandingGroup, signs: list[LightSign]) -> Float:
         """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""
-        return np.concatenate([model.corners, self._layers.catcher.polygon, *(sign.corners for sign in signs)])
+        return np.concatenate([models.corners, self._layers.catcher.polygon, *(sign.corners for sign in signs)])
 
     @property
     def _looked_up(self) -> LookedUp:
         return LookedUp(self._shadows, self._ground_shadows, self._environment)
 
-    def _follow_model(self, placed: PlacedModel | None) -> None:
+    def _follow_models(self, placed: Sequence[PlacedModel]) -> None:
         if self._models.follow(placed):
             for holder in (self._shadows, self._layers.catcher):
                 holder.forget()

@@ -40,7 +40,9 @@ class Scene:
     illumination: Illumination = UNLIT
     shows_light: bool = False  # an arrow that comes from each light, or a bulb where it is
     overlays: tuple[Overlay, ...] = ()  # bottom first
-    placement: Placement = UNMOVED  # of the model
+    placement: Placement | None = UNMOVED  # of the model; None: it is kept ready and not drawn
+    # More models with their placements, drawn where `model` is one.
+    others: tuple[tuple[PlacedModel, Placement | None], ...] = ()
     casts_shadow: bool = True  # the model, on the ground
     shows_model: bool = True  # itself, and not its shadow alone
     is_cut_out: bool = False  # without the video: transparent, so that it gives the same picture when put over it
@@ -48,6 +50,11 @@ class Scene:
     time_s: float = 0.0  # since the motion of a model that moves began
     is_split: bool = False  # the video's left half is shown alone
     is_mirrored: bool = False  # left to right, below the overlays
+
+    @property
+    def models(self) -> tuple[tuple[PlacedModel, Placement | None], ...]:
+        """All of them with their placements; none where `model` is None."""
+        return () if self.model is None else ((self.model, self.placement), *self.others)
 
     @property
     def kind(self) -> tuple[bool, ...]:

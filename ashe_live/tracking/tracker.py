@@ -7,10 +7,9 @@ from collections.abc import Callable, Container
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.camera import Camera, Size
+from ashe_live.core.camera import Camera, Size, fitted
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.errors import UserError
 from ashe_live.tracking.cube.folding import Folding
 from ashe_live.tracking.edges.flow import flowed_corners
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
@@ -18,6 +17,7 @@ from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import Layout, members_of
 from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.memory import Memory, remembered
+from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares, poses_of_square
 from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
@@ -46,6 +46,7 @@ class MarkerTracker:
         self.marker = marker
         self.side_m = side_m
         self.preset = preset
+        self.others = PlaneMarkers(())  # that are looked for on the plane of this one
         self.filters = True  # holds the pose still while the marker is; off, every frame's pose is its own
         self._members = members_of(marker)
         # What it is printed on, where that is folded by hand and no two are alike.
@@ -64,6 +65,7 @@ class MarkerTracker:
         self._note: str | None = None
         self._before_jump: MarkerPose | None = None
         self._filter.reset()
+        self.others.reset()
 
     def jump(self) -> None:
         """As reset, but between a square's two poses the last one still decides: another time, and no other place.
@@ -103,12 +105,14 @@ class MarkerTracker:
             self._last = remembered(frame, pose, corners_px, bridged, last)
             self._lost_frames = 0
             self._before_jump = None
-        return TrackedFrame(frame, camera, pose, (time.perf_counter() - start) * 1e3, self._note if pose else None)
+        others = self.others.found(frame, camera, pose, self.preset)
+        detect_ms = (time.perf_counter() - start) * 1e3
+        return TrackedFrame(frame, camera, pose, detect_ms, self._note if pose else None, others)
 
     def _camera_for(self, size: Size) -> Camera:
         if self._camera_now is None or self._camera_now.size != size:
             self.reset()
-            self._camera_now = _resized(self._camera, size) if isinstance(self._camera, Camera) else self._camera(size)
+            self._camera_now = fitted(self._camera, size) if isinstance(self._camera, Camera) else self._camera(size)
         return self._camera_now
 
     def _recent(self, time_s: float) -> Memory | None:
@@ -236,12 +240,3 @@ class MarkerTracker:
             pose.T_cam_marker, pose.noise_covariance, self.side_m, time_s, preset.filter_rest_s, preset.filter_gate
         )
         return dataclasses.replace(pose, T_cam_marker=held, unfiltered_T_cam_marker=pose.T_cam_marker, bridged=bridged)
-
-
-def _resized(camera: Camera, size: Size) -> Camera:
-    try:
-        return camera.resized(size)
-    except ValueError as error:
-        raise UserError(
-            f"the camera does not fit the picture: {error}", "calibrate at the same aspect ratio"
-        ) from error

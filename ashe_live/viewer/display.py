@@ -11,10 +11,11 @@ from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.models.placement import PlacedModel
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
+from ashe_live.viewer.before_after import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
 from ashe_live.viewer.drawn.estimate_inset import inset_overlays
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
 from ashe_live.viewer.hands.controls import help_rows
-from ashe_live.viewer.session import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE, Session
+from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import source_lines, status_lines
 
 # Numbers that change with every frame are updated this often: to be legible, and because drawing text takes as long as
@@ -26,18 +27,21 @@ SPLIT_LINE = frozen_view(np.array((246, 246, 242, 160), np.uint8).reshape(1, 1, 
 
 
 def bare_scene(session: Session) -> Scene:
-    """Video, model and light, as recordings and snapshots want them."""
+    """Video, models and light, as recordings and snapshots want them."""
+    models = [(model, placement) for _, model, placement in session.arrangement.models(session.tracked)]
+    (model, placement), *others = models
     return Scene(
         session.tracked,
-        None if session.parts_shown == VIDEO_ALONE else session.model,
+        None if session.parts_shown == VIDEO_ALONE else model,
         session.shown,
         session.show_light,
-        placement=session.hand.placement,
+        placement=placement,
+        others=tuple(others),
         casts_shadow=session.parts_shown in (WHOLE, SPLIT, SHADOW_ALONE),
         shows_model=session.parts_shown != SHADOW_ALONE,
         hides_marker=session.hides_marker,
         is_split=session.parts_shown == SPLIT,
-        time_s=session.motion_s,
+        time_s=session.table.motion_s,
     )
 
 
@@ -48,8 +52,8 @@ class Display:
         self._hud = Hud()
         self._time_bar = TimeBar()
         self._inset: tuple[LightEstimate, Size, tuple[Overlay, ...]] | None = None
-        self.drawn_model: PlacedModel | None = None  # in the picture before; None: nobody says
-        self._name = ""  # of that
+        self.drawn_models: tuple[PlacedModel, ...] = ()  # in the picture before; none: nobody says
+        self._name = ""  # of the one in hand, as drawn
         self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
         self._read_s = -math.inf
 
@@ -69,8 +73,8 @@ class Display:
             overlays = self._hud.overlays(HudText(help=help_rows()), size, content_scale)
             return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
-        if not self._name or self.drawn_model in (None, session.model):
-            self._name = session.model_name
+        if not (self._name and self.drawn_models) or any(each is session.table.model for each in self.drawn_models):
+            self._name = session.table.in_hand_said
         status = status_lines(session, fps_read, quality, marker_read, self._name)
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
         if not session.show_hud:

@@ -55,9 +55,9 @@ def play_headless(
 
         session.watch.key_views.add(tracked)
         session.take(tracked, shown_s)
-        if session.is_estimating:
+        if session.watch.is_estimating:
             estimate = session.wait_for_estimate(LONGEST_ESTIMATE_S, shown_s)
-            if session.is_estimating:
+            if session.watch.is_estimating:
                 raise UserError(f"no estimate of the light in {LONGEST_ESTIMATE_S:.0f} s", "choose another --estimator")
             if estimate is not None:
                 report.add_estimate(estimate)

@@ -1,42 +1,33 @@
 """The main thread's loop: takes keys and the latest tracked frame, and draws a picture at the display's own rate."""
 
-import operator
 import time
-from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from ashe_live.core.camera import Size
 from ashe_live.core.mailbox import Closed
 from ashe_live.errors import UserError
 from ashe_live.process.messages import say, tell
-from ashe_live.quality import QUALITIES, Quality
-from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.renderer import SceneRenderer
-from ashe_live.render.scene import Scene
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.auto_quality import AutoQuality
 from ashe_live.viewer.display import Display
-from ashe_live.viewer.hands.controls import Command, Files, Request
 from ashe_live.viewer.hands.gestures import Gestures
 from ashe_live.viewer.hands.menu import Menu, entries_for
 from ashe_live.viewer.hands.pointing import in_mirror, in_video
+from ashe_live.viewer.hands.requests import Command, Files, Request
 from ashe_live.viewer.output.keeping import Keeper
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.playback import Playback
+from ashe_live.viewer.quality_choice import QualityChoice
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.followed import Followed
 from ashe_live.viewer.sources.opening import Opener, Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.status import light_line
+from ashe_live.viewer.stillness import Stillness
 from ashe_live.viewer.windows.window import Window
 
-AUTO = "auto"
-QUALITY_NAMES = (*QUALITIES, AUTO)
-FPS_OVER_FRAMES = 30
-# After so many pictures alike, so long is waited for an event, or a frame of the source, before the next one.
-UNCHANGED_PICTURES, HELD_AFTER_PICTURES = 30, 3
+# While nothing changes, so long is waited for an event, or a frame of the source, before the next picture.
 IDLE_S = 0.1
 
 
@@ -56,33 +47,26 @@ class LiveViewer:
     ) -> None:
         self._window = window
         self._renderer = renderer
-        self._pipeline = pipeline
         self._session = session
-        self._watch(pipeline)
         self._display = Display()
         self._gestures = Gestures(window.content_scale)
         self._menu = Menu()
-        self._quality_name = quality_name
         self._interval_s = 1 / window.refresh_rate_hz
-        self._auto: AutoQuality | None = None
+        self._quality = QualityChoice(quality_name, self._interval_s, renderer, session)
         self._keeper = Keeper(renderer, session, self._tell, recording)
-        self._keeper.clip_name = pipeline.name if pipeline.is_clip else None
-        self._opening = None if opener is None else Opening(opener)
+        self._opening = Opening(opener)
         self._loop = loop
-        self._source_error: str | None = None
-        self._playback = Playback(pipeline, session, loop)
         self._quit = False
+        self._source_error: str | None = None
+        self._take_up(pipeline)
         self.followed = Followed(pipeline, session, self._tell)
-        self._shown: tuple[Scene, Size, RenderPreset] | None = None
-        self._fps_shown: float | None = None
-        self._unchanged = 0  # pictures in a row that were as the one before
-        self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
+        self._stillness = Stillness()
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
             Command.CUT_OUT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s, is_cut_out=True),
             Command.KEEP_LIGHT: lambda now_s: self._keeper.light(now_s),
             Command.RECORD: lambda now_s: self._keeper.record(self._pipeline.fps, now_s),
-            Command.QUALITY: self._next_quality,
+            Command.QUALITY: lambda _now: self._quality.step(self._pipeline),
             Command.FULLSCREEN: lambda _now: self._window.toggle_fullscreen(),
             Command.LEAVE: lambda _now: self._leave(),
             Command.FOLLOW_OTHER: self.followed.follow_other,
@@ -95,7 +79,7 @@ class LiveViewer:
 
         `end_if_asked`: called before each picture; what it raises ends the viewer.
         """
-        self._set_quality(self._quality_name)
+        self._quality.begin(self._pipeline)
         frames_left = frame_limit
         due_s = time.monotonic()
         try:
@@ -109,9 +93,9 @@ class LiveViewer:
                 self.followed.look(now_s)
                 is_new = self._take_opened(now_s) or self._take_frame(now_s)
                 self._draw(now_s)
-                self._adapt_quality(now_s)
+                self._quality.adapt(self._pipeline, now_s)
                 self._window.swap()
-                self._shown_s.append(time.monotonic())
+                self._stillness.shown()
                 self._keeper.take(self._renderer.preset, is_new, now_s)
                 if is_new and frames_left is not None:
                     frames_left -= 1
@@ -119,8 +103,7 @@ class LiveViewer:
                 self._idle_until(max(due_s, now_s + IDLE_S) if self._is_idle else due_s)
         finally:
             self._keeper.finish(time.monotonic())
-            if self._opening is not None:
-                self._opening.close()
+            self._opening.close()
             self._pipeline.close()
 
     def _idle_until(self, due_s: float) -> None:
@@ -167,17 +150,14 @@ class LiveViewer:
         scale = self._window.content_scale
         moment = self._playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
-        manner = "   ".join(filter(None, (self._quality_shown, self._playback.pace_shown, recording)))
-        self._display.drawn_model = self._renderer.shown_model
-        scene = self._display.scene(self._session, size, manner, now_s, self._fps(), status, scale, moment)
+        manner = "   ".join(filter(None, (self._quality.shown, self._playback.pace_shown, recording)))
+        self._display.drawn_models = self._renderer.shown_models
+        scene = self._display.scene(
+            self._session, size, manner, now_s, self._stillness.fps(self._is_idle), status, scale, moment
+        )
         if menu := self._menu.overlays(size):
             scene = replace(scene, overlays=menu)  # alone, as text over text cannot be read
-        shown = (scene, size, self._renderer.preset)
-        if self._renderer.is_settled and self._shown is not None and _same(shown, self._shown):
-            self._unchanged += 1
-        else:
-            self._unchanged = 0
-        self._shown = shown
+        self._stillness.add(scene, size, self._renderer.preset, self._renderer.is_settled)
         # A pause, a photo, the end of a clip: what is on the screen already needs no processor.
         if not self._is_idle:
             self._renderer.render(scene)
@@ -186,28 +166,7 @@ class LiveViewer:
     @property
     def _is_idle(self) -> bool:
         """Whether nothing has changed for so long that a person waits for something, or looks elsewhere."""
-        return self._unchanged >= UNCHANGED_PICTURES or min(self._window.framebuffer_size) < 1
-
-    def _fps(self) -> float | None:
-        """Of the display; None until there are two pictures to tell it from."""
-        if self._is_idle:
-            self._shown_s.clear()  # which says nothing of the display
-        # Held while nothing else changes: the number alone would keep the picture changing.
-        if self._unchanged >= HELD_AFTER_PICTURES or len(self._shown_s) < 2:
-            return self._fps_shown
-        self._fps_shown = (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
-        return self._fps_shown
-
-    def _adapt_quality(self, begun_s: float) -> None:
-        """Tracking and drawing run side by side, so the slower one counts."""
-        if self._auto is None:
-            return
-        # Commands that are only queued have cost nothing yet.
-        self._renderer.finish()
-        draw_ms = (time.monotonic() - begun_s) * 1e3
-        detect_ms = self._session.tracked.detect_ms if self._session.tracked is not None else 0.0
-        if self._auto.add(max(draw_ms, detect_ms)):
-            self._apply(self._auto.quality)
+        return self._stillness.is_still or min(self._window.framebuffer_size) < 1
 
     def _obey(self, request: Request, now_s: float) -> None:
         if self._session.is_mirrored:
@@ -223,7 +182,7 @@ class LiveViewer:
     def _follow_mouse(self, now_s: float) -> None:
         size, scale = self._window.framebuffer_size, self._window.content_scale
         for event in self._window.take_mouse():
-            if self._menu.take_mouse(event, lambda: entries_for(*self._session.models), size, scale):
+            if self._menu.take_mouse(event, lambda: entries_for(*self._session.table.offered), size, scale):
                 if (chosen := self._menu.take_request()) is not None:
                     self._obey(chosen, now_s)
                 continue
@@ -238,20 +197,18 @@ class LiveViewer:
             self._session.say("nothing to open: copy a file, or its path, and press Ctrl+V", now_s)
         model, source = first_of_each_kind(paths)
         if model is not None:
-            self._session.open_model(model)
-        if source is not None and self._opening is not None:
-            self._opening.begin(Path(source))
+            self._session.table.open(model)
+        if source is not None and self._opening.begin(Path(source)):
             self._session.say(f"opening {Path(source).name}", now_s)
 
     def _next_camera(self, now_s: float) -> None:
-        if self._opening is not None:
-            self._opening.begin(None)
+        if self._opening.begin(None):
             self._session.say("opening another camera", now_s)
 
     def _take_opened(self, now_s: float) -> bool:
         """Switches to a source that was opened; returns whether there was one. A recording ends with the old one."""
         try:
-            opened = None if self._opening is None else self._opening.take()
+            opened = self._opening.take()
         except UserError as error:
             self._tell(str(error), now_s)
             return False
@@ -259,18 +216,19 @@ class LiveViewer:
             return False
         self._keeper.finish(now_s)
         self._pipeline.close(0.0)
-        self._pipeline, self._source_error = opened.pipeline, None
         self.followed.begin_anew(opened.pipeline)
-        self._keeper.clip_name = opened.pipeline.name if opened.pipeline.is_clip else None
-        self._pipeline.track_with(self._tracking)
-        self._playback = Playback(opened.pipeline, self._session, self._loop)
-        self._watch(opened.pipeline)
+        self._take_up(opened.pipeline)
+        self._pipeline.track_with(self._quality.now.tracking)
         self._session.begin_anew(Steadiness(1) if opened.pipeline.is_photo else Steadiness())
         self._session.take(opened.first, now_s)
         self._window.set_title(f"ashe-live: {opened.name}")
         return True
 
-    def _watch(self, pipeline: Pipeline) -> None:
+    def _take_up(self, pipeline: Pipeline) -> None:
+        self._pipeline = pipeline
+        self._source_error = None
+        self._keeper.clip_name = pipeline.name if pipeline.is_clip else None
+        self._playback = Playback(pipeline, self._session, self._loop)
         watch = self._session.watch
         watch.key_views, watch.camera_may_move = pipeline.key_views, pipeline.is_camera
 
@@ -285,35 +243,7 @@ class LiveViewer:
         else:
             self._quit = True
 
-    def _next_quality(self, _now_s: float) -> None:
-        self._set_quality(QUALITY_NAMES[(QUALITY_NAMES.index(self._quality_name) + 1) % len(QUALITY_NAMES)])
-
-    def _set_quality(self, name: str) -> None:
-        self._quality_name = name
-        start = QUALITIES.get(name, QUALITIES["balanced"])
-        self._auto = AutoQuality(self._interval_s * 1e3, start) if name == AUTO else None
-        # The estimator has a process of its own: its preset need not step down when the renderer's does.
-        before = self._session.watch.preset
-        self._session.watch.preset = replace(start.light, light=before.light).with_caster(before.caster)
-        self._apply(start)
-
-    def _apply(self, quality: Quality) -> None:
-        self._renderer.preset = quality.render
-        self._tracking = quality.tracking
-        self._pipeline.track_with(self._tracking)
-        self._quality_shown = quality.name if self._auto is None else f"{AUTO} ({quality.name})"
-
     def _tell(self, text: str, now_s: float) -> None:
         """Shows a line in the window for a while, and prints it for good."""
         self._session.say(text, now_s)
         say(text)
-
-
-def _same(now: tuple[Scene, Size, RenderPreset], before: tuple[Scene, Size, RenderPreset]) -> bool:
-    """Whether the pictures are the same, as far as their parts are the same objects."""
-    parts = [
-        (*scene.overlays, scene.tracked, scene.model, scene.illumination, scene.placement)
-        for scene, *_ in (now, before)
-    ]
-    kinds = [(scene.kind, scene.time_s, *rest) for scene, *rest in (now, before)]
-    return kinds[0] == kinds[1] and len(parts[0]) == len(parts[1]) and all(map(operator.is_, *parts))

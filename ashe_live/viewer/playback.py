@@ -5,7 +5,7 @@ import math
 from ashe_live.core.camera import Size
 from ashe_live.core.types import TrackedFrame
 from ashe_live.viewer.drawn.time_bar import Moment, bar_at
-from ashe_live.viewer.hands.controls import Command, MouseAction, MouseEvent, Request
+from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.pipeline import Pipeline
 

@@ -1,49 +1,27 @@
 """The viewer's state without its window: the same on the screen, for a video file and in the tests."""
 
 import math
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Sequence
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.drawing.steps_sheet import steps_sheet
 from ashe_live.light.live.worker import LightWorker, Outcome
 from ashe_live.light.live.worker_process import Draw, WorkerFailure
-from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
-from ashe_live.process.messages import tell
+from ashe_live.models.catalogue import ChosenModel
 from ashe_live.tracking.poses.steadiness import Steadiness
-from ashe_live.viewer.estimates.beside import first_placement
+from ashe_live.viewer.before_after import PARTS, WHOLE
 from ashe_live.viewer.estimates.easing import LightEasing
 from ashe_live.viewer.estimates.light_watch import LightWatch
+from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.sharpening import Sharpening
-from ashe_live.viewer.hands.controls import Command, Request
-from ashe_live.viewer.hands.hand import Hand, HandContext
-from ashe_live.viewer.hands.undo import Undo
-from ashe_live.viewer.motion_clock import MotionClock
-from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.hands.requests import Command, Request
+from ashe_live.viewer.table.shelf import Shelf
+from ashe_live.viewer.table.table import SETS_LIGHT, Table
 
 NOTICE_S = 4.0
 READ_PER_S = 15.0  # letters, by who reads slowly
 ANSWER_ALONE = "this is the answer alone: Space with D on shows the steps to it, where the estimator keeps them"
-# What B goes through.
-WHOLE, VIDEO_ALONE = "the model and its shadow", "the video alone"
-SPLIT = "the video alone in one half"
-SHADOW_ALONE = "the shadow without its model"
-PARTS = WHOLE, "the model without its shadow", SHADOW_ALONE, VIDEO_ALONE, SPLIT
-
-
-@dataclass(frozen=True, slots=True)
-class EstimatePolicy:
-    """When the light is estimated without a request."""
-
-    on_first_steady: bool = False
-    at_frame: int | None = None
-    automatic: bool = False  # the light is watched, and estimated anew when it changes
-
-    def wants(self, tracked: TrackedFrame, is_steady: bool) -> bool:
-        if self.at_frame is not None:
-            return tracked.frame.index >= self.at_frame  # that one may have come too late to be tracked
-        return self.on_first_steady and is_steady
 
 
 class Session:
@@ -56,17 +34,20 @@ class Session:
         policy: EstimatePolicy,
         steadiness: Steadiness,
         true_to_light_marker: Float | None = None,
+        others: Sequence[ChosenModel] = (),
     ) -> None:
-        """`true_to_light_marker` (3,): known for a rendered clip, so that the estimate's error can be shown."""
+        """`true_to_light_marker` (3,): known for a rendered clip, so that the estimate's error can be shown.
+
+        `others`: models beside the one that `shelf` begins with.
+        """
         self.true_to_light_marker = true_to_light_marker
         self.tracked: TrackedFrame | None = None
         self.estimate: LightEstimate | None = None
         self.estimated_from: TrackedFrame | None = None
         self.steps_bgr: Image | None = None  # sheet of the steps to the last estimate; None: nobody asked for it
         self.shown = Illumination()  # on its way to `lit_by`
-        self.hand = Hand()
-        self.motion = MotionClock()
-        self._undo = Undo()
+        self.table = Table(shelf, others, self.say)
+        self.hand, self.arrangement = self.table.hand, self.table.arrangement
         self.automatic = policy.automatic  # the light is watched, also while the camera stands still
         self.watch = LightWatch(worker)
         self.show_light = False
@@ -77,39 +58,14 @@ class Session:
         self.show_hud = True
         self.parts_shown = PARTS[0]
         self.markers_in_view: tuple[str, ...] = ()  # specs of others, while the one that is followed is not in view
-        self._shelf = shelf
         # Before the first estimate polished surfaces mirror the first frame with a marker.
         self._estimated = Illumination()
         self._policy = policy
         self._policy_is_done = False
         self._steadiness = steadiness
         self._easing = LightEasing()
-        self._placements: dict[str, Placement] = {}  # of models that were shown, by their names
-        self._placed_name: str | None = None  # the model that the hand's placement is of
-        self._first_placement = UNMOVED  # of models that nobody has moved
-        self._first_placement_is_due = True  # where they stand depends on the light, and on what the marker is
         self._by_hand_s = -math.inf
         self._notice: tuple[str, float] | None = None
-
-    @property
-    def model(self) -> PlacedModel:
-        return self._shelf.model()
-
-    @property
-    def model_name(self) -> str:
-        """As it is shown: of a file its name without the folders."""
-        return Path(self._shelf.shown_name).name
-
-    @property
-    def models(self) -> tuple[tuple[str, ...], int]:
-        """What there is to choose from, as it is shown, and the place of what was chosen."""
-        names = tuple(Path(name).name for name in self._shelf.names)
-        return names, self._shelf.names.index(self._shelf.chosen_name)
-
-    @property
-    def model_progress(self) -> str | None:
-        """A message while a model is being loaded."""
-        return self._shelf.progress
 
     @property
     def lit_by(self) -> Illumination:
@@ -117,18 +73,9 @@ class Session:
         return self._estimated if self.hand.light is None else self.hand.light
 
     @property
-    def motion_s(self) -> float:
-        """The moment of its motion that the model is shown at; 0 where it has none."""
-        return self.motion.time_s if self._shelf.moves else 0.0
-
-    @property
     def has_seen_marker(self) -> bool:
         """Whether the marker has been in any frame of this source."""
         return self._estimated.seen_in is not None
-
-    @property
-    def is_estimating(self) -> bool:
-        return self.watch.is_estimating
 
     def notice(self, now_s: float) -> str | None:
         """The last message, for a few seconds."""
@@ -158,8 +105,8 @@ class Session:
         self.tracked = tracked
         if self._estimated.seen_in is None and tracked.marker is not None:
             self._estimated = Illumination(seen_in=tracked)
-        self.motion.tick(now_s)
-        self._stand_clear()
+        self.table.motion.tick(now_s)
+        self.arrangement.stand_clear(tracked, self._estimated.light)
         is_steady = self._steadiness.add(tracked.marker)
         if has_gone_round and self.settle_for_last(now_s):
             return
@@ -184,16 +131,10 @@ class Session:
         self.true_to_light_marker = None
         self._estimated = Illumination()
         self.shown = self._easing.jump(self._estimated)
-        self.hand.reset()
-        self._first_placement, self._first_placement_is_due = UNMOVED, True
-        self._undo.forget()
+        self.table.begin_anew()
         self.watch.begin_anew()
         self._policy, self._policy_is_done = EstimatePolicy(on_first_steady=True), False
         self._steadiness = steadiness
-
-    def open_model(self, path: str) -> None:
-        """Shows the model in the file as soon as it is read."""
-        self._shelf.add(path)
 
     def request_estimate(self, now_s: float) -> bool:
         """Hands the current frame, and the key views at hand, to the worker for a person who waits; returns True.
@@ -218,45 +159,12 @@ class Session:
 
         Returns a new estimate, once.
         """
-        if (error := self._shelf.take_error()) is not None:
-            self.say(str(error), now_s)
-        self.motion.tick(now_s)
-        self.tell_of_models(now_s)
-        self._keep_placements(now_s)
+        self.table.poll(now_s, is_quiet=self.notice(now_s) is None)
         outcome = self._accept(self.watch.poll(), now_s)
         # A light that follows the mouse must not lag behind it.
         by_hand = self.hand.light
         self.shown = self._easing.at(self._estimated, now_s) if by_hand is None else self._easing.jump(by_hand)
         return outcome
-
-    def _stand_clear(self) -> None:
-        """A model that nobody has moved stands over the marker; where that is a body, beside it and its shadow."""
-        if not self._first_placement_is_due or self.tracked is None or self.tracked.marker is None:
-            return
-        self._first_placement_is_due = False
-        before, self._first_placement = self._first_placement, first_placement(self.tracked, self._estimated.light)
-        if self.hand.placement == before:
-            self.hand.placement = self._first_placement
-
-    def _keep_placements(self, now_s: float) -> None:
-        """Each model stays where it was put, and as large."""
-        shown = self._shelf.shown_name
-        if shown == self._placed_name:
-            return
-        if self._placed_name is not None:
-            self._placements[self._placed_name] = self.hand.placement
-            self.hand.placement = self._placements.get(shown, self._first_placement)
-            self._undo.forget()
-        self._placed_name = shown
-        if self._shelf.moves and self.notice(now_s) is None:
-            self.say(f"{self.model_name} moves: K stops it", now_s)
-
-    def tell_of_models(self, now_s: float) -> None:
-        """Says, here and on the terminal, what is drawn otherwise than a new model's file says."""
-        if words := self._shelf.take_words():
-            self.say("; ".join(words), now_s)
-            for line in words:
-                tell(line)
 
     def wait_for_estimate(self, timeout_s: float, now_s: float) -> LightEstimate | None:
         """Like `poll`, but waits for a requested estimate to end, and shows it at once."""
@@ -267,13 +175,6 @@ class Session:
     def handle(self, request: Request, now_s: float) -> bool:
         """Handles a request that needs neither window nor source; returns False for any other."""
         match request.command:
-            case Command.CHOOSE_MODEL:
-                if not self._shelf.choose(request.number):
-                    self.say(f"there are {len(self._shelf.names)} models", now_s)
-            case Command.PREVIOUS_MODEL:
-                self._shelf.step(-1)
-            case Command.NEXT_MODEL:
-                self._shelf.step(+1)
             case Command.ESTIMATE:
                 self.request_estimate(now_s)
             case Command.AUTOMATIC:
@@ -295,27 +196,26 @@ class Session:
             case Command.BEFORE_AFTER:
                 self.parts_shown = PARTS[(PARTS.index(self.parts_shown) + 1) % len(PARTS)]
                 self.say(f"{self.parts_shown}: B goes on", now_s)
-            case Command.STOP_MOTION:
-                self._stop_motion(now_s)
-            case Command.TURN_UP:
-                self.say(f"{self.model_name}: {self._shelf.turn_up()} is up", now_s)
-            case Command.LIGHT_STRENGTH | Command.LIGHT_SOFTNESS | Command.LIGHT_COLOUR | Command.LIGHT_DISTANCE:
-                self._obey_hand(request, now_s)
-            case Command.MOVE_LIGHT | Command.MOVE_MODEL | Command.SCALE_MODEL | Command.TURN_MODEL:
-                self._obey_hand(request, now_s)
-            case Command.UNDO:
-                if not self._undo.undo(self.hand):
-                    self.say("nothing was done by hand that could be undone", now_s)
-            case Command.RESET:
-                self._undo.note(self.hand, request, now_s)
-                self.hand.reset()
-                self.parts_shown = WHOLE
             case Command.HELP:
                 self.show_help = not self.show_help
             case Command.TOGGLE_HUD:
                 self.show_hud = not self.show_hud
             case _:
-                return False
+                return self._handle_by_hand(request, now_s)
+        return True
+
+    def _handle_by_hand(self, request: Request, now_s: float) -> bool:
+        before = self.hand.light
+        if not self.table.handle(request, self.tracked, self._estimated, now_s):
+            return False
+        if request.command is Command.RESET:
+            self.parts_shown = WHOLE
+        if request.command in SETS_LIGHT and self.hand.light is not before:
+            self._by_hand_s = now_s
+            self._policy_is_done = True
+            if self.automatic:
+                self.automatic = False
+                self.say("the light is by hand: A watches it again", now_s)
         return True
 
     def _accept(self, outcome: Outcome | None, now_s: float) -> LightEstimate | None:
@@ -326,7 +226,7 @@ class Session:
             return None
         new, frozen = outcome.estimate, self.watch.frozen
         self._estimated = new.illumination.as_seen_in(frozen)
-        self._first_placement_is_due = True
+        self.arrangement.stand_clear_again()
         self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)
@@ -337,26 +237,6 @@ class Session:
             else:
                 self.hand.light = None
         return self.estimate
-
-    def _obey_hand(self, request: Request, now_s: float) -> None:
-        self._undo.note(self.hand, request, now_s)
-        before = self.hand.light
-        if (said := self.hand.obey(request, HandContext(self.tracked, self._estimated, self.model))) is not None:
-            self.say(said, now_s)
-        if self.hand.light is before:
-            return
-        self._by_hand_s = now_s
-        self._policy_is_done = True
-        if self.automatic:
-            self.automatic = False
-            self.say("the light is by hand: A watches it again", now_s)
-
-    def _stop_motion(self, now_s: float) -> None:
-        if not self._shelf.moves:
-            self.say(f"{self.model_name} stands still: it has no animation that is played", now_s)
-            return
-        self.motion.toggle()
-        self.say(f"{self.model_name} {'stands still' if self.motion.is_stopped else 'moves'}: K changes that", now_s)
 
     def _toggle_automatic(self, now_s: float) -> None:
         self.automatic = not self.automatic

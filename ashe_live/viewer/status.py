@@ -27,7 +27,7 @@ def light_line(session: Session) -> str:
     """The state of the light; an estimate under way does not hide the last answer."""
     light, estimate = session.lit_by.light, session.estimate
     if light is None and estimate is None:
-        if session.is_estimating:
+        if session.watch.is_estimating:
             return "light: estimating…"
         return f"light: {AWAITED if session.awaits_steady or session.automatic else FIRST_STEP}"
     if light is None:
@@ -91,7 +91,7 @@ def status_lines(
     rate = [] if fps is None else [f"{fps:.0f} fps"]
     camera = camera_line(session.tracked)
     return [
-        "   ".join([*rate, model_name or session.model_name, quality, *([] if fps is None else [KEYS])]),
+        "   ".join([*rate, model_name or session.table.in_hand_said, quality, *([] if fps is None else [KEYS])]),
         marker_line(measured or session.tracked),
         *([] if camera is None else [camera]),
         light_line(session),
@@ -100,7 +100,7 @@ def status_lines(
 
 def source_lines(session: Session, source_status: str | None, now_s: float) -> list[str]:
     """The lines at the bottom left: guidance, the source's status and the last message."""
-    said = (*guidance(session), source_status, session.model_progress, session.notice(now_s))
+    said = (*guidance(session), source_status, session.table.progress, session.notice(now_s))
     return [text for text in said if text]
 
 
@@ -111,8 +111,12 @@ def lamp_note(session: Session) -> str | None:
         return LAMP_BELOW
     if not lamps:
         return None
-    points = transform_points(session.hand.placement.marker_from_placed, session.model.outline)
-    return None if all(sees(lamp, points) for lamp in lamps) else LAMP_INSIDE
+    bodies = [
+        transform_points(placement.marker_from_placed, model.outline)
+        for _, model, placement in session.arrangement.models(session.tracked)
+        if placement is not None
+    ]
+    return None if all(sees(lamp, points) for lamp in lamps for points in bodies) else LAMP_INSIDE
 
 
 def guidance(session: Session) -> tuple[str, ...]:
@@ -124,6 +128,6 @@ def guidance(session: Session) -> tuple[str, ...]:
         return (f"{' and '.join(specs)} {'is' if len(specs) == 1 else 'are'} in view: M follows {specs[0]}",)
     if session.tracked is not None and not session.has_seen_marker and session.hand.light is None:
         return NO_MARKER
-    if session.estimate is not None and session.lit_by.light is None and not session.is_estimating:
+    if session.estimate is not None and session.lit_by.light is None and not session.watch.is_estimating:
         return f"what helps: {AFTER_NONE}", SET_BY_HAND
     return ()

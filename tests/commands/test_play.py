@@ -246,3 +246,25 @@ def test_layers_need_a_clip_that_can_hold_them(play, tmp_path, monkeypatch, argu
     assert outcome.status == 2
     assert said in outcome.err[-1]
     assert list(tmp_path.glob("a.*")) == []
+
+
+def test_a_model_stands_on_each_marker(run, tmp_path):
+    """Two markers on a sheet seen from straight above: each model covers its own, and the one without a model stays."""
+    sheet = np.full((480, 640, 3), 235, np.uint8)
+    dictionary = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_4X4_50)
+    side, tops = 110, {0: (185, 60), 7: (185, 265), 9: (185, 470)}
+    for number, (top, left) in tops.items():
+        marker = cv2.aruco.generateImageMarker(dictionary, number, side)
+        sheet[top : top + side, left : left + side] = marker[..., None]
+    cv2.imwrite(str(tmp_path / "sheet.png"), sheet)
+    pictures = []
+    for number, models in enumerate((["0=cube"], ["0=cube", "7=mug"])):
+        out = tmp_path / f"{number}.mp4"
+        named = [word for model in models for word in ("--model", model)]
+        assert run("play", tmp_path / "sheet.png", *HEADLESS, *named, "--out", out).status == 0
+        pictures.append(frames_of(out)[0].astype(int))
+    change = np.abs(pictures[1] - pictures[0]).max(axis=2)
+    changed = {number: change[top : top + side, left : left + side].mean() for number, (top, left) in tops.items()}
+    assert changed[7] > 20
+    assert changed[9] < 2
+    assert np.abs(pictures[0] - sheet)[185:295, 60:170].mean() > 20

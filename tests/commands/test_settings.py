@@ -28,7 +28,7 @@ def test_a_setting_holds_until_a_flag_says_otherwise(settle):
     settle('quality = "fast"\nhfov = 70\nmodel = "mug"\nsize = "320x240"\ncamera = 2\nlight = "sun"\n')
     for arguments in (["webcam"], ["play", "a.mp4"]):
         options = parsed(arguments)
-        assert (options.quality, options.hfov, options.model, options.size) == ("fast", 70.0, "mug", (320, 240))
+        assert (options.quality, options.hfov, options.model, options.size) == ("fast", 70.0, ("mug",), (320, 240))
     assert parsed(["webcam"]).camera == "2"
     assert parsed(["webcam", "--camera", "1"]).camera == "1"
     assert parsed(["play", "a.mp4", "--quality", "accurate"]).quality == "accurate"

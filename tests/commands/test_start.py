@@ -14,7 +14,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str | None, str]
     for module in (demo, webcam):
         name = module.__name__.rpartition(".")[2]
         monkeypatch.setattr(
-            module, "run", lambda options, name=name: started.append((name, options.camera, options.model)) or 0
+            module, "run", lambda options, name=name: started.append((name, options.camera, *options.model)) or 0
         )
     return started
 

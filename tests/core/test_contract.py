@@ -69,9 +69,11 @@ def test_a_record_is_one_line_that_validates(kind: str) -> None:
 )
 def test_what_a_snapshot_carries_validates(pose: MarkerPose | None, light: Json | None) -> None:
     tracked = TrackedFrame(Frame(np.zeros((480, 640, 3), np.uint8), 9, 0.3), CAMERA, pose)
-    record = json.loads(json.dumps(snapshot_json(tracked, "mug", light, np.eye(4)), allow_nan=False))
+    models = [("mug", np.eye(4)), ("tree", 2 * np.eye(4)), ("cube", None)]
+    record = json.loads(json.dumps(snapshot_json(tracked, models, light), allow_nan=False))
     jsonschema.validate(record, SCHEMA)
     assert record["frame"] == 9
+    assert [other["model"] for other in record["others"]] == ["tree", "cube"]
     assert (record["estimate"] is None) is (light is None)
     assert light is None or record["estimate"]["frame"] == 3
 

@@ -100,6 +100,20 @@ def test_keys_switch_the_model_also_while_paused(estimated):
     estimated.press("p")
 
 
+def test_models_stand_beside_each_other_and_go_again(estimated):
+    estimated.press("1")
+    alone = paused(estimated)
+    estimated.press("t")
+    seen = [alone, changed(estimated, alone)]
+    estimated.press("2")  # the new one
+    seen.append(changed(estimated, seen[-1]))
+    estimated.press("Tab", "plus", "plus")  # the first
+    seen.append(changed(estimated, seen[-1]))
+    estimated.press("minus", "minus", "Tab", "shift+t")
+    await_part(estimated, BODY, alone, differs=False)
+    estimated.press("p")
+
+
 def test_space_estimates_while_frames_go_on(play):
     """With the estimator that takes seconds."""
     viewer = play("--loop", "--estimate-at", "1000", quick=False)

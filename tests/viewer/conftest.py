@@ -187,6 +187,9 @@ class FakeShelf:
     def shown_name(self) -> str:
         return self.chosen_name
 
+    def take_up(self, name: str, _model: object) -> None:
+        self.at = self.names.index(name)
+
     def choose(self, index: int) -> bool:
         if index >= len(self.names):
             return False
@@ -220,7 +223,7 @@ class FakeRenderer:
     """Keeps the scenes; its pictures' grey is the number of scenes so far."""
 
     gl_renderer, gl_version, preset, is_settled = "fake", "3.3", None, True
-    shown_model = None
+    shown_models = ()
 
     def __init__(self, _context: object = None, _preset: object = None, size: tuple[int, int] = SIZE) -> None:
         self.size = size

@@ -4,7 +4,7 @@ import threading
 from collections.abc import Callable, Iterable
 
 from ashe_live.core.camera import Size
-from ashe_live.viewer.hands.controls import Command, MouseEvent, Request
+from ashe_live.viewer.hands.requests import Command, MouseEvent, Request
 from ashe_live.viewer.windows.window import Presentable
 
 RATE_HZ = 500.0

@@ -8,7 +8,8 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer import display as display_module
 from ashe_live.viewer.display import Display, bare_scene
 from ashe_live.viewer.estimates.easing import EASED_OVER_S
-from ashe_live.viewer.session import EstimatePolicy, Session
+from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.session import Session
 
 SIZE = (640, 480)
 
@@ -105,10 +106,10 @@ def test_the_name_is_that_of_the_model_in_the_picture(session, monkeypatch):
     monkeypatch.setattr(display_module, "status_lines", noted)
     before, chosen = object(), object()
     for drawn, model in ((before, before), (before, chosen), (chosen, chosen)):
-        monkeypatch.setattr(session._shelf, "model", lambda model=model: model)
-        display.drawn_model = drawn
+        monkeypatch.setattr(session.table._shelf, "model", lambda model=model: model)
+        display.drawn_models = () if drawn is None else (drawn,)
         display.scene(session, (640, 480), "fast", 0.0)
         if drawn is model:
-            session._shelf.step(1)
+            session.table._shelf.step(1)
     assert names[0] == names[1] == "cube"
     assert names[2] == "lantern"

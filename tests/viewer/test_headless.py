@@ -5,9 +5,10 @@ import pytest
 from ashe_live.errors import UserError
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.headless import HeadlessRun, play_headless
 from ashe_live.viewer.output.report import Report
-from ashe_live.viewer.session import EstimatePolicy, Session
+from ashe_live.viewer.session import Session
 
 
 class Play:

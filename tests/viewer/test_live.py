@@ -23,13 +23,15 @@ from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_told
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import Display
-from ashe_live.viewer.hands.controls import Command, Files, MouseAction, MouseEvent, Request
-from ashe_live.viewer.live import UNCHANGED_PICTURES, LiveViewer
+from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.hands.requests import Command, Files, MouseAction, MouseEvent, Request
+from ashe_live.viewer.live import LiveViewer
 from ashe_live.viewer.output import keeping
 from ashe_live.viewer.output import recording as recording_module
-from ashe_live.viewer.session import EstimatePolicy, Session
+from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources import marker_hunt
 from ashe_live.viewer.status import guidance
+from ashe_live.viewer.stillness import UNCHANGED_PICTURES
 from tests.viewer.scripted_window import ScriptedWindow
 
 PATIENCE_S = 20.0
@@ -164,7 +166,7 @@ def test_what_is_known_of_the_light_and_the_caster_holds_for_every_quality(stage
     stage.session.watch.preset = replace(FAST.light, light="sun").with_caster(ball)
     stage.put(0)
     viewer = stage.run(Command.QUALITY, None, quality="fast")
-    assert viewer._quality_name == "balanced"
+    assert viewer._quality.name == "balanced"
     assert stage.session.watch.preset == replace(BALANCED.light, light="sun").with_caster(ball)
 
 
@@ -179,7 +181,7 @@ def test_quality_goes_round(stage):
     viewer = stage.run(look, Command.QUALITY, None, look, Command.QUALITY, None, look, quality="fast")
     assert shown[0] is FAST.render
     assert len(set(map(id, shown))) == 3
-    assert viewer._quality_name == "accurate"
+    assert viewer._quality.name == "accurate"
 
 
 def test_snapshots_have_the_videos_size(stage, tmp_path):
@@ -367,13 +369,13 @@ def test_what_was_copied_opens_by_a_key(stage, monkeypatch):
     assert "nothing to open" in stage.session.last_notice
     monkeypatch.setattr(ScriptedWindow, "clipboard", "file:///far/chair.obj")
     stage.run(Command.OPEN, None)
-    assert stage.session.model_name == "chair.obj"
+    assert stage.session.table.model_name == "chair.obj"
 
 
 def test_a_dropped_model_is_chosen_and_the_source_stays(stage):
     stage.put(5)
     viewer = stage.run(dropped("/far/wood.png", "/far/chair.obj"), None, None)
-    assert stage.session.model_name == "chair.obj"
+    assert stage.session.table.model_name == "chair.obj"
     assert viewer._pipeline is stage.pipeline
 
 
@@ -510,9 +512,9 @@ def test_the_menu_does_what_its_row_says(stage):
         overlay = stage.renderer.scenes[-1].overlays[-1]
         return MouseEvent(MouseAction.PRESSED, overlay.left_px + 5.0, overlay.top_px + 6.0)
 
-    stage.session._shelf.at = 2
+    stage.session.table._shelf.at = 2
     stage.run(None, MouseEvent(MouseAction.MENU, 1.0, 1.0), None, first_row, None)
-    assert stage.session.model_name == "cube"
+    assert stage.session.table.model_name == "cube"
 
 
 def test_escape_closes_the_menu_before_it_leaves(stage):

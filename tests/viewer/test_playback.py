@@ -4,9 +4,10 @@ import pytest
 
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.drawn.time_bar import bar_at
-from ashe_live.viewer.hands.controls import Command, MouseAction, MouseEvent, Request
+from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
 from ashe_live.viewer.playback import BAR_SHOWN_S, SPEEDS, Playback
-from ashe_live.viewer.session import EstimatePolicy, Session
+from ashe_live.viewer.session import Session
 
 SIZE, SCALE = (640, 480), 1.0
 OF_TIME = (Command.PAUSE, Command.RESTART, Command.STEP, Command.SEEK, Command.SPEED, Command.LOOP)

@@ -16,9 +16,10 @@ from ashe_live.models.placement import UNMOVED, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.estimates.sharpening import CHECKED_EVERY_S, EVERY_S, FUTILE
-from ashe_live.viewer.hands.controls import Command, Request
-from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, EstimatePolicy, Session
+from ashe_live.viewer.hands.requests import Command, Request
+from ashe_live.viewer.session import ANSWER_ALONE, NOTICE_S, Session
 from ashe_live.viewer.status import (
     LAMP_BELOW,
     LAMP_INSIDE,
@@ -45,10 +46,10 @@ def test_the_first_steady_frame_is_estimated_once(make, fakes):
     session = make(EstimatePolicy(on_first_steady=True))
     for index in range(2):
         session.take(fakes.tracked(index), 0.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
     assert session.awaits_steady
     session.take(fakes.tracked(2), 0.0)
-    assert session.is_estimating
+    assert session.watch.is_estimating
     session.watch._worker.answer = fakes.estimate(2)
     assert session.poll(0.0) is session.estimate
     for index in range(3, 20):
@@ -59,7 +60,7 @@ def test_the_first_steady_frame_is_estimated_once(make, fakes):
 def test_of_a_looped_clip_that_is_never_steady_the_next_rounds_first_frame_is_estimated(make, fakes):
     session = make(EstimatePolicy(on_first_steady=True))
     for index in (0, 1, 3, 5, 0):
-        assert not session.is_estimating
+        assert not session.watch.is_estimating
         session._steadiness = Steadiness(3)
         session.take(fakes.tracked(index), 0.0)
     assert [frozen.frame.index for frozen in session.watch._worker.requested] == [0]
@@ -97,9 +98,9 @@ def test_without_a_policy_nothing_is_estimated_unasked(make, fakes):
     session = make()
     for index in range(20):
         session.take(fakes.tracked(index), 0.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
     assert session.handle(Request(Command.ESTIMATE), 0.0)
-    assert session.is_estimating
+    assert session.watch.is_estimating
 
 
 def test_the_estimate_goes_with_the_frame_it_was_made_from(make, fakes):
@@ -131,7 +132,7 @@ def test_without_a_marker_it_says_so_instead_of_estimating(make, fakes, has_fram
         session.take(fakes.tracked(has_marker=False), 0.0)
     assert not session.request_estimate(0.0)
     assert "no marker in view" in session.notice(0.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
 
 
 def test_a_failure_is_said_and_keeps_the_last_light(make, fakes):
@@ -145,12 +146,12 @@ def test_a_failure_is_said_and_keeps_the_last_light(make, fakes):
     assert session.poll(1.0) is None
     assert session.estimate is good
     assert "has died" in session.notice(1.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
 
 
 def test_a_model_that_cannot_be_read_is_said(make):
     session = make()
-    session._shelf.error = UserError("broken.glb is damaged", "export it again")
+    session.table._shelf.error = UserError("broken.glb is damaged", "export it again")
     session.poll(0.0)
     assert "broken.glb" in session.notice(0.0)
 
@@ -173,7 +174,7 @@ def test_keys_choose_models(make):
         (Request(Command.CHOOSE_MODEL, 8), "tree"),
     ):
         assert session.handle(request, 0.0)
-        assert session.model_name == name
+        assert session.table.model_name == name
     assert "4 models" in session.notice(0.0)
 
 
@@ -231,7 +232,7 @@ def run_steadily(session, fakes, answers, until_s: float, has_marker=lambda _s: 
     """Thirty frames a second, each request answered by the frame after it."""
     for index in range(round(until_s * 30)):
         now_s = index / 30
-        session.watch._worker.answer = answers(now_s) if session.is_estimating else None
+        session.watch._worker.answer = answers(now_s) if session.watch.is_estimating else None
         session.poll(now_s)
         session.take(fakes.tracked(index, has_marker(now_s)), now_s)
 
@@ -291,7 +292,7 @@ def test_an_outlier_changes_neither_light_nor_masks_and_a_changed_light_does(mak
     before = session.estimate, session.estimated_from
     for answers in range(3):
         session.take(fakes.tracked(1000 + answers), 9.0 + 2 * answers)
-        assert session.is_estimating
+        assert session.watch.is_estimating
         session.watch._worker.answer = fakes.estimate(with_light=False)
         assert (session.poll(9.0) is None) is (answers < 2)
         assert ((session.estimate, session.estimated_from) == before) is (answers < 2)
@@ -338,7 +339,7 @@ def test_while_the_camera_moves_the_answer_is_sharpened_until_that_gains_nothing
         now_s = 1.0 + at
         session.watch.key_views = fakes.KeyViews(*orbit(fakes, 2 + at // 2))
         session.take(fakes.tracked(at), now_s)
-        if session.is_estimating:
+        if session.watch.is_estimating:
             assert not session.watch.is_awaited
             frozen = session.watch._worker.requested[-1]
             assert frozen is session.watch.key_views.views[-1]
@@ -373,7 +374,7 @@ def test_a_light_by_hand_is_not_sharpened(make, fakes):
     by_hand(session, 1.0)
     session.watch.key_views = fakes.KeyViews(*orbit(fakes, 6))
     session.take(fakes.tracked(1), 5.0)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
 
 
 def test_a_vague_answer_from_one_view_says_what_makes_it_sharper_to_who_can_move_the_camera(make, fakes):
@@ -519,7 +520,7 @@ def test_what_a_person_asks_for_while_nobodys_estimate_is_made_counts_from_when_
     session.poll(0.5)
     session.watch.key_views = fakes.KeyViews(*orbit(fakes, 4))
     session.take(fakes.tracked(1), 1.0)
-    assert session.is_estimating
+    assert session.watch.is_estimating
     assert not session.watch.is_awaited
     by_hand(session, 2.0)
     session.take(fakes.tracked(2), 3.0)
@@ -550,7 +551,7 @@ def test_a_light_by_hand_ends_the_automatic_and_the_awaited_estimate(make, fakes
     assert not session.automatic
     for index in range(1, 30):
         session.take(fakes.tracked(index), index / 10)
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
     assert session.hand.light is not None
 
 
@@ -589,7 +590,7 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
     session.request_estimate(1.0)
     session.begin_anew(Steadiness(1))
     session.watch._worker.answer = None
-    assert not session.is_estimating
+    assert not session.watch.is_estimating
     assert session.estimate is session.estimated_from is None
     assert session.lit_by == session.shown == Illumination()
     assert session.true_to_light_marker is None
@@ -598,14 +599,14 @@ def test_another_source_forgets_all_of_the_one_before(make, fakes):
     assert session.watch.held.estimate is None
     assert session.watch.key_views.views == ()
     session.take(fakes.tracked(9), 2.0)  # a photo is steady at once
-    assert session.is_estimating
+    assert session.watch.is_estimating
     assert session.watch._worker.requested[-1].frame.index == 9
 
 
 def test_a_models_file_is_shown_by_its_name(make, tmp_path):
     session = make()
-    session.open_model(str(tmp_path / "chair.obj"))
-    assert session.model_name == "chair.obj"
+    session.table.open(str(tmp_path / "chair.obj"))
+    assert session.table.model_name == "chair.obj"
 
 
 def test_the_last_frame_of_a_short_clip_is_estimated(make, fakes):
@@ -633,7 +634,7 @@ def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
     for index in range(12):
         now_s += CHECKED_EVERY_S
         session.take(fakes.tracked(index), now_s)
-        if session.is_estimating:
+        if session.watch.is_estimating:
             urgent.append(session.watch._worker.is_awaited)
             session.watch._worker.answer = fakes.estimate(index)
             session.poll(now_s)
@@ -646,7 +647,7 @@ def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
 
 def test_what_is_left_out_of_a_model_is_told_in_the_window_and_the_terminal(make, capsys):
     session = make()
-    session._shelf.words = ["duck.glb: points and lines are left out"]
+    session.table._shelf.words = ["duck.glb: points and lines are left out"]
     session.poll(1.0)
     assert session.notice(1.0) == "duck.glb: points and lines are left out"
     assert capsys.readouterr().err == "ashe-live: duck.glb: points and lines are left out\n"
@@ -665,7 +666,7 @@ def test_long_messages_stay_long_enough_to_be_read(make):
 def test_a_key_stands_the_model_on_another_side(make):
     session = make()
     assert session.handle(Request(Command.TURN_UP), 0.0)
-    assert session._shelf.turned == 1
+    assert session.table._shelf.turned == 1
     assert session.notice(0.0) == "cube: z is up"
 
 
@@ -673,7 +674,7 @@ def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
     session = make()
     session.handle(Request(Command.STOP_MOTION), 0.0)
     assert session.notice(0.0) == "cube stands still: it has no animation that is played"
-    session._shelf.moves = True
+    session.table._shelf.moves = True
     session.take(fakes.tracked(0), 10.0)
     shown = []
     for now_s in (10.5, 11.0, 11.5, 12.0):
@@ -682,7 +683,7 @@ def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
         session.handle(Request(Command.STOP_MOTION), now_s)
     assert shown == [0.5, 0.5, 1.0, 1.0]
     session.take(fakes.tracked(1), 3.0)  # a clock that goes back, as a clip's
-    assert session.motion_s == 1.0
+    assert session.table.motion_s == 1.0
 
 
 def test_before_and_after(make, fakes):
@@ -729,7 +730,7 @@ def test_each_model_stays_where_it_was_put(make, fakes):
 def test_a_lamp_where_no_light_can_come_from_is_told(make, fakes, monkeypatch, place, told):
     session = make()
     model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
-    monkeypatch.setattr(session._shelf, "model", lambda: model)
+    monkeypatch.setattr(session.table._shelf, "model", lambda: model)
     session.take(fakes.tracked(), 0.0)
     lamp = Light(place, inverse_distance=1 / np.linalg.norm(place))
     session.hand.light = Illumination((lamp,))

@@ -25,10 +25,11 @@ from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.cores import leave_cores_to_renderer
+from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.live import LiveViewer
-from ashe_live.viewer.session import EstimatePolicy, Session
-from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.pipeline import Pipeline
+from ashe_live.viewer.table.shelf import Shelf
 
 MODEL = "cube"
 # Rate of camera and display: about the fastest that two cores reach without a graphics card.

@@ -10,7 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.gl.offscreen import Context
-from ashe_live.viewer.hands.controls import MouseEvent, Request
+from ashe_live.viewer.hands.requests import MouseEvent, Request
 from ashe_live.viewer.windows.window import Presentable
 
 

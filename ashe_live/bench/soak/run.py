@@ -13,7 +13,7 @@ from ashe_live.core.contract import Json
 from ashe_live.core.types import Frame, LightEstimate, TrackedFrame
 from ashe_live.models.catalogue import model_names
 from ashe_live.tracking.tracker import MarkerTracker
-from ashe_live.viewer.hands.controls import Command, Request
+from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.session import Session
 
 SWITCH_EVERY, ESTIMATE_EVERY = 100, 300  # frames between two models, and between two estimates

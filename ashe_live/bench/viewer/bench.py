@@ -34,11 +34,12 @@ from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.cores import leave_cores_to_renderer
 from ashe_live.viewer.display import Display
+from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.headless import LONGEST_ESTIMATE_S
 from ashe_live.viewer.output.report import frame_time_percentiles
-from ashe_live.viewer.session import EstimatePolicy, Session
-from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources.pipeline import Pipeline
+from ashe_live.viewer.table.shelf import Shelf
 
 DISPLAY_HZ = 60.0
 # Runs with and without estimates alternate, so that other load on the machine affects both equally.
@@ -167,7 +168,7 @@ class BenchScene:
         now_s = time.monotonic()
         if tracked is not self._session.tracked:
             self._session.take(tracked, now_s)
-        if not self._session.is_estimating and tracked.marker is not None:
+        if not self._session.watch.is_estimating and tracked.marker is not None:
             self._request(now_s)
         self._note(self._session.poll(now_s))
         self._session.hand.light = self._session.shown = self._true

@@ -16,6 +16,7 @@ CASTER_HELP = (
     "the object that casts the shadow, where its shape and size are known: box:WxDxH, cylinder:RxH or sphere:R in "
     "metres, or the file of a model (default: any object)"
 )
+DEFAULT_MODELS = ("cube",)
 LIGHTS = ("auto", "sun", "lamp")
 LIGHT_HELP = "what it is taken for: a lamp where the picture tells its distance (auto), or always the one or the other"
 LAYERS = ("both", "model", "shadow")
@@ -50,9 +51,15 @@ def add_scene_options(parser: argparse.ArgumentParser) -> None:
 def add_view_options(parser: argparse.ArgumentParser) -> None:
     view = parser.add_argument_group("what is shown")
     view.add_argument(
-        "--model", default="cube", metavar="NAME|FILE", help="shipped model, or glTF/GLB/OBJ/PLY/STL file"
+        "--model",
+        action=_Several,
+        type=values.model,
+        default=DEFAULT_MODELS,
+        metavar="[ID=]NAME|FILE",
+        help="shipped model (default cube), or glTF/GLB/OBJ/PLY/STL file; several stand side by side, or one a marker "
+        "(--model mug --model 7=tree.glb)",
     )
-    view.add_argument("--up", choices=UPS, metavar="AXIS", help=f"of the model's file: {', '.join(UPS)} (key U)")
+    view.add_argument("--up", choices=UPS, metavar="AXIS", help=f"of the first model's file: {', '.join(UPS)} (key U)")
     view.add_argument("--size", type=values.size, metavar="WxH", help="size of the window (default: the source's)")
     view.add_argument("--loop", action="store_true", help="start again at the end of the clip")
     view.add_argument("--estimate-at", type=values.index, metavar="FRAME", help=ESTIMATE_AT_HELP)
@@ -92,3 +99,11 @@ class _Named(argparse.Action):
 
     def __call__(self, _parser: object, options: argparse.Namespace, value: Any, _flag: object = None) -> None:
         options.marker, options.takes_any_marker = value, False
+
+
+class _Several(argparse.Action):
+    """Each adds to those before it; the first takes the default's place."""
+
+    def __call__(self, _parser: object, options: argparse.Namespace, value: Any, _flag: object = None) -> None:
+        given = getattr(options, self.dest)
+        setattr(options, self.dest, (*(() if given is self.default else given), value))

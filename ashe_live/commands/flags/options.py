@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Sequence
 from typing import NoReturn
 
-from ashe_live.commands.flags.option_groups import UPS
+from ashe_live.commands.flags.option_groups import DEFAULT_MODELS, UPS
 from ashe_live.commands.flags.parser import START, build_parser
 from ashe_live.errors import UserError
 
@@ -38,6 +38,8 @@ def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     settings = read_settings(settings_path())
     if any(getattr(options, key.replace("-", "_")) is not None for key in ONE_OF):
         settings = {key: value for key, value in settings.items() if key not in ONE_OF}
+    if getattr(options, "model", DEFAULT_MODELS) is not DEFAULT_MODELS:  # a setting would be one more
+        settings.pop("model", None)
     first, *rest = arguments
     return build_parser(_SettingsParser).parse_args([first, *flags_of(settings, options.command), *rest])
 

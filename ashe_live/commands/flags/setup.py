@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from ashe_live.capture.photo import PhotoSource
 from ashe_live.capture.sources import Source
-from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, read_camera_file
+from ashe_live.commands.flags.model_choice import other_markers
+from ashe_live.core.camera import ASSUMED_HFOV_DEG, Camera, Size, fitted, read_camera_file
 from ashe_live.errors import UserError
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.models.caster import read_caster
@@ -16,6 +17,7 @@ from ashe_live.tracking.cube.faces import CUBE
 from ashe_live.tracking.families.layout import parse_target, usual_side_m
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
+from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.tracker import MarkerTracker
 
 CameraFor = Callable[[Size], Camera]
@@ -42,7 +44,8 @@ def light_steps(options: argparse.Namespace) -> ProxySteps:
 def camera_chooser(options: argparse.Namespace) -> CameraFor:
     """The camera for frames of a size, from --camera-file, --focal-px or --hfov, or assumed."""
     if options.camera_file is not None:
-        return _calibrated(read_camera_file(options.camera_file), str(options.camera_file))
+        calibrated = read_camera_file(options.camera_file)
+        return lambda size: fitted(calibrated, size, f"the calibration {options.camera_file}")
     if options.focal_px is not None:
         return lambda size: Camera.from_focal(size, options.focal_px)
     if options.hfov is not None:
@@ -88,16 +91,5 @@ def make_tracker(
     if isinstance(tracker, FocalTracker) and isinstance(source, PhotoSource) and source.focal_px is not None:
         tracker.tell(Camera.from_focal(source.size, source.focal_px, "exif"))
     tracker.filters = not options.no_filter
+    tracker.others = PlaneMarkers(other_markers(options))
     return tracker
-
-
-def _calibrated(camera: Camera, name: str) -> CameraFor:
-    def camera_for(size: Size) -> Camera:
-        try:
-            return camera.resized(size)
-        except ValueError as error:
-            raise UserError(
-                f"the calibration {name} does not fit ({error})", "calibrate at this aspect ratio"
-            ) from error
-
-    return camera_for

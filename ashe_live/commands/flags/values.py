@@ -44,6 +44,24 @@ focal_px, angle_deg = _number_in(FOCAL), _number_in(FIELD_OF_VIEW)
 count, index, views = (_whole_number_in(allowed) for allowed in (COUNT, INDEX, VIEWS))
 
 
+MARKER_KINDS = ("aruco", "apriltag", "pattern", "image")
+
+
+def model(text: str) -> str:
+    """[MARKER=]MODEL."""
+    marker, name = marker_and_model(text)
+    if not name:
+        raise argparse.ArgumentTypeError(f"{text!r} names no model: write {marker}=NAME or {marker}=FILE")
+    return text
+
+
+def marker_and_model(text: str) -> tuple[str | None, str]:
+    """The marker that a model is to stand on, a number or a spec, if one is named, and the model's name or file."""
+    marker, equals, name = text.partition("=")
+    is_marker = marker.isdecimal() or marker.partition(":")[0] in MARKER_KINDS
+    return (marker, name) if equals and is_marker else (None, text)
+
+
 def size(text: str) -> tuple[int, int]:
     """WIDTHxHEIGHT."""
     width, _, height = text.lower().partition("x")

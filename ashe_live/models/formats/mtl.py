@@ -3,6 +3,7 @@
 http://paulbourke.net/dataformats/mtl/
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -16,6 +17,11 @@ from ashe_live.models.parsing.limits import MAX_MATERIALS
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
 
+# The format does not say whether its colours are linear, and names no roughness. Most programs write sRGB. In Blender's
+# files, which begin with these words, colours are linear, the exponent is 1000 (1 - roughness)^2, and where the model
+# of illumination is one of mirrors the ambient colour is how much of a metal it is.
+BLENDERS_FIRST_WORDS, BLENDERS_SHININESS, MIRRORS = "# Blender", 1000.0, (3, 6)
+COLOURS = {"ka": "ambient", "kd": "diffuse", "ke": "emission"}
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 # How many numbers follow an option of a map; what is left is the file's name, spaces and all.
 OPTIONS = {
@@ -43,6 +49,8 @@ class _Described:
     emission: tuple[float, ...] = (0.0, 0.0, 0.0)
     opacity: float = 1.0
     shininess: float = 0.0
+    ambient: tuple[float, ...] = (0.0, 0.0, 0.0)
+    illumination: int = 2  # of the format's models, from 0 to 10
     picture: str | None = None
     cut_out: str | None = None
 
@@ -64,7 +72,8 @@ def read_mtl(content: bytes, texels: Callable[[str], Image], notes: Notes) -> di
     described: dict[str, _Described] = {}
     one = _Described()
     count = 0
-    for line in text_of(content).splitlines():
+    text = text_of(content)
+    for line in text.splitlines():
         key, _, value = line.strip().partition(" ") if "\t" not in line.strip() else _parted(line)
         key, value = key.lower(), value.strip()
         if key == "newmtl":
@@ -76,7 +85,8 @@ def read_mtl(content: bytes, texels: Callable[[str], Image], notes: Notes) -> di
             _take(one, key, value)
             if key in NOT_DRAWN:
                 notes.add(f"{NOT_DRAWN[key]} of its materials are left out")
-    return {name: _material(one, texels) for name, one in described.items()}
+    is_blenders = text.lstrip().startswith(BLENDERS_FIRST_WORDS)
+    return {name: _material(one, texels, is_blenders) for name, one in described.items()}
 
 
 def _parted(line: str) -> tuple[str, str, str]:
@@ -85,18 +95,20 @@ def _parted(line: str) -> tuple[str, str, str]:
 
 
 def _take(one: _Described, key: str, value: str) -> None:
-    if key in ("kd", "ke"):
+    if key in COLOURS:
         numbers = _numbers(value)
         if len(numbers) in (1, 2):
             numbers = numbers[:1] * 3
         if len(numbers) >= 3:
-            setattr(one, "diffuse" if key == "kd" else "emission", numbers[:3])
+            setattr(one, COLOURS[key], numbers[:3])
     elif key in ("d", "tr"):
         # 0 is invisible for the one, and opaque for the other.
         (*_, last) = _numbers(value.replace("-halo", "")) or (1.0,)
         one.opacity = last if key == "d" else 1 - last
     elif key == "ns":
         one.shininess = next(iter(_numbers(value)), 0.0)
+    elif key == "illum":
+        one.illumination = int(next(iter(_numbers(value)), 2))
     elif key == "map_kd":
         one.picture = _file_name(value)
     elif key == "map_d":
@@ -131,22 +143,34 @@ def _is_name(word: str) -> bool:
     return False
 
 
-def _material(one: _Described, texels: Callable[[str], Image]) -> Material:
+def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool) -> Material:
     opacity = min(max(one.opacity, 0.0), 1.0)
-    red, green, blue = linear_from_srgb(np.clip(one.diffuse or (0.8, 0.8, 0.8), 0, 1)).tolist()
-    glow_red, glow_green, glow_blue = linear_from_srgb(np.clip(one.emission, 0, 1)).tolist()
-    # Phong's lobe of that exponent is about as wide as this roughness's.
-    roughness = float(np.sqrt(np.sqrt(2 / (one.shininess + 2)))) if one.shininess > 0 else UNKNOWN.roughness
+    colours = np.clip([one.diffuse or (0.8, 0.8, 0.8), one.emission], 0, 1)
+    (red, green, blue), (glow_red, glow_green, glow_blue) = (
+        colours if is_blenders else linear_from_srgb(colours)
+    ).tolist()
+    roughness = _roughness(one.shininess, is_blenders)
     plain = replace(
         UNKNOWN,
         base_colour=(red, green, blue, opacity),
         emissive=(glow_red, glow_green, glow_blue),
+        metallic=float(np.clip(np.mean(one.ambient), 0, 1)) if is_blenders and one.illumination in MIRRORS else 0.0,
         roughness=roughness,
         alpha=Alpha.BLEND if opacity < 1 else Alpha.OPAQUE,
     )
     if one.picture is not None:
         return pictured(plain, texels(one.picture), None if one.cut_out is None else texels(one.cut_out))
     return plain
+
+
+def _roughness(shininess: float, is_blenders: bool) -> float:
+    """Of a material with that exponent `Ns`."""
+    if shininess <= 0 and not is_blenders:
+        return UNKNOWN.roughness
+    if is_blenders:
+        return 1 - math.sqrt(min(max(shininess, 0.0), BLENDERS_SHININESS) / BLENDERS_SHININESS)
+    # Phong's lobe of that exponent is about as wide as this roughness's.
+    return math.sqrt(math.sqrt(2 / (shininess + 2)))
 
 
 def pictured(plain: Material, base_map: Image, cut_out: Image | None = None) -> Material:

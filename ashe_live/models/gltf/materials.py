@@ -14,7 +14,7 @@ from ashe_live.models.material import BLACK, MAP_SETS, UNKNOWN, WHITE, Alpha, Li
 from ashe_live.models.parsing import basis
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.malformed import MalformedError
-from ashe_live.models.parsing.notes import Notes
+from ashe_live.models.parsing.notes import WITHOUT_COORDINATES, Notes
 from ashe_live.models.parsing.pictures import Pictures
 
 NEAREST = 9728
@@ -69,7 +69,9 @@ class Materials:
         surface |= self._see_through(extensions, surface)
         if "KHR_materials_unlit" in extensions:
             surface |= _shining(surface, maps)
-        if maps.left_out:
+        if maps.lacks_coordinates:
+            self._notes.add(WITHOUT_COORDINATES)
+        if maps.has_third_set:
             self._notes.add("maps that are laid out by a third set of texture coordinates are left out")
         material = Material(
             normal_scale=normal.get("scale", 1.0),
@@ -188,14 +190,15 @@ class _Maps:
         self.texels: dict[str, Any] = {}
         self.layouts: dict[str, MapLayout] = {}
         self.sets: list[int] = []
-        self.left_out = False
+        self.has_third_set = self.lacks_coordinates = False
         self._there = uv_sets
 
     def takes(self, layout: MapLayout) -> bool:
         """Whether the mesh has what the map is laid out by."""
         is_there = layout.uv_set in self._there
         has_room = layout.uv_set in self.sets or len(self.sets) < MAP_SETS
-        self.left_out |= is_there and not has_room
+        self.has_third_set |= is_there and not has_room
+        self.lacks_coordinates |= not is_there
         return is_there and has_room
 
     def add(self, name: str, layout: MapLayout, texels: Image) -> None:

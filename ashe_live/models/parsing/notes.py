@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 MOST_NOTES = 6
+WITHOUT_COORDINATES = "pictures are left out where it has no texture coordinates"
 
 
 class Notes:

@@ -25,11 +25,6 @@ class Framing:
     clip_from_marker: Float  # (4, 4)
     eye_marker: Float  # (3,) metres, the camera's centre in the marker frame
 
-    def part(self, points: Float) -> Rectangle:
-        """The pixels that the hull of (n, 3) points can touch; the whole region when some are behind the camera."""
-        in_front = (points @ self.clip_from_marker[3, :3] + self.clip_from_marker[3, 3]).min() > 0
-        return _spanned(self.clip_from_marker, points, self.viewport) if in_front else self.region
-
 
 def letterbox(video: Size, framebuffer: Size) -> Rectangle:
     """The largest centred rectangle of the video's aspect ratio."""

@@ -1,4 +1,4 @@
-"""Draws the model, each part with the shader variant that computes only what its material needs."""
+"""Draws the models, each part with the shader variant that computes only what its material needs."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from ashe_live.render.lights.environment import Environment
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import RGB, Lighting
 from ashe_live.render.lights.shadow_maps import ShadowMaps
-from ashe_live.render.passes.standing import StandingModel
+from ashe_live.render.passes.standing import StandingGroup, StandingModel
 
 NOWHERE: Float = np.zeros((4, 4))
 # A narrower specular lobe would be a point that flickers between pixels.
@@ -60,26 +60,32 @@ class ModelPass:
             part.draw(program)
             yield
 
-    def draw_opaque(self, standing: StandingModel, inputs: ShadingInputs) -> None:
+    def draw_opaque(self, standing: StandingGroup, inputs: ShadingInputs) -> None:
         """Draws opaque and cut-out parts."""
-        for part in standing.model.parts:
-            if part.material.alpha is not Alpha.BLEND:
-                self._ctx.enable_only(gl_flags(part.material))
-                self._draw(part, standing, inputs)
+        for member in standing.members:
+            for part in member.model.parts:
+                if part.material.alpha is not Alpha.BLEND:
+                    self._ctx.enable_only(gl_flags(part.material))
+                    self._draw(part, member, inputs)
 
-    def draw_blended(self, standing: StandingModel, inputs: ShadingInputs) -> None:
+    def draw_blended(self, standing: StandingGroup, inputs: ShadingInputs) -> None:
         """Draws blended parts, after everything behind them: far before near, back faces before front faces."""
-        blended = [part for part in standing.model.parts if part.material.alpha is Alpha.BLEND]
+        eye = inputs.framing.eye_marker
+        blended = [
+            (float(np.linalg.norm(transform_points(member.marker_from_placed, part.centre[None]) - eye)), part, member)
+            for member in standing.members
+            for part in member.model.parts
+            if part.material.alpha is Alpha.BLEND
+        ]
         if not blended:
             return
-        (eye_placed,) = transform_points(standing.placed_from_marker, inputs.framing.eye_marker[None])
-        blended.sort(key=lambda part: -float(np.linalg.norm(part.centre - eye_placed)))
+        blended.sort(key=lambda each: -each[0])
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
-        for part in blended:
+        for _, part, member in blended:
             self._ctx.enable_only(gl_flags(part.material))
             for culled in ("front", "back") if part.material.double_sided else ("back",):
                 self._ctx.cull_face = culled
-                self._draw(part, standing, inputs)
+                self._draw(part, member, inputs)
         self._ctx.cull_face = "back"
 
     def _draw(self, part: GpuPart, standing: StandingModel, inputs: ShadingInputs) -> None:

@@ -5,15 +5,16 @@ That takes longer than one picture, so it is done in small steps while the forme
 
 import itertools
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import moderngl
 
 from ashe_live.models.placement import PlacedModel, Placement
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.programs import Programs
+from ashe_live.render.lights.shadow_maps import same_objects
 from ashe_live.render.passes.contact import ContactPatch
-from ashe_live.render.passes.standing import StandingModel
+from ashe_live.render.passes.standing import StandingGroup, StandingModel
 
 # Of each picture's time; a step that has begun is finished, which may take a few milliseconds more.
 BUDGET_S = 0.003
@@ -77,6 +78,10 @@ class ModelSwitch:
         """Whether no model is being prepared."""
         return self._coming is None
 
+    def is_among(self, wanted: Sequence[PlacedModel]) -> bool:
+        """Whether what it shows is."""
+        return self.shown is not None and any(self.shown.placed is each for each in wanted)
+
     def follow(self, placed: PlacedModel | None) -> bool:
         """Shows `placed` as soon as it is ready, which is at once when there is nothing to show until then.
 
@@ -103,3 +108,51 @@ class ModelSwitch:
         if former is not None:
             former.release()
         return former is not ready
+
+
+class ModelSwitches:
+    """The models that stand side by side: a switch for each place in the scene's order."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs, last_steps: LastSteps, at_once: bool) -> None:
+        self.at_once = at_once
+        self._make = lambda: ModelSwitch(ctx, programs, last_steps, self.at_once)
+        self._switches: list[ModelSwitch] = []
+        self._group: StandingGroup | None = None
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether no model is being prepared."""
+        return all(switch.is_settled for switch in self._switches)
+
+    @property
+    def shown(self) -> tuple[PlacedModel, ...]:
+        """What can be drawn, place by place."""
+        return tuple(switch.shown.placed for switch in self._switches if switch.shown is not None)
+
+    def follow(self, wanted: Sequence[PlacedModel]) -> bool:
+        """As ModelSwitch.follow for each place; one that is gone takes its place along. True when any changed."""
+        changed = False
+        while len(self._switches) > len(wanted):
+            switch = next((each for each in self._switches if not each.is_among(wanted)), self._switches[-1])
+            self._switches.remove(switch)
+            changed |= switch.follow(None)
+        while len(self._switches) < len(wanted):
+            self._switches.append(self._make())
+        for switch, placed in zip(self._switches, wanted, strict=True):
+            switch.at_once = self.at_once
+            changed |= switch.follow(placed)
+        if changed:
+            self._group = None
+        return changed
+
+    def standing(self, placements: Sequence[Placement | None], time_s: float) -> StandingGroup | None:
+        """Those that can be drawn and have a placement; the same object while each of them is. None: there are none."""
+        pairs = zip(self._switches, placements, strict=True)
+        members = tuple(
+            switch.shown.standing(placement, time_s)
+            for switch, placement in pairs
+            if switch.shown is not None and placement is not None
+        )
+        if self._group is None or not same_objects(self._group.members, members):
+            self._group = StandingGroup(members) if members else None
+        return self._group

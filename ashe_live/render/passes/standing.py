@@ -1,4 +1,4 @@
-"""A model on the graphics card at its place in the marker frame: moving it changes a matrix and uploads nothing."""
+"""Models on the graphics card at their places in the marker frame: moving one changes a matrix and uploads nothing."""
 
 import numpy as np
 
@@ -35,3 +35,26 @@ class StandingModel:
 
     def render_depth(self, clip_from_marker: Float) -> None:
         self.model.render_depth(clip_from_marker @ self.marker_from_placed)
+
+
+class StandingGroup:
+    """All models of one picture, which cast their shadows together: a Caster; another object for another member.
+
+    One shadow map holds them all, so that they shade each other as one model's parts do.
+    """
+
+    def __init__(self, members: tuple[StandingModel, ...]) -> None:
+        """At least one."""
+        self.members = members
+        self.points = np.concatenate([member.points for member in members])
+        # (8 n, 3) of the boxes around them, metres, marker frame
+        self.corners = np.concatenate([member.corners for member in members])
+
+    @property
+    def mirrors(self) -> bool:
+        """Whether what surrounds them is seen in any of them."""
+        return any(member.model.mirrors for member in self.members)
+
+    def render_depth(self, clip_from_marker: Float) -> None:
+        for member in self.members:
+            member.render_depth(clip_from_marker)

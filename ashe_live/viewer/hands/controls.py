@@ -1,100 +1,8 @@
 """The table of all key and mouse bindings, from which the window acts and the help is written."""
 
 from dataclasses import dataclass
-from enum import Enum, auto
 
-
-class Command(Enum):
-    """What a person can ask the viewer for."""
-
-    CHOOSE_MODEL = auto()
-    PREVIOUS_MODEL = auto()
-    NEXT_MODEL = auto()
-    ESTIMATE = auto()
-    AUTOMATIC = auto()
-    TOGGLE_LIGHT = auto()
-    TOGGLE_MASKS = auto()
-    HIDE_MARKER = auto()
-    PAUSE = auto()
-    RESTART = auto()
-    STEP = auto()
-    SEEK = auto()
-    SPEED = auto()
-    LOOP = auto()
-    SNAPSHOT = auto()
-    CUT_OUT = auto()
-    KEEP_LIGHT = auto()
-    RECORD = auto()
-    QUALITY = auto()
-    FULLSCREEN = auto()
-    MIRROR = auto()
-    TOGGLE_HUD = auto()
-    MOVE_LIGHT = auto()
-    MOVE_MODEL = auto()
-    SCALE_MODEL = auto()
-    TURN_MODEL = auto()
-    TURN_UP = auto()
-    STOP_MOTION = auto()
-    BEFORE_AFTER = auto()
-    LIGHT_STRENGTH = auto()
-    LIGHT_SOFTNESS = auto()
-    LIGHT_COLOUR = auto()
-    LIGHT_DISTANCE = auto()
-    FOLLOW_OTHER = auto()
-    FIELD_OF_VIEW = auto()
-    NEXT_CAMERA = auto()
-    RESET = auto()
-    OPEN = auto()
-    HELP = auto()
-    LEAVE = auto()
-    UNDO = auto()
-
-
-@dataclass(frozen=True, slots=True)
-class Drag:
-    """The mouse, moved while its button is down."""
-
-    # From the left and top edges of the framebuffer; for what a drag moves, those of the video.
-    begin_px: tuple[float, float]
-    now_px: tuple[float, float]
-    is_first: bool  # this is the first move since the button went down
-
-
-@dataclass(frozen=True, slots=True)
-class Files:
-    """What was dropped on the window together."""
-
-    paths: tuple[str, ...]
-
-
-Step = tuple[int, int]  # to the right, up
-Argument = int | float | Step | Drag | Files
-
-
-@dataclass(frozen=True, slots=True)
-class Request:
-    """A command and, where it has one, its argument."""
-
-    command: Command
-    argument: Argument = 0
-
-    @property
-    def number(self) -> int:
-        """The argument, of a command whose argument is a whole number."""
-        assert isinstance(self.argument, int)
-        return self.argument
-
-
-class Gesture(Enum):
-    """What the mouse does, its left button where it is one of a button."""
-
-    DRAG = auto()
-    SHIFT_DRAG = auto()
-    WHEEL = auto()
-    SHIFT_WHEEL = auto()
-    ALT_WHEEL = auto()
-    DOUBLE_CLICK = auto()
-    DROP = auto()  # of files on the window
+from ashe_live.viewer.hands.requests import Argument, Command, Gesture, Request
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,28 +20,6 @@ class Binding:
     arguments: tuple[Argument, ...] = ()  # of the keys, one each; else 0
     repeats: bool = False  # again and again while the key is held
     gesture: Gesture | None = None  # that asks for it as well
-
-
-class MouseAction(Enum):
-    """What the mouse did."""
-
-    MOVED = auto()
-    PRESSED = auto()
-    RELEASED = auto()
-    SCROLLED = auto()
-    MENU = auto()  # its right button went down
-
-
-@dataclass(frozen=True, slots=True)
-class MouseEvent:
-    """One action of the mouse, of its left button where it is one of a button."""
-
-    action: MouseAction
-    x_px: float  # from the left edge, in pixels of the framebuffer
-    y_px: float  # from the top edge
-    shift: bool = False
-    notches: float = 0.0  # of the wheel, away from the hand
-    alt: bool = False
 
 
 HELD = CTRL, ALT, SHIFT = "CTRL+", "ALT+", "SHIFT+"
@@ -204,6 +90,9 @@ BINDINGS = (
         repeats=True,
         gesture=Gesture.SHIFT_WHEEL,
     ),
+    Binding(("T", "INSERT"), Command.ADD_MODEL, "T", "one more model beside it"),
+    Binding(("TAB",), Command.NEXT_IN_HAND, "Tab", "change the next of several"),
+    Binding((SHIFT + "T", "DELETE"), Command.REMOVE_MODEL, "Shift+T, Delete", "take the model away"),
     Binding(("B",), Command.BEFORE_AFTER, "B", "before and after"),
     Binding(("U",), Command.TURN_UP, "U", "turn another side up"),
     Binding(("K",), Command.STOP_MOTION, "K", "stop a moving model"),

@@ -2,7 +2,8 @@
 
 import math
 
-from ashe_live.viewer.hands.controls import COMMAND_BY_GESTURE, Drag, Gesture, MouseAction, MouseEvent, Request
+from ashe_live.viewer.hands.controls import COMMAND_BY_GESTURE
+from ashe_live.viewer.hands.requests import Drag, Gesture, MouseAction, MouseEvent, Request
 
 DOUBLE_CLICK_S = 0.35
 # A click may move the mouse by this much before it counts as a drag.

@@ -8,10 +8,10 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angles_from_direction, direction_from_angles
 from ashe_live.core.types import Illumination, Light, TrackedFrame
-from ashe_live.models.placement import UNMOVED, PlacedModel
+from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.render.lights.lighting import angular_size, ground_ratio
-from ashe_live.viewer.hands.controls import Command, Drag, Request
 from ashe_live.viewer.hands.pointing import Pixel, ground_at, picture_axes, pixel_of
+from ashe_live.viewer.hands.requests import Command, Drag, Request
 
 # Of one key press, or one notch of the wheel.
 LIGHT_STEP_RAD = math.radians(2)
@@ -44,6 +44,12 @@ class HandContext:
     tracked: TrackedFrame | None
     illumination: Illumination  # as estimated
     model: PlacedModel | None
+    anchor: Placement = UNMOVED  # from where the model's placement counts: its own place on the table
+
+    def at_anchor(self, vector: Float) -> Float:
+        """(2,) of the marker frame, in the anchor's."""
+        x, y = self.anchor.turned((float(vector[0]), float(vector[1])), back=True)
+        return np.asarray(np.array((x, y)) / self.anchor.scale)
 
 
 class Hand:
@@ -83,9 +89,9 @@ class Hand:
             case Request(Command.MOVE_MODEL, (right, up)):
                 to_right, away = picture_axes(tracked)
                 step = MOVE_STEP_SIDES * tracked.marker.side_m
-                self._move(tracked, self.placement.shift_m + step * (right * to_right + up * away))
+                self._move(tracked, self.placement.shift_m + context.at_anchor(step * (right * to_right + up * away)))
             case Request(Command.MOVE_MODEL, Drag() as drag):
-                self._drag_model(tracked, drag)
+                self._drag_model(tracked, context, drag)
         return None
 
     def _scale(self, notches: float) -> str | None:
@@ -100,14 +106,14 @@ class Hand:
         x, y = to_m * min(1.0, longest / max(length, longest))
         self.placement = replace(self.placement, shift_m=(float(x), float(y)))
 
-    def _drag_model(self, tracked: TrackedFrame, drag: Drag) -> None:
+    def _drag_model(self, tracked: TrackedFrame, context: HandContext, drag: Drag) -> None:
         if drag.is_first:
             point = ground_at(tracked, drag.begin_px)
             self._held = None if point is None else (point, np.array(self.placement.shift_m))
         now = ground_at(tracked, drag.now_px)
         if self._held is not None and now is not None:
             point, shift_m = self._held
-            self._move(tracked, shift_m + now - point)
+            self._move(tracked, shift_m + context.at_anchor(now - point))
 
     def _step_light(self, tracked: TrackedFrame, context: HandContext, right: float, up: float) -> None:
         base = self._light_to_move(tracked, context)
@@ -119,10 +125,11 @@ class Hand:
         """The end of the model's shadow follows the mouse; if it is outside the picture it jumps to the mouse first."""
         assert tracked.marker is not None
         base = self._light_to_move(tracked, context)
-        foot = np.array(self.placement.shift_m)
+        standing = context.anchor @ self.placement
+        foot = np.array(standing.shift_m)
         height = LEAST_HEIGHT_SIDES * tracked.marker.side_m
         if context.model is not None:
-            height = max(height, float(context.model.bounds[1, 2])) * self.placement.scale
+            height = max(height, float(context.model.bounds[1, 2])) * standing.scale
         if drag.is_first:
             end = _shadow_of(base.lights[0], foot, height)
             end_px = None if end is None else pixel_of(tracked, end)

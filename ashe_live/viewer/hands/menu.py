@@ -10,7 +10,8 @@ from ashe_live.core.arrays import Image, frozen_view
 from ashe_live.core.camera import Size
 from ashe_live.render.hud import FONT_PT, MIN_FONT_PX, SMALLER, RowLayout, row_layout, rows_plate
 from ashe_live.render.scene import Overlay
-from ashe_live.viewer.hands.controls import BINDINGS, Command, MouseAction, MouseEvent, Request
+from ashe_live.viewer.hands.controls import BINDINGS
+from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
 
 OFFERED = (
     Command.ESTIMATE,
@@ -22,6 +23,9 @@ OFFERED = (
     Command.NEXT_CAMERA,
     Command.HIDE_MARKER,
     Command.BEFORE_AFTER,
+    Command.ADD_MODEL,
+    Command.NEXT_IN_HAND,
+    Command.REMOVE_MODEL,
     Command.TURN_UP,
     Command.STOP_MOTION,
     Command.RESET,

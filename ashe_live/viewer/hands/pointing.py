@@ -8,7 +8,7 @@ from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.gl.framing import letterbox
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
-from ashe_live.viewer.hands.controls import Drag, Request
+from ashe_live.viewer.hands.requests import Drag, Request
 
 Pixel = tuple[float, float]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from ashe_live.core.types import Illumination
 from ashe_live.models.placement import Placement
-from ashe_live.viewer.hands.controls import Command, Drag, Request
 from ashe_live.viewer.hands.hand import Hand
+from ashe_live.viewer.hands.requests import Command, Drag, Request
 
 MOST_STEPS = 100
 # Turns of the wheel and repetitions of a key count as one gesture while they follow each other as fast as this.

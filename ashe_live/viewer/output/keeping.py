@@ -1,6 +1,7 @@
 """Snapshots and recordings: what is shown, without text and at the video's own size."""
 
 import json
+import shlex
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import datetime
@@ -78,7 +79,11 @@ class Keeper:
         light = None if session.estimate is None else estimated_light_json(session.estimate)
         if hand.light is not None:
             light = light_by_hand_json(hand.light, hand.frame_index)
-        return snapshot_json(tracked, session.model_name, light, hand.placement.marker_from_placed)
+        models = [
+            (Path(name).name, None if placement is None else placement.marker_from_placed)
+            for name, _, placement in session.arrangement.models(tracked)
+        ]
+        return snapshot_json(tracked, models, light)
 
     def record(self, fps: float, now_s: float) -> None:
         """Begins a recording in the current folder, or ends the one under way."""
@@ -111,8 +116,16 @@ class Keeper:
             recording, self._recording = self._recording, None
             said = recording.finish()
             if self.clip_name is not None and recording.has_gaps:
-                said += f"; every frame: ashe-live play {self.clip_name} --headless --out FILE.mp4"
+                said += f"; every frame: {self._command(self.clip_name)} --headless --out FILE.mp4"
             self._tell(said, now_s)
+
+    def _command(self, clip_name: str) -> str:
+        """That plays the clip with the same models, where they stood first."""
+        # Of a clip whose light is known, as the shipped one is, nobody has the file at hand.
+        words = ["demo"] if self._session.true_to_light_marker is not None else ["play", clip_name]
+        for chosen in self._session.arrangement.chosen:
+            words += ["--model", chosen.name if chosen.marker is None else f"{chosen.marker}={chosen.name}"]
+        return shlex.join(["ashe-live", *words])
 
     def _picture(self, preset: RenderPreset, is_cut_out: bool = False) -> Image:
         """(h, w, 3) uint8 BGR, or BGRA where it is cut out."""

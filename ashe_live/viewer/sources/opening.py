@@ -33,21 +33,26 @@ Opener = Callable[[Path | None], Pipeline]
 class Opening:
     """Opens one file at a time: a later one replaces an earlier one. Used by the main thread only."""
 
-    def __init__(self, opener: Opener) -> None:
+    def __init__(self, opener: Opener | None) -> None:
+        """None: nothing can be opened."""
         self._opener = opener
         self._coming: Future[Opened] | None = None
 
-    def begin(self, path: Path | None) -> None:
-        """The file, or the next camera."""
+    def begin(self, path: Path | None) -> bool:
+        """The file, or the next camera; False where nothing can be opened."""
+        if self._opener is None:
+            return False
+        opener = self._opener
         what = "another camera" if path is None else str(path)
         self.close()
         self._coming = begun(
             "opening",
-            lambda: self._open(path),
+            lambda: _opened(opener, path),
             lambda reason: UserError(
                 f"cannot open {what} ({reason})", "convert it" if path is not None else "plug it in again"
             ),
         )
+        return True
 
     def take(self) -> Opened | None:
         """The file that has been opened, once, else None. Raises UserError, once, when it cannot be opened."""
@@ -62,18 +67,17 @@ class Opening:
             self._coming.add_done_callback(_close_pipeline)
             self._coming = None
 
-    def _open(self, path: Path | None) -> Opened:
-        pipeline = self._opener(path)
-        try:
-            first = pipeline.frames.take(LONGEST_S)
-            if first is None:
-                raise UserError(
-                    f"{pipeline.name} has given no picture for {LONGEST_S:.0f} s", "copy it to a faster disk"
-                )
-        except BaseException:
-            pipeline.close(0.0)
-            raise
-        return Opened(pipeline.name, pipeline, first)
+
+def _opened(opener: Opener, path: Path | None) -> Opened:
+    pipeline = opener(path)
+    try:
+        first = pipeline.frames.take(LONGEST_S)
+        if first is None:
+            raise UserError(f"{pipeline.name} has given no picture for {LONGEST_S:.0f} s", "copy it to a faster disk")
+    except BaseException:
+        pipeline.close(0.0)
+        raise
+    return Opened(pipeline.name, pipeline, first)
 
 
 def _close_pipeline(coming: "Future[Opened]") -> None:

@@ -12,7 +12,7 @@ from ashe_live.core.types import Frame
 from ashe_live.render.hud import HudText
 from ashe_live.tracking.boards.calibration_board import BoardView
 from ashe_live.tracking.boards.calibration_guide import CUTS, CalibrationGuide
-from ashe_live.viewer.hands.controls import Command
+from ashe_live.viewer.hands.requests import Command
 from ashe_live.viewer.windows.picture_window import PictureWindow
 
 # Okabe and Ito's orange and bluish green.

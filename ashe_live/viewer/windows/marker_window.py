@@ -6,7 +6,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.hud import HudText
-from ashe_live.viewer.hands.controls import Command
+from ashe_live.viewer.hands.requests import Command
 from ashe_live.viewer.windows.picture_window import PictureWindow
 
 SIDE_PX = 720

@@ -4,7 +4,7 @@ from typing import Protocol
 
 from ashe_live.core.camera import Size
 from ashe_live.render.gl.offscreen import Framebuffer
-from ashe_live.viewer.hands.controls import MouseEvent, Request
+from ashe_live.viewer.hands.requests import MouseEvent, Request
 
 
 class Presentable(Protocol):

@@ -54,7 +54,7 @@ def shape(chance: random.Random) -> bpy.types.Object:
     return bpy.context.object
 
 
-def paint(thing: bpy.types.Object, chance: random.Random) -> None:
+def paint(thing: bpy.types.Object, chance: random.Random, name: str) -> None:
     material = bpy.data.materials.new("paint")
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -64,7 +64,10 @@ def paint(thing: bpy.types.Object, chance: random.Random) -> None:
     kind = chance.choice(["plain", "picture", "vertices", "metal", "coat"])
     if kind == "picture":
         picture = nodes.new("ShaderNodeTexImage")
-        picture.image = bpy.data.images.new("picture", *chance.choice([(16, 16), (32, 8), (7, 13)]))
+        picture.image = bpy.data.images.new(name, *chance.choice([(16, 16), (32, 8), (7, 13)]))
+        texels = np.random.default_rng(len(picture.image.pixels)).random(len(picture.image.pixels))
+        texels[3::4] = 1
+        picture.image.pixels.foreach_set(texels.astype(np.float32))
         picture.image.pack()
         links.new(picture.outputs[0], surface["Base Color"])
     elif kind == "vertices":
@@ -137,7 +140,8 @@ def export(path: Path, up: str, chance: random.Random, has_keys: bool) -> None:
             bpy.ops.export_scene.gltf(filepath=str(path), export_format=kind, export_apply=not has_keys)
 
 
-def make(number: int, folder: Path) -> None:
+def build(number: int) -> tuple[random.Random, bool]:
+    """The model of that number alone in Blender's scene; what chance has left, and whether it has shape keys."""
     chance = random.Random(number)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     things: list[bpy.types.Object] = []
@@ -152,7 +156,7 @@ def make(number: int, folder: Path) -> None:
             )
         if things and chance.random() < 0.4:
             thing.parent = chance.choice(things)
-        paint(thing, chance)
+        paint(thing, chance, f"picture{number}-{len(things)}")
         (deform if has_keys else modify)(thing, chance)
         for polygon in thing.data.polygons:
             polygon.use_smooth = number % 2 == 0
@@ -164,6 +168,11 @@ def make(number: int, folder: Path) -> None:
             thing.location.x += 0 if thing.parent else FAR_M
     bpy.context.scene.frame_set(1)
     bpy.context.view_layer.update()
+    return chance, has_keys
+
+
+def make(number: int, folder: Path) -> None:
+    chance, has_keys = build(number)
     places, triangles = truth()
     if not 0 < len(triangles) <= MOST_TRIANGLES:
         return

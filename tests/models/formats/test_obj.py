@@ -165,3 +165,26 @@ def test_a_face_of_what_is_not_there_is_said(tmp_path: Path, face: str) -> None:
 def test_colours_behind_the_places_are_of_srgb(tmp_path: Path) -> None:
     part = read(tmp_path, "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nf 1 2 3\n").parts[0]
     np.testing.assert_allclose(part.colours, [(1, 0, 0, 1)] * 3)
+
+
+def test_colours_are_linear_where_blender_has_written_them(tmp_path: Path) -> None:
+    """By its exporter's formulas: 1000 (1 - roughness)^2 as exponent, colours as its shaders have them, metal as Ka."""
+    header = "# Blender 4.2.0 MTL File: 'None'\n# www.blender.org\n\n"
+    lines = "newmtl m\nNs 90\nKd 0.2 0.5 0.8\nKe 0.1 0 0\nKa 0.75 0.75 0.75\nillum 3\n"
+    theirs, others = (
+        read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a=first + lines).parts[0].material
+        for first in (header, "")
+    )
+    assert theirs.base_colour == pytest.approx((0.2, 0.5, 0.8, 1))
+    assert theirs.emissive == pytest.approx((0.1, 0, 0))
+    assert (theirs.roughness, theirs.metallic) == pytest.approx((0.7, 0.75))
+    assert others.metallic == 0
+    assert others.base_colour[1] == pytest.approx(0.214, abs=0.001)  # of sRGB's 0.5
+
+
+def test_a_picture_without_texture_coordinates_is_said(tmp_path: Path) -> None:
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    bare = TRIANGLE.replace("1/1 2/2 3/3", "1 2 3")
+    for triangle, is_said in ((bare, True), (TRIANGLE, False)):
+        model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{triangle}", a="newmtl m\nmap_Kd red.png\n")
+        assert any("texture coordinates" in note for note in model.notes) is is_said

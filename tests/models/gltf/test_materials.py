@@ -207,3 +207,11 @@ def test_what_is_drawn_without_is_said_once(tmp_path: Path) -> None:
 def test_what_would_be_seen_is_said_and_what_would_not_is_not(tmp_path, extension, given, words):
     model = quad_of(tmp_path, {"extensions": {extension: given}})
     assert model.notes == (() if words is None else (f"it is drawn without {words}",))
+
+
+def test_a_picture_without_texture_coordinates_is_said(tmp_path: Path) -> None:
+    document = Document()
+    document.quad(material={"pbrMetallicRoughness": {"baseColorTexture": document.embedded(quarters())}})
+    model = load_model_file(document.save(tmp_path / "bare.glb"))
+    assert model.parts[0].material.maps == {}
+    assert model.notes == ("pictures are left out where it has no texture coordinates",)

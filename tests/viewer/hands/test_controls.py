@@ -5,7 +5,8 @@ from collections import Counter
 import glfw
 import pytest
 
-from ashe_live.viewer.hands.controls import BINDINGS, HELD, REQUEST_BY_KEY, Command, Request, help_rows, request_for
+from ashe_live.viewer.hands.controls import BINDINGS, HELD, REQUEST_BY_KEY, help_rows, request_for
+from ashe_live.viewer.hands.requests import Command, Request
 from ashe_live.viewer.windows.glfw_window import NAME_BY_GLFW_KEY, held
 
 

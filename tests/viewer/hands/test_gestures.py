@@ -2,8 +2,8 @@
 
 import pytest
 
-from ashe_live.viewer.hands.controls import Command, Drag, MouseAction, MouseEvent, Request
 from ashe_live.viewer.hands.gestures import CLICK_SLACK_PX, DOUBLE_CLICK_S, Gestures
+from ashe_live.viewer.hands.requests import Command, Drag, MouseAction, MouseEvent, Request
 
 PRESSED, MOVED, RELEASED = MouseAction.PRESSED, MouseAction.MOVED, MouseAction.RELEASED
 

@@ -15,7 +15,6 @@ from ashe_live.models.mesh import Model
 from ashe_live.models.placement import UNMOVED, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.render.lights.lighting import angular_size, lighting_of
-from ashe_live.viewer.hands.controls import Command, Drag, Request
 from ashe_live.viewer.hands.hand import (
     FARTHER_STEP,
     FARTHEST_LAMP_SIDES,
@@ -34,6 +33,7 @@ from ashe_live.viewer.hands.hand import (
     HandContext,
 )
 from ashe_live.viewer.hands.pointing import ground_at, picture_axes, pixel_of
+from ashe_live.viewer.hands.requests import Command, Drag, Request
 
 SIZE = (640, 480)
 SIDE_M = 0.08

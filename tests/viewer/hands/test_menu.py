@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from ashe_live.viewer.hands.controls import BINDINGS, Command, MouseAction, MouseEvent, Request
+from ashe_live.viewer.hands.controls import BINDINGS
 from ashe_live.viewer.hands.menu import OFFERED, Menu, entries_for
+from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
 
 SIZE = (640, 480)
 ENTRIES = entries_for(("mug", "tree"), 1)

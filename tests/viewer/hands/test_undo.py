@@ -3,8 +3,8 @@
 import numpy as np
 
 from ashe_live.core.types import Illumination, Light
-from ashe_live.viewer.hands.controls import Command, Drag, Request
 from ashe_live.viewer.hands.hand import Hand, HandContext
+from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.hands.undo import ONE_GESTURE_S, Undo
 
 LARGER = Request(Command.SCALE_MODEL, 1)

@@ -9,7 +9,7 @@ import pytest
 
 from ashe_live.capture.sources import open_source
 from ashe_live.errors import UserError
-from ashe_live.viewer.hands.controls import Command, Files, Request
+from ashe_live.viewer.hands.requests import Command, Files, Request
 from ashe_live.viewer.sources.opening import Opening, first_of_each_kind, paths_in
 from ashe_live.viewer.sources.pipeline import Pipeline
 from ashe_live.viewer.windows.glfw_window import GlfwWindow

@@ -1,6 +1,7 @@
 """The models to choose from, loaded off the main thread so that no switch stalls the picture."""
 
 import time
+from collections.abc import Sequence
 from concurrent.futures import Future
 from pathlib import Path
 
@@ -17,33 +18,49 @@ SILENT_S = 0.3
 
 
 class Shelf:
-    """The shipped models, and before them the file that the user named, if any.
+    """The shipped models, and before them the files that the user named, if any.
 
     A model that cannot be read is reported once by `take_error`, and the last good one stays.
     """
 
     def __init__(
-        self, first_choice: str, marker_side_m: float, up: str | None = None, memory: ModelMemory | None = None
+        self,
+        first_choice: str,
+        marker_side_m: float,
+        up: str | None = None,
+        memory: ModelMemory | None = None,
+        others: Sequence[str] = (),
     ) -> None:
-        """Loads `first_choice`, a shipped name or a file, at once. Raises UserError when it is neither.
+        """Loads `first_choice` and `others`, shipped names or files, at once. Raises UserError when one is neither.
 
         `up`: which axis of its file is up (models/up.py), for this time; `memory` has what was said of others by a key.
         """
-        self._marker_side_m = marker_side_m
+        self.marker_side_m = marker_side_m
         self._memory = memory
         self._ups: dict[str, str] = {} if up is None else {first_choice: up}
         self._words: list[str] = []
         self._told: set[str] = set()
-        shipped = list(model_names())
-        self.names = shipped if first_choice in shipped else [first_choice, *shipped]
+        shipped = model_names()
+        self.names = [name for name in dict.fromkeys((first_choice, *others)) if name not in shipped] + list(shipped)
         self._loading: dict[str, Future[PlacedModel]] = {}
         self._begun_s: dict[str, float] = {}
         self._chosen = self.names.index(first_choice)
         self._shown_name = first_choice
         self._untried: set[str] = set()  # dropped, and not read yet
-        self._shown = self._load(first_choice).result()
         self._error: UserError | None = None
-        self._tell_of(first_choice)
+        self._shown = self.loaded(first_choice)
+        for name in others:
+            self.loaded(name)
+
+    def loaded(self, name: str) -> PlacedModel:
+        """The model of that name, waited for. Raises UserError when it cannot be read."""
+        model = self._load(name).result()
+        self._tell_of(name, model)
+        return model
+
+    def take_up(self, name: str, model: PlacedModel) -> None:
+        """Chooses a model that was shown before, as it was then."""
+        self._chosen, self._shown, self._shown_name = self.names.index(name), model, name
 
     def choose(self, index: int) -> bool:
         """Chooses a model by its place; returns False when there is none."""
@@ -103,7 +120,7 @@ class Shelf:
                 shown, self._shown_name = loading.result(), self.chosen_name
                 if shown is not self._shown:
                     self._shown = shown
-                    self._tell_of(self.chosen_name)
+                    self._tell_of(self.chosen_name, shown)
                 self._untried.discard(self.chosen_name)
             except UserError as error:
                 # Forgotten, so that a mended file can be chosen again.
@@ -124,8 +141,8 @@ class Shelf:
         waited_s = time.monotonic() - self._begun_s[self.chosen_name]
         return None if waited_s < SILENT_S else f"loading {Path(self.chosen_name).name}: {waited_s:.0f} s"
 
-    def _tell_of(self, name: str) -> None:
-        model, file = self._shown.model, Path(name).name
+    def _tell_of(self, name: str, placed: PlacedModel) -> None:
+        model, file = placed.model, Path(name).name
         if model.notes and name not in self._told:
             self._words.append(f"{file}: {'; '.join(model.notes)}")
         if model.is_up_guessed and name not in self._told:
@@ -145,7 +162,7 @@ class Shelf:
             self._begun_s[name] = time.monotonic()
             self._loading[name] = begun(
                 "model",
-                lambda: read_model(name, self._marker_side_m, self._up_of(name)),
+                lambda: read_model(name, self.marker_side_m, self._up_of(name)),
                 lambda reason: UserError(f"cannot show the model {name} ({reason})", "choose another"),
             )
         return self._loading[name]

@@ -10,8 +10,8 @@ from ashe_live.models.catalogue import model_names
 from ashe_live.models.memory import ModelMemory
 from ashe_live.models.reading import read_model
 from ashe_live.models.up import UPS
-from ashe_live.viewer import shelf as shelf_module
-from ashe_live.viewer.shelf import Shelf
+from ashe_live.viewer.table import shelf as shelf_module
+from ashe_live.viewer.table.shelf import Shelf
 
 PATIENCE_S = 20.0
 

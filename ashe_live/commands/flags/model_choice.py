@@ -1,0 +1,63 @@
+"""Which models stand on the followed marker, and which on markers of their own, as --model says."""
+
+import argparse
+
+from ashe_live.commands.flags.values import marker_and_model
+from ashe_live.errors import UserError
+from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
+from ashe_live.tracking.families.markers import Marker, parse_marker
+
+
+def names_of(options: argparse.Namespace) -> list[str]:
+    """Of the models, as they were given."""
+    return [name for _, name in _given(options)]
+
+
+def follow_named_marker(options: argparse.Namespace) -> None:
+    """Writes out which marker each model stands on, before another one is followed; a marker with a model is named.
+
+    The first of these is followed, if nobody has said which one is. Raises UserError where the followed marker has no
+    model, for too many, and where a number names no marker.
+    """
+    given = _given(options)
+    if len(given) > MOST_MODELS:
+        raise UserError(f"{len(given)} models are too many", f"give at most {MOST_MODELS}")
+    specs = [None if marker is None else _spec(marker, options.marker) for marker, _ in given]
+    if not any(specs):
+        return
+    if all(specs) and options.takes_any_marker:
+        options.marker = specs[0]
+    if not any(spec in (None, options.marker) for spec in specs):
+        raise UserError(f"no model is for the marker {options.marker}", "give one without a number: --model NAME")
+    options.takes_any_marker = False
+    names = [name for _, name in given]
+    options.model = tuple(name if spec is None else f"{spec}={name}" for spec, name in zip(specs, names, strict=True))
+
+
+def chosen_models(options: argparse.Namespace) -> tuple[ChosenModel, ...]:
+    """Those that stand on the followed marker first, of which there is at least one."""
+    chosen = [ChosenModel(name, None if spec == options.marker else spec) for spec, name in _given(options)]
+    return tuple(sorted(chosen, key=lambda each: each.marker is not None))
+
+
+def other_markers(options: argparse.Namespace) -> list[Marker]:
+    """Those that models of their own stand on."""
+    if not hasattr(options, "model"):  # of a command that shows none
+        return []
+    specs = dict.fromkeys(spec for spec, _ in _given(options) if spec not in (None, options.marker))
+    return [parse_marker(spec) for spec in specs if spec is not None]
+
+
+def _given(options: argparse.Namespace) -> list[tuple[str | None, str]]:
+    return [marker_and_model(text) for text in options.model]
+
+
+def _spec(marker: str, followed: str) -> str:
+    """Of a marker given by its number in the followed one's family, or by its spec. Raises UserError for neither."""
+    spec = marker
+    if marker.isdecimal():
+        family, _, number = followed.rpartition(":")
+        if family.partition(":")[0] not in ("aruco", "apriltag") or not number.isdecimal():
+            raise UserError(f"{followed} has no family of numbers: {marker}= names no marker", "write aruco:4x4_50:7=")
+        spec = f"{family}:{int(marker)}"
+    return parse_marker(spec).spec

@@ -1,0 +1,62 @@
+"""Whether the pictures still change: a screen that stays as it is needs no processor, and tells no frame rate."""
+
+import operator
+import time
+from collections import deque
+
+from ashe_live.core.camera import Size
+from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.scene import Scene
+
+# After so many pictures alike a person waits for something, or looks elsewhere.
+UNCHANGED_PICTURES = 30
+# After so many the frame rate is held: the number alone would keep the picture changing.
+HELD_AFTER_PICTURES = 3
+FPS_OVER_FRAMES = 30
+
+
+class Stillness:
+    """Told of every picture: what is in it, and when it is on the screen."""
+
+    def __init__(self) -> None:
+        self._last: tuple[Scene, Size, RenderPreset] | None = None
+        self._unchanged = 0  # pictures in a row that were as the one before
+        self._fps: float | None = None
+        self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
+
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing has changed for so long that the next picture need not be drawn."""
+        return self._unchanged >= UNCHANGED_PICTURES
+
+    def add(self, scene: Scene, size: Size, preset: RenderPreset, is_settled: bool) -> None:
+        """The next picture; `is_settled`: the same scene would be the same picture again."""
+        now = scene, size, preset
+        is_same = is_settled and self._last is not None and _same(now, self._last)
+        self._unchanged = self._unchanged + 1 if is_same else 0
+        self._last = now
+
+    def shown(self) -> None:
+        """The picture is on the screen."""
+        self._shown_s.append(time.monotonic())
+
+    def fps(self, is_idle: bool) -> float | None:
+        """Of the display; None until there are two pictures to tell it from. `is_idle`: none is being drawn."""
+        if is_idle:
+            self._shown_s.clear()  # which says nothing of the display
+        if self._unchanged < HELD_AFTER_PICTURES and len(self._shown_s) >= 2:
+            self._fps = (len(self._shown_s) - 1) / (self._shown_s[-1] - self._shown_s[0])
+        return self._fps
+
+
+def _same(now: tuple[Scene, Size, RenderPreset], before: tuple[Scene, Size, RenderPreset]) -> bool:
+    """Whether the pictures are the same, as far as their parts are the same objects."""
+    parts = [
+        (*scene.overlays, scene.tracked, scene.illumination, *(model for model, _ in scene.models))
+        for scene, *_ in (now, before)
+    ]
+    kinds = [
+        (scene.kind, scene.time_s, [placement for _, placement in scene.models], *rest)
+        for scene, *rest in (now, before)
+    ]
+    return kinds[0] == kinds[1] and len(parts[0]) == len(parts[1]) and all(map(operator.is_, *parts))

@@ -1,0 +1,209 @@
+"""The models on the table: one in hand, which keys and mouse change, and others that stand as they were left."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import project, transform_points
+from ashe_live.core.types import Light, TrackedFrame
+from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
+from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
+from ashe_live.render.gl.framing import box_corners
+from ashe_live.tracking.edges.lens import ideal_from_source
+from ashe_live.viewer.estimates.beside import first_placement
+from ashe_live.viewer.hands.hand import Hand
+from ashe_live.viewer.hands.pointing import Pixel
+from ashe_live.viewer.table.shelf import Shelf
+
+# From the middle of a model to that of the next: half of each, which are a marker's side wide at most, and a gap.
+BESIDE_SIDES = 1.25
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """A model on its place. That of the model in hand is as it was when that was taken up."""
+
+    name: str
+    model: PlacedModel
+    placement: Placement = UNMOVED  # by hand, counted from its place
+    seat: int = 0  # of those on its marker: 0 in the middle, 1 to the right, 2 to the left, ...
+    marker: str | None = None
+
+
+class Arrangement:
+    """Which models there are, where each stands, and which of them is in the hand."""
+
+    def __init__(self, shelf: Shelf, hand: Hand, others: Sequence[ChosenModel] = ()) -> None:
+        """The first is what `shelf` shows; `others` stand beside it, or on their markers."""
+        self.in_hand = 0
+        self._shelf = shelf
+        self._hand = hand
+        self._stands = [Stand(shelf.shown_name, shelf.model())]
+        for other in others:
+            seat = self._free_seat(other.marker)
+            self._stands.append(Stand(other.name, shelf.loaded(other.name), UNMOVED, seat, other.marker))
+        self._left: dict[str, Placement] = {}  # of models that were shown, by their names
+        self._first = UNMOVED  # of models that nobody has moved
+        self._first_is_due = True  # where they stand depends on the light, and on what the marker is
+
+    def __len__(self) -> int:
+        return len(self._stands)
+
+    @property
+    def marker_in_hand(self) -> str | None:
+        """The spec of the marker that the model in hand stands on; None for the one that is followed."""
+        return self._stands[self.in_hand].marker
+
+    @property
+    def chosen(self) -> list[ChosenModel]:
+        """All of them in their order, as they could be named at the start."""
+        return [ChosenModel(stand.name, stand.marker) for stand in self._now]
+
+    @property
+    def moves(self) -> bool:
+        """Whether any of the models does."""
+        others = (stand for number, stand in enumerate(self._stands) if number != self.in_hand)
+        return self._shelf.moves or any(stand.model.model.duration_s > 0 for stand in others)
+
+    def models(self, tracked: TrackedFrame | None) -> list[tuple[str, PlacedModel, Placement | None]]:
+        """All of them in their order, by name; no placement where its marker is not in the frame."""
+        found = []
+        for stand in self._now:
+            anchor = self._anchor(stand, tracked)
+            found.append((stand.name, stand.model, None if anchor is None else anchor @ stand.placement))
+        return found
+
+    def anchor(self, tracked: TrackedFrame | None) -> Placement | None:
+        """From where the placement in hand counts; None while that model's marker is not in view."""
+        return self._anchor(self._stands[self.in_hand], tracked)
+
+    def add(self) -> bool:
+        """Puts one more like that in hand beside the others, and takes it up; False where there are too many."""
+        if len(self) >= MOST_MODELS:
+            return False
+        self._put_down()
+        like = self._stands[self.in_hand]
+        placement = self._first if like.marker is None else UNMOVED
+        self._stands.append(replace(like, placement=placement, seat=self._free_seat(like.marker)))
+        self._take_up(len(self) - 1)
+        return True
+
+    def remove(self) -> bool:
+        """Takes the model in hand away; False for the only one."""
+        if len(self) == 1:
+            return False
+        del self._stands[self.in_hand]
+        self._take_up(min(self.in_hand, len(self) - 1))
+        return True
+
+    def step(self) -> bool:
+        """Takes up the next model; False where there is but one."""
+        return self._change_to((self.in_hand + 1) % len(self))
+
+    def take_up_at(self, at_px: Pixel, tracked: TrackedFrame) -> bool:
+        """Takes up the model at a pixel of the video, or the nearest one; returns whether that is another."""
+        if tracked.marker is None or len(self) == 1:
+            return False
+        (at,) = ideal_from_source(tracked.camera, np.array([at_px]))
+        best, nearest = self.in_hand, (np.inf, np.inf)
+        for number, (_, model, placement) in enumerate(self.models(tracked)):
+            if placement is None:
+                continue
+            corners = transform_points(placement.marker_from_placed, box_corners(model.bounds))
+            seen = project(tracked.camera, tracked.marker.T_cam_marker, corners)
+            if np.isfinite(seen).all() and (distances := _distances(at, seen)) < nearest:
+                best, nearest = number, distances
+        return self._change_to(best)
+
+    def stand_clear(self, tracked: TrackedFrame | None, light: Light | None) -> None:
+        """A model that nobody has moved stands over the marker; where that is a body, beside it and its shadow."""
+        if not self._first_is_due or tracked is None or tracked.marker is None:
+            return
+        self._first_is_due = False
+        before, self._first = self._first, first_placement(tracked, light)
+        if self._hand.placement == before:
+            self._hand.placement = self._first
+        self._stands = [
+            replace(stand, placement=self._first) if stand.placement == before and stand.marker is None else stand
+            for stand in self._stands
+        ]
+
+    def stand_clear_again(self) -> None:
+        """The light, or the marker, is another one."""
+        self._first_is_due = True
+
+    def begin_anew(self) -> None:
+        """Another clip or photo: every model is where it was at first."""
+        self._stands = [replace(stand, placement=UNMOVED) for stand in self._stands]
+        self._first, self._first_is_due = UNMOVED, True
+
+    def follow_shelf(self) -> bool:
+        """Each model stays where it was put, and as large; returns whether another one has come into the hand."""
+        stand, shown = self._stands[self.in_hand], self._as_it_is().name
+        if shown == stand.name:
+            return False
+        self._left[stand.name] = self._hand.placement
+        self._hand.placement = self._left.get(shown, self._first)
+        self._stands[self.in_hand] = replace(stand, name=shown)
+        return True
+
+    def _change_to(self, number: int) -> bool:
+        if number == self.in_hand:
+            return False
+        self._put_down()
+        self._take_up(number)
+        return True
+
+    @property
+    def _now(self) -> list[Stand]:
+        """All of them, the one in hand as it is."""
+        stands = [*self._stands]
+        stands[self.in_hand] = self._as_it_is()
+        return stands
+
+    def _as_it_is(self) -> Stand:
+        """The stand of the model in hand now."""
+        model = self._shelf.model()  # first, as it may be another one from here on
+        name, placement = self._shelf.shown_name, self._hand.placement
+        return replace(self._stands[self.in_hand], name=name, model=model, placement=placement)
+
+    def _put_down(self) -> None:
+        self._stands[self.in_hand] = self._as_it_is()
+
+    def _take_up(self, number: int) -> None:
+        self.in_hand, stand = number, self._stands[number]
+        self._shelf.take_up(stand.name, stand.model)
+        self._hand.placement = stand.placement
+
+    def _free_seat(self, marker: str | None) -> int:
+        taken = {stand.seat for stand in self._stands if stand.marker == marker}
+        return next(seat for seat in range(len(taken) + 1) if seat not in taken)
+
+    def _anchor(self, stand: Stand, tracked: TrackedFrame | None) -> Placement | None:
+        place = _place_of(stand.marker, tracked)
+        steps = (stand.seat + 1) // 2 * (1 if stand.seat % 2 else -1)
+        if place is None or steps == 0:
+            return place
+        return place @ Placement(shift_m=(BESIDE_SIDES * steps * self._shelf.marker_side_m, 0.0))
+
+
+def _place_of(marker: str | None, tracked: TrackedFrame | None) -> Placement | None:
+    """Where a model stands that is as large as it is on the followed marker; None while its marker is not in view."""
+    if marker is None:
+        return UNMOVED
+    if tracked is None or tracked.marker is None:
+        return None
+    other = next((each for each in tracked.others if each.spec == marker), None)
+    if other is None:
+        return None
+    x, y = other.centre_m
+    return Placement(other.side_m / tracked.marker.side_m, other.turn_rad, (float(x), float(y)))
+
+
+def _distances(at: Float, seen: Float) -> tuple[float, float]:
+    """From a pixel (2,) to the rectangle around pixels (n, 2), 0 within it, and to its middle."""
+    lower, upper = seen.min(axis=0), seen.max(axis=0)
+    outside = np.maximum(np.maximum(lower - at, at - upper), 0)
+    return float(np.linalg.norm(outside)), float(np.linalg.norm(at - (lower + upper) / 2))

@@ -1,0 +1,174 @@
+"""What stands on the table, and what keys and mouse do to it and to the light."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
+from ashe_live.models.placement import UNMOVED, PlacedModel
+from ashe_live.process.messages import tell
+from ashe_live.viewer.hands.hand import Hand, HandContext
+from ashe_live.viewer.hands.requests import Command, Drag, Request
+from ashe_live.viewer.hands.undo import Undo
+from ashe_live.viewer.table.arrangement import Arrangement
+from ashe_live.viewer.table.motion_clock import MotionClock
+from ashe_live.viewer.table.shelf import Shelf
+
+SETS_LIGHT = frozenset(
+    (
+        Command.MOVE_LIGHT,
+        Command.LIGHT_STRENGTH,
+        Command.LIGHT_SOFTNESS,
+        Command.LIGHT_COLOUR,
+        Command.LIGHT_DISTANCE,
+    )
+)
+CHANGES_MODEL = frozenset((Command.MOVE_MODEL, Command.SCALE_MODEL, Command.TURN_MODEL))
+
+
+class Table:
+    """The models, the hand that holds one of them, and what it has set in the place of the estimated light."""
+
+    def __init__(self, shelf: Shelf, others: Sequence[ChosenModel], say: Callable[[str, float], None]) -> None:
+        """`others` stand beside the model that `shelf` begins with; `say` shows a line from a moment on."""
+        self.hand = Hand()
+        self.arrangement = Arrangement(shelf, self.hand, others)
+        self.motion = MotionClock()
+        self._shelf = shelf
+        self._say = say
+        self._undo = Undo()
+        self._met_name: str | None = None  # of the model in the hand, once it is known whether it moves
+
+    @property
+    def model(self) -> PlacedModel:
+        """The one in the hand."""
+        return self._shelf.model()
+
+    @property
+    def model_name(self) -> str:
+        """Of that, as it is shown: of a file its name without the folders."""
+        return Path(self._shelf.shown_name).name
+
+    @property
+    def in_hand_said(self) -> str:
+        """Which of several models keys and mouse change."""
+        count = len(self.arrangement)
+        return self.model_name if count == 1 else f"{self.model_name} ({self.arrangement.in_hand + 1} of {count})"
+
+    @property
+    def offered(self) -> tuple[tuple[str, ...], int]:
+        """The models to choose from, as they are shown, and the place of what was chosen."""
+        names = tuple(Path(name).name for name in self._shelf.names)
+        return names, self._shelf.names.index(self._shelf.chosen_name)
+
+    @property
+    def progress(self) -> str | None:
+        """A message while a model is being loaded."""
+        return self._shelf.progress
+
+    @property
+    def motion_s(self) -> float:
+        """The moment of their motion that the models are shown at; 0 where none has one."""
+        return self.motion.time_s if self.arrangement.moves else 0.0
+
+    def open(self, path: str) -> None:
+        """Shows the model in the file as soon as it is read."""
+        self._shelf.add(path)
+
+    def begin_anew(self) -> None:
+        """Resets what was done by hand, for another clip or photo."""
+        self.hand.reset()
+        self.arrangement.begin_anew()
+        self._undo.forget()
+
+    def poll(self, now_s: float, is_quiet: bool) -> None:
+        """Takes what has been loaded, and says, also on the terminal, what is drawn otherwise than its file says.
+
+        `is_quiet`: no message is shown that a hint could hide.
+        """
+        if (error := self._shelf.take_error()) is not None:
+            is_quiet = False
+            self._say(str(error), now_s)
+        self.motion.tick(now_s)
+        if words := self._shelf.take_words():
+            self._say("; ".join(words), now_s)
+            for line in words:
+                tell(line)
+        self._follow_shelf(now_s, is_quiet and not words)
+
+    def handle(self, request: Request, tracked: TrackedFrame | None, estimated: Illumination, now_s: float) -> bool:
+        """Handles a request that concerns models or the light by hand; returns False for any other.
+
+        `estimated`: the light that is in force without the hand's.
+        """
+        match request.command:
+            case Command.CHOOSE_MODEL:
+                if not self._shelf.choose(request.number):
+                    self._say(f"there are {len(self._shelf.names)} models", now_s)
+            case Command.PREVIOUS_MODEL:
+                self._shelf.step(-1)
+            case Command.NEXT_MODEL:
+                self._shelf.step(+1)
+            case Command.TURN_UP:
+                self._say(f"{self.model_name}: {self._shelf.turn_up()} is up", now_s)
+            case Command.STOP_MOTION:
+                self._stop_motion(now_s)
+            case Command.ADD_MODEL | Command.REMOVE_MODEL | Command.NEXT_IN_HAND:
+                self._rearrange(request.command, now_s)
+            case Command.UNDO:
+                if not self._undo.undo(self.hand):
+                    self._say("nothing was done by hand that could be undone", now_s)
+            case Command.RESET:
+                self._undo.note(self.hand, request, now_s)
+                self.hand.reset()
+            case command if command in SETS_LIGHT | CHANGES_MODEL:
+                self._obey_hand(request, tracked, estimated, now_s)
+            case _:
+                return False
+        return True
+
+    def _follow_shelf(self, now_s: float, is_quiet: bool = False) -> None:
+        if self.arrangement.follow_shelf():
+            self._undo.forget()
+        if self._shelf.shown_name != self._met_name:
+            self._met_name = self._shelf.shown_name
+            if self._shelf.moves and is_quiet:
+                self._say(f"{self.model_name} moves: K stops it", now_s)
+
+    def _rearrange(self, command: Command, now_s: float) -> None:
+        models = self.arrangement
+        # What was chosen meanwhile belongs to the model that was in the hand until now.
+        self._follow_shelf(now_s)
+        if command is Command.ADD_MODEL and not models.add():
+            self._say(f"{MOST_MODELS} models are the most: Delete takes the one in hand away", now_s)
+        elif command is Command.REMOVE_MODEL and not models.remove():
+            self._say("the last model stays: B hides it", now_s)
+        elif command is Command.NEXT_IN_HAND and not models.step():
+            self._say("there is one model: T puts another beside it", now_s)
+        else:
+            self._in_hand_is_another(now_s)
+
+    def _in_hand_is_another(self, now_s: float) -> None:
+        self._undo.forget()
+        self._say(self.in_hand_said, now_s)
+
+    def _obey_hand(self, request: Request, tracked: TrackedFrame | None, estimated: Illumination, now_s: float) -> None:
+        match request:
+            case Request(Command.MOVE_MODEL, Drag(begin_px, is_first=True)) if tracked is not None:
+                if self.arrangement.take_up_at(begin_px, tracked):
+                    self._in_hand_is_another(now_s)
+        self._undo.note(self.hand, request, now_s)
+        anchor = self.arrangement.anchor(tracked)
+        if anchor is None and request.command is Command.MOVE_MODEL:
+            self._say(f"its marker {self.arrangement.marker_in_hand} is not in view", now_s)
+            return
+        said = self.hand.obey(request, HandContext(tracked, estimated, self.model, anchor or UNMOVED))
+        if said is not None:
+            self._say(said, now_s)
+
+    def _stop_motion(self, now_s: float) -> None:
+        if not self.arrangement.moves:
+            self._say(f"{self.model_name} stands still: it has no animation that is played", now_s)
+            return
+        self.motion.toggle()
+        self._say(f"{self.model_name} {'stands still' if self.motion.is_stopped else 'moves'}: K changes that", now_s)

@@ -1,0 +1,181 @@
+"""Several models on the table: which one is in the hand, and where each stands."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.plane_marker import PlaneMarker
+from ashe_live.core.transforms import project
+from ashe_live.core.types import TrackedFrame
+from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
+from ashe_live.models.placement import UNMOVED, Placement
+from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.hands.requests import Command, Drag, Request
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.table.arrangement import BESIDE_SIDES
+from ashe_live.viewer.table.shelf import Shelf
+
+SIDE_M = 0.08
+OTHER = "aruco:4x4_50:7"
+
+
+@pytest.fixture
+def make(fakes):
+    def session(*others: ChosenModel) -> Session:
+        shelf = Shelf("cube", SIDE_M, others=[other.name for other in others])
+        return Session(shelf, fakes.Worker(), EstimatePolicy(), Steadiness(3), others=others)
+
+    return session
+
+
+def asked(session: Session, *commands: Command | Request) -> None:
+    for command in commands:
+        request = command if isinstance(command, Request) else Request(command)
+        assert session.handle(request, 0.0)
+        session.poll(0.0)
+
+
+def names(session: Session) -> list[str]:
+    return [name for name, _, _ in session.arrangement.models(session.tracked)]
+
+
+def places(session: Session) -> list[Placement | None]:
+    return [placement for _, _, placement in session.arrangement.models(session.tracked)]
+
+
+def with_other(tracked: TrackedFrame, centre_m=(0.2, 0.1), turn_rad=0.0, side_m=SIDE_M) -> TrackedFrame:
+    other = PlaneMarker(OTHER, np.array(centre_m), turn_rad, side_m)
+    return TrackedFrame(tracked.frame, tracked.camera, tracked.marker, others=(other,))
+
+
+def test_placements_chain_as_their_matrices_do():
+    outer, inner = Placement(1.5, 0.7, (0.1, -0.2)), Placement(0.4, 2.9, (-0.3, 0.05))
+    chained = (outer @ inner).marker_from_placed
+    np.testing.assert_allclose(chained, outer.marker_from_placed @ inner.marker_from_placed, atol=1e-12)
+    assert UNMOVED @ inner is inner
+    np.testing.assert_allclose(outer.turned(outer.turned((1.0, 2.0)), back=True), (1.0, 2.0))
+
+
+def test_several_stand_side_by_side_and_do_not_overlap(make, fakes):
+    session = make(ChosenModel("mug"), ChosenModel("tree"))
+    session.take(fakes.tracked(0), 0.0)
+    assert names(session) == ["cube", "mug", "tree"]
+    shifts = [place.shift_m[0] / SIDE_M for place in places(session)]
+    assert shifts == pytest.approx([0.0, BESIDE_SIDES, -BESIDE_SIDES])
+    scene = bare_scene(session)
+    assert [placement for _, placement in scene.models] == places(session)
+    boxes = [model.bounds[:, 0] + place.shift_m[0] for model, place in scene.models]
+    boxes.sort(key=lambda box: box[0])
+    assert all(left[1] < right[0] for left, right in itertools.pairwise(boxes))
+
+
+def test_keys_change_the_one_in_hand_alone(make, fakes):
+    session = make(ChosenModel("mug"))
+    session.take(fakes.tracked(0), 0.0)
+    cube, mug = places(session)
+    asked(session, Request(Command.SCALE_MODEL, 2))
+    assert places(session)[1] == mug
+    asked(session, Command.NEXT_IN_HAND, Request(Command.TURN_MODEL, 3))
+    larger, turned = places(session)
+    assert larger.scale > cube.scale
+    assert turned.turn_rad == pytest.approx(math.radians(15))
+    assert turned.shift_m == mug.shift_m
+    asked(session, Command.UNDO)
+    assert places(session) == [larger, mug]
+    asked(session, Command.UNDO)  # what was done to another one is not
+    assert places(session) == [larger, mug]
+    asked(session, Command.NEXT_IN_HAND, Command.RESET)
+    assert places(session) == [cube, mug]
+
+
+def test_one_more_is_put_beside_and_taken_away_again(make, fakes):
+    session = make()
+    session.take(fakes.tracked(0), 0.0)
+    asked(session, Command.REMOVE_MODEL)
+    assert names(session) == ["cube"]
+    asked(session, Command.NEXT_IN_HAND)
+    assert "T" in session.last_notice
+    asked(session, Command.ADD_MODEL)
+    assert names(session) == ["cube", "cube"]
+    asked(session, Request(Command.CHOOSE_MODEL, 2))
+    name = session.table._shelf.chosen_name
+    session.table._shelf.loaded(name)
+    session.poll(0.0)
+    assert names(session) == ["cube", name]
+    assert session.table.in_hand_said == f"{name} (2 of 2)"
+    assert places(session)[0] == UNMOVED
+    assert places(session)[1].shift_m[0] == pytest.approx(BESIDE_SIDES * SIDE_M)
+    asked(session, Command.REMOVE_MODEL)
+    assert (names(session), session.table.in_hand_said) == (["cube"], "cube")
+    asked(session, *[Command.ADD_MODEL] * MOST_MODELS)
+    assert len(names(session)) == MOST_MODELS
+    assert len({place.shift_m for place in places(session)}) == MOST_MODELS
+
+
+def test_a_drag_takes_up_the_model_that_it_begins_on(make, fakes):
+    session = make(ChosenModel("mug"))
+    tracked = fakes.tracked(0, tilt_deg=40.0)
+    session.take(tracked, 0.0)
+    middles = np.array([(*place.shift_m, 0.02) for place in places(session)])
+    pixels = project(tracked.camera, tracked.marker.T_cam_marker, middles)
+    for number in (1, 0):
+        begin = tuple(pixels[number])
+        drag = Drag(begin, (begin[0] + 5, begin[1]), is_first=True)
+        before = places(session)
+        asked(session, Request(Command.MOVE_MODEL, drag))
+        assert session.arrangement.in_hand == number
+        moved = [now != then for now, then in zip(places(session), before, strict=True)]
+        assert moved == [each == number for each in range(2)]
+
+
+def test_a_model_stands_on_its_own_marker_and_is_as_large_as_that(make, fakes):
+    session = make(ChosenModel("mug", OTHER))
+    session.take(fakes.tracked(0), 0.0)
+    assert places(session) == [UNMOVED, None]
+    assert bare_scene(session).others[0][1] is None
+    asked(session, Command.NEXT_IN_HAND, Request(Command.MOVE_MODEL, (1, 0)))
+    assert OTHER in session.last_notice  # is not in view
+    session.take(with_other(fakes.tracked(1), (0.2, 0.1), 0.5, SIDE_M / 2), 0.1)
+    place = places(session)[1]
+    assert (place.scale, place.turn_rad) == pytest.approx((0.5, 0.5))
+    assert place.shift_m == pytest.approx((0.2, 0.1))
+
+
+def test_what_is_moved_by_hand_goes_with_its_marker(make, fakes):
+    session = make(ChosenModel("mug", OTHER))
+    session.take(with_other(fakes.tracked(0)), 0.0)
+    asked(session, Command.NEXT_IN_HAND)
+    asked(session, *[Request(Command.MOVE_MODEL, (1, 0))] * 4)
+    moved = np.array(places(session)[1].shift_m) - (0.2, 0.1)
+    assert np.linalg.norm(moved) > 0.01
+    session.take(with_other(fakes.tracked(1), (0.0, 0.3), math.pi / 2), 0.1)
+    turned = np.array(places(session)[1].shift_m) - (0.0, 0.3)
+    np.testing.assert_allclose(turned, (-moved[1], moved[0]), atol=1e-12)
+    # An arrow key moves it where it shows in the picture, however its marker lies.
+    before = np.array(places(session)[1].shift_m)
+    asked(session, Request(Command.MOVE_MODEL, (1, 0)))
+    np.testing.assert_allclose(np.array(places(session)[1].shift_m) - before, moved / 4, atol=1e-12)
+
+
+def test_they_are_named_as_a_command_takes_them(make, fakes):
+    session = make(ChosenModel("mug"), ChosenModel("tree", OTHER))
+    session.take(fakes.tracked(0), 0.0)
+    asked(session, Request(Command.CHOOSE_MODEL, 2))
+    name = session.table._shelf.chosen_name
+    session.table._shelf.loaded(name)
+    session.poll(0.0)
+    assert session.arrangement.chosen == [ChosenModel(name), ChosenModel("mug"), ChosenModel("tree", OTHER)]
+
+
+def test_another_clip_begins_with_all_of_them_at_their_places(make, fakes):
+    session = make(ChosenModel("mug"))
+    session.take(fakes.tracked(0), 0.0)
+    first = places(session)
+    asked(session, Request(Command.SCALE_MODEL, 2), Command.NEXT_IN_HAND, Request(Command.TURN_MODEL, 3))
+    session.begin_anew(Steadiness())
+    session.take(fakes.tracked(0), 0.0)
+    assert places(session) == first
