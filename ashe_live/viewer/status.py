@@ -90,9 +90,13 @@ def status_lines(
     """
     rate = [] if fps is None else [f"{fps:.0f} fps"]
     camera = camera_line(session.tracked)
+    seen = measured or session.tracked
+    marker = marker_line(seen)
+    if seen is not None and seen.marker is not None:
+        marker += "".join(f"; {spec}: not in view" for spec in session.arrangement.without_marker(seen))
     return [
         "   ".join([*rate, model_name or session.table.in_hand_said, quality, *([] if fps is None else [KEYS])]),
-        marker_line(measured or session.tracked),
+        marker,
         *([] if camera is None else [camera]),
         light_line(session),
     ]

@@ -75,6 +75,11 @@ class Arrangement:
             found.append((stand.name, stand.model, None if anchor is None else anchor @ stand.placement))
         return found
 
+    def without_marker(self, tracked: TrackedFrame) -> tuple[str, ...]:
+        """Specs of the markers that models stand on, and that are not in the frame."""
+        specs = dict.fromkeys(stand.marker for stand in self._stands if stand.marker is not None)
+        return tuple(spec for spec in specs if _place_of(spec, tracked) is None)
+
     def anchor(self, tracked: TrackedFrame | None) -> Placement | None:
         """From where the placement in hand counts; None while that model's marker is not in view."""
         return self._anchor(self._stands[self.in_hand], tracked)

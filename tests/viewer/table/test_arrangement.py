@@ -16,6 +16,7 @@ from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.session import Session
+from ashe_live.viewer.status import status_lines
 from ashe_live.viewer.table.arrangement import BESIDE_SIDES
 from ashe_live.viewer.table.shelf import Shelf
 
@@ -137,9 +138,11 @@ def test_a_model_stands_on_its_own_marker_and_is_as_large_as_that(make, fakes):
     session.take(fakes.tracked(0), 0.0)
     assert places(session) == [UNMOVED, None]
     assert bare_scene(session).others[0][1] is None
+    assert any(f"{OTHER}: not in view" in line for line in status_lines(session, None, "fast"))
     asked(session, Command.NEXT_IN_HAND, Request(Command.MOVE_MODEL, (1, 0)))
     assert OTHER in session.last_notice  # is not in view
     session.take(with_other(fakes.tracked(1), (0.2, 0.1), 0.5, SIDE_M / 2), 0.1)
+    assert not any("not in view" in line for line in status_lines(session, None, "fast"))
     place = places(session)[1]
     assert (place.scale, place.turn_rad) == pytest.approx((0.5, 0.5))
     assert place.shift_m == pytest.approx((0.2, 0.1))
