@@ -55,14 +55,10 @@ class MarkerPose:
             T_cam_marker=frozen_floats(self.T_cam_marker, (4, 4), "T_cam_marker"),
             corners_px=frozen_floats(self.corners_px, (4, 2), "corners_px"),
         )
-        for name, shape in (
-            ("covariance", (6, 6)),
-            ("noise_covariance", (6, 6)),
-            ("unfiltered_T_cam_marker", (4, 4)),
-        ):
+        for name, rows in (("covariance", 6), ("noise_covariance", 6), ("unfiltered_T_cam_marker", 4)):
             value = getattr(self, name)
             if value is not None:
-                set_frozen(self, **{name: frozen_floats(value, shape, name)})
+                set_frozen(self, **{name: frozen_floats(value, (rows, rows), name)})
         MARKER_SIDE.checked(self.side_m, "side_m")
 
     @property
