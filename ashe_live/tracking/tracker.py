@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size, fitted
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.tracking.cube.folding import Folding
+from ashe_live.tracking.cube.folding import FOLDED_RMS, Folding
 from ashe_live.tracking.edges.flow import flowed_corners
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare
@@ -215,12 +215,15 @@ class MarkerTracker:
     def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: Memory | None) -> MarkerPose | None:
         self._sightings = [self._sighting(number, square) for number, square in squares.items()]
         previous = self._before_jump if last is None else last.pose
-        pose = pose_of_squares(self._sightings, camera, self.side_m, previous, self.preset.refines_pose)
-        if pose is None or self._folding is None:
-            return pose
+        if self._folding is None:
+            return pose_of_squares(self._sightings, camera, self.side_m, previous, self.preset.refines_pose)
+        refines = self.preset.refines_pose
+        pose = pose_of_squares(self._sightings, camera, self.side_m, previous, refines, most_rms=FOLDED_RMS)
+        if pose is None:
+            return None
         if self._folding.add(dict(zip(squares, self._sightings, strict=True)), pose.T_cam_marker, camera):
             self._sightings = [self._sighting(number, square) for number, square in squares.items()]
-            pose = pose_of_squares(self._sightings, camera, self.side_m, pose, self.preset.refines_pose) or pose
+            pose = pose_of_squares(self._sightings, camera, self.side_m, pose, refines, most_rms=FOLDED_RMS) or pose
         return self._folding.stated(pose)
 
     def _flowed(self, image: Image, camera: Camera, last: Memory) -> dict[int, FittedSquare]:

@@ -24,6 +24,9 @@ from ashe_live.tracking.poses.pose_refinement import pixels_by_points, pixels_by
 # Standard deviations of careful folding: of a face's turn about each axis, and of its shift over the edge, which is
 # 0.7 mm of 6 cm.
 TURN_SIGMA, SHIFT_SIGMA = math.radians(0.9), 0.011
+# Of a tag's side, what a pose of all faces may leave unexplained of one before their folds are learned: three standard
+# deviations of its shift across the view and of its turn, beside what is left of a flat print.
+FOLDED_RMS = 0.08
 # Corners err alike in frames that look alike: each after the first counts for so much, and no more than so many.
 LATER_FRAMES, MOST_FRAMES = 0.2, 60
 # Learned from every one of the first frames, then from one in so many.

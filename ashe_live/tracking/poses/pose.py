@@ -65,10 +65,12 @@ def pose_of_squares(
     previous: MarkerPose | None = None,
     refines: bool = True,
     errors: CornerErrors = FITTED,
+    most_rms: float = MOST_RMS,
 ) -> MarkerPose | None:
     """The pose of the frame in which all `sightings` lie; see estimate_pose. Corners weigh as much as they are sure.
 
-    `errors`: what they may be off beside the noise.
+    `errors`: what they may be off beside the noise. `most_rms`: of the largest square's side, what the pose may leave
+    unexplained of it.
     """
     sightings = [one for one in sightings if is_front_of_square(one.square.corners_px)]
     if not sightings:
@@ -101,7 +103,7 @@ def pose_of_squares(
     largest_px = largest.square.corners_px
     # Of several, those seen nearly edge-on have corners that are far off along what is foreshortened, and say so.
     off_px = _rms_px(project(camera, rigid(chosen.R, chosen.t), largest.points) - largest_px)
-    if is_known and not off_px <= max(MOST_RMS_PX, MOST_RMS * mean_side_px(largest_px)):
+    if is_known and not off_px <= max(MOST_RMS_PX, most_rms * mean_side_px(largest_px)):
         return None
     covariances = covariances_of(chosen, points, information, camera.K, noise)
     log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])

