@@ -62,7 +62,7 @@ VARIATIONS = (
     *_varied("regions", "regions", 1, 2, 3, 5),
     *_varied("colours of the ground", "ground.palette_colours", 4, 7, 10, 16),
     *_varied("shadow colours tried", "shifts", 2, 4, 8, 12),
-    *_varied("splits fitted", "tried", 2, 4, 6, 8, 12, 16),
+    *_varied("splits fitted", "tried", 2, 4, 6, 10, 16, 24),
     *_varied("fits refined", "refined", 1, 2, 3, 4, 6),
     *_fits("fine fit", "fine_fit", "fast", "balanced"),
     Variation("second look", "none", {"second_look": None}),

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 
@@ -10,8 +11,16 @@ from ashe_live.light.explanation.explain import Proposal
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import Split, distinct, flat_areas, splits, with_near_shadow_undecided
-from ashe_live.light.labels.materials import Materials, materials_of, with_faint_as_ground
+from ashe_live.light.ground.shadow_shift import SHIFT_NOISE
+from ashe_live.light.labels.associate import (
+    Split,
+    distinct,
+    flat_areas,
+    shadow_like,
+    splits,
+    with_near_shadow_undecided,
+)
+from ashe_live.light.labels.materials import Materials, materials_of, with_other_ground
 from ashe_live.light.labels.two_lights import (
     are_two_shadows,
     cost_reduction,
@@ -22,9 +31,10 @@ from ashe_live.light.labels.two_lights import (
 from ashe_live.light.views.evidence import plane_support
 
 SHADOWS_PER_SHIFT = 2  # number of areas that are tried as the shadow, the largest first
-# Splits in which what is nearly lit ground belongs to no object are tried too, by the shifts with the most votes, where
-# it is at least this fraction of the unlit pixels.
-LIKELY_SHIFTS, LEAST_FAINT = 4, 0.03
+# Splits in which what is nearly lit ground, or looks like a paler shadow, belongs to no object are tried too, by the
+# shifts with the most votes, where it is at least this fraction of the unlit pixels.
+LIKELY_SHIFTS, LEAST_OTHER = 4, 0.03
+PALER = SHIFT_NOISE[0]  # in log brightness, by which noise tells two shadows apart
 PAIRS, PAIRS_TRIED = 1, 1  # number of pairs of two lights' shifts that are split, and of such splits that are fitted
 
 
@@ -34,15 +44,27 @@ def proposals_of(
     """The region's splits for each of `shifts` (3,), and for two lights whose shifts are among `paired` (3,)."""
     flat = flat_areas(region)
     alone = [materials_of(region, ground, shift) for shift in shifts]
+    likely = alone[:LIKELY_SHIFTS]
     pairs = likeliest_pairs(region, ground, paired, PAIRS)
     single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
     both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
     together = [materials for materials in both if materials is not None]
     faint = region.faint
-    if faint is not None and np.count_nonzero(faint) > LEAST_FAINT * np.count_nonzero(region.unlit):
-        alone += [with_faint_as_ground(materials, faint) for materials in alone[:LIKELY_SHIFTS]]
+    if faint is not None and np.count_nonzero(faint) > LEAST_OTHER * np.count_nonzero(region.unlit):
+        alone += [with_other_ground(materials, faint) for materials in likely]
+    alone += _beside_paler_shadows(region, ground, likely)
     for materials in alone + together:
         yield from _proposed(region, materials, splits(region, ground, materials, SHADOWS_PER_SHIFT, flat))
+
+
+def _beside_paler_shadows(region: Region, ground: LitGround, several: Sequence[Materials]) -> Iterator[Materials]:
+    """Each of `several` where what only a paler one's shadow explains is ground that another light does not reach."""
+    looks = [shadow_like(region, ground, materials) for materials in several]
+    least = LEAST_OTHER * np.count_nonzero(region.unlit)
+    for (materials, own), (paler, look) in permutations(zip(several, looks, strict=True), 2):
+        other = look & ~own
+        if paler.shift[0] > materials.shift[0] + PALER and np.count_nonzero(other) > least:
+            yield with_other_ground(materials, other)
 
 
 def _proposed(region: Region, materials: Materials, found: Sequence[Split]) -> Iterator[Proposal]:

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Mask
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE
@@ -87,11 +87,11 @@ def splits(
     plane, and is no object.
     """
     unlit = region.unlit if flat is None else region.unlit & ~flat
-    if materials.lit_by_object is not None:
-        unlit = unlit & ~materials.lit_by_object
-    shadow_like = _shadow_like(region, ground, materials.shifts)
-    shadows = areas_by_size(shadow_like, LEAST_PX)[:shadows_tried]
-    roughs = [rough for shadow in shadows for rough in _splits_with(shadow, shadow_like, unlit | shadow_like)]
+    if materials.other_ground is not None:
+        unlit = unlit & ~materials.other_ground
+    like_shadow = shadow_like(region, ground, materials)
+    shadows = areas_by_size(like_shadow, LEAST_PX)[:shadows_tried]
+    roughs = [rough for shadow in shadows for rough in _splits_with(shadow, like_shadow, unlit | like_shadow)]
     refined = (_classified(region, materials, rough) for rough in distinct(roughs, Split.is_like))
     return distinct((split for split in refined if split.is_large_enough), Split.is_like)
 
@@ -138,11 +138,11 @@ def flat_areas(region: Region) -> Mask | None:
     return flat
 
 
-def _shadow_like(region: Region, ground: LitGround, shifts: tuple[Float, ...]) -> Mask:
-    """(h, w) the unlit pixels that look like one of the ground's colours in shadow."""
+def shadow_like(region: Region, ground: LitGround, materials: Materials) -> Mask:
+    """(h, w) the unlit pixels that look like one of the ground's colours in a shadow of `materials`."""
     centres, weights = ground.palette.centres, ground.palette.weights
     noise = np.diag((1.2 * SHIFT_NOISE) ** 2).astype(np.float32)
-    shadows = [centres + (depth * shift).astype(np.float32) for shift in shifts for depth in DEPTHS]
+    shadows = [centres + (depth * shift).astype(np.float32) for shift in materials.shifts for depth in DEPTHS]
     count = len(shadows)
     shadowed = Mixture(
         np.concatenate(shadows), np.broadcast_to(noise, (len(centres) * count, 3, 3)), np.tile(weights, count)

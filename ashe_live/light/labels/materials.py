@@ -28,7 +28,7 @@ MOST_COLOURS = 400  # pixels that the object's mixture is fitted to
 FEWEST_COLOURS = 12
 LEAST_DEPTH = 0.01  # of a shadow, in log brightness: a paler one takes no light
 COMMON = 0.02  # least weight of a palette colour that shares of light lost are measured from
-LIT_BY_OBJECT = 0.0  # cost of ground that an object lights or that mirrors it: that of lit ground's rarest colours
+OTHER_GROUND = 0.0  # cost of ground that is neither lit nor in this shadow: that of lit ground's rarest colours
 NOISE = SHIFT_NOISE.astype(np.float32)
 
 
@@ -42,7 +42,9 @@ class Materials:
     contact: Float32  # (h, w) cost of shadow, also where the object hides the sky
     light_lost: Float32  # (h, w) share of the light that the shadow takes which a pixel of ground lacks
     layers: tuple[Float32, ...] = ()  # (h, w) cost of shadow by each of the shifts, if there are two lights
-    lit_by_object: Mask | None = None  # (h, w) no object, but ground that one lights or that mirrors one; None: none
+    # (h, w) no object, but ground of another look: that an object lights, that mirrors one, or that another light does
+    # not reach; None: none.
+    other_ground: Mask | None = None
 
     @property
     def shift(self) -> Float:
@@ -61,13 +63,13 @@ def materials_of(region: Region, ground: LitGround, shift: Float) -> Materials:
     return Materials((shift,), lit, shaded, np.minimum(shaded, deepest), share_of_light_lost(region, ground, shift))
 
 
-def with_faint_as_ground(materials: Materials, faint: Mask) -> Materials:
-    """The materials if what is nearly lit ground, `faint` (h, w), is ground: lit by an object's bright side, or glossy.
+def with_other_ground(materials: Materials, other: Mask) -> Materials:
+    """The materials if `other` (h, w) is no object but ground, though it looks like neither lit nor shadowed ground.
 
     It may be shadow still, where that costs less.
     """
-    lit = np.where(faint, np.minimum(materials.lit, LIT_BY_OBJECT), materials.lit)
-    return replace(materials, lit=lit, lit_by_object=faint)
+    lit = np.where(other, np.minimum(materials.lit, OTHER_GROUND), materials.lit)
+    return replace(materials, lit=lit, other_ground=other)
 
 
 def cost_of_shift(region: Region, ground: LitGround, shift: Float, shares: tuple[tuple[float, float], ...]) -> Float32:
@@ -94,8 +96,8 @@ def object_cost(region: Region, mask: Mask, materials: Materials | None = None) 
 
     UNEXPLAINED everywhere where `mask` holds too few pixels. materials: those by which some of it is ground.
     """
-    if materials is not None and materials.lit_by_object is not None:
-        mask = mask & ~materials.lit_by_object
+    if materials is not None and materials.other_ground is not None:
+        mask = mask & ~materials.other_ground
     for margin in (2, 1):
         core = shrunk(mask, margin)
         if np.count_nonzero(core) > max(40, 0.3 * np.count_nonzero(mask)):

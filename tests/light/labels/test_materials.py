@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.camera import Camera
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.materials import Materials, materials_of, object_cost, with_faint_as_ground
+from ashe_live.light.labels.materials import Materials, materials_of, object_cost, with_other_ground
 from ashe_live.light.pixels.log_colour import OPPONENT
 from ashe_live.light.pixels.mixtures import UNEXPLAINED, Mixture
 from ashe_live.light.pixels.view import View
@@ -144,7 +144,7 @@ def test_ground_that_an_object_lights_is_no_part_of_it() -> None:
     around = cv2.dilate(here.body.astype(np.uint8), np.ones((9, 9), np.uint8)) > 0
     faint = around & ~here.body & ~here.shadow
     region = dataclasses.replace(here.region, unlit=here.region.unlit | faint, faint=faint)
-    materials = with_faint_as_ground(here.materials, faint)
+    materials = with_other_ground(here.materials, faint)
     own = object_cost(region, here.body | faint, materials)
     assert (materials.lit[faint] < own[faint]).mean() > 0.95
     assert (own[here.body] < materials.lit[here.body]).mean() > 0.9

@@ -86,7 +86,10 @@ def _shading(explanation: Explanation) -> Shading:
 def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[str, float]:
     """The features that need no fit: how the picture looks where `masks` place the object and its shadow."""
     brightness = float(materials.shift[0])
-    unlit = region.unlit if materials.lit_by_object is None else region.unlit & ~materials.lit_by_object
+    unlit = region.unlit
+    if materials.other_ground is not None and region.faint is not None:
+        # Nearly lit ground needs no explanation; what is dark enough for the shadow of another light does.
+        unlit = unlit & ~(materials.other_ground & region.faint)
     size = max(_pixels(unlit), 1)
     longer = math.log(max(_pixels(masks.shadow) / max(_pixels(masks.body), 1), 1e-3))
     return {
