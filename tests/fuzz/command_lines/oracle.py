@@ -50,12 +50,15 @@ def broken_promises(case: Case, outcome: Outcome) -> list[Broken]:
 
 
 def is_before_our_first_line(case: Case, ended: Ended) -> bool:
-    """Whether Ctrl-C came while Python was still starting, or pip's script imported what it needs.
+    """Whether a signal came while Python was still starting, or pip's script imported what it needs.
 
-    Nothing of ours can hear it then; Python ends with a traceback, and with status 130 or 1.
+    Nothing of ours can hear it then. By Ctrl-C Python ends with a traceback, and with status 130 or 1; by a kill of its
+    parent, a process that is being made finds nothing to read.
     """
-    is_interrupted = any(number == signal.SIGINT for _, number, _ in case.signals)
-    return is_interrupted and culprit(ended.err) == "KeyboardInterrupt in Python"
+    sent = {number for _, number, _ in case.signals}
+    is_interrupted = signal.SIGINT in sent and culprit(ended.err) == "KeyboardInterrupt in Python"
+    is_unborn = b"pickle.load(from_parent)" in ended.err and ended.err.rstrip().endswith(b"EOFError: Ran out of input")
+    return is_interrupted or (signal.SIGKILL in sent and is_unborn)
 
 
 def _of_processes(outcome: Outcome) -> Iterator[Broken]:
