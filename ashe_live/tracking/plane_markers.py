@@ -4,7 +4,7 @@ With the plane known, a square's place on it has four unknowns (x, y, turn, side
 second pose has to be chosen, and noise moves it by a fraction of what it moves a marker's own pose by.
 """
 
-import math
+import cmath
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -85,11 +85,8 @@ class PlaneMarkers:
             held = self._held.setdefault(number, _Held(*place))
             held.add(*place)
             if (length := abs(held.side)) in MARKER_SIDE:
-                centre_m, turn = (
-                    np.array((held.centre.real, held.centre.imag)),
-                    math.atan2(held.side.imag, held.side.real),
-                )
-                lying.append(PlaneMarker(self._markers[number].spec, centre_m, turn, length))
+                centre_m = np.array((held.centre.real, held.centre.imag))
+                lying.append(PlaneMarker(self._markers[number].spec, centre_m, cmath.phase(held.side), length))
         return tuple(lying)
 
     def _where_they_were(

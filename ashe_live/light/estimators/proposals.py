@@ -6,7 +6,7 @@ from itertools import permutations
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.explain import Proposal
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
@@ -44,27 +44,33 @@ def proposals_of(
     """The region's splits for each of `shifts` (3,), and for two lights whose shifts are among `paired` (3,)."""
     flat = flat_areas(region)
     alone = [materials_of(region, ground, shift) for shift in shifts]
-    likely = alone[:LIKELY_SHIFTS]
+    tried = [(materials, shadow_like(region, ground, materials.shifts)) for materials in alone]
+    likely = tried[:LIKELY_SHIFTS]
+    faint = region.faint
+    if faint is not None and np.count_nonzero(faint) > LEAST_OTHER * np.count_nonzero(region.unlit):
+        tried += [(with_other_ground(materials, faint), look) for materials, look in likely]
+    tried += _beside_paler_shadows(region, likely)
     pairs = likeliest_pairs(region, ground, paired, PAIRS)
     single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
     both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
-    together = [materials for materials in both if materials is not None]
-    faint = region.faint
-    if faint is not None and np.count_nonzero(faint) > LEAST_OTHER * np.count_nonzero(region.unlit):
-        alone += [with_other_ground(materials, faint) for materials in likely]
-    alone += _beside_paler_shadows(region, ground, likely)
-    for materials in alone + together:
-        yield from _proposed(region, materials, splits(region, ground, materials, SHADOWS_PER_SHIFT, flat))
+    tried += [(each, shadow_like(region, ground, each.shifts)) for each in both if each is not None]
+    for materials, look in tried:
+        yield from _proposed(region, materials, splits(region, materials, look, SHADOWS_PER_SHIFT, flat))
 
 
-def _beside_paler_shadows(region: Region, ground: LitGround, several: Sequence[Materials]) -> Iterator[Materials]:
-    """Each of `several` where what only a paler one's shadow explains is ground that another light does not reach."""
-    looks = [shadow_like(region, ground, materials) for materials in several]
+def _beside_paler_shadows(
+    region: Region, several: Sequence[tuple[Materials, Mask]]
+) -> Iterator[tuple[Materials, Mask]]:
+    """Each of `several` where what only a paler one's shadow explains is ground that another light does not reach.
+
+    several: with what looks like their shadows, (h, w).
+    """
     least = LEAST_OTHER * np.count_nonzero(region.unlit)
-    for (materials, own), (paler, look) in permutations(zip(several, looks, strict=True), 2):
-        other = look & ~own
-        if paler.shift[0] > materials.shift[0] + PALER and np.count_nonzero(other) > least:
-            yield with_other_ground(materials, other)
+    for (materials, own), (paler, look) in permutations(several, 2):
+        if paler.shift[0] > materials.shift[0] + PALER:
+            other = look & ~own
+            if np.count_nonzero(other) > least:
+                yield with_other_ground(materials, other), own
 
 
 def _proposed(region: Region, materials: Materials, found: Sequence[Split]) -> Iterator[Proposal]:

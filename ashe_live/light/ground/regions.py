@@ -67,7 +67,7 @@ def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: in
     """
     _, labels = cv2.connectedComponents(grown(coarse_unlit, APART_PX).astype(np.uint8), connectivity=8)
     labels[~coarse_unlit] = 0
-    sizes = np.bincount(labels.ravel(), _nearness(fine, coarse_unlit.shape).ravel())[1:]
+    sizes = np.bincount(labels[coarse_unlit], _nearness(fine, coarse_unlit), minlength=1)[1:]
     largest = np.argsort(-sizes, kind="stable")[:count]
     areas = [labels == index + 1 for index in largest if sizes[index] > 0]
     pairs = (_joined(one, other) for one, other in combinations(areas[:JOINED], 2))
@@ -75,14 +75,13 @@ def unlit_regions(fine: View, coarse_unlit: Mask, ground: LitGround, size_px: in
     return [region_of(fine, area, ground, size_px) for area in areas[: count - len(together)] + together]
 
 
-def _nearness(view: View, shape: tuple[int, ...]) -> Float:
-    """(h, w) 1 / (1 + d²) of the view's ground at another scale: d its distance from the marker over the camera's."""
-    height, width = shape
-    columns, rows = np.meshgrid(np.arange(width), np.arange(height))
-    pixels = (np.column_stack([columns.ravel(), rows.ravel()]) + 0.5) * (view.size[0] / width) - 0.5
+def _nearness(view: View, mask: Mask) -> Float:
+    """(n,) 1 / (1 + d²) of the ground in `mask`, at another scale: d its distance from the marker over the camera's."""
+    rows, columns = np.nonzero(mask)
+    pixels = (np.column_stack([columns, rows]) + 0.5) * (view.size[0] / mask.shape[1]) - 0.5
     ground = raycast_to_plane(view.camera, view.T_cam_marker, pixels)
     away = np.hypot(ground[:, 0], ground[:, 1]) / np.linalg.norm(view.T_cam_marker[:3, 3])
-    return np.asarray(np.nan_to_num(1 / (1 + away**2)).reshape(shape))
+    return np.asarray(np.nan_to_num(1 / (1 + away**2)))
 
 
 def _joined(one: Mask, other: Mask) -> Mask | None:

@@ -1,12 +1,12 @@
 """Association: which of a region's unlit areas may be shadow, and which object may have cast it."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
-from ashe_live.core.arrays import Mask
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE
@@ -79,17 +79,16 @@ class Split:
 
 
 def splits(
-    region: Region, ground: LitGround, materials: Materials, shadows_tried: int, flat: Mask | None = None
+    region: Region, materials: Materials, like_shadow: Mask, shadows_tried: int, flat: Mask | None = None
 ) -> list[Split]:
     """The candidate divisions of the region's unlit areas into object and shadow, given the shift of `materials`.
 
-    shadows_tried: number of areas, the largest first, that are each taken for the shadow. flat: (h, w) what lies on the
-    plane, and is no object.
+    like_shadow: (h, w) the pixels that may be shadow, as `shadow_like` finds them. shadows_tried: number of areas, the
+    largest first, that are each taken for the shadow. flat: (h, w) what lies on the plane, and is no object.
     """
     unlit = region.unlit if flat is None else region.unlit & ~flat
     if materials.other_ground is not None:
         unlit = unlit & ~materials.other_ground
-    like_shadow = shadow_like(region, ground, materials)
     shadows = areas_by_size(like_shadow, LEAST_PX)[:shadows_tried]
     roughs = [rough for shadow in shadows for rough in _splits_with(shadow, like_shadow, unlit | like_shadow)]
     refined = (_classified(region, materials, rough) for rough in distinct(roughs, Split.is_like))
@@ -138,11 +137,11 @@ def flat_areas(region: Region) -> Mask | None:
     return flat
 
 
-def shadow_like(region: Region, ground: LitGround, materials: Materials) -> Mask:
-    """(h, w) the unlit pixels that look like one of the ground's colours in a shadow of `materials`."""
+def shadow_like(region: Region, ground: LitGround, shifts: Sequence[Float]) -> Mask:
+    """(h, w) the unlit pixels that look like one of the ground's colours in a shadow of one of `shifts` (3,)."""
     centres, weights = ground.palette.centres, ground.palette.weights
     noise = np.diag((1.2 * SHIFT_NOISE) ** 2).astype(np.float32)
-    shadows = [centres + (depth * shift).astype(np.float32) for shift in materials.shifts for depth in DEPTHS]
+    shadows = [centres + (depth * shift).astype(np.float32) for shift in shifts for depth in DEPTHS]
     count = len(shadows)
     shadowed = Mixture(
         np.concatenate(shadows), np.broadcast_to(noise, (len(centres) * count, 3, 3)), np.tile(weights, count)

@@ -31,8 +31,7 @@ def guess_scene(sight: Sight, outlines: Outlines, caster: Caster | None = None) 
     """A cylinder that covers the object's outline, and lights that cast its top to the tips of the shadows.
 
     caster: the object, where its size is known: the cylinder's. The sight's pixels must be counted from the outlines'
-    centre. Returns the reason, for the user, where the camera's
-    view allows no guess.
+    centre. Returns the reason, for the user, where the camera's view allows no guess.
     """
     P = sight.P_marker
     eye = camera_centre(sight.T_cam_marker)

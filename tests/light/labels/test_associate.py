@@ -4,10 +4,11 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.arrays import Mask
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.estimators.proposals import SHADOWS_PER_SHIFT
+from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import Split, distinct, splits, with_near_shadow_undecided
+from ashe_live.light.labels.associate import Split, distinct, shadow_like, splits, with_near_shadow_undecided
 from ashe_live.light.labels.materials import materials_of
 from tests.light.painted_regions import PaintedRegion, in_region, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster, overlap
@@ -15,14 +16,15 @@ from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster, overlap
 TWO = Caster(at=(0.1, 0.06)), Caster("cylinder", at=(0.16, -0.12), rgb=(0.1, 0.25, 0.5))
 
 
+def splits_by(region: Region, ground: LitGround, shift: Float, shadows_tried: int) -> list[Split]:
+    look = shadow_like(region, ground, [shift])
+    return splits(region, materials_of(region, ground, shift), look, shadows_tried)
+
+
 def explained(here: PaintedRegion, region: Region | None = None) -> list[Split]:
     """The splits of a region by every shift that is voted for."""
     region = region or here.region
-    return [
-        split
-        for shift in here.shifts
-        for split in splits(region, here.ground, materials_of(region, here.ground, shift), SHADOWS_PER_SHIFT)
-    ]
+    return [split for shift in here.shifts for split in splits_by(region, here.ground, shift, SHADOWS_PER_SHIFT)]
 
 
 def goodness(split: Split, body: Mask, shadow: Mask) -> float:
@@ -56,7 +58,7 @@ def test_an_explanation_gives_no_pixel_twice_and_none_of_the_sheet(ground: str) 
 def test_no_two_explanations_by_one_shift_are_alike() -> None:
     here = painted_region(BOX, ground="striped")
     for shift in here.shifts:
-        found = splits(here.region, here.ground, materials_of(here.region, here.ground, shift), 5)
+        found = splits_by(here.region, here.ground, shift, 5)
         assert not any(one.is_like(other) for i, one in enumerate(found) for other in found[:i])
 
 
