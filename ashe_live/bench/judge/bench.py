@@ -39,6 +39,10 @@ TABLES = "judge.json"
 # The first round has no tables yet: every feature counts one unit of log odds over these ranges.
 FIRST_RANGES = {
     "misfit": (-5.0, -3.5),
+    "body steps": (0.0, 2.0),
+    "shadow steps": (0.0, 2.0),
+    "family": (0.0, 0.3),
+    "uneven": (0.1, 0.4),
     "clear body": (0.0, 1.0),
     "clear shadow": (0.0, 1.0),
     "flat": (0.0, 1.0),

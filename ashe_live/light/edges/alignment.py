@@ -36,10 +36,22 @@ BESIDE_BODY_PX = 2.0  # the shadow's outline cannot be seen nearer to the object
 SHAPE_ERROR_SHARE = 0.004  # sigma of a real object's outline from the nearest member of a family, of its size
 FEWEST_STEPS = 6  # of an outline's 48 points: with fewer, a shadow is hidden, and goes where it likes
 MISSED = 9.0  # squared sigmas that a point costs at most, and where no step is found though one should be seen
+FEWEST_SAMPLES = 3.0  # of which a fit's criterion is told
 POINTS_PER_SAMPLE = 2.3  # errors of neighbouring points are correlated: their number over the effective sample size
 NOWHERE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+@dataclass(frozen=True, slots=True)
+class StepCosts:
+    """Mean squared distances of outlines from the steps of light, in sigmas, each point's MISSED at most."""
+
+    body: float
+    shadow: float  # of all lights' shadows; MISSED where one is hidden, which misses no steps, but tells nothing either
+
+
+NO_STEPS = StepCosts(MISSED, MISSED)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,12 +62,13 @@ class EdgeFit:
     normal: Float  # (split + q, split + q) matrix of the normal equations: the information on theta
     cost: float  # squared distances of its outlines from the steps, in sigmas, each MISSED at most
     count: int  # points at which a step should be seen
+    costs: StepCosts  # the same on average, of each kind of outline
     shadow_steps: int  # points of the shadow's outline at which one is; of two lights' shadows, of that with fewer
 
     @property
     def mean_cost(self) -> float:
         """Mean squared distance of the outlines from the steps, in sigmas; MISSED where a shadow is hidden."""
-        return _mean_cost(self.cost, self.count, self.shadow_steps)
+        return self.cost / self.count if self.shadow_steps >= FEWEST_STEPS else MISSED
 
     @property
     def information(self) -> Float:
@@ -65,9 +78,12 @@ class EdgeFit:
 
     @property
     def criterion(self) -> float:
-        """The Bayesian information criterion, with the effective sample size for n; lower is likelier."""
-        samples = max(self.count / POINTS_PER_SAMPLE, 1.0)
-        return self.mean_cost * samples + len(self.lit.body.shape) * math.log(samples)
+        """The Bayesian information criterion, in units of a shape parameter's penalty; lower is likelier.
+
+        That penalty is the logarithm of the effective sample size.
+        """
+        samples = max(self.count / POINTS_PER_SAMPLE, FEWEST_SAMPLES)
+        return self.mean_cost * samples / math.log(samples) + len(self.lit.body.shape)
 
 
 def aligned_with_steps(
@@ -86,15 +102,19 @@ def aligned_with_steps(
     return _Seen([_measured(here, picture, shifts, REACHES_PX[-1]) for picture in pictures]).fits()
 
 
-def step_costs(several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float) -> list[float]:
-    """The mean costs, as `EdgeFit.mean_cost`, of bodies where they stand; arguments as of `aligned_with_steps`."""
+def step_costs(several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float) -> list[StepCosts]:
+    """The mean costs of bodies where they stand; arguments as of `aligned_with_steps`."""
     seen = _Seen([_measured(several, picture, shifts, REACHES_PX[0]) for picture in pictures])
-    return [_mean_cost(*each) for each in zip(*seen.costs(), strict=True)]
+    return [_mean_costs(*each) for each in zip(*seen.costs(), strict=True)]
 
 
-def _mean_cost(cost: float, count: int, shadow_steps: int) -> float:
-    """A hidden shadow misses no steps, but tells nothing of its light either."""
-    return float(cost / count) if shadow_steps >= FEWEST_STEPS else MISSED
+def _mean_costs(cost: Float, count: Float, shadow_steps: int) -> StepCosts:
+    """cost, count: (1 + l,) of the body's outline and of each shadow's."""
+    shadow, points = cost[1:].sum(), count[1:].sum()
+    return StepCosts(
+        float(cost[0] / count[0]) if count[0] else MISSED,
+        float(shadow / points) if shadow_steps >= FEWEST_STEPS else MISSED,
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,13 +143,17 @@ class _Measured:
         return (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2), gradient
 
     def costs(self) -> tuple[Float, Float, Float]:
-        """(n,) squared distances in sigmas, each MISSED at most; the number of points that these are of; (n, l) of each
-        shadow's points that have a step.
+        """(n, 1 + l) of each outline: squared distances in sigmas, each MISSED at most, and the number of points that
+        these are of; (n, l) of each shadow's points that have a step.
         """
         variance = 1 / np.maximum(self.information, 1e-9) + (SHAPE_ERROR_SHARE * self.object_px[:, None]) ** 2
         squares = np.where(self.information > 0, np.minimum(self.offset_px**2 / variance, MISSED), MISSED)
-        steps = (self.information > 0).reshape(len(self.bodies), -1, POINTS_PER_OUTLINE).sum(axis=2)
-        return (squares * self.should_be_seen).sum(axis=1), self.should_be_seen.sum(axis=1), steps[:, 1:]
+
+        def by_outline(values: Float | Mask) -> Float:
+            return np.asarray(values.reshape(len(self.bodies), -1, POINTS_PER_OUTLINE).sum(axis=2, dtype=np.float64))
+
+        steps = by_outline(self.information > 0)[:, 1:]
+        return by_outline(squares * self.should_be_seen), by_outline(self.should_be_seen), steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +175,7 @@ class _Seen:
         return damped_steps(*self.equations(loss_factor))
 
     def costs(self) -> tuple[Float, Float, Float]:
-        """As `_Measured.costs`, of all pictures, with the points of the shadow that has the fewest (n,)."""
+        """As `_Measured.costs`, of all pictures, with the steps of the shadow that has the fewest (n,)."""
         cost, count, steps = (np.sum(each, axis=0) for each in zip(*(view.costs() for view in self.views), strict=True))
         return cost, count, steps.min(axis=1)
 
@@ -164,7 +188,8 @@ class _Seen:
             self.views[0].bodies, normals, *self.costs(), in_view, strict=True
         ):
             size = lit.layout.split + len(lit.body.shape)
-            fit = EdgeFit(lit, normal[:size, :size], float(cost), int(count), int(steps))
+            costs = _mean_costs(cost, count, steps)
+            fit = EdgeFit(lit, normal[:size, :size], float(cost.sum()), int(count.sum()), costs, int(steps))
             found.append(fit if is_seen else None)
         return found
 

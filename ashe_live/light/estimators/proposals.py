@@ -11,9 +11,11 @@ from ashe_live.light.explanation.explain import Proposal
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.ground.shadow_shift import SHIFT_NOISE
+from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shift_within
 from ashe_live.light.labels.associate import (
     Split,
+    are_alike,
+    areas_of_one_colour,
     distinct,
     flat_areas,
     shadow_like,
@@ -50,6 +52,7 @@ def proposals_of(
     if faint is not None and np.count_nonzero(faint) > LEAST_OTHER * np.count_nonzero(region.unlit):
         tried += [(with_other_ground(materials, faint), look) for materials, look in likely]
     tried += _beside_paler_shadows(region, likely)
+    tried += list(_within_areas_of_one_colour(region, ground, tried))
     pairs = likeliest_pairs(region, ground, paired, PAIRS)
     single = {i: materials_of(region, ground, paired[i]) for i in sorted({i for pair in pairs for i in pair})}
     both = (materials_of_two(region, ground, single[i], single[j]) for i, j in pairs)
@@ -71,6 +74,25 @@ def _beside_paler_shadows(
             other = look & ~own
             if np.count_nonzero(other) > least:
                 yield with_other_ground(materials, other), own
+
+
+def _within_areas_of_one_colour(
+    region: Region, ground: LitGround, several: Sequence[tuple[Materials, Mask]]
+) -> Iterator[tuple[Materials, Mask]]:
+    """Areas of one colour, with the materials of the shift that they have if they are shadow.
+
+    several: what has been tried, of which materials are taken where their shift is the same; with its shadows, (h, w).
+    """
+    known = [materials for materials, _ in several if materials.other_ground is None]
+    for area in areas_of_one_colour(region):
+        if any(are_alike(area, look) for _, look in several):
+            continue
+        shift = shift_within(region.colours[area], ground)
+        if shift is not None and shift[0] < -PALER:
+            same = (each for each in known if np.abs((each.shift - shift) / SHIFT_NOISE).max() < 1)
+            materials = next(same, None) or materials_of(region, ground, shift)
+            known.append(materials)
+            yield materials, area
 
 
 def _proposed(region: Region, materials: Materials, found: Sequence[Split]) -> Iterator[Proposal]:

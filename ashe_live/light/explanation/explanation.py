@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ashe_live.core.arrays import Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.edges.alignment import MISSED
+from ashe_live.light.edges.alignment import NO_STEPS, StepCosts
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split
@@ -25,8 +25,7 @@ class Explanation:
     lights: tuple[FittedLight, ...]
     as_object: Float32  # (h, w) unary cost of the object's colours
     bodies: tuple[LitBody, ...] = ()  # the best of each family by the labels' outlines, the likeliest first
-    # Mean squared distance of the outlines from the steps of light at full resolution, in sigmas, if it was measured.
-    step_cost: float = MISSED
+    steps: StepCosts = NO_STEPS  # of light at full resolution, if they were measured
 
     @property
     def predicted(self) -> Predicted:

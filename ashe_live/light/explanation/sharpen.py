@@ -21,8 +21,6 @@ from ashe_live.light.shape.directions import (
 )
 
 FAMILIES = 4  # that are aligned with steps, the likeliest by the labels' outlines
-# By so much more than the least of them the pixels' unary costs refute a family, however its outlines lie on steps.
-MOST_COST = 2 * COST_PER_PARAMETER
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +37,9 @@ class Sharpener:
     def sharpened(self, explanation: Explanation) -> Explanation:
         """The explanation by the body and the lights that agree best with the steps of light.
 
-        Of the families that its labels allow, each is aligned, and the likeliest that unary costs do not refute is
-        kept. The explanation as it is where no body stays in view, or too little of a shadow.
+        Of the families that its labels allow, each is aligned, and the likeliest is kept, by steps and by the pixels'
+        unary costs: each are measured by what one more parameter would cost. The explanation as it is where no body
+        stays in view, or too little of a shadow.
         """
         placed = explanation.alignment.placed
         others = [one for one in explanation.bodies if len(one.lights) == len(placed.lit.lights)]
@@ -51,12 +50,11 @@ class Sharpener:
         if not seen:
             (as_it_is,) = self.measured([explanation])
             return as_it_is
-        most = min(one.cost for _, one in seen) + MOST_COST
-        best, body = min((pair for pair in seen if pair[1].cost <= most), key=lambda pair: pair[0].criterion)
+        best, body = min(seen, key=lambda pair: pair[0].criterion + pair[1].cost / COST_PER_PARAMETER)
         (alignment,) = measured([body])
         lights = lights_by_steps(best, alignment)
         # Where the body is a poor model, and its steps tell little, the common tangents decide.
-        return refined_by_tangents(replace(explanation, alignment=alignment, lights=lights, step_cost=best.mean_cost))
+        return refined_by_tangents(replace(explanation, alignment=alignment, lights=lights, steps=best.costs))
 
     def best_fit(self, explanation: Explanation) -> EdgeFit | None:
         """The explanation's own body with its lights, moved; None where no steps are seen."""
@@ -68,14 +66,14 @@ class Sharpener:
         return [fit for fit in fits if fit is not None and fit.mean_cost < MISSED]
 
     def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:
-        """The explanations where they stand, each with its `step_cost`."""
+        """The explanations where they stand, each with the costs of its steps."""
         found = list(explanations)
         for count in {len(each.lights) for each in explanations}:
             members = [i for i, each in enumerate(explanations) if len(each.lights) == count]
             bodies = [explanations[i].alignment.placed.lit for i in members]
             shifts = np.array([_shifts(explanations[i]) for i in members])
-            for i, cost in zip(members, step_costs(bodies, self.pictures, shifts), strict=True):
-                found[i] = replace(explanations[i], step_cost=cost)
+            for i, costs in zip(members, step_costs(bodies, self.pictures, shifts), strict=True):
+                found[i] = replace(explanations[i], steps=costs)
         return found
 
 

@@ -37,6 +37,8 @@ REACH_PX = 3  # around object and shadow, within which pixels are reassigned
 # The depth of one light's shadow varies, in units of its shift: in a penumbra, and where the object hides the sky too.
 DEPTHS = (0.6, 0.8, 1.0, 1.2, 1.4)
 SHADOW_LIKE = 0.3  # least likeness of a pixel, smoothed, to shadowed ground
+# Numbers of clusters that unlit colours are parted into, and of each one's areas that are tried as a shadow.
+COLOUR_COUNTS, AREAS_PER_COLOUR = (2, 3), 2
 # An area is flat by log odds of FLAT_ODDS, of pixels of which so many count as one sample, where hardly any pixel has
 # log odds below ABOVE.
 FLAT_COLOURS, FLAT_ODDS, PIXELS_PER_SAMPLE, ABOVE, FLAT_ABOVE = 6, 1.5, 40.0, -0.7, 0.03
@@ -117,6 +119,29 @@ def with_near_shadow_undecided(split: Split) -> Split | None:
     surely = split.shadow_mask & (away > SURELY_SHADOW * away[split.shadow_mask].max())
     doubtful = Split(split.object_mask, surely, split.shadow_mask & ~surely)
     return doubtful if doubtful.is_large_enough else None
+
+
+def areas_of_one_colour(region: Region) -> list[Mask]:
+    """(h, w) each: unlit areas of one colour, by K-means, as the paper finds its shadows.
+
+    An object that looks like ground in its own shadow's light is only told from that by another colour. Each colour
+    counts once, however many pixels have it, so that a small shadow gets a cluster too.
+    """
+    unlit, quantised = large_areas(region.unlit, LEAST_PX), region.quantised
+    cells = np.unique(quantised.cell[unlit])
+    found: list[Mask] = []
+    for count in (each for each in COLOUR_COUNTS if each <= len(cells)):
+        cluster = np.full(len(quantised.colours), count)
+        cluster[cells] = clusters(quantised.colours[cells], count)[0]
+        labels = cluster[quantised.cell]
+        for colour in range(count):
+            found += areas_by_size(majority((labels == colour) & unlit), LEAST_PX)[:AREAS_PER_COLOUR]
+    return distinct(found, are_alike)
+
+
+def are_alike(one: Mask, other: Mask) -> bool:
+    """Whether two areas (h, w) differ in few of their pixels."""
+    return bool(np.count_nonzero(one ^ other) < SAME_SHARE * np.count_nonzero(one | other))
 
 
 def flat_areas(region: Region) -> Mask | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.evidence import LEAST_STEP_COST
+from ashe_live.light.explanation.judgement.evidence import of_steps_and_families
 from ashe_live.light.explanation.judgement.judge import Judge, explanation_features
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import grown
@@ -36,7 +36,7 @@ def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
     joint = explanation.joint.alignment
     of_all = {
         "misfit": math.log(max(joint.misfit_px, 0.05) / joint.placed.object_px),
-        "steps": math.log(max(explanation.joint.step_cost, LEAST_STEP_COST)),
+        **of_steps_and_families(explanation.joint),
         "clear body": joint.clear_body,
         "clear shadow": joint.clear_shadow,
     }

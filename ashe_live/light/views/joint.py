@@ -88,7 +88,9 @@ def with_likeliest_family(explanation: JointExplanation, preset: FitPreset) -> J
     own = explanation.joint.alignment.placed.lit.body.family.name
     bodies = [lit for lit in refitted_bodies(explanation.origin, preset) if lit.body.family.name != own]
     others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:FAMILIES]])
-    return min([explanation, *(each for each in others if each is not None)], key=joint_criterion)
+    several = sorted([explanation, *(each for each in others if each is not None)], key=joint_criterion)
+    lits = tuple(each.joint.alignment.placed.lit for each in several)
+    return replace(several[0], joint=replace(several[0].joint, bodies=lits))
 
 
 def refined_by_all_tangents(explanation: JointExplanation) -> JointExplanation:
@@ -107,7 +109,7 @@ def refined_by_all_tangents(explanation: JointExplanation) -> JointExplanation:
 
 
 def with_steps(several: Sequence[JointExplanation], sharpener: Sharpener) -> list[JointExplanation]:
-    """The explanations where they stand, each with its mean cost by the steps of light in all views."""
+    """The explanations where they stand, each with its costs by the steps of light in all views."""
     measured_ones = sharpener.measured([each.joint for each in several])
     return [replace(each, joint=joint) for each, joint in zip(several, measured_ones, strict=True)]
 
@@ -125,7 +127,8 @@ def sharpened_in_views(explanation: JointExplanation, sharpener: Sharpener) -> J
     if moved is None:
         return explanation
     lights = lights_by_steps(best, moved.joint.alignment, 1 + SHARED * (len(sharpener.pictures) - 1))
-    joint = replace(moved.joint, split=explanation.joint.split, lights=lights, step_cost=best.mean_cost)
+    before = explanation.joint
+    joint = replace(moved.joint, split=before.split, lights=lights, steps=best.costs, bodies=before.bodies)
     return replace(moved, joint=joint)
 
 

@@ -80,8 +80,16 @@ def test_the_true_family_is_the_likeliest() -> None:
 def test_a_body_where_nothing_is_misses_its_steps() -> None:
     here = painted_region(BOX)
     nowhere = moved(body_of(here, BOX), 2, 1.5)
-    (cost,) = step_costs([nowhere], [picture_of(here)], SHIFTS)
-    assert cost > 0.6 * MISSED
+    (costs,) = step_costs([nowhere], [picture_of(here)], SHIFTS)
+    assert min(costs.body, costs.shadow) > 0.6 * MISSED
+
+
+def test_only_the_outline_that_is_wrong_misses_its_steps() -> None:
+    here = painted_region(BOX)
+    truth = body_of(here, BOX)
+    right, turned = step_costs([truth, moved(truth, 1, 0.6)], [picture_of(here)], SHIFTS.repeat(2, 0))
+    assert turned.body < right.body + 0.1
+    assert turned.shadow > right.shadow + 2
 
 
 def test_a_step_of_another_depth_is_not_the_shadows() -> None:
@@ -89,13 +97,16 @@ def test_a_step_of_another_depth_is_not_the_shadows() -> None:
     pale, true = (
         step_costs([body_of(here, BOX)], [picture_of(here)], np.array([[depth]]))[0] for depth in (-0.3, SHIFTS[0, 0])
     )
-    assert pale > true + 1
+    assert pale.body == true.body
+    assert pale.shadow > true.shadow + 1
 
 
 def test_a_shadow_that_its_body_hides_tells_nothing() -> None:
     here = painted_region(BOX)
     overhead = LitBody(body_of(here, BOX).body, np.array([(0.0, 0.0, 1.0, 0.0)]))
-    assert step_costs([overhead], [picture_of(here)], SHIFTS) == [MISSED]
+    (costs,) = step_costs([overhead], [picture_of(here)], SHIFTS)
+    assert costs.shadow == MISSED
+    assert costs.body < 3
 
 
 def test_a_picture_seen_twice_tells_twice_as_much_of_the_lights_and_the_same_place() -> None:

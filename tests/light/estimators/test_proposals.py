@@ -2,18 +2,22 @@
 
 from dataclasses import replace
 
+import pytest
+
 from ashe_live.light.estimators.proposals import proposals_of
+from tests.light.labels.test_associate import explained
 from tests.light.painted_regions import PaintedRegion, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, OtherLight, overlap
 
 
 def best_overlaps(here: PaintedRegion) -> tuple[float, float]:
-    """Of the splits by all shifts, the best overlap of the object with the true one, with and without other ground."""
-    best = {True: 0.0, False: 0.0}
-    for each in proposals_of(here.region, here.ground, here.shifts, []):
-        left_out = each.materials.other_ground is not None
-        best[left_out] = max(best[left_out], overlap(each.split.object_mask, here.body))
-    return best[False], best[True]
+    """The best overlap of the object with the true one, of splits by shifts alone, and where other ground is none."""
+    proposals = proposals_of(here.region, here.ground, here.shifts, [])
+    left_out = [each.split for each in proposals if each.materials.other_ground is not None]
+    by_shifts, without = (
+        max(overlap(split.object_mask, here.body) for split in several) for several in (explained(here), left_out)
+    )
+    return by_shifts, without
 
 
 def test_what_glossy_ground_mirrors_is_also_left_out_of_the_object() -> None:
@@ -28,3 +32,13 @@ def test_the_paler_shadow_of_another_light_is_also_left_out_of_the_object() -> N
     with_it, without = best_overlaps(painted_region(BOX, azimuth_deg=200.0, other=other))
     assert without > 0.9
     assert without > with_it + 0.03
+
+
+@pytest.mark.parametrize(("ground", "rgb"), [("striped", (0.16, 0.16, 0.2)), ("checkered", (0.3, 0.3, 0.35))])
+def test_an_object_that_looks_like_ground_in_shadow_is_told_by_its_colour(
+    ground: str, rgb: tuple[float, float, float]
+) -> None:
+    here = painted_region(replace(CYLINDER, rgb=rgb), ground=ground)
+    found = [each.split for each in proposals_of(here.region, here.ground, here.shifts, [])]
+    best = max(min(overlap(one.object_mask, here.body), overlap(one.shadow_mask, here.shadow)) for one in found)
+    assert best > 0.9

@@ -1,5 +1,7 @@
 """Which of what stands out is shadow, in regions of painted scenes."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -8,7 +10,15 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.estimators.proposals import SHADOWS_PER_SHIFT
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.labels.associate import Split, distinct, shadow_like, splits, with_near_shadow_undecided
+from ashe_live.light.labels.associate import (
+    Split,
+    are_alike,
+    areas_of_one_colour,
+    distinct,
+    shadow_like,
+    splits,
+    with_near_shadow_undecided,
+)
 from ashe_live.light.labels.materials import materials_of
 from tests.light.painted_regions import PaintedRegion, in_region, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster, overlap
@@ -65,6 +75,15 @@ def test_no_two_explanations_by_one_shift_are_alike() -> None:
 def test_an_object_as_dark_as_its_shadow_is_told_apart_by_colour() -> None:
     here = painted_region(Caster(rgb=(0.16, 0.05, 0.02)))
     assert goodness(best_of(here), here.body, here.shadow) > 0.7
+
+
+@pytest.mark.parametrize("rgb", [(0.1, 0.1, 0.12), (0.16, 0.16, 0.2), (0.25, 0.2, 0.18)])
+def test_a_shadow_beside_an_object_nearly_as_dark_is_an_area_of_one_colour(rgb: tuple[float, float, float]) -> None:
+    here = painted_region(replace(CYLINDER, rgb=rgb))
+    areas = areas_of_one_colour(here.region)
+    assert max(overlap(area, here.shadow) for area in areas) > 0.9
+    assert not any(are_alike(one, other) for i, one in enumerate(areas) for other in areas[:i])
+    assert not any((area & ~here.region.unlit).sum() > 0.2 * area.sum() for area in areas)
 
 
 def test_of_two_casters_each_is_explained_or_both_together() -> None:
@@ -165,6 +184,19 @@ def test_without_anything_unlit_there_is_no_explanation() -> None:
     for columns in (0, 10):
         few[20, 20 : 20 + columns] = True
         assert explained(here, with_unlit(here.region, few)) == []
+
+
+def test_unlit_pixels_of_one_colour_are_no_several_areas() -> None:
+    here = painted_region(BOX)
+    flat = Region(
+        here.region.view,
+        np.zeros_like(here.region.colours),
+        np.ones_like(here.region.unlit),
+        here.region.window,
+        here.region.frame_shape,
+    )
+    assert areas_of_one_colour(flat) == []
+    assert areas_of_one_colour(with_unlit(here.region, np.zeros_like(here.region.unlit))) == []
 
 
 def test_masks_without_sense_break_nothing() -> None:

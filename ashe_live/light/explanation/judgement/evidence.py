@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.shading import Shading, shading_of
 from ashe_live.light.ground.regions import Region
@@ -26,11 +27,16 @@ FLAT = 0.7  # log of breadth over height above which a body counts as flat
 LEAST_CONTRAST = -0.5
 LEAST_STEP_COST = 0.1  # of outlines better than which none are told apart
 LEAST_SPREAD = 1e-3  # least standard deviation of values that have a meaningful correlation
+FAMILIES = 4  # the likeliest by the labels' outlines, whose lights are compared
+FEWEST_SHADED = 15  # pixels inside a shadow, of which evenness is told
 
 # The features, and the sign with which physics lets each count for an explanation (docs/maths.md, "Evidence").
 SIGNS: Mapping[str, int] = {
     "misfit": -1,
-    "steps": -1,
+    "body steps": -1,
+    "shadow steps": -1,
+    "family": -1,
+    "uneven": -1,
     "clear body": 1,
     "clear shadow": 1,
     "flat": -1,
@@ -58,7 +64,8 @@ def evidence(explanation: Explanation) -> dict[str, float]:
     alignment, shading = explanation.alignment, _shading(explanation)
     return {
         "misfit": math.log(max(alignment.misfit_px, 0.05) / alignment.placed.object_px),
-        "steps": math.log(max(explanation.step_cost, LEAST_STEP_COST)),
+        **of_steps_and_families(explanation),
+        "uneven": _unevenness(explanation),
         "clear body": alignment.clear_body,
         "clear shadow": alignment.clear_shadow,
         "flat": _flatness(explanation),
@@ -68,6 +75,23 @@ def evidence(explanation: Explanation) -> dict[str, float]:
         "lit": _lit_share(explanation),
         **appearance(explanation.region, explanation.materials, explanation.predicted),
     }
+
+
+def of_steps_and_families(explanation: Explanation) -> dict[str, float]:
+    """How far the outlines lie from the steps of light; and by how much the light depends on the body's family, rad."""
+    steps, light = explanation.steps, explanation.lights[0].to_light_marker
+    others = [angle_between(light, body.to_lights_marker[0]) for body in explanation.bodies[:FAMILIES]]
+    return {
+        "body steps": math.log(max(steps.body, LEAST_STEP_COST)),
+        "shadow steps": math.log(max(steps.shadow, LEAST_STEP_COST)),
+        "family": float(np.median(others)) if others else 0.0,
+    }
+
+
+def _unevenness(explanation: Explanation) -> float:
+    """Standard deviation inside the shadow of the share of its light that a pixel lacks; 0 where too little is seen."""
+    lost = explanation.materials.light_lost[shadow_core(explanation.region, explanation.predicted)]
+    return float(np.std(lost, dtype=np.float64)) if len(lost) >= FEWEST_SHADED else 0.0
 
 
 def _flatness(explanation: Explanation) -> float:

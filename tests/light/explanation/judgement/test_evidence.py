@@ -72,6 +72,28 @@ def test_an_object_that_swallows_its_shadow_is_in_shadow(ground: str) -> None:
     assert evidence(swallowed)["in shadow"] > 0.8 * share > 0.15
 
 
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_a_shadow_with_lit_ground_in_it_is_uneven(ground: str) -> None:
+    here = painted_region(BOX, ground=ground)
+    truth = explanation_of(here)
+    wider = with_masks(truth, Predicted(here.body, grown(here.shadow, 8) & ~here.body))
+    assert evidence(truth)["uneven"] < 0.15
+    assert evidence(wider)["uneven"] > 2 * evidence(truth)["uneven"]
+
+
+def test_a_light_that_depends_on_the_family_is_less_certain() -> None:
+    """By the angle that half of the likeliest families are beyond."""
+    here = painted_region(BOX)
+    truth, body = explanation_of(here), body_of(here, BOX)
+    light = truth.lights[0].to_light_marker
+    east = np.cross(light, [0.0, 0.0, 1.0]) / np.linalg.norm(np.cross(light, [0.0, 0.0, 1.0]))
+    turned = [
+        replace(body, lights=at_infinity(np.cos(angle) * light + np.sin(angle) * east)[None]) for angle in (0, 0.1, 0.3)
+    ]
+    assert evidence(truth)["family"] == 0
+    assert evidence(replace(truth, bodies=tuple(turned)))["family"] == pytest.approx(0.1, abs=0.02)
+
+
 def test_an_object_or_a_shadow_on_lit_ground_is_lit() -> None:
     here = painted_region(BOX)
     truth = explanation_of(here)

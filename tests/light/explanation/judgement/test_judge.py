@@ -9,7 +9,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.edges.alignment import MISSED
+from ashe_live.light.edges.alignment import MISSED, StepCosts
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import (
@@ -26,7 +26,7 @@ from ashe_live.light.labels.materials import materials_of
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import Predicted
-from tests.light.painted_bodies import alignment_of, explanation_of
+from tests.light.painted_bodies import alignment_of, body_of, explanation_of
 from tests.light.painted_regions import painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, GROUNDS, Caster
 from tests.light.synthetic_masks import direction
@@ -54,8 +54,9 @@ def explanation(
     here = painted_region(BOX)
     spread = covariance(1.0, 0.7) if covariance_rad2 is None else covariance_rad2
     lights = (FittedLight(at_infinity(to_light), spread),)
-    step_cost = min((misfit_px / 0.3) ** 2, MISSED)
-    return explanation_of(here, alignment=alignment_of(here, misfit_px=misfit_px), lights=lights, step_cost=step_cost)
+    cost = min((misfit_px / 0.3) ** 2, MISSED)
+    alignment = alignment_of(here, misfit_px=misfit_px)
+    return explanation_of(here, alignment=alignment, lights=lights, steps=StepCosts(cost, cost))
 
 
 # One explanation
@@ -69,6 +70,18 @@ def test_odds_fall_as_the_outlines_fit_worse() -> None:
 
 def test_odds_fall_as_the_direction_is_less_certain() -> None:
     odds = [JUDGE.log_odds(explanation(covariance_rad2=covariance(deg, 0.5))) for deg in (3, 5, 10, 20, 40)]
+    assert (np.diff(odds) <= 0).all()
+    assert odds[-1] < odds[0]
+
+
+def test_odds_fall_as_other_families_would_have_it_elsewhere() -> None:
+    here = painted_region(BOX)
+    body = body_of(here, BOX)
+    lights = [
+        dataclasses.replace(body, lights=at_infinity(direction(200.0, elevation))[None])
+        for elevation in (40, 45, 55, 80)
+    ]
+    odds = [JUDGE.log_odds(dataclasses.replace(explanation(), bodies=(lit,))) for lit in lights]
     assert (np.diff(odds) <= 0).all()
     assert odds[-1] < odds[0]
 
