@@ -27,6 +27,7 @@ class Explanation:
     bodies: tuple[LitBody, ...] = ()  # the best of each family by the labels' outlines, the likeliest first
     # Mean squared distance of the outlines from the steps of light at full resolution, in sigmas, if it was measured.
     step_cost: float = MISSED
+    hull: Proxy | None = None  # of the object's silhouettes in several views, where no family explains these
 
     @property
     def predicted(self) -> Predicted:
@@ -34,4 +35,10 @@ class Explanation:
 
     @property
     def proxy(self) -> Proxy:
+        """The fitted member of a family."""
         return self.alignment.placed.lit.body.proxy
+
+    @property
+    def real_object(self) -> Proxy:
+        """What stands in the place of the real object: the hull where there is one, else the fitted body."""
+        return self.hull or self.proxy
