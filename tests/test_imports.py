@@ -39,7 +39,7 @@ ROOMS: dict[str, set[str]] = {
         "light.explanation",
     },
     "light.hull": {
-        "core", "light.pixels", "light.shape", "light.labels", "light.views",
+        "core", "light.pixels", "light.shape", "light.edges", "light.labels", "light.explanation", "light.views",
     },
     "light.lamps": {"core", "light.pixels", "light.ground", "light.shape", "light.explanation", "light.views"},
     "light.paper": {"core"},

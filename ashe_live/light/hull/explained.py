@@ -1,17 +1,19 @@
 """An explanation of several views by the hull of the object's silhouettes, where no family explains these."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.proxy import Mesh, Proxy
 from ashe_live.core.transforms import view_direction
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.carved import Box, Carved, InLight, carved
 from ashe_live.light.hull.labelled import Labelled, labelled
-from ashe_live.light.hull.light import light_of_hull
+from ashe_live.light.hull.light import HullLight, light_of_hull
 from ashe_live.light.hull.surface import surface_of
-from ashe_live.light.labels.associate import Split
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.predicted import Predicted
 from ashe_live.light.views.evidence import share_seen
@@ -28,11 +30,12 @@ WIDENED = 0.35  # the box of voxels over the fitted body's
 CORNERS = 64  # directions in which a hull's farthest points stand for its convex hull
 
 
-def with_hull(explanation: JointExplanation) -> JointExplanation:
+def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExplanation:
     """The explanation with the hull as its real object, and the light whose shadow that throws.
 
     As it is where a family explains the silhouettes as well, where there are two lights or a lamp, where the views are
-    too near to each other or show too little of body and shadow, and where the hull tells no light.
+    too near to each other or show too little of body and shadow, and where the hull tells no light. sharpener: of all
+    views at full resolution.
     """
     joint = explanation.joint
     span = span_rad([view_direction(each.region.view.T_cam_marker) for each in explanation.each])
@@ -40,21 +43,42 @@ def with_hull(explanation: JointExplanation) -> JointExplanation:
     seen = np.mean([share_seen(each) for each in explanation.each])
     if not is_sun or span is None or span < LEAST_SPAN_RAD or seen < LEAST_SEEN:
         return explanation
-    views = labelled([own_costs(each) for each in explanation.each])
-    hull = carved(views, Box.around(joint.proxy.points_marker(), WIDENED))
     start = joint.lights[0].to_light_marker
-    family = sum(_cost_of(view, each.predicted) for view, each in zip(views, explanation.each, strict=True))
-    body_px = sum(int(np.count_nonzero(each.predicted.body)) for each in explanation.each)
-    if family - hull.in_light(start).cost < LEAST_GAIN * body_px:
-        return explanation
-    found = light_of_hull(hull, start)
-    if found is None:
-        return explanation
+    # Where a family's body misses parts of the object, their colours are those of what else is unlit around.
+    for samples in (
+        [each.predicted.body for each in explanation.each],
+        [each.predicted.whole for each in explanation.each],
+    ):
+        hull = _hull_of(explanation, samples, sharpener)
+        if _gain(explanation, hull, hull.in_light(start)) < LEAST_GAIN:
+            break
+        found = light_of_hull(hull, start)
+        if found is not None:
+            return replace(explanation, joint=_hulled(joint, hull, found))
+    return explanation
+
+
+def _hull_of(explanation: JointExplanation, samples: Sequence[Mask], sharpener: Sharpener) -> Carved:
+    """The voxels that the silhouettes allow; samples: (h, w) of each view, where the object's colours are learned."""
+    views = labelled([own_costs(each) for each in explanation.each], samples, sharpener.pictures)
+    return carved(views, Box.around(explanation.joint.proxy.points_marker(), WIDENED))
+
+
+def _gain(explanation: JointExplanation, hull: Carved, seen: InLight) -> float:
+    """The cost for each pixel of the family's body that the family leaves unexplained, and the hull explains."""
+    pairs = list(zip(hull.views, (each.predicted for each in explanation.each), strict=True))
+    body_px = sum(int(np.count_nonzero(masks.body)) for _, masks in pairs)
+    return (sum(_cost_of(view, masks) for view, masks in pairs) - seen.cost) / max(body_px, 1)
+
+
+def _hulled(joint: Explanation, hull: Carved, found: HullLight) -> Explanation:
+    """The explanation with a hull, its light, and its silhouettes as labels."""
     light = FittedLight(np.append(found.to_light_marker, 0.0), found.covariance_rad2)
     masks, ground = found.seen.masks[0], joint.region.is_ground
-    split = Split(masks.body & ground, masks.shadow & ground, None)
-    hulled = replace(joint, lights=(light,), split=split, hull=_proxy_of(hull, found.seen))
-    return replace(explanation, joint=hulled)
+    split = replace(
+        joint.split, object_mask=masks.body & ground, shadow_mask=masks.shadow & ground, undecided=None, parts=()
+    )
+    return replace(joint, lights=(light,), split=split, hull=_proxy_of(hull, found.seen))
 
 
 def _cost_of(view: Labelled, masks: Predicted) -> float:

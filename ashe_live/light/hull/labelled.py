@@ -1,14 +1,16 @@
 """A view's pixels as a hull needs them: what each costs as lit ground, shadow and object, and where its ray ends."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.pixels.areas import grown, majority
+from ashe_live.light.labels.materials import OTHER_GROUND, object_cost
+from ashe_live.light.pixels.areas import grown, majority, shrunk
 from ashe_live.light.views.plane import plane_homography
 
 MOST_COST = 10.0  # of a pixel over its cheapest label: a colour model that is wrong is wrong by any amount
@@ -18,6 +20,8 @@ BEYOND = 20.0  # cost over shadow's of taking for the object what all views show
 # A colour fits shadowed ground where its cost is below FITS, and so is LIT_FACTOR times what it costs more than as lit
 # ground; it does not fit the object better where that costs no more than BETTER less.
 FITS, LIT_FACTOR, BETTER = 0.0, 4.0, 4.0
+HALO_PX = 2  # beside an object, where cameras that take noise from colours smear its own over the ground
+LEAST_INSIDE = 0.3  # of an object, in which its colours are learned; one that has less is thin
 FEW_VIEWS = 4  # among more, one may show something else at a place in shadow: what hides it
 
 
@@ -35,11 +39,29 @@ class Labelled:
     unreliable: Mask  # (h, w) off the ground, and beside that
     plane_xy: Float  # (h, w, 2) metres, marker frame: where the pixel's ray meets the plane
     focal_px: float
+    picture: LightPicture  # at full resolution
+    picture_from_region: Float  # (3, 3) pixels
+    shift: float  # log of how much darker the ground is in the shadow; negative
 
 
-def labelled(several: Sequence[Costs]) -> list[Labelled]:
-    """The views of `several` costs, by one light; what all show as shadow on the plane is no object in any of them."""
-    return [_labelled(costs, shadow) for costs, shadow in zip(several, shadows_on_plane(several), strict=True)]
+def labelled(several: Sequence[Costs], samples: Sequence[Mask], pictures: Sequence[LightPicture]) -> list[Labelled]:
+    """The views of `several` costs, by one light; what all show as shadow on the plane is no object in any of them.
+
+    samples: (h, w) where the object is in each view, about. A family's silhouette covers ground where the object is
+    hollow, so that its colours are learned anew from what is neither lit ground nor shadow on the plane. pictures: of
+    the whole frames, in any order.
+    """
+    found = []
+    for costs, sample, shadow in zip(several, samples, shadows_on_plane(several), strict=True):
+        pose = costs.region.view.T_cam_marker
+        picture = next(each for each in pictures if np.array_equal(each.view.T_cam_marker, pose))
+        unlit = sample & (costs.materials.lit > OTHER_GROUND) & ~grown(shadow, HALO_PX)
+        inside = shrunk(unlit, HALO_PX)
+        if np.count_nonzero(inside) < LEAST_INSIDE * np.count_nonzero(unlit):
+            inside = unlit
+        learned = object_cost(costs.region, inside, costs.materials)
+        found.append(_labelled(replace(costs, as_object=learned), shadow, picture))
+    return found
 
 
 def shadows_on_plane(several: Sequence[Costs]) -> list[Mask]:
@@ -72,7 +94,7 @@ def shadows_on_plane(several: Sequence[Costs]) -> list[Mask]:
     return found
 
 
-def _labelled(costs: Costs, shadow: Mask) -> Labelled:
+def _labelled(costs: Costs, shadow: Mask, picture: LightPicture) -> Labelled:
     region, lit, shaded = costs.region, costs.materials.lit, costs.materials.contact
     rim = grown(shadow, 1) & (costs.as_object > np.minimum(lit, shaded) - RIM_SURE)
     body = np.where(shadow | rim, shaded + BEYOND, costs.as_object)
@@ -94,6 +116,9 @@ def _labelled(costs: Costs, shadow: Mask) -> Labelled:
         region.unreliable,
         _plane_xy(P, lit.shape),
         float(view.camera.K[0, 0]),
+        picture,
+        np.asarray(picture.view.camera.K @ np.linalg.inv(view.camera.K)),
+        float(costs.materials.shift[0]),
     )
 
 

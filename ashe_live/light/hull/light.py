@@ -12,7 +12,7 @@ from ashe_live.light.hull.carved import Carved, InLight
 from ashe_live.light.hull.measured import shape_and_shadow
 from ashe_live.light.pixels.areas import shrunk
 
-COARSE_RAD, COARSE = math.radians(4.0), 4  # step of the first grid of directions, and steps to each side
+COARSE_RAD, COARSE = math.radians(4.0), 5  # step of the first grid of directions, and steps to each side
 FINE_SIGMAS, FINE = 0.8, 3  # of the second, in sigmas of the first one's result
 FINEST_RAD = math.radians(0.5)  # below which voxels and pixels tell no directions apart
 LOWEST_SINE = 0.06  # of a light's elevation
@@ -48,6 +48,8 @@ def light_of_hull(hull: Carved, start: Float) -> HullLight | None:
     if shape is None:
         return None
     support, shadow = shape
+    by_tangents = np.array([support.log_likelihood(shadow, each) for each in around])
+    shadow = support.without_outliers(shadow, around[int((by_pixels + by_tangents).argmax())])
     by_tangents = np.array([support.log_likelihood(shadow, each) for each in around])
     if (by_pixels + by_tangents).max() < by_pixels.max() + by_tangents.max() - MOST_APART:
         return None
