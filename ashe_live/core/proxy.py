@@ -32,7 +32,7 @@ class Mesh:
 class Proxy:
     """The real object's stand-in: the convex hull of upright spheroids (a point, a disc, a ball are special cases)."""
 
-    family: str  # the kind of body that was fitted, e.g. box; "hull" of the silhouettes in several views
+    family: str  # the kind of body that was fitted, e.g. box; "silhouettes": their hull, in several views
     spheroids_marker: Float  # (k, 5) centre x, y, z, horizontal radius, half height; metres, marker frame
     mesh: Mesh | None = None  # the surface itself where it is not convex
 

@@ -72,5 +72,6 @@ def explained_together(
     sharpener = Sharpener.of([view.fine for view in views])
     likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
     sharp = [sharpened_in_views(refined_by_all_tangents(each), sharpener) for each in likely[:REFITTED]]
-    likely[:REFITTED] = [with_hull(each, sharpener) for each in sharp]
+    # A known caster is no body of any shape.
+    likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
     return sorted(((each.joint, log_odds(each)) for each in likely), key=itemgetter(1), reverse=True)

@@ -95,7 +95,7 @@ def _proxy_of(hull: Carved, seen: InLight) -> Proxy | None:
         return None
     farthest = np.unique((points @ _evenly_spread(CORNERS).T).argmax(axis=0))
     corners = np.column_stack([points[farthest], np.zeros((len(farthest), 2))])
-    return Proxy("hull", corners, Mesh(points, triangles))
+    return Proxy("silhouettes", corners, Mesh(points, triangles))
 
 
 def _evenly_spread(count: int) -> Float:

@@ -73,8 +73,8 @@ class SupportFunction:
         prior = self._covariance(self._normals, self._normals)
         for _ in range(ROUNDS):
             sigma = np.where(_disagree(prior + np.diag(sigma**2), reach), sigma * WIDENED, sigma)
-        self._factor = np.linalg.cholesky(prior + np.diag(sigma**2))
-        self._whitened = np.linalg.solve(self._factor, reach)
+        self._whitening = np.linalg.inv(np.linalg.cholesky(prior + np.diag(sigma**2)))
+        self._whitened = self._whitening @ reach
 
     def log_likelihood(self, shadow: ShadowLines, to_light: Float) -> float:
         """Log likelihood of the shadow's tangents in the light from direction (3,), marker frame."""
@@ -100,7 +100,7 @@ class SupportFunction:
         across = np.column_stack([shadow.normals, -shadow.normals @ displacement_of(to_light)])
         length = np.linalg.norm(across, axis=1)
         normals = across / length[:, None]
-        known = np.linalg.solve(self._factor, self._covariance(self._normals, normals))
+        known = self._whitening @ self._covariance(self._normals, normals)
         spread = self._covariance(normals, normals) - known.T @ known + np.diag((shadow.sigma_m / length) ** 2)
         return shadow.reach_m / length - known.T @ self._whitened, spread, length
 
