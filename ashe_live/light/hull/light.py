@@ -17,7 +17,8 @@ FINE_SIGMAS, FINE = 0.8, 3  # of the second, in sigmas of the first one's result
 FINEST_RAD = math.radians(0.5)  # below which voxels and pixels tell no directions apart
 LOWEST_SINE = 0.06  # of a light's elevation
 # By how much the cost for each pixel of its outlines is larger in the true light than in the best one, as voxels and
-# labels are off by chance: 0.25 in the median of takes, over 1.39, the median of a chi squared variable of two degrees of freedom.
+# labels are off by chance: 0.25 in the median of takes, over 1.39, the median of a chi squared variable of two degrees
+# of freedom.
 CHANCE = 0.18
 # Log likelihood that pixels and tangents together may lack of the most that each reaches by itself: where two sigmas do
 # not bring them together, the labels of one are wrong.
