@@ -38,12 +38,15 @@ ROOMS: dict[str, set[str]] = {
         "core", "light.pixels", "light.ground", "light.shape", "light.outline_fit", "light.labels",
         "light.explanation",
     },
+    "light.hull": {
+        "core", "light.pixels", "light.shape", "light.edges", "light.labels", "light.explanation", "light.views",
+    },
     "light.lamps": {"core", "light.pixels", "light.ground", "light.shape", "light.explanation", "light.views"},
     "light.paper": {"core"},
     "light.known_body": {"core", "light.pixels", "light.shape"},
     "light.estimators": {
         "core", "errors", "light.pixels", "light.ground", "light.outline_fit", "light.labels", "light.explanation",
-        "light.views", "light.lamps", "light.known_body", "light.paper",
+        "light.views", "light.hull", "light.lamps", "light.known_body", "light.paper",
     },
     "light.live": {"core", "light.pixels", "light.estimators", "light.views", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},

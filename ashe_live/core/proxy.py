@@ -7,20 +7,39 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core import arguments
+from ashe_live.core.arrays import Float, frozen_floats, frozen_view, set_frozen
 
 TILTS = np.linspace(-math.pi / 2, math.pi / 2, 9)  # from a spheroid's lowest point to its highest
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mesh:
+    """A closed surface of any shape."""
+
+    points_marker: Float  # (n, 3) metres, marker frame
+    triangles: NDArray[np.uint32]  # (m, 3) indices of points, counter-clockwise from outside
+
+    def __post_init__(self) -> None:
+        points = frozen_floats(self.points_marker, (-1, 3), "points_marker")
+        triangles = np.asarray(self.triangles, dtype=np.uint32)
+        if triangles.ndim != 2 or triangles.shape[1] != 3 or (triangles.size and int(triangles.max()) >= len(points)):
+            raise ValueError(f"triangles must be (m, 3) indices of the {len(points)} points")
+        set_frozen(self, points_marker=points, triangles=frozen_view(triangles))
 
 
 @dataclass(frozen=True, slots=True)
 class Proxy:
     """The real object's stand-in: the convex hull of upright spheroids (a point, a disc, a ball are special cases)."""
 
-    family: str  # the kind of body that was fitted, e.g. box
+    family: str  # the kind of body that was fitted, e.g. box; "silhouettes": their hull, in several views
     spheroids_marker: Float  # (k, 5) centre x, y, z, horizontal radius, half height; metres, marker frame
+    mesh: Mesh | None = None  # the surface itself where it is not convex
 
     def __post_init__(self) -> None:
         set_frozen(self, spheroids_marker=frozen_floats(self.spheroids_marker, (-1, 5), "spheroids_marker"))
+        if self.mesh is not None:
+            arguments.instance(self.mesh, Mesh, "mesh")
 
     @property
     def foot_marker(self) -> Float:
@@ -43,9 +62,11 @@ class Proxy:
     def surface(self, around: int = 48, upwards: int = 25) -> tuple[Float, NDArray[np.uint32]]:
         """(n, 3) points and (m, 3) triangles, counter-clockwise from outside; marker frame, metres.
 
-        A grid on the unit sphere, each direction moved to the hull's farthest point along it: exact where the hull is
-        round, and its corners are hit by all directions that they are farthest in.
+        The mesh where there is one. Else a grid on the unit sphere, each direction moved to the hull's farthest point
+        along it: exact where the hull is round, and its corners are hit by all directions that they are farthest in.
         """
+        if self.mesh is not None:
+            return self.mesh.points_marker, self.mesh.triangles
         directions, triangles = _grid(around, upwards)
         centre, radius, half = np.split(self.spheroids_marker, (3, 4), axis=1)
         axes = np.concatenate([radius, radius, half], axis=1)

@@ -19,8 +19,9 @@ from ashe_live.light.estimators.known_body import estimate_by_body
 from ashe_live.light.estimators.other_objects import other_objects
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.refining import refined_and_others
+from ashe_live.light.estimators.scene_views import contradicting, scene_views, span_of
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
-from ashe_live.light.estimators.together import contradicting, explained_together, scene_views, span_of
+from ashe_live.light.estimators.together import explained_together
 from ashe_live.light.estimators.trace import Look, Trace
 from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
@@ -49,6 +50,7 @@ from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb, unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
+from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.lamps.lamp import Scene, stated, with_size
 from ashe_live.light.pixels.view import View
 
@@ -144,7 +146,8 @@ class ProxyEstimator:
                 lambda: other_objects(chosen, trace.judged, trace.regions, ground, judge),
                 lambda: Sharpener.of([look.views[0].fine]),
             ),
-            steps.light,
+            # A hull's shadow has been compared with all of the plane: there is no body's border left to tell of a lamp.
+            SUN if chosen.hull is not None and steps.light == AUTO else steps.light,
         )
         best = told.explanation
         # With two lights there is a third shift, that where both are blocked.
@@ -153,7 +156,7 @@ class ProxyEstimator:
         if len(lights) == 1:
             lights = [with_size(lights[0], _angular_size(best, lights[0], tracked))]
         clock.end("judge")
-        found = Illumination(tuple(lights), ratios[-1], lit_rgb(ground), best.proxy)
+        found = Illumination(tuple(lights), ratios[-1], lit_rgb(ground), best.real_object)
         return answer(found, None, *_masks_of(best)), trace
 
     def _looked(

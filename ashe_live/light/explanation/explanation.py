@@ -26,6 +26,7 @@ class Explanation:
     as_object: Float32  # (h, w) unary cost of the object's colours
     bodies: tuple[LitBody, ...] = ()  # the best of each family by the labels' outlines, the likeliest first
     steps: StepCosts = NO_STEPS  # of light at full resolution, if they were measured
+    hull: Proxy | None = None  # of the object's silhouettes in several views, where no family explains these
 
     @property
     def predicted(self) -> Predicted:
@@ -33,4 +34,10 @@ class Explanation:
 
     @property
     def proxy(self) -> Proxy:
+        """The fitted member of a family."""
         return self.alignment.placed.lit.body.proxy
+
+    @property
+    def real_object(self) -> Proxy:
+        """What stands in the place of the real object: the hull where there is one, else the fitted body."""
+        return self.hull or self.proxy

@@ -49,11 +49,11 @@ def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
     shadow = joint.predicted.shadow & ~_hidden_elsewhere(explanation)
     support = plane_support(joint.region, joint.predicted.body, shadow, MOST_AGAINST)
     # Labels tell of a body only as far as it is seen.
-    seen = float(np.mean([_share_seen(each) for each in explanation.each]))
+    seen = float(np.mean([share_seen(each) for each in explanation.each]))
     return judge.log_odds_of(joint_features(explanation)) + seen * support
 
 
-def _share_seen(explanation: Explanation) -> float:
+def share_seen(explanation: Explanation) -> float:
     """The smaller one of the body's and its shadows' fractions, by area, that lie on ground in the region's picture."""
     body, *shadows = explanation.alignment.placed.hulls_px
     ground = explanation.region.is_ground

@@ -85,3 +85,22 @@ def test_the_same_views_give_the_same_bits() -> None:
     assert again is not None
     np.testing.assert_array_equal(one.to_light_marker, again.to_light_marker)
     np.testing.assert_array_equal(one.covariance_rad2, again.covariance_rad2)
+
+
+def test_the_hull_stands_for_what_is_like_no_family() -> None:
+    odd = Caster(at=(0.1, -0.03), width_m=0.03), Caster(at=(0.14, 0.02), width_m=0.03)
+    block = Caster("cylinder", (0.12, -0.005), 0.06, 0.035, BOX.rgb)
+    first, *others = views_of(*odd, block, headings=(90, 65, 115, 78))
+    estimate = ProxyEstimator(FAST).estimate(first, others)
+    assert estimate.light is not None, estimate.reason
+    assert math.degrees(angle_between(estimate.light.to_light_marker, direction(200, 40))) < 2.0
+    body = estimate.illumination.real_object
+    assert body is not None
+    assert body.family == "silhouettes"
+    assert body.mesh is not None
+    # A hull is no smaller than the object, and not much larger.
+    low, high = body.mesh.points_marker.min(axis=0), body.mesh.points_marker.max(axis=0)
+    assert BOX.height_m - 0.004 < high[2] < 1.35 * BOX.height_m
+    assert (low[:2] < (0.094, -0.036)).all()
+    assert (high[:2] > (0.146, 0.026)).all()
+    assert (high - low)[:2].max() < 0.12

@@ -7,7 +7,7 @@ feature. Every further explanation takes its part of the whole, so a longer sear
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 
@@ -69,11 +69,11 @@ class Judge:
 
     def lights_of(self, explanation: Explanation, confidence: float, tracked: TrackedFrame) -> tuple[Light, ...]:
         """The lights of an explanation with covariance, sigma and confidence, the strongest first as in its shifts."""
+        # A hull's light is a posterior mean over all that pixels and tangents allow: its covariance holds as it is.
+        calibration = self.calibration if explanation.hull is None else replace(self.calibration, overdispersion=1.0)
         lights = []
         for fitted in explanation.lights:
-            covariance = self.calibration.covariance(
-                fitted.covariance_rad2, fitted.to_light_marker, confidence, tracked
-            )
+            covariance = calibration.covariance(fitted.covariance_rad2, fitted.to_light_marker, confidence, tracked)
             sigma_rad = radius_of_68_percent(covariance)
             lights.append(Light(fitted.to_light_marker, covariance, sigma_rad, confidence))
         return tuple(lights)

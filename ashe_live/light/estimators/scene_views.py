@@ -1,0 +1,82 @@
+"""The views of one scene that an answer rests on, and which of them show another."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ashe_live.core.transforms import view_direction
+from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.ground.lit_ground import fit_lit_ground, with_on_plane
+from ashe_live.light.ground.steps import GroundSteps
+from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.pixels.view import View
+from ashe_live.light.views.agreement import WIDTH_PX, agreeing
+from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
+from ashe_live.light.views.seen import SceneView
+from ashe_live.light.views.which import span_rad, usable
+
+# Number of others that the plane in the first view is compared with, and in another: more repeat what these tell.
+COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
+GROUND_OF_OTHERS = GroundSteps(12, 8, 1)  # how finely the ground is modelled in views in which nothing is looked for
+
+
+def scene_views(
+    tracked: TrackedFrame, fine: View, coarse: View, others: Sequence[TrackedFrame], steps: ProxySteps
+) -> list[SceneView]:
+    """`tracked`, which must have a marker, and the others that are used with it: all that an answer rests on.
+
+    fine, coarse: views of `tracked`. Another view with too little lit ground is left out; if there is too little in
+    `tracked`, there are no views.
+    """
+    first = _scene_view(tracked.frame.index, fine, coarse, steps.ground)
+    if first is None:
+        return []
+    views = [first]
+    for number, other in enumerate(usable(tracked, others, steps.views - 1)):
+        fine = View.of(other, steps.fine_width_px)
+        ground_steps = steps.ground if number < steps.companions else GROUND_OF_OTHERS
+        view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), ground_steps)
+        if view is not None:
+            views.append(view)
+    return views if len(views) == 1 else _with_plane(views)
+
+
+def span_of(views: Sequence[SceneView]) -> float | None:
+    """The largest angle between the views' directions to the marker; None for one view."""
+    return span_rad([view_direction(view.coarse.T_cam_marker) for view in views])
+
+
+def contradicting(
+    estimate: LightEstimate, tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps
+) -> list[TrackedFrame]:
+    """Those of the others used with `tracked` that do not show the scene which `estimate` explains in it.
+
+    The object or the print was moved, or another light is on. None are, where the estimate has no light or no body.
+    """
+    body, used = estimate.illumination.real_object, usable(tracked, others, steps.views - 1)
+    if body is None or not estimate.lights or not used:
+        return []
+    lights = np.array([light.homogeneous for light in estimate.lights])
+    ratio = estimate.lights[0].shadow_rgb_ratio
+    depth = 0.0 if ratio is None else -float(np.log(np.maximum(ratio, 1e-3)).mean())
+    agree = agreeing([View.of(each, WIDTH_PX) for each in (tracked, *used)], body, lights, depth)
+    return [other for other, does in zip(used, agree, strict=True) if not does]
+
+
+def _scene_view(index: int, fine: View, coarse: View, steps: GroundSteps) -> SceneView | None:
+    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps)
+    return None if ground is None else SceneView(index, fine, coarse, ground)
+
+
+def _with_plane(views: Sequence[SceneView]) -> list[SceneView]:
+    """The views with what others tell about which of their pixels lie on the plane."""
+    found, colours = [], [log_opponent(view.coarse.image_bgr) for view in views]
+    for number, view in enumerate(views):
+        others = [i for i in range(len(views)) if i != number]
+        others = others[: COMPARED_WITH_ANOTHER if number else COMPARED_WITH_FIRST]
+        seen = [on_plane(view.coarse, colours[number], views[i].coarse, colours[i]) for i in others]
+        ratio = log_likelihood_ratio([each for each in seen if each is not None], view.coarse.is_ground.shape)
+        found.append(replace(view, ground=with_on_plane(view.ground, ratio)))
+    return found

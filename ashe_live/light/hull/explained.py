@@ -1,0 +1,106 @@
+"""An explanation of several views by the hull of the object's silhouettes, where no family explains these."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.proxy import Mesh, Proxy
+from ashe_live.core.transforms import view_direction
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.hull.carved import Box, Carved, InLight, carved
+from ashe_live.light.hull.labelled import Labelled, labelled
+from ashe_live.light.hull.light import HullLight, light_of_hull
+from ashe_live.light.hull.surface import surface_of
+from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.shape.predicted import Predicted
+from ashe_live.light.views.evidence import share_seen
+from ashe_live.light.views.joint import JointExplanation, own_costs
+from ashe_live.light.views.which import span_rad
+
+# From a narrower span a hull is several times as deep as its object is broad, and bounds no light.
+LEAST_SPAN_RAD = np.radians(15.0)
+LEAST_SEEN = 0.9  # of body and shadow, in the mean view: a silhouette that is cut carves nothing beyond the cut
+# Cost, over that with the hull, that a family leaves unexplained for each pixel of the body. A pixel with a wrong label
+# costs ten: that of a twentieth of the body's pixels.
+LEAST_GAIN = 0.5
+WIDENED = 0.35  # the box of voxels over the fitted body's
+CORNERS = 64  # directions in which a hull's farthest points stand for its convex hull
+
+
+def with_hull(explanation: JointExplanation, sharpener: Sharpener) -> JointExplanation:
+    """The explanation with the hull as its real object, and the light whose shadow that throws.
+
+    As it is where a family explains the silhouettes as well, where there are two lights or a lamp, where the views are
+    too near to each other or show too little of body and shadow, and where the hull tells no light. sharpener: of all
+    views at full resolution.
+    """
+    joint = explanation.joint
+    span = span_rad([view_direction(each.region.view.T_cam_marker) for each in explanation.each])
+    is_sun = len(joint.lights) == 1 and joint.lights[0].light[3] == 0
+    seen = np.mean([share_seen(each) for each in explanation.each])
+    if not is_sun or span is None or span < LEAST_SPAN_RAD or seen < LEAST_SEEN:
+        return explanation
+    start = joint.lights[0].to_light_marker
+    # Where a family's body misses parts of the object, their colours are those of what else is unlit around.
+    for samples in (
+        [each.predicted.body for each in explanation.each],
+        [each.predicted.whole for each in explanation.each],
+    ):
+        hull = _hull_of(explanation, samples, sharpener)
+        if _gain(explanation, hull, hull.in_light(start)) < LEAST_GAIN:
+            break
+        found = light_of_hull(hull, start)
+        if found is not None:
+            return replace(explanation, joint=_hulled(joint, hull, found))
+    return explanation
+
+
+def _hull_of(explanation: JointExplanation, samples: Sequence[Mask], sharpener: Sharpener) -> Carved:
+    """The voxels that the silhouettes allow; samples: (h, w) of each view, where the object's colours are learned."""
+    views = labelled([own_costs(each) for each in explanation.each], samples, sharpener.pictures)
+    return carved(views, Box.around(explanation.joint.proxy.points_marker(), WIDENED))
+
+
+def _gain(explanation: JointExplanation, hull: Carved, seen: InLight) -> float:
+    """The cost for each pixel of the family's body that the family leaves unexplained, and the hull explains."""
+    pairs = list(zip(hull.views, (each.predicted for each in explanation.each), strict=True))
+    body_px = sum(int(np.count_nonzero(masks.body)) for _, masks in pairs)
+    return (sum(_cost_of(view, masks) for view, masks in pairs) - seen.cost) / max(body_px, 1)
+
+
+def _hulled(joint: Explanation, hull: Carved, found: HullLight) -> Explanation:
+    """The explanation with a hull, its light, and its silhouettes as labels."""
+    light = FittedLight(np.append(found.to_light_marker, 0.0), found.covariance_rad2)
+    masks, ground = found.seen.masks[0], joint.region.is_ground
+    split = replace(
+        joint.split, object_mask=masks.body & ground, shadow_mask=masks.shadow & ground, undecided=None, parts=()
+    )
+    return replace(joint, lights=(light,), split=split, hull=_proxy_of(hull, found.seen))
+
+
+def _cost_of(view: Labelled, masks: Predicted) -> float:
+    """The cost of the view's pixels under the labels of the masks."""
+    return float(np.where(masks.body, view.as_body, np.where(masks.shadow, view.as_shadow, view.as_lit)).sum())
+
+
+def _proxy_of(hull: Carved, seen: InLight) -> Proxy | None:
+    """The voxels that are left in a light as a proxy: their surface, and points that have the same convex hull."""
+    occupied = np.zeros(np.prod(hull.box.shape), np.bool_)
+    occupied[hull.flat[seen.kept]] = True
+    points, triangles = surface_of(occupied.reshape(hull.box.shape), hull.box.low, hull.box.voxel_m)
+    if not len(points):
+        return None
+    farthest = np.unique((points @ _evenly_spread(CORNERS).T).argmax(axis=0))
+    corners = np.column_stack([points[farthest], np.zeros((len(farthest), 2))])
+    return Proxy("silhouettes", corners, Mesh(points, triangles))
+
+
+def _evenly_spread(count: int) -> Float:
+    """(count, 3) unit vectors, along a spiral of the golden angle."""
+    z = 1 - (2 * np.arange(count) + 1) / count
+    angle = np.pi * (3 - np.sqrt(5)) * np.arange(count)
+    flat = np.sqrt(1 - z**2)
+    return np.column_stack([flat * np.cos(angle), flat * np.sin(angle), z])

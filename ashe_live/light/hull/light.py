@@ -1,0 +1,87 @@
+"""The light whose shadow a hull throws: what silhouettes of any shape, and the smoothness of solids, leave of it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import normalised, tangent_basis
+from ashe_live.light.hull.carved import Carved, InLight
+from ashe_live.light.hull.measured import shape_and_shadow
+from ashe_live.light.pixels.areas import shrunk
+
+COARSE_RAD, COARSE = math.radians(4.0), 5  # step of the first grid of directions, and steps to each side
+FINE_SIGMAS, FINE = 0.8, 3  # of the second, in sigmas of the first one's result
+FINEST_RAD = math.radians(0.5)  # below which voxels and pixels tell no directions apart
+LOWEST_SINE = 0.06  # of a light's elevation
+# By how much the cost for each pixel of its outlines is larger in the true light than in the best one, as voxels and
+# labels are off by chance: 0.25 in the median of takes, over 1.39, the median of a chi squared variable of two degrees
+# of freedom.
+CHANCE = 0.18
+# Log likelihood that pixels and tangents together may lack of the most that each reaches by itself: where two sigmas do
+# not bring them together, the labels of one are wrong.
+MOST_APART = 6.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HullLight:
+    """The light of a hull."""
+
+    to_light_marker: Float  # (3,)
+    covariance_rad2: Float  # (2, 2) on its tangent basis: larger azimuth, larger elevation
+    seen: InLight  # what the hull explains in it
+
+
+def light_of_hull(hull: Carved, start: Float) -> HullLight | None:
+    """The posterior mean of the light's direction around `start` (3,), with its covariance; None where none is told.
+
+    The likelihood is that of the views' pixels under the hull in each light, times that of the shadow's tangents under
+    the support function that the silhouettes leave (docs/maths.md, "A hull"), on a grid of directions around the start,
+    and on a finer one around its result. None is told where too little of the shadow's outline is seen, or the two
+    contradict each other.
+    """
+    around = _grid(start, COARSE_RAD, COARSE)
+    by_pixels = _log_likelihood_by_pixels(hull, around)
+    first, _ = _posterior(around, by_pixels)
+    shape = shape_and_shadow(hull.views, hull.in_light(first).masks, hull.middle)
+    if shape is None:
+        return None
+    support, shadow = shape
+    by_tangents = np.array([support.log_likelihood(shadow, each) for each in around])
+    shadow = support.without_outliers(shadow, around[int((by_pixels + by_tangents).argmax())])
+    by_tangents = np.array([support.log_likelihood(shadow, each) for each in around])
+    if (by_pixels + by_tangents).max() < by_pixels.max() + by_tangents.max() - MOST_APART:
+        return None
+    mean, covariance = _posterior(around, by_pixels + by_tangents)
+    step = max(FINE_SIGMAS * math.sqrt(float(np.trace(covariance)) / 2), FINEST_RAD)
+    around = _grid(mean, step, FINE)
+    by_tangents = np.array([support.log_likelihood(shadow, each) for each in around])
+    mean, covariance = _posterior(around, _log_likelihood_by_pixels(hull, around) + by_tangents)
+    return HullLight(mean, covariance, hull.in_light(mean))
+
+
+def _log_likelihood_by_pixels(hull: Carved, directions: Sequence[Float]) -> Float:
+    several = [hull.in_light(each) for each in directions]
+    costs = np.array([seen.cost for seen in several])
+    best = several[int(costs.argmin())]
+    outline_px = sum(int(np.count_nonzero(masks.whole & ~shrunk(masks.whole, 1))) for masks in best.masks)
+    return np.asarray(-0.5 * costs / (CHANCE * max(outline_px, 1)))
+
+
+def _grid(middle: Float, step_rad: float, steps: int) -> list[Float]:
+    """Directions (3,) around `middle`, on a square grid of its tangent plane; those above LOWEST_SINE."""
+    basis, several = tangent_basis(middle), math.tan(step_rad) * np.arange(-steps, steps + 1)
+    found = [normalised(middle + x * basis[0] + y * basis[1]) for y in several for x in several]
+    return [each for each in found if each[2] > LOWEST_SINE] or [middle]
+
+
+def _posterior(directions: Sequence[Float], log_likelihood: Float) -> tuple[Float, Float]:
+    """The mean direction (3,), and the covariance (2, 2) on its tangent basis, of a likelihood on a grid."""
+    weights = np.exp(log_likelihood - log_likelihood.max())
+    weights /= weights.sum()
+    several = np.array(directions)
+    mean = normalised(weights @ several)
+    away = several @ tangent_basis(mean).T
+    return mean, (away * weights[:, None]).T @ away + (FINEST_RAD / 2) ** 2 * np.eye(2)
