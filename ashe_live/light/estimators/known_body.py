@@ -12,10 +12,9 @@ from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFram
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
 from ashe_live.light.known_body.ambient import open_sky_rgb, sky_slope_rgb
-from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb
+from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, masks_of
 from ashe_live.light.known_body.lights import Found, lights_of
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.silhouettes import direction_covariance, masks_of
 from ashe_live.light.pixels.view import View
 
 IN_SHADE = "the cube stands in another thing's shadow: move it into the light"
@@ -52,7 +51,7 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     if not likely:
         return none(_why_none(seen, found))
     illumination = _illumination(seen, likely, tracked)
-    masks = masks_of(view, body, [each.light for each in likely])
+    masks = masks_of(seen, likely)
     clock.end("judge")
     return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms())
 
@@ -71,11 +70,10 @@ def _illumination(seen: Seen, found: Sequence[FoundLight], tracked: TrackedFrame
 
 
 def _light(found: FoundLight, tracked: TrackedFrame) -> Light:
-    to_light = found.light[:3] / np.linalg.norm(found.light[:3])
-    by_edges = direction_covariance(found.light, found.covariance)
-    covariance = CALIBRATION.covariance(by_edges, to_light, found.confidence, tracked)
-    size = found.fit.size_rad if found.fit is not None else None
-    return Light(to_light, covariance, radius_of_68_percent(covariance), found.confidence, size)
+    by_edges = found.fitted
+    to_light = by_edges.to_light_marker
+    covariance = CALIBRATION.covariance(by_edges.covariance_rad2, to_light, found.confidence, tracked)
+    return Light(to_light, covariance, radius_of_68_percent(covariance), found.confidence, found.size_rad or None)
 
 
 def _why_none(seen: Seen, found: Found | None) -> str:

@@ -21,6 +21,7 @@ class ShadowEdges:
     """Points on a shadow's outline in a picture."""
 
     points_px: Float  # (n, 2)
+    corners_px: Float  # (m, 2) those of the outline, which is convex
     normals_px: Float  # (n, 2) unit vectors out of the shadow
     to_corner_px: Float  # (n,) distance from the nearer end of the point's straight edge
     by_light: Float  # (n, 3) pixels along the normal by s_x, s_y and by w / z, 1/m
@@ -67,7 +68,7 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     offsets = light[:3] - light[3] * origin
     by_size = _penumbra(across, lower, offsets / np.linalg.norm(light[:3]))
     to_corner = np.minimum(along_px, lengths_px[edge] - along_px)
-    return ShadowEdges(points_px, normals, to_corner, by_light, by_size)
+    return ShadowEdges(points_px, pixels, normals, to_corner, by_light, by_size)
 
 
 def _penumbra(across: Float, lower: Float, offsets: Float) -> Float:
