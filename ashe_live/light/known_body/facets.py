@@ -13,7 +13,7 @@ from ashe_live.light.pixels.view import View
 NORMALS: Float = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)], dtype=np.float64)
 NORMALS.flags.writeable = False
 # A print leaves half of a facet white: what is brighter than most of it, without what gloss or noise makes brightest.
-WHITE = (70.0, 95.0)  # percentiles
+WHITE = (90.0, 98.0)  # percentiles
 RIM_PX, LEAST_PX = 2, 30
 CLIPPED = 0.95  # linear light, from which on it may be any
 BITS = 4

@@ -15,9 +15,9 @@ NOISE, OF_LIGHT, TURN_RAD = 0.02, 0.08, np.radians(0.9).item()
 # Sigma of a sky's slope before it is seen, over its light on level ground: it is 0 of an even sky, and 0.5 where all of
 # its light comes from one side.
 SLOPE = 0.1
-# Of a facet seen from the side, blur mixes the white with the print: half of its light where it is five pixels wide,
-# in painted pictures, and 3 % from 30 pixels on.
-MIXED, MIXED_PX, MIXED_POWER = 0.5, 5.0, 1.5
+# Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is a fifth of the
+# level one's off where it is ten pixels wide, and falls by the third power of the width.
+MIXED, MIXED_PX, MIXED_POWER = 0.2, 10.0, 3
 MOST_SIGMAS = 4.0  # a residual counts no more than so many: something else may light or shade that side
 
 
@@ -45,8 +45,9 @@ class Sides:
         white = max(float(light[level].mean()), 1e-4) if len(level) else 1.0
         relative = light[sides] / white
         residual = relative - bounced[sides] / white - 0.5 * (1 + facets.normals[sides, 2])
-        mixed = MIXED * (MIXED_PX / np.maximum(facets.width_px[sides], 1.0)) ** MIXED_POWER
-        noise = np.hypot(NOISE, mixed * np.maximum(relative, 1.0))
+        mixed = MIXED * (MIXED_PX / np.maximum(facets.width_px, MIXED_PX / 2)) ** MIXED_POWER
+        of_level = float(mixed[level].mean()) if len(level) else 0.0
+        noise = np.sqrt(NOISE**2 + mixed[sides] ** 2 + (relative * of_level) ** 2)
         return Sides(facets.normals[sides], relative, residual, noise, facets.is_clipped[sides])
 
     def reached(self, to_lights: Float) -> Float:
