@@ -6,11 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import camera_centre, normalised
-from ashe_live.light.known_body.evidence import Evidence
+from ashe_live.light.known_body.evidence import Evidence, Lit
 from ashe_live.light.known_body.found_light import FoundLight
-from ashe_live.light.known_body.outline.fit import fitted
+from ashe_live.light.known_body.outline.edges import shadow_edges
+from ashe_live.light.known_body.outline.fit import fitted, widest_reach_px
+from ashe_live.light.known_body.outline.profiles import Profiles
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.templates import shadows_of, templates_of
@@ -19,9 +21,10 @@ from ashe_live.light.shape.light_points import at_infinity
 TRIED, APART_RAD, TRIED_WITHIN = 3, math.radians(12), 12.0  # starts of a fit; within so much log likelihood of the best
 MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found other edges
 LEAST_CLEAR = 0.5  # of the edges that can be seen, the part with a step: else a fit has found other edges
+LEAST_DARKENING = 0.1  # part of the table's light: what is no third as deep as this is no step
 # Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then
 # along it alone and finer, as the scan hardly tells the lengths of shadows that leave the picture.
-AROUND = 0.045 * np.array([(along, across) for along in range(-2, 3) for across in range(-2, 3)])
+AROUND = 0.05 * np.array([(along, across) for along in (-2, -1, 0, 1, 2) for across in (-1, 0, 1)])
 ALONG = 0.035 * np.array([(along, 0) for along in range(-8, 4)])
 TEMPLATES_APART = 0.1  # in s = (x, y) / z, over 1 + |s|, roughly
 # Lights behind the camera, whose shadow the body hides: parts of the displacement at which the camera would cast it,
@@ -35,54 +38,64 @@ class Directions:
 
     lights: Float  # (m, 4) at infinity, unit (x, y, z)
     solid_angle: Float  # (m,) share of the upper hemisphere that each stands for
-    shadows: Float32  # (m, n * n) part of each cell of the map that is in shadow
+    lit: Lit
 
     @staticmethod
     def of(seen: Seen) -> "Directions":
         """The templates, and between them more of those whose shadow the body hides from the camera."""
         templates = templates_of(seen.body)
+        lights, solid_angle, shadows = templates.lights, templates.solid_angle, templates.shadows
         eye = camera_centre(seen.view.T_cam_marker) - seen.body.foot_marker
-        if eye[2] <= 0:
-            return Directions(templates.lights, templates.solid_angle, templates.shadows)
-        s = eye[:2] / eye[2]
-        aside = np.array([-s[1], s[0]]) / max(float(np.hypot(*s)), 1e-9)
-        wide = 1 + float(np.hypot(*s))
-        grid = BEHIND[:, None, None] * s + wide * BEHIND_ASIDE[:, None] * aside
-        s_all = np.column_stack([grid.reshape(-1, 2), np.ones(grid.size // 2)])
-        lengths = np.linalg.norm(s_all, axis=1)
-        lights = at_infinity(s_all / lengths[:, None])
-        cell = float(np.hypot(*s)) * (BEHIND[1] - BEHIND[0]) * wide * (BEHIND_ASIDE[1] - BEHIND_ASIDE[0])
-        return Directions(
-            np.concatenate([templates.lights, lights]),
-            np.concatenate([templates.solid_angle, cell / lengths**3 / (2 * math.pi)]),
-            np.concatenate([templates.shadows, shadows_of(seen.body, lights)]),
-        )
+        if eye[2] > 0:
+            s = eye[:2] / eye[2]
+            length = max(float(np.hypot(*s)), 1e-9)
+            grid = BEHIND[:, None, None] * s + (1 + length) * BEHIND_ASIDE[:, None] * np.array([-s[1], s[0]]) / length
+            further = np.column_stack([grid.reshape(-1, 2), np.ones(grid.size // 2)])
+            lengths = np.linalg.norm(further, axis=1)
+            further = at_infinity(further / lengths[:, None])
+            cell = length * (BEHIND[1] - BEHIND[0]) * (1 + length) * (BEHIND_ASIDE[1] - BEHIND_ASIDE[0])
+            lights = np.concatenate([lights, further])
+            solid_angle = np.concatenate([solid_angle, cell / lengths**3 / (2 * math.pi)])
+            shadows = np.concatenate([shadows, shadows_of(seen.body, further)])
+        return Directions(lights, solid_angle, Lit(lights[:, :3], shadows))
 
 
 def refined(
-    seen: Seen, directions: Directions, score: Float, darkenings: Float, beside: Evidence, room: Room
+    seen: Seen, directions: Directions, score: Float, beside: Evidence, room: Room, least: float = -math.inf
 ) -> Iterator[FoundLight]:
     """The likeliest different directions, each moved onto its shadow's edges where these are seen.
 
-    score: (m,) log likelihood of each of the directions. darkenings: (m,) of each. beside: the picture, beside the
-    lights that are known. room: table on which edges may be seen.
+    score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
+    lights that are known. room: table on which edges may be seen. least: likelihood below which edges must be seen.
     """
     chosen: list[Float] = []
     for index in np.argsort(-score, kind="stable"):
         if score[index] < score.max() - TRIED_WITHIN or len(chosen) == TRIED:
             break
-        template = directions.lights[index]
+        template, darkening = directions.lights[index], float(beside.everywhere.darkenings[index, -1])
         if any(template[:3] @ other > math.cos(APART_RAD) for other in chosen):
             continue
         chosen.append(template[:3])
+        if score[index] < least and not _shows_edges(seen, template, darkening, room):
+            continue
         start, darkening = _nearby(seen, template, beside)
         fit = fitted(seen.body, start, darkening, seen.light, room, seen.view) if darkening > 0 else None
         is_near = fit is not None and normalised(fit.light[:3]) @ normalised(start[:3]) > math.cos(MOST_MOVED_RAD)
         if fit is not None and is_near and fit.clear > LEAST_CLEAR:
             yield FoundLight(fit.light, fit.covariance, fit, darkening)
         else:
-            mean, spread, darkening = _mean_near(directions, score, darkenings, template)
+            mean, spread, darkening = _mean_near(directions, score, beside.everywhere.darkenings[:, -1], template)
             yield FoundLight(mean, spread, None, darkening)
+
+
+def _shows_edges(seen: Seen, light: Float, darkening: float, room: Room) -> bool:
+    """Whether there are steps where a light (4,) would have the shadow's edges, nearly."""
+    edges = shadow_edges(seen.body, light, seen.view)
+    if edges is None:
+        return False
+    reach_px = np.full(len(edges.points_px), widest_reach_px(seen.body, seen.view))
+    profiles = Profiles.of(edges, reach_px, seen.light, room)
+    return bool(profiles.visible.any()) and profiles.clear(max(darkening, LEAST_DARKENING)) > LEAST_CLEAR
 
 
 def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float]:
@@ -92,7 +105,7 @@ def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float
         length = max(float(np.hypot(*s)), 1e-9)
         around = s + (0.5 + length) * offsets @ (np.array([s, (-s[1], s[0])]) / length)
         lights = at_infinity(np.column_stack([around, np.ones(len(around))]))
-        scan = seen.scan(lights, beside)
+        scan = beside.scanned(seen.lit(lights))
         best = int(scan.log_likelihood.argmax())
         s = around[best]
     return lights[best], float(scan.darkenings[best, -1])

@@ -23,7 +23,7 @@ VARIED = 7  # what else varies on a table: slow terms, and the sky that the body
 # Before the picture is seen: the part of the table's light that a light gives, and its standard deviation.
 DARKENING, DARKENING_SIGMA = 0.35, 0.35
 MOST_DARKENING = 0.97  # by all lights together: some light always comes from elsewhere
-HIDDEN_SIGMA = 0.3  # of the sky that the body hides, over what it hides of an even sky
+HIDDEN_SIGMA = 0.2  # of the sky that the body hides, over what it hides of an even sky
 ROUNDS = 2  # of the sides' variances, which depend on how bright the lights are
 
 
@@ -45,21 +45,33 @@ class _Normal:
     squares: float  # sum of what is left if no light is there
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Lit:
+    """Lights and the shadows of a body in them."""
+
+    to_lights: Float  # (m, 3) unit
+    shadows: Float32  # (m, n * n) part of each cell of the map that is in shadow
+
+
 class Evidence:
     """The map and the sides of one picture, or of one of its colour channels, beside lights that are known."""
 
+    everywhere: Scan  # of a further light in all directions
+
     def __init__(
-        self, values: Float32, weight: Float32, hidden_sky: Float32, sides: Sides, known: Float32, to_known: Float
+        self, values: Float32, weight: Float32, hidden_sky: Float32, sides: Sides, known: Lit, everywhere: Lit
     ) -> None:
         """values: (n, n) relative light of the table's cells, with their weights. hidden_sky: as in Templates.
 
-        known: (l, n * n) shadows of the lights that are known, in directions (l, 3).
+        everywhere: lights in all directions. What the best of these leaves of the map is its noise.
         """
-        self._sides, self._to_known = sides, to_known
+        self._sides, self._to_known = sides, known.to_lights
         weight = weight.reshape(-1)
         self._cells = float(weight.sum())
         # All of the sky's light is taken for granted, and lights take from it.
-        base = np.concatenate([_slow(), hidden_sky[None], hidden_sky - known, values.reshape(1, -1) + hidden_sky])
+        base = np.concatenate(
+            [_slow(), hidden_sky[None], hidden_sky - known.shadows, values.reshape(1, -1) + hidden_sky]
+        )
         weighted = base * weight
         moments = (weighted @ base.T).astype(np.float64)
         self._of_hidden = moments[VARIED - 1].copy()
@@ -69,24 +81,29 @@ class Evidence:
         self._without_varied = np.linalg.inv(moments[:VARIED, :VARIED])
         self._varied = self._without_varied @ moments[:VARIED, VARIED:]
         rest = moments[VARIED:, VARIED:] - moments[VARIED:, :VARIED] @ self._varied
-        self._known = _Normal(to_known[None], rest[None, :-1, :-1], rest[None, :-1, -1], float(rest[-1, -1]))
+        self._known = _Normal(known.to_lights[None], rest[None, :-1, :-1], rest[None, :-1, -1], float(rest[-1, -1]))
+        beside = self._with(everywhere)
+        self._variance = min(self._left_by_best(beside), self._left_by_best(self._known)) / self._cells + LEAST_NOISE**2
+        self._none, self._darkenings = self._explained(self._known)
+        self.everywhere = self._scan(beside)
 
-    def scanned(self, shadows: Float32, to_lights: Float) -> Scan:
-        """How well new lights explain the picture, one at a time: shadows (m, n * n) in directions (m, 3)."""
-        beside = self._with(shadows, to_lights)
-        variance = min(self._variance(beside), self._variance(self._known))
-        without, _ = self._explained(self._known, variance)
-        log_likelihood, darkenings = self._explained(beside, variance)
-        return Scan(log_likelihood - without, darkenings)
+    def scanned(self, lights: Lit) -> Scan:
+        """How well further lights explain the picture, one at a time."""
+        return self._scan(self._with(lights))
 
+    @property
     def darkenings(self) -> Float:
         """(l,) part of the table's light that each known light gives."""
-        return np.asarray(self._explained(self._known, self._variance(self._known))[1][0])
+        return np.asarray(self._darkenings[0])
 
-    def _with(self, shadows: Float32, to_lights: Float) -> _Normal:
+    def _scan(self, beside: _Normal) -> Scan:
+        log_likelihood, darkenings = self._explained(beside)
+        return Scan(log_likelihood - self._none, darkenings)
+
+    def _with(self, new: Lit) -> _Normal:
         """The known lights and each of the new ones."""
-        m, count = len(shadows), len(self._to_known) + 1
-        sums = (shadows @ self._columns).astype(np.float64)
+        m, count = len(new.shadows), len(self._to_known) + 1
+        sums = (new.shadows @ self._columns).astype(np.float64)
         # A light takes its shadow away, and its share of the hidden sky's light; a cell is in shadow or not, nearly.
         mixed = self._of_hidden - sums[:, :-1]
         varied, crossed = mixed[:, :VARIED], mixed[:, VARIED:] - mixed[:, :VARIED] @ self._varied
@@ -96,25 +113,24 @@ class Evidence:
         information[:, -1, :-1] = information[:, :-1, -1] = crossed[:, :-1]
         information[:, -1, -1] = squares - ((varied @ self._without_varied) * varied).sum(axis=1)
         pull = np.column_stack([np.broadcast_to(self._known.pull, (m, count - 1)), crossed[:, -1]])
-        all_lights = np.concatenate([np.broadcast_to(self._to_known, (m, count - 1, 3)), to_lights[:, None]], axis=1)
+        all_lights = np.concatenate(
+            [np.broadcast_to(self._to_known, (m, count - 1, 3)), new.to_lights[:, None]], axis=1
+        )
         return _Normal(all_lights, information, pull, self._known.squares)
 
-    def _variance(self, normal: _Normal) -> float:
-        """Of a cell's relative light, about what the set of lights that explains the map best leaves."""
+    def _left_by_best(self, normal: _Normal) -> float:
+        """Sum of squares of the map that is left by the set of lights that explains it best."""
         told = normal.information + RIDGE * self._cells * np.eye(normal.pull.shape[1])
         best = np.linalg.solve(told, normal.pull[..., None])[..., 0].clip(0.0, 1.0)
-        return float(self._left(normal, best).min(initial=normal.squares)) / self._cells + LEAST_NOISE**2
+        return float(self._left(normal, best).min(initial=normal.squares))
 
     def _left(self, normal: _Normal, darkenings: Float) -> Float:
         """(m,) sum of squares of the map that is left by lights of darkenings (m, l)."""
         explained = 2 * normal.pull - np.einsum("mij,mj->mi", normal.information, darkenings)
         return np.asarray(np.maximum(normal.squares - (explained * darkenings).sum(axis=1), 0.0))
 
-    def _explained(self, normal: _Normal, variance: float) -> tuple[Float, Float]:
-        """(m,) log likelihood of map and sides, with each set of lights, and (m, l) their darkenings.
-
-        variance: of a cell's relative light, by which map and sides are weighed against each other.
-        """
+    def _explained(self, normal: _Normal) -> tuple[Float, Float]:
+        """(m,) log likelihood of map and sides, with each set of lights, and (m, l) their darkenings."""
         sides, prior = self._sides, 1 / DARKENING_SIGMA**2
         count = normal.pull.shape[1]
         reached = sides.reached(normal.to_lights)
@@ -122,9 +138,9 @@ class Evidence:
         for _ in range(ROUNDS):
             spread = sides.variance(normal.to_lights, reached, darkenings)
             told = reached / spread[:, None] * ~sides.is_clipped
-            information = normal.information / (CELLS_A_SAMPLE * variance)
+            information = normal.information / (CELLS_A_SAMPLE * self._variance)
             information = information + told @ np.swapaxes(reached, 1, 2) + prior * np.eye(count)
-            pull = normal.pull / (CELLS_A_SAMPLE * variance) + told @ sides.residual + prior * DARKENING
+            pull = normal.pull / (CELLS_A_SAMPLE * self._variance) + told @ sides.residual + prior * DARKENING
             darkenings = np.linalg.solve(information, pull[..., None])[..., 0].clip(0.0, MOST_DARKENING)
             darkenings /= np.maximum(darkenings.sum(axis=1, keepdims=True) / MOST_DARKENING, 1.0)
         left = self._left(normal, darkenings) / self._cells + LEAST_NOISE**2

@@ -21,8 +21,9 @@ LOG_NONE = math.log(0.5)
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
 MOST_LIGHTS = 3
 # A further light: what map and sides say for it before it is fitted, and together with its edges afterwards.
-LEAST_SCORE, LEAST_MORE = -1.5, 5.0
-# It must take that part of the table's light; and where its edges are seen, so many of them must be steps, and so near.
+LEAST_SCORE, LEAST_MORE = -1.5, 4.0
+WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
+# It must take that part of the table's light; and if its edges are what tells it, so many must be steps, and so near.
 LEAST_DARKENING, LEAST_CLEAR, MOST_MISFIT_PX = 0.06, 0.75, 0.7
 
 
@@ -36,12 +37,10 @@ class Found:
 
 def lights_of(seen: Seen) -> Found | None:
     """None where nothing says that there is a light."""
-    directions, nothing = Directions.of(seen), seen.beside(np.zeros((0, 4)))
-    alone = seen.scan(directions.lights, nothing, directions.shadows)
-    scored = [
-        (_log_likelihood(seen, each, nothing), each)
-        for each in refined(seen, directions, alone.log_likelihood, alone.darkenings[:, -1], nothing, seen.room)
-    ]
+    directions = Directions.of(seen)
+    alone = seen.beside(np.zeros((0, 4)), directions.lit)
+    candidates = refined(seen, directions, alone.everywhere.log_likelihood, alone, seen.room)
+    scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     if not scored:
         return None
     likelihood, first = max(scored, key=lambda pair: pair[0])
@@ -66,22 +65,22 @@ def _points(found: Sequence[FoundLight]) -> Float:
 
 def _log_likelihood(seen: Seen, one: FoundLight, beside: Evidence) -> float:
     """By map, sides and edges."""
-    return float(seen.scan(one.light[None], beside).log_likelihood[0]) + edge_log_odds(one.fit)
+    return float(beside.scanned(seen.lit(one.light[None])).log_likelihood[0]) + edge_log_odds(one.fit)
 
 
 def _with_confidence(
-    seen: Seen, directions: Directions, one: FoundLight, among: Sequence[FoundLight], alone: Scan
+    seen: Seen, directions: Directions, one: FoundLight, among: Sequence[FoundLight], alone: Evidence
 ) -> FoundLight:
     """`one` of the lights `among` which it is, with the posterior of the directions near it, and what its edges say.
 
-    alone: the scan of a light beside which there is no other.
+    alone: the picture without lights that are known.
     """
     others = [other for other in among if other is not one]
-    scan, palest, pale = alone, PALEST, PALE
+    beside, palest, pale = alone, PALEST, PALE
     if others:
-        scan = seen.scan(directions.lights, seen.beside(_points(others)), directions.shadows)
+        beside = seen.beside(_points(others), directions.lit)
         palest = pale = LEAST_DARKENING
-    near = _posterior_near(directions, scan, one.light)
+    near = _posterior_near(directions, beside.everywhere, one.light)
     step = float(darkenings_rgb(seen, [one, *others])[0].mean())
     return replace(one, confidence=with_edges(near, one.fit, step, palest, pale))
 
@@ -103,18 +102,19 @@ def are_apart(found: Sequence[FoundLight]) -> bool:
 
 def _further(seen: Seen, directions: Directions, known: Sequence[FoundLight]) -> FoundLight | None:
     """Another light, which map and sides show beside those that are known."""
-    beside = seen.beside(_points(known))
-    scan = seen.scan(directions.lights, beside, directions.shadows)
-    score = scan.log_likelihood
+    beside = seen.beside(_points(known), directions.lit)
+    score = beside.everywhere.log_likelihood
     for each in known:
         to_light = normalised(each.light[:3])
         score = np.where(directions.lights[:, :3] @ to_light > math.cos(APART_RAD), -np.inf, score)
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    for one in refined(seen, directions, score, scan.darkenings[:, -1], beside, room_beside(seen, known)):
-        is_clear = one.fit is None or (one.fit.clear > LEAST_CLEAR and one.fit.misfit_px < MOST_MISFIT_PX)
+    for one in refined(seen, directions, score, beside, room_beside(seen, known), LEAST_MORE - WORTH):
         more = _log_likelihood(seen, one, beside)
+        by_edges = edge_log_odds(one.fit)
+        is_clear = one.fit is None or (one.fit.clear > LEAST_CLEAR and one.fit.misfit_px < MOST_MISFIT_PX)
+        is_clear = is_clear or more - by_edges > LEAST_MORE
         if is_clear and one.darkening > LEAST_DARKENING and more > best:
             best, likeliest = more, one
     return likeliest

@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.evidence import Evidence, Scan
+from ashe_live.light.known_body.evidence import Evidence, Lit
 from ashe_live.light.known_body.facets import Facets, facets_of
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.shading import PAPER, Sides
@@ -67,28 +67,23 @@ class Seen:
         values = self.relative[near][self.table.seen[near]]
         return float(np.percentile(values.mean(axis=1), 90)) if len(values) else 1.0
 
-    def beside(self, known: Float) -> Evidence:
+    def lit(self, lights: Float) -> Lit:
+        """The body's shadows in lights (m, 4)."""
+        to_lights = lights[:, :3] / np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
+        return Lit(to_lights, shadows_of(self.body, lights))
+
+    def beside(self, known: Float, everywhere: Lit) -> Evidence:
         """What the picture says of further lights, beside `known` ones (l, 4)."""
-        return self._evidence(known, np.full(3, 1 / 3))
-
-    def scan(self, lights: Float, beside: Evidence, shadows: Float32 | None = None) -> Scan:
-        """How well lights (m, 4) explain the picture, one at a time, `beside` those that are known.
-
-        shadows: (m, n * n) of the lights, where somebody has them already.
-        """
-        return beside.scanned(shadows_of(self.body, lights) if shadows is None else shadows, _units(lights))
+        return self._evidence(self.lit(known), everywhere, np.full(3, 1 / 3))
 
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""
-        return np.stack([self._evidence(lights, channel).darkenings() for channel in np.eye(3)], axis=1)
+        known, nothing = self.lit(lights), self.lit(lights[:0])
+        return np.stack([self._evidence(known, nothing, channel).darkenings for channel in np.eye(3)], axis=1)
 
-    def _evidence(self, known: Float, channels: Float) -> Evidence:
+    def _evidence(self, known: Lit, everywhere: Lit, channels: Float) -> Evidence:
         """channels: (3,) weights of R, G, B."""
         values = np.minimum(self.relative @ channels.astype(np.float32), BRIGHTEST)
         sides = Sides.of(self.facets, self.from_table, channels)
         weight, hidden_sky = self.table.seen.astype(np.float32), templates_of(self.body).hidden_sky
-        return Evidence(values, weight, hidden_sky, sides, shadows_of(self.body, known), _units(known))
-
-
-def _units(lights: Float) -> Float:
-    return np.asarray(lights[:, :3] / np.linalg.norm(lights[:, :3], axis=1, keepdims=True))
+        return Evidence(values, weight, hidden_sky, sides, known, everywhere)

@@ -15,8 +15,8 @@ from ashe_live.light.pixels.view import View
 
 # How far from the predicted edge the search reaches: of the body's height in the picture at first, then as much as the
 # penumbra needs, in standard deviations, and never less than LEAST_PX.
-REACHES = (0.3, 0.22, 0.16)
-MOST_ROUNDS, SPREADS, MOST_SHARE = 7, 2.6, 0.4
+REACHES = (0.25, 0.16)
+MOST_ROUNDS, SPREADS, MOST_SHARE = 6, 2.6, 0.4
 DONE_PX = 0.03  # a step that moves no edge farther is the last one
 BLUR_PX = 0.8  # standard deviation of the picture's blur, until it is measured
 EARLY_LOSS = 2.0  # factor on the scale of Cauchy's loss in the first rounds
@@ -52,8 +52,7 @@ def fitted(
     here, size, blur = light / light[2], 0.0, BLUR_PX**2
     parameters = [0, 1, 3] if with_nearness else [0, 1]
     start, prior = here[parameters] * (1, 1, 0)[: len(parameters)], _prior(here, len(parameters))
-    scale_px = float(view.camera.K[0, 0]) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
-    height_px = scale_px * height_of(body)
+    height_px = _height_px(body, view)
     for number in range(MOST_ROUNDS):
         edges = shadow_edges(body, here, view)
         if edges is None:
@@ -78,6 +77,15 @@ def fitted(
         if not is_first and np.abs(J @ step).max() < DONE_PX:
             break
     return _edge_fit(here, profiles, weight, profiles.offset_px - J @ step, normal, size or None, darkening)
+
+
+def widest_reach_px(body: Proxy, view: View) -> float:
+    """How far from where a fit predicts edges at first it looks for them."""
+    return max(REACHES[0] * _height_px(body, view), 2 * LEAST_PX)
+
+
+def _height_px(body: Proxy, view: View) -> float:
+    return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
 
 
 def _prior(light: Float, count: int) -> Float:
@@ -121,6 +129,6 @@ def _edge_fit(
         size_rad,
         math.sqrt(variance),
         math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),
-        float(profiles.are_steps(darkening)[visible].mean()) if visible.any() else 0.0,
+        profiles.clear(darkening) if visible.any() else 0.0,
         float(visible.mean()),
     )

@@ -59,6 +59,10 @@ class Profiles:
         """(n,) which are visible and as deep as a light's edge that takes this part of the table's light."""
         return np.asarray(self.visible & (self.step > LEAST_STEP * darkening))
 
+    def clear(self, darkening: float) -> float:
+        """Of the places that are visible, the part with a step; there must be some."""
+        return float(self.are_steps(darkening)[self.visible].mean())
+
     def weights(self, darkening: float, loss: float) -> Float:
         """(n,) weight of each edge, 0 for what is none; loss: factor on the scale of Cauchy's loss."""
         scale = loss * np.maximum(OUTLIER_SHARE * self.reach_px, OUTLIER_PX)
@@ -75,7 +79,7 @@ class Profiles:
         spreads = self.edges.by_size
         design = np.column_stack([np.ones(len(spreads)), spreads**2])
         w = weight.copy()
-        for _ in range(4):
+        for _ in range(3):
             normal = (design * w[:, None]).T @ design + 1e-12 * np.eye(2)
             blur, squared = np.linalg.solve(normal, (design * w[:, None]).T @ self.variance_px2)
             rest = self.variance_px2 - design @ np.array([blur, squared])
