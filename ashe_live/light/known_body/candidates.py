@@ -11,15 +11,17 @@ from ashe_live.core.transforms import camera_centre, normalised
 from ashe_live.light.known_body.evidence import Evidence, Lit
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.outline.edges import shadow_edges
-from ashe_live.light.known_body.outline.fit import fitted, widest_reach_px
+from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, widest_reach_px
 from ashe_live.light.known_body.outline.profiles import Profiles
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import shadows_of, templates_of
 from ashe_live.light.shape.light_points import at_infinity
 
 TRIED, APART_RAD, TRIED_WITHIN = 3, math.radians(12), 12.0  # starts of a fit; within so much log likelihood of the best
 MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found other edges
+LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
 LEAST_CLEAR = 0.5  # of the edges that can be seen, the part with a step: else a fit has found other edges
 LEAST_DARKENING = 0.1  # part of the table's light: what is no third as deep as this is no step
 # Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then
@@ -79,13 +81,25 @@ def refined(
         if score[index] < least and not _shows_edges(seen, template, darkening, room):
             continue
         start, darkening = _nearby(seen, template, beside)
-        fit = fitted(seen.body, start, darkening, seen.light, room, seen.view) if darkening > 0 else None
-        is_near = fit is not None and normalised(fit.light[:3]) @ normalised(start[:3]) > math.cos(MOST_MOVED_RAD)
-        if fit is not None and is_near and fit.clear > LEAST_CLEAR:
-            yield FoundLight(fit.light, fit.covariance, fit, darkening)
+        fit = _moved_onto_edges(seen, start, darkening, room)
+        if fit is not None:
+            yield FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
         else:
             mean, spread, darkening = _mean_near(directions, score, beside.everywhere.darkenings[:, -1], template)
             yield FoundLight(mean, spread, None, darkening)
+
+
+def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) -> EdgeFit | None:
+    """The fit near a sun `start` (4,): as a sun, or as a lamp where no sun explains the edges; None if neither does."""
+    if darkening <= 0:
+        return None
+    lamp = np.append(start[:2] / start[2] * (1 - LAMP_NEARNESS * height_of(seen.body)), (1.0, LAMP_NEARNESS))
+    for light, is_lamp in ((start, False), (lamp, True)):
+        fit = fitted(seen.body, light, darkening, seen.light, room, seen.view, with_nearness=is_lamp)
+        is_near = fit is not None and normalised(fit.light[:3]) @ normalised(light[:3]) > math.cos(MOST_MOVED_RAD)
+        if fit is not None and is_near and fit.clear > LEAST_CLEAR:
+            return fit
+    return None
 
 
 def _shows_edges(seen: Seen, light: Float, darkening: float, room: Room) -> bool:

@@ -38,7 +38,7 @@ class FoundLight:
     @property
     def fitted(self) -> FittedLight:
         """Its direction with its covariance."""
-        return fitted_lights(self.light[None], self.covariance)[0]
+        return fitted_lights(self.light[None], self.covariance[:2, :2])[0]
 
 
 def masks_of(seen: Seen, found: Sequence[FoundLight]) -> tuple[Mask, Mask]:

@@ -11,6 +11,7 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.candidates import APART_RAD, Directions, refined
 from ashe_live.light.known_body.evidence import Evidence, Scan
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, room_beside
+from ashe_live.light.known_body.lamps import as_lamps
 from ashe_live.light.known_body.outline.fit import fitted
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, edge_log_odds, with_edges
 from ashe_live.light.known_body.seen import Seen
@@ -53,7 +54,7 @@ def lights_of(seen: Seen) -> Found | None:
         if not are_apart(both):
             break  # what was taken for another shadow is the rest of one that is known
         found = both
-    found = [_with_confidence(seen, directions, each, found, alone) for each in found]
+    found = as_lamps(seen, [_with_confidence(seen, directions, each, found, alone) for each in found])
     found.sort(key=lambda each: -each.darkening)
     return Found(tuple(found), likelihood > DARK_ELSEWHERE)
 

@@ -13,7 +13,7 @@ from ashe_live.light.shape.directions import direction_by_displacement
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
 
-POINTS = 140  # of an outline, spread evenly along it in the picture
+POINTS = 105  # of an outline, spread evenly along it in the picture
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -17,12 +17,12 @@ from ashe_live.light.pixels.view import View
 # penumbra needs, in standard deviations, and never less than LEAST_PX.
 REACHES = (0.25, 0.16)
 MOST_ROUNDS, SPREADS, MOST_SHARE = 6, 2.6, 0.4
-DONE_PX = 0.03  # a step that moves no edge farther is the last one
+DONE_PX = 0.06  # a step that moves no edge farther is the last one
 BLUR_PX = 0.8  # standard deviation of the picture's blur, until it is measured
 EARLY_LOSS = 2.0  # factor on the scale of Cauchy's loss in the first rounds
 FEWEST = 5  # places that show an edge, without which nothing is fitted
 START_SIGMA = 0.12  # of a start's displacement s, over 1 + |s|
-NEARNESS_SIGMA = 3.0  # 1/m, of w / z before the picture is seen: lamps are from a third of a metre on
+NEARNESS_SIGMA = 1.5  # 1/m, of w / z before the picture is seen: as of all lamps (lamps.LAMPS_NEARNESS)
 NEAREST = 0.7  # height of the body over that of a lamp, at most
 EDGE_SIGMA_PX = 0.3  # of an edge that is measured, beside which the start's own uncertainty counts
 LEAST_SIGMA_PX = 0.1  # of the edges' misfit, however small it is

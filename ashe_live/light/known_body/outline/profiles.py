@@ -10,13 +10,13 @@ from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.room import Room
 
-SAMPLES = 41  # across an edge
-ENDS = 7  # of them at either end, whose means are the levels of shadow and light
+SAMPLES = 33  # across an edge
+ENDS = 6  # of them at either end, whose means are the levels of shadow and light
 LEAST_PX = 3.5  # that an edge is looked for on either side
 LEAST_STEP = 0.35  # of an edge, over the light that the shadow takes, from which on it is one
 OUTLIER_SHARE, OUTLIER_PX = 0.12, 0.5  # scale of Cauchy's loss: of the reach, and at least
 # Neighbouring points see the same pixels, and a table's stains are wider than these: points over the sample size.
-POINTS_A_SAMPLE = 6.0
+POINTS_A_SAMPLE = 4.5
 LARGEST_RAD = math.radians(20)  # of a light's diameter that is stated
 
 
