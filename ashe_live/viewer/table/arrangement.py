@@ -122,12 +122,15 @@ class Arrangement:
                 best, nearest = number, distances
         return self._change_to(best)
 
-    def stand_clear(self, tracked: TrackedFrame | None, light: Light | None) -> None:
-        """A model that nobody has moved stands over the marker; where that is a body, beside it and its shadow."""
+    def stand_clear(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool = False) -> None:
+        """A model that nobody has moved stands over the marker; where that is a body, beside it and its shadow.
+
+        in_its_place: where such a body is, as that is covered.
+        """
         if not self._first_is_due or tracked is None or tracked.marker is None:
             return
         self._first_is_due = False
-        before, self._first = self._first, first_placement(tracked, light)
+        before, self._first = self._first, first_placement(tracked, light, in_its_place)
         if self._hand.placement == before:
             self._hand.placement = self._first
         self._stands = [
