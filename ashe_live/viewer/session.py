@@ -191,8 +191,7 @@ class Session:
                     self.say(ANSWER_ALONE, now_s)
             case Command.HIDE_MARKER:
                 self.hides_marker = not self.hides_marker
-                self.arrangement.stand_clear_again()
-                self.arrangement.stand_clear(self.tracked, self._estimated.light, self.hides_marker)
+                self.arrangement.stand_clear_again(self.tracked, self._estimated.light, self.hides_marker)
             case Command.MIRROR:
                 self.is_mirrored = not self.is_mirrored
             case Command.BEFORE_AFTER:
@@ -228,7 +227,7 @@ class Session:
             return None
         new, frozen = outcome.estimate, self.watch.frozen
         self._estimated = new.illumination.as_seen_in(frozen)
-        self.arrangement.stand_clear_again()
+        self.arrangement.stand_clear_again(self.tracked, new.illumination.light, self.hides_marker)
         self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)

@@ -53,7 +53,7 @@ def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCov
         hole = covered = sheet_mask(lit, known, side_px)
     else:
         hole, covered = hidden_and_shaded(tracked.marker, body, illumination, half_m, len(lit))
-        hole |= plane.border
+        hole |= plane.border | (covered & ~plane.is_seen)
         covered |= hole
         known, shade = known & ~hole, np.ones_like(shade)  # its shadows go with it
     ground = filled(lit, hole, known, side_px if body is None else COARSER * side_px)

@@ -138,9 +138,10 @@ class Arrangement:
             for stand in self._stands
         ]
 
-    def stand_clear_again(self) -> None:
-        """The light, or the marker, is another one."""
+    def stand_clear_again(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool) -> None:
+        """As `stand_clear`, at once: the light is another one, or whether the body is covered has changed."""
         self._first_is_due = True
+        self.stand_clear(tracked, light, in_its_place)
 
     def begin_anew(self) -> None:
         """Another clip or photo: every model is where it was at first."""
