@@ -12,6 +12,7 @@ from ashe_live.light.known_body.evidence import Evidence, Lit
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.outline.edges import shadow_edges
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, widest_reach_px
+from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import Profiles
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
@@ -22,7 +23,8 @@ from ashe_live.light.shape.light_points import at_infinity
 TRIED, APART_RAD, TRIED_WITHIN = 3, math.radians(12), 12.0  # starts of a fit; within so much log likelihood of the best
 MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found other edges
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
-LEAST_CLEAR = 0.5  # of the edges that can be seen, the part with a step: else a fit has found other edges
+# Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
+LEAST_CLEAR, CLEAR = 0.5, 0.8
 LEAST_DARKENING = 0.1  # part of the table's light: what is no third as deep as this is no step
 # Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then
 # along it alone and finer, as the scan hardly tells the lengths of shadows that leave the picture.
@@ -94,12 +96,15 @@ def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) ->
     if darkening <= 0:
         return None
     lamp = np.append(start[:2] / start[2] * (1 - LAMP_NEARNESS * height_of(seen.body)), (1.0, LAMP_NEARNESS))
+    best: EdgeFit | None = None
     for light, is_lamp in ((start, False), (lamp, True)):
         fit = fitted(seen.body, light, darkening, seen.light, room, seen.view, with_nearness=is_lamp)
         is_near = fit is not None and normalised(fit.light[:3]) @ normalised(light[:3]) > math.cos(MOST_MOVED_RAD)
-        if fit is not None and is_near and fit.clear > LEAST_CLEAR:
-            return fit
-    return None
+        if fit is not None and is_near and fit.clear > LEAST_CLEAR and edge_log_odds(fit) > edge_log_odds(best):
+            best = fit
+        if best is not None and best.clear > CLEAR:
+            break
+    return best
 
 
 def _shows_edges(seen: Seen, light: Float, darkening: float, room: Room) -> bool:

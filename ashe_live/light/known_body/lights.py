@@ -82,7 +82,9 @@ def _with_confidence(
         beside = seen.beside(_points(others), directions.lit)
         palest = pale = LEAST_DARKENING
     near = _posterior_near(directions, beside.everywhere, one.light)
-    step = float(darkenings_rgb(seen, [one, *others])[0].mean())
+    # Beside the foot the hidden sky's gradient looks like a step, and map and sides know better.
+    by_all = float(beside.scanned(seen.lit(one.light[None])).darkenings[0, -1])
+    step = min(by_all, float(darkenings_rgb(seen, [one, *others])[0].mean()))
     return replace(one, confidence=with_edges(near, one.fit, step, palest, pale))
 
 
