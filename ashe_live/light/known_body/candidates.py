@@ -17,7 +17,7 @@ from ashe_live.light.known_body.outline.profiles import Profiles
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
-from ashe_live.light.known_body.templates import shadows_of, templates_of
+from ashe_live.light.known_body.templates import templates_of
 from ashe_live.light.shape.light_points import at_infinity
 
 TRIED, APART_RAD, TRIED_WITHIN = 3, math.radians(12), 12.0  # starts of a fit; within so much log likelihood of the best
@@ -48,7 +48,8 @@ class Directions:
     def of(seen: Seen) -> "Directions":
         """The templates, and between them more of those whose shadow the body hides from the camera."""
         templates = templates_of(seen.body)
-        lights, solid_angle, shadows = templates.lights, templates.solid_angle, templates.shadows
+        lights, solid_angle = templates.lights, templates.solid_angle
+        shadows, filled = templates.shadows, templates.filled
         eye = camera_centre(seen.view.T_cam_marker) - seen.body.foot_marker
         if eye[2] > 0:
             s = eye[:2] / eye[2]
@@ -60,8 +61,9 @@ class Directions:
             cell = length * (BEHIND[1] - BEHIND[0]) * (1 + length) * (BEHIND_ASIDE[1] - BEHIND_ASIDE[0])
             lights = np.concatenate([lights, further])
             solid_angle = np.concatenate([solid_angle, cell / lengths**3 / (2 * math.pi)])
-            shadows = np.concatenate([shadows, shadows_of(seen.body, further)])
-        return Directions(lights, solid_angle, Lit(lights[:, :3], shadows))
+            hidden = seen.lit(further)
+            shadows, filled = np.concatenate([shadows, hidden.shadows]), np.concatenate([filled, hidden.filled])
+        return Directions(lights, solid_angle, Lit(lights[:, :3], shadows, filled))
 
 
 def refined(

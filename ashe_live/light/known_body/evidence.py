@@ -51,6 +51,7 @@ class Lit:
 
     to_lights: Float  # (m, 3) unit
     shadows: Float32  # (m, n * n) part of each cell of the map that is in shadow
+    filled: Float  # (m,) sum of the shadows' squares over their sums
 
 
 class Evidence:
@@ -104,10 +105,10 @@ class Evidence:
         """The known lights and each of the new ones."""
         m, count = len(new.shadows), len(self._to_known) + 1
         sums = (new.shadows @ self._columns).astype(np.float64)
-        # A light takes its shadow away, and its share of the hidden sky's light; a cell is in shadow or not, nearly.
+        # A light takes its shadow away, and its share of the hidden sky's light.
         mixed = self._of_hidden - sums[:, :-1]
         varied, crossed = mixed[:, :VARIED], mixed[:, VARIED:] - mixed[:, :VARIED] @ self._varied
-        squares = mixed[:, VARIED - 1] - sums[:, VARIED - 1] + sums[:, -1]
+        squares = mixed[:, VARIED - 1] - sums[:, VARIED - 1] + sums[:, -1] * new.filled
         information = np.empty((m, count, count))
         information[:, :-1, :-1] = self._known.information
         information[:, -1, :-1] = information[:, :-1, -1] = crossed[:, :-1]

@@ -22,7 +22,7 @@ LOG_NONE = math.log(0.5)
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
 MOST_LIGHTS = 3
 # A further light: what map and sides say for it before it is fitted, and together with its edges afterwards.
-LEAST_SCORE, LEAST_MORE = -1.5, 4.0
+LEAST_SCORE, LEAST_MORE = -1.5, 4.5
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
 # It must take that part of the table's light; and if its edges are what tells it, so many must be steps, and so near.
 LEAST_DARKENING, LEAST_CLEAR, MOST_MISFIT_PX = 0.06, 0.75, 0.7

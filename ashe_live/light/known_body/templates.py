@@ -19,7 +19,7 @@ from ashe_live.light.shape.light_points import LOWEST_Z, at_infinity
 # the ends of neighbouring shadows are.
 LENGTHS = 0.14 * 1.2 ** np.arange(21)
 APART, FEWEST_AZIMUTHS, MOST_AZIMUTHS = 0.3, 16, 72
-ROUNDED = 12  # bodies are alike to one over so much of their heights, as far as templates go
+ROUNDED = 6  # bodies are alike to one over so much of their heights, as far as templates go
 BITS = 6  # a shadow is painted with fractions of the finer cells
 FARTHEST_CELLS = 1e3  # of a shadow's corner: beyond, it is painted as if it were there
 
@@ -31,18 +31,20 @@ class Templates:
     lights: Float  # (m, 4) at infinity, unit (x, y, z)
     solid_angle: Float  # (m,) share of the upper hemisphere that each stands for
     shadows: Float32  # (m, n * n) part of each cell that is in shadow
+    filled: Float  # (m,) as by `filled_of`
     hidden_sky: Float32  # (n * n,) fraction of an even sky's light that the body keeps from the table
 
 
 def templates_of(body: Proxy) -> Templates:
     """Of all directions; made once for all bodies that are alike but for size, place, and how they were folded."""
     spheroids = body.spheroids_marker - np.append(body.foot_marker, (0.0, 0.0))
-    return _templates(body.family, (np.round(spheroids * (ROUNDED / height_of(body))) / ROUNDED).tobytes())
+    rounded = np.round(spheroids * (ROUNDED / height_of(body))) / ROUNDED
+    return _templates(body.family, np.unique(rounded + 0.0, axis=0).tobytes())  # without the sign of a zero
 
 
 @lru_cache(maxsize=4)
 def _templates(family: str, spheroids: bytes) -> Templates:
-    body = Proxy(family, np.unique(np.frombuffer(spheroids).reshape(-1, 5), axis=0))
+    body = Proxy(family, np.frombuffer(spheroids).reshape(-1, 5))
     displacements = []
     for length in LENGTHS:
         count = int(np.clip(2 * np.pi * length / APART, FEWEST_AZIMUTHS, MOST_AZIMUTHS))
@@ -60,7 +62,7 @@ def _templates(family: str, spheroids: bytes) -> Templates:
     between = np.concatenate([[np.pi / 2], 0.5 * (heights[1:] + heights[:-1]), [0.0]])
     solid_angle = (np.sin(between[:-1]) - np.sin(between[1:]))[ring] / counts
     share = (np.sin(between[:-1]) ** 2 - np.sin(between[1:]) ** 2)[ring] / counts
-    return Templates(lights, solid_angle, whole, (share @ whole).astype(np.float32))
+    return Templates(lights, solid_angle, whole, filled_of(whole), (share @ whole).astype(np.float32))
 
 
 def shadows_of(body: Proxy, lights: Float) -> Float32:
@@ -72,6 +74,12 @@ def shadows_of(body: Proxy, lights: Float) -> Float32:
         cv2.fillConvexPoly(fine, cv2.convexHull(corners), 1, shift=BITS)
         cv2.resize(fine, (SIDE, SIDE), shadows[number], interpolation=cv2.INTER_AREA)
     return shadows.reshape(len(lights), SIDE * SIDE)
+
+
+def filled_of(shadows: Float32) -> Float:
+    """(m,) sum of squares over the sum, of shadows (m, n * n): 1 where no cell is in shadow only in part."""
+    squares = np.einsum("mi,mi->m", shadows, shadows)
+    return np.asarray(squares / np.maximum(shadows.sum(axis=1), 1e-6), dtype=np.float64)
 
 
 def _corners(body: Proxy, lights: Float) -> Iterator[tuple[int, np.ndarray[tuple[int, int], np.dtype[np.int32]]]]:
