@@ -9,7 +9,6 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import image_from_plane, project
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.directions import direction_by_displacement
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
 
@@ -65,25 +64,22 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     across = np.einsum("ni,nij->nj", normals, by_place)
     lower = origin[:, 2] / (1 - origin[:, 2] * nearness)
     by_light = np.column_stack([-across * lower[:, None], (across * places).sum(axis=1) * lower])
-    offsets = light[:3] - light[3] * origin
-    by_size = _penumbra(across, lower, offsets / np.linalg.norm(light[:3]))
+    offsets = (light[:3] - light[3] * origin) / np.linalg.norm(light[:3])
+    by_size = _penumbra(across, lower, offsets)
     to_corner = np.minimum(along_px, lengths_px[edge] - along_px)
     return ShadowEdges(points_px, pixels, normals, to_corner, by_light, by_size)
 
 
 def _penumbra(across: Float, lower: Float, offsets: Float) -> Float:
-    """(n,) standard deviation by the light's angular diameter, seen from the marker's centre: a disc's is a quarter."""
-    spreads = np.empty(len(across))
-    if (offsets == offsets[0]).all():  # all points see a sun in one direction
-        by_direction = np.linalg.inv(direction_by_displacement(offsets[0, :2] / offsets[0, 2]))
-        return np.asarray(np.linalg.norm(across @ by_direction, axis=1) * lower / 4)
-    several, which = np.unique(offsets.round(12), axis=0, return_inverse=True)
-    for number, offset in enumerate(several):
-        here = which.reshape(-1) == number
-        by_direction = np.linalg.inv(direction_by_displacement(offset[:2] / offset[2]))
-        nearer = float(np.linalg.norm(offset))
-        spreads[here] = np.linalg.norm(across[here] @ by_direction, axis=1) / nearer
-    return np.asarray(spreads * lower / 4)
+    """(n,) standard deviation by the light's angular diameter, seen from the marker's centre: a disc's is a quarter.
+
+    offsets: (n, 3) from what casts each point to the light, over the light's distance from the marker's centre.
+    """
+    s = offsets[:, :2] / offsets[:, 2:]
+    # A turn of the direction by 1 moves s, and with it the edge along `across`, by no more than this: with the metric
+    # (I - s s' / (1 + s's)) / (1 + s's) of directions in s, whose inverse is (1 + s's) (I + s s').
+    by_direction = np.sqrt((1 + (s * s).sum(axis=1)) * ((across * across).sum(axis=1) + (across * s).sum(axis=1) ** 2))
+    return np.asarray(by_direction / np.linalg.norm(offsets, axis=1) * lower / 4)
 
 
 def _depths(view: View, places: Float) -> Float:
