@@ -48,6 +48,8 @@ class Proxy:
 
     def points_marker(self, around: int = 24) -> Float:
         """(m, 3) points on the body, marker frame, metres, whose convex hull it is (nearly, where it is round)."""
+        if not self.spheroids_marker[:, 3:].any():
+            return self.spheroids_marker[:, :3]
         circle = _circle(around)
         clouds = []
         for x, y, z, radius, half in self.spheroids_marker:

@@ -127,7 +127,7 @@ class SceneRenderer:
     def render(self, scene: Scene) -> None:
         """Draws the scene into the renderer's own framebuffer."""
         self._follow_models([model for model, _ in scene.models])
-        if self._layers.follow_real_object(scene.illumination.real_object):
+        if self._layers.follow_real_object(scene.real_object):
             self._shadows.forget()
         if scene.tracked is None:
             self._surface.colour.clear()

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Image, frozen_view, set_frozen
+from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 
@@ -46,7 +47,8 @@ class Scene:
     casts_shadow: bool = True  # the model, on the ground
     shows_model: bool = True  # itself, and not its shadow alone
     is_cut_out: bool = False  # without the video: transparent, so that it gives the same picture when put over it
-    hides_marker: bool = False  # the sheet is covered by ground like that around it, where there is a model
+    # The sheet, or the body that it is on, is covered by ground like that around it, where there is a model.
+    hides_marker: bool = False
     time_s: float = 0.0  # since the motion of a model that moves began
     is_split: bool = False  # the video's left half is shown alone
     is_mirrored: bool = False  # left to right, below the overlays
@@ -55,6 +57,14 @@ class Scene:
     def models(self) -> tuple[tuple[PlacedModel, Placement | None], ...]:
         """All of them with their placements; none where `model` is None."""
         return () if self.model is None else ((self.model, self.placement), *self.others)
+
+    @property
+    def real_object(self) -> Proxy | None:
+        """What stands beside the model; a body that the marker is on does not where that is covered."""
+        marker = None if self.tracked is None else self.tracked.marker
+        if self.hides_marker and marker is not None and marker.body is not None:
+            return None
+        return self.illumination.real_object
 
     @property
     def kind(self) -> tuple[bool, ...]:

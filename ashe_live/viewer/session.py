@@ -106,7 +106,7 @@ class Session:
         if self._estimated.seen_in is None and tracked.marker is not None:
             self._estimated = Illumination(seen_in=tracked)
         self.table.motion.tick(now_s)
-        self.arrangement.stand_clear(tracked, self._estimated.light)
+        self.arrangement.stand_clear(tracked, self._estimated.light, self.hides_marker)
         is_steady = self._steadiness.add(tracked.marker)
         if has_gone_round and self.settle_for_last(now_s):
             return
@@ -191,6 +191,7 @@ class Session:
                     self.say(ANSWER_ALONE, now_s)
             case Command.HIDE_MARKER:
                 self.hides_marker = not self.hides_marker
+                self.arrangement.stand_clear_again(self.tracked, self._estimated.light, self.hides_marker)
             case Command.MIRROR:
                 self.is_mirrored = not self.is_mirrored
             case Command.BEFORE_AFTER:
@@ -226,7 +227,7 @@ class Session:
             return None
         new, frozen = outcome.estimate, self.watch.frozen
         self._estimated = new.illumination.as_seen_in(frozen)
-        self.arrangement.stand_clear_again()
+        self.arrangement.stand_clear_again(self.tracked, new.illumination.light, self.hides_marker)
         self.estimate, self.estimated_from, self.steps_bgr = new, frozen, outcome.picture_bgr
         if self.show_masks and self.steps_bgr is None:
             self.say(ANSWER_ALONE, now_s)

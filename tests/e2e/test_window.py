@@ -10,6 +10,7 @@ import PIL.Image
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
+from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 
 pytestmark = pytest.mark.window
 # Parts of the window: the quality's name right of the rate, the film without any text, the help, the masks.
@@ -336,4 +337,25 @@ def test_the_demo_runs_and_shows_how_far_off_its_estimate_is(launch):
     error = re.compile(r"light: .* \(([\d.]+)° from the truth\)")
     await_that(lambda: error.search(viewer.output), "an estimate")
     assert float(error.search(viewer.output)[1]) < 8
+    assert viewer.end() == 0
+
+
+def white_share(picture: np.ndarray) -> float:
+    """The part of a picture that is as bright and colourless as the paper cube."""
+    return float(((picture.min(axis=2) > 190) & (np.ptp(picture, axis=2) < 20)).mean())
+
+
+def test_a_paper_cube_is_covered_and_a_model_stands_in_its_place(launch, tmp_path):
+    photo = tmp_path / "cube.png"
+    PIL.Image.fromarray(painted(CubeScene(CAMERA, looking(0.4, 45, 30), [sun(200, 35)]))[..., ::-1]).save(photo)
+    viewer = launch("play", photo, "--hfov", "60", "--model", "tree", quick=False)
+    await_that(lambda: "light: azimuth" in viewer.output, "an estimate")
+    middle = (0.3, 0.25, 0.7, 0.75)
+    beside = await_still(viewer, middle)
+    assert white_share(beside) > 0.02
+    viewer.press("c")
+    await_that(lambda: white_share(viewer.part(*middle)) < 0.1 * white_share(beside), "a covered cube")
+    assert difference(beside, await_still(viewer, middle)) > 5  # the tree stands there, and its shadow lies there
+    viewer.press("c")
+    await_part(viewer, middle, beside, differs=False)
     assert viewer.end() == 0

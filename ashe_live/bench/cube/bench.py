@@ -12,6 +12,7 @@ from ashe_live.bench.bench import Bench
 from ashe_live.bench.cube.ambient import ambient_errors
 from ashe_live.bench.cube.painter import CubeScene, painted
 from ashe_live.bench.cube.scenes import CAMERA, EDGE_M, SETS, CubeSet, looking, sun
+from ashe_live.bench.metrics import ELLIPSE_95, squared_sigmas
 from ashe_live.bench.tables import figures_table
 from ashe_live.bench.track.frames import CLEAN_CAMERA
 from ashe_live.bench.track.frames import painted as painted_flat
@@ -19,7 +20,7 @@ from ashe_live.bench.track.measures import turn_deg
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.contract import Json
 from ashe_live.core.transforms import angle_between
-from ashe_live.core.types import Frame, LightEstimate
+from ashe_live.core.types import Frame, Light, LightEstimate
 from ashe_live.light.estimators.estimator import make_estimator
 from ashe_live.quality import Quality
 from ashe_live.tracking.families.layout import Layout, cube_layout
@@ -44,13 +45,15 @@ class CubeBench(Bench):
 
     quality: Quality
     count: int  # scenes of each set
+    seed: int = 0  # of other scenes of the same kinds
 
     def parts(self) -> Iterator[Json]:
         """Poses first, then lights set by set."""
         yield {"tracking": self._tracking()}
         table = figures_table(
             f"light of a cube of {1000 * EDGE_M:g} mm, {self.count} pictures each, 640x480",
-            "set", "answered", "median", "95 %", "largest", "count right", "worse light", "even sky", "leaning", "ms",
+            "set", "answered", "median", "95 %", "largest", "in ellipse", "count right", "worse light", "even sky",
+            "leaning", "as lamps", "distance", "ms",
         )  # fmt: skip
         rows = []
         for one in SETS:
@@ -101,7 +104,8 @@ class CubeBench(Bench):
         """Errors of the strongest light, of the true one that is found worst, and of the ambient light."""
         estimator = make_estimator("proxy", self.quality.light)
         first, worse, ambient, counted, spent, answered = [], [], [], [], [], 0
-        for scene in one.scenes(self.count):
+        within, distances = [], []
+        for scene in one.scenes(self.count, self.seed):
             tracked = self._tracker(cube_layout()).track(Frame(painted(scene), 0, 0.0))
             if tracked.marker is None:
                 continue
@@ -116,6 +120,13 @@ class CubeBench(Bench):
                 errors = _errors_deg(estimate, scene)
                 first.append(errors[0].min())
                 worse.append(errors.min(axis=0).max())
+                true = scene.lights[int(errors[0].argmin())].point
+                light = estimate.lights[0]
+                assert light.covariance_rad2 is not None
+                squared = squared_sigmas(light.to_light_marker, light.covariance_rad2, true[:3])
+                within.append(squared <= ELLIPSE_95)
+                if light.inverse_distance > 0:
+                    distances.append(abs(_true_over_found_distance(light, true) - 1))
                 ambient.append(ambient_errors(scene, estimate.illumination))
         return {
             "set": one.name,
@@ -123,10 +134,13 @@ class CubeBench(Bench):
             "median_deg": _median(first),
             "percentile_95_deg": float(np.percentile(first, 95)) if first else None,
             "largest_deg": max(first, default=None),
+            "in_95_percent_ellipse": float(np.mean(within)) if within else None,
             "count_right": float(np.mean(counted)) if counted else None,
             "worse_median_deg": _median(worse),
             "ambient_even": _median([even for even, _ in ambient]),
             "ambient_leaning": _median([leaning for _, leaning in ambient]),
+            "stated_as_lamps": len(distances) / len(first) if first else None,
+            "distance_relative_error": _median(distances),
             "ms": _median(spent),
         }
 
@@ -152,6 +166,11 @@ def _errors_deg(estimate: LightEstimate, scene: CubeScene) -> Float:
             for light in estimate.lights
         ]
     )
+
+
+def _true_over_found_distance(light: Light, true: Float) -> float:
+    """1 of what is told rightly; infinite for a sun (4,) that is taken for a lamp."""
+    return float(np.linalg.norm(true[:3]) / true[3] * light.inverse_distance) if true[3] > 0 else math.inf
 
 
 def _median(values: Sequence[float]) -> float | None:

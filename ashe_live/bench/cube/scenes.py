@@ -15,6 +15,7 @@ CAMERA = Camera.from_hfov((640, 480), 60)
 EDGE_M = 0.06
 APART_RAD = math.radians(25)  # of two lights
 SUN_DEG = 0.53
+LAMPS_M = (0.4, 0.6)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,12 +25,13 @@ class CubeSet:
     name: str
     lights: int = 1
     size_deg: tuple[float, float] = (SUN_DEG, SUN_DEG)
+    distance_m: tuple[float, float] | None = None  # of lamps; None: suns
     folded: bool = False
     seed: int = 1
 
-    def scenes(self, count: int) -> Iterator[CubeScene]:
-        """From 25 to 75 degrees of tilt, 35 to 60 cm away; lights from 12 to 80 degrees high."""
-        rng = np.random.default_rng(self.seed)
+    def scenes(self, count: int, seed: int = 0) -> Iterator[CubeScene]:
+        """From 25 to 75 degrees of tilt, 35 to 60 cm away; lights from 12 to 80 degrees high; others for each seed."""
+        rng = np.random.default_rng(self.seed + seed)
         for _ in range(count):
             pose = looking(rng.uniform(0.35, 0.6), rng.uniform(25, 75), rng.uniform(0, 360))
             lights: list[PaintedLight] = []
@@ -37,6 +39,8 @@ class CubeSet:
                 azimuth, elevation = rng.uniform(0, 360), rng.uniform(12, 80)
                 on_table, size = rng.uniform(0.3, 0.8) / self.lights, rng.uniform(*self.size_deg)
                 light = sun(azimuth, elevation, on_table, size)
+                if self.distance_m is not None:
+                    light = lamp(light, rng.uniform(*self.distance_m))
                 if all(angle_between(light.point[:3], other.point[:3]) > APART_RAD for other in lights):
                     lights.append(light)
             colour = np.array((1.0, rng.uniform(0.75, 1), rng.uniform(0.6, 1)))
@@ -54,11 +58,14 @@ class CubeSet:
             )
 
 
+# Suns are 0.53 degrees wide, soft ones 3 to 10; folds are up to 1 mm and 1.5 degrees off; lamps are 40 to 60 cm away.
 SETS = (
-    CubeSet("sun, folded perfectly", seed=1),
-    CubeSet("sun, folds of 1 mm and 1.5°", folded=True, seed=5),
-    CubeSet("soft sun, 3 to 10°", size_deg=(3.0, 10.0), seed=4),
-    CubeSet("two lights", lights=2, seed=3),
+    CubeSet("sun", seed=1),
+    CubeSet("sun, crooked", folded=True, seed=5),
+    CubeSet("soft sun", size_deg=(3.0, 10.0), seed=4),
+    CubeSet("two suns", lights=2, seed=3),
+    CubeSet("lamp", size_deg=(2.0, 6.0), distance_m=LAMPS_M, seed=6),
+    CubeSet("lamp, crooked", size_deg=(2.0, 6.0), distance_m=LAMPS_M, folded=True, seed=7),
     CubeSet("cloudy sky", lights=0, seed=2),
 )
 
@@ -80,3 +87,8 @@ def sun(azimuth_deg: float, elevation_deg: float, on_table: float = 0.7, size_de
     to_light = direction_from_angles(math.radians(azimuth_deg), math.radians(elevation_deg))
     across = np.array((1.0, 0.95, 0.88)) * on_table / to_light[2]
     return PaintedLight(np.append(to_light, 0.0), across, math.radians(size_deg))
+
+
+def lamp(far: PaintedLight, distance_m: float) -> PaintedLight:
+    """A light at infinity moved near, as bright at the origin as before."""
+    return PaintedLight(np.append(distance_m * far.point[:3], 1.0), far.irradiance_rgb, far.size_rad)

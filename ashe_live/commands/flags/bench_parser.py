@@ -53,6 +53,9 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
 
     cube = benches.add_parser("cube", help="the paper cube's pose and light, on painted pictures with known truth")
     cube.add_argument("--count", type=values.count, default=40, metavar="N", help="pictures of each set (default 40)")
+    cube.add_argument(
+        "--seed", type=values.index, default=0, metavar="N", help="other pictures of these kinds (default 0)"
+    )
     _add_results_folder(cube)
     cube.add_argument("--quality", choices=QUALITIES, default="balanced")
 

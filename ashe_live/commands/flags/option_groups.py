@@ -67,7 +67,9 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
         "--auto", action="store_true", help="watch the light, and estimate it anew when it changes (key A)"
     )
     view.add_argument(
-        "--hide-marker", action="store_true", help="cover the marker's sheet with ground like that around it (key C)"
+        "--hide-marker",
+        action="store_true",
+        help="cover the marker's sheet, or the paper cube, with ground like that around it (key C)",
     )
     view.add_argument("--mirror", action="store_true", help="show the window as a mirror would (key W)")
     view.add_argument("--no-filter", action="store_true", help="show each frame's pose as measured, without smoothing")

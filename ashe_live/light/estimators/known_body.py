@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import radius_of_68_percent
@@ -12,10 +13,11 @@ from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFram
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
 from ashe_live.light.known_body.ambient import open_sky_rgb, sky_slope_rgb
-from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb
+from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, masks_of
 from ashe_live.light.known_body.lights import Found, lights_of
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.silhouettes import direction_covariance, masks_of
+from ashe_live.light.lamps.lamp import with_size
+from ashe_live.light.lamps.place import Place
 from ashe_live.light.pixels.view import View
 
 IN_SHADE = "the cube stands in another thing's shadow: move it into the light"
@@ -52,7 +54,7 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     if not likely:
         return none(_why_none(seen, found))
     illumination = _illumination(seen, likely, tracked)
-    masks = masks_of(view, body, [each.light for each in likely])
+    masks = masks_of(seen, likely)
     clock.end("judge")
     return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms())
 
@@ -60,22 +62,31 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
 def _illumination(seen: Seen, found: Sequence[FoundLight], tracked: TrackedFrame) -> Illumination:
     """The lights with their uncertainty, and the sky: how much of the table's light it gives, and how it leans."""
     dark = darkenings_rgb(seen, found)
-    lights = [
-        replace(_light(each, tracked), shadow_rgb_ratio=np.clip(1 - taken, 1e-3, 1.0))
-        for each, taken in zip(found, dark, strict=True)
-    ]
+    lights = [_light(each, taken, tracked) for each, taken in zip(found, dark, strict=True)]
     sky = open_sky_rgb(seen, found, dark)
     slope = sky_slope_rgb(seen, found, dark, sky)
     leaning = slope if slope.any() else None
     return Illumination(tuple(lights), sky, seen.lit_rgb, seen.body, sky_slope_rgb=leaning)
 
 
-def _light(found: FoundLight, tracked: TrackedFrame) -> Light:
-    to_light = found.light[:3] / np.linalg.norm(found.light[:3])
-    by_edges = direction_covariance(found.light, found.covariance)
-    covariance = CALIBRATION.covariance(by_edges, to_light, found.confidence, tracked)
-    size = found.fit.size_rad if found.fit is not None else None
-    return Light(to_light, covariance, radius_of_68_percent(covariance), found.confidence, size)
+def _light(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
+    """The light as stated; taken: (3,) part of the table's light that it gives, R, G, B."""
+    by_edges = found.fitted
+    to_light = by_edges.to_light_marker
+    covariance = CALIBRATION.covariance(by_edges.covariance_rad2, to_light, found.confidence, tracked)
+    left = np.clip(1 - taken, 1e-3, 1.0)
+    light = Light(to_light, covariance, radius_of_68_percent(covariance), found.confidence, shadow_rgb_ratio=left)
+    if found.light[3] > 0:
+        place = Place(found.light[[0, 1, 3]], np.asarray(np.linalg.inv(found.covariance), dtype=np.float64))
+        lamp_covariance = place.lamp_covariance
+        lamp_covariance[:2, :2] = covariance
+        light = replace(
+            light,
+            inverse_distance=float(place.light[3]),
+            lamp_covariance=lamp_covariance,
+            intensity_rgb_ratio=(1 - left) / left,
+        )
+    return with_size(light, found.size_rad or None)
 
 
 def _why_none(seen: Seen, found: Found | None) -> str:

@@ -7,17 +7,10 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.found_light import FoundLight
-from ashe_live.light.known_body.scan import shadows_of, templates_of
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.shading import LOWEST_Z, PAPER
-from ashe_live.light.known_body.table import places
+from ashe_live.light.known_body.shading import LOWEST_Z, NOISE, OF_LIGHT, SLOPE, TURN_RAD
+from ashe_live.light.known_body.templates import shadows_of, templates_of
 
-# Sigma of a sky's slope before it is seen, over its light on level ground: it is 0 of an even sky, and 0.5 where all of
-# its light comes from one side.
-SPREAD = 0.15
-# Standard deviations: of a facet's light over level paper's; of a light's part of the table's light, which is told by
-# its shadow, over that; and of the turn of a facet that was folded by hand, which changes what a light gives it.
-NOISE, OF_LIGHT, TURN_RAD = 0.02, 0.08, np.radians(0.9).item()
 # Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is right to 3 % from
 # here on, and half of what it is where a facet is five pixels wide.
 LEAST_PX = 30.0
@@ -46,7 +39,7 @@ def sky_slope_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float, sky
     dark_rgb: (l, 3) part of the table's light that each light gives. sky_rgb: (3,) the sky's.
     """
     facets = seen.facets
-    is_told = (facets.width_px >= LEAST_PX) & ~facets.is_clipped.astype(bool)
+    is_told = (facets.width_px >= LEAST_PX) & ~facets.is_clipped
     is_level = facets.normals[:, 2] > 0.99
     level = np.flatnonzero(is_told & is_level)
     if not len(level):
@@ -55,11 +48,11 @@ def sky_slope_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float, sky
     to_lights = np.array([normalised(each.light[:3]) for each in lights])
     across = dark_rgb / np.maximum(to_lights[:, 2:], LOWEST_Z)
     turned_level = _change_by_turn(to_lights, across, np.array((0.0, 0.0, 1.0)))
-    information, pull = np.tile(np.eye(2) / SPREAD**2, (3, 1, 1)), np.zeros((3, 2))
+    information, pull = np.tile(np.eye(2) / SLOPE**2, (3, 1, 1)), np.zeros((3, 2))
     for number in np.flatnonzero(is_told & ~is_level):
         normal, relative = facets.normals[number], facets.light_rgb[number] / white
         direct = np.maximum(to_lights @ normal, 0.0) @ across
-        from_table = _from_table(seen, normal, facets.centres[number]) * PAPER * seen.lit_rgb / white
+        from_table = seen.from_table[number] / white
         left = relative - 0.5 * sky_rgb - direct - from_table
         by_turns = _change_by_turn(to_lights, across, normal) ** 2 + (relative * turned_level) ** 2
         weight = 1 / (NOISE**2 + (OF_LIGHT * direct) ** 2 + TURN_RAD**2 * by_turns)
@@ -77,17 +70,3 @@ def _change_by_turn(to_lights: Float, across: Float, normal: Float) -> Float:
     cosines = to_lights @ normal
     sines = np.where(cosines > 0, np.sqrt(np.maximum(1 - cosines**2, 0.0)), 0.0)
     return np.asarray(np.sqrt(((sines[:, None] * across) ** 2).sum(axis=0)))
-
-
-def _from_table(seen: Seen, normal: Float, centre: Float) -> Float:
-    """(3,) light that the table sends to a facet at `centre` (3,), over what it would send, all lit, to one above it.
-
-    The table is as lit as its map says, and beyond it as the open table is.
-    """
-    along, foot = places(seen.body), seen.body.foot_marker
-    x, y = np.meshgrid(along + foot[0] - centre[0], along + foot[1] - centre[1])
-    squared = x * x + y * y + centre[2] ** 2
-    facing = np.maximum(x * normal[0] + y * normal[1] - centre[2] * normal[2], 0.0)
-    form = facing * centre[2] / (np.pi * squared**2) * float(along[1] - along[0]) ** 2
-    missing = (1 - np.minimum(seen.relative, 1.0)) * seen.table.seen[..., None]
-    return np.asarray(0.5 * (1 - float(normal[2])) - (form[..., None] * missing).sum(axis=(0, 1)))

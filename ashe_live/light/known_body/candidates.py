@@ -1,66 +1,148 @@
 """Where a light may be: the likeliest directions of the scan, moved onto the edges of their shadows."""
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
-from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.fit import fitted, room_of
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import camera_centre, normalised
+from ashe_live.light.known_body.evidence import Evidence, Lit
 from ashe_live.light.known_body.found_light import FoundLight
-from ashe_live.light.known_body.scan import shadows_of
+from ashe_live.light.known_body.outline.edges import shadow_edges
+from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, widest_reach_px
+from ashe_live.light.known_body.outline.odds import edge_log_odds
+from ashe_live.light.known_body.outline.profiles import Profiles
+from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.known_body.table import height_of
+from ashe_live.light.known_body.templates import templates_of
 from ashe_live.light.shape.light_points import at_infinity
 
 TRIED, APART_RAD, TRIED_WITHIN = 3, math.radians(12), 12.0  # starts of a fit; within so much log likelihood of the best
 MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found other edges
-# Around a template, displacements that lie nearer than the next one: of its length and a half.
-NEARBY = 0.09 * np.array([(x, y) for x in (-1.0, -0.5, 0.0, 0.5, 1.0) for y in (-1.0, -0.5, 0.0, 0.5, 1.0)])
+LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
+# Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
+LEAST_CLEAR, CLEAR = 0.5, 0.8
+LEAST_DARKENING = 0.1  # part of the table's light: what is no third as deep as this is no step
+# Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then
+# along it alone and finer, as the scan hardly tells the lengths of shadows that leave the picture.
+AROUND = 0.05 * np.array([(along, across) for along in (-2, -1, 0, 1, 2) for across in (-1, 0, 1)])
+ALONG = 0.035 * np.array([(along, 0) for along in range(-8, 4)])
 TEMPLATES_APART = 0.1  # in s = (x, y) / z, over 1 + |s|, roughly
+# Lights behind the camera, whose shadow the body hides: parts of the displacement at which the camera would cast it,
+# and how far beside it, over 1 + |s|.
+BEHIND, BEHIND_ASIDE = np.arange(0.15, 1.2, 0.1), np.array([-0.09, -0.03, 0.03, 0.09])
 
 
-def refined(seen: Seen, score: Float, lights: Float, clear: Mask, also: Float32) -> list[tuple[float, FoundLight]]:
-    """The likeliest different directions of lights (m, 4), moved onto the shadow's edges, with their scores before.
+@dataclass(frozen=True, slots=True, eq=False)
+class Directions:
+    """Everywhere that a light is looked for."""
 
-    score: (m,) log likelihood of each. clear: (h, w) table on which edges may be seen. also: as in Seen.scan.
+    lights: Float  # (m, 4) at infinity, unit (x, y, z)
+    solid_angle: Float  # (m,) share of the upper hemisphere that each stands for
+    lit: Lit
+
+    @staticmethod
+    def of(seen: Seen) -> "Directions":
+        """The templates, and between them more of those whose shadow the body hides from the camera."""
+        templates = templates_of(seen.body)
+        lights, solid_angle = templates.lights, templates.solid_angle
+        shadows, filled = templates.shadows, templates.filled
+        eye = camera_centre(seen.view.T_cam_marker) - seen.body.foot_marker
+        if eye[2] > 0:
+            s = eye[:2] / eye[2]
+            length = max(float(np.hypot(*s)), 1e-9)
+            grid = BEHIND[:, None, None] * s + (1 + length) * BEHIND_ASIDE[:, None] * np.array([-s[1], s[0]]) / length
+            further = np.column_stack([grid.reshape(-1, 2), np.ones(grid.size // 2)])
+            lengths = np.linalg.norm(further, axis=1)
+            further = at_infinity(further / lengths[:, None])
+            cell = length * (BEHIND[1] - BEHIND[0]) * (1 + length) * (BEHIND_ASIDE[1] - BEHIND_ASIDE[0])
+            lights = np.concatenate([lights, further])
+            solid_angle = np.concatenate([solid_angle, cell / lengths**3 / (2 * math.pi)])
+            hidden = seen.lit(further)
+            shadows, filled = np.concatenate([shadows, hidden.shadows]), np.concatenate([filled, hidden.filled])
+        return Directions(lights, solid_angle, Lit(lights[:, :3], shadows, filled))
+
+
+def refined(
+    seen: Seen, directions: Directions, score: Float, beside: Evidence, room: Room, least: float = -math.inf
+) -> Iterator[FoundLight]:
+    """The likeliest different directions, each moved onto its shadow's edges where these are seen.
+
+    score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
+    lights that are known. room: table on which edges may be seen. least: likelihood below which edges must be seen.
     """
-    found: list[tuple[float, FoundLight]] = []
     chosen: list[Float] = []
-    room = room_of(clear)
     for index in np.argsort(-score, kind="stable"):
         if score[index] < score.max() - TRIED_WITHIN or len(chosen) == TRIED:
             break
-        start = lights[index]
-        if any(start[:3] @ other > math.cos(APART_RAD) for other in chosen):
+        template, darkening = directions.lights[index], float(beside.everywhere.darkenings[index, -1])
+        if any(template[:3] @ other > math.cos(APART_RAD) for other in chosen):
             continue
-        chosen.append(start[:3])
-        likelihood, start, darkening = _nearby(seen, start, also)
-        fit = fitted(seen.body, start, darkening, seen.light, room, seen.view) if darkening > 0 else None
-        if fit is not None and normalised(fit.light[:3]) @ normalised(start[:3]) > math.cos(MOST_MOVED_RAD):
-            light = FoundLight(fit.light, fit.covariance, fit, darkening)
+        chosen.append(template[:3])
+        if score[index] < least and not _shows_edges(seen, template, darkening, room):
+            continue
+        start, darkening = _nearby(seen, template, beside)
+        fit = _moved_onto_edges(seen, start, darkening, room)
+        if fit is not None:
+            yield FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
         else:
-            light = FoundLight(start, _spread(score, lights, start), None, darkening)
-        found.append((likelihood, light))
-    return found
+            mean, spread, darkening = _mean_near(directions, score, beside.everywhere.darkenings[:, -1], template)
+            yield FoundLight(mean, spread, None, darkening)
 
 
-def _nearby(seen: Seen, template: Float, also: Float32) -> tuple[float, Float, float]:
-    """The likeliest light (4,) around a template (4,), with its log likelihood and its part of the table's light."""
+def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) -> EdgeFit | None:
+    """The fit near a sun `start` (4,): as a sun, or as a lamp where no sun explains the edges; None if neither does."""
+    if darkening <= 0:
+        return None
+    lamp = np.append(start[:2] / start[2] * (1 - LAMP_NEARNESS * height_of(seen.body)), (1.0, LAMP_NEARNESS))
+    best: EdgeFit | None = None
+    for light, is_lamp in ((start, False), (lamp, True)):
+        fit = fitted(seen.body, light, darkening, seen.light, room, seen.view, with_nearness=is_lamp)
+        is_near = fit is not None and normalised(fit.light[:3]) @ normalised(light[:3]) > math.cos(MOST_MOVED_RAD)
+        if fit is not None and is_near and fit.clear > LEAST_CLEAR and edge_log_odds(fit) > edge_log_odds(best):
+            best = fit
+        if best is not None and best.clear > CLEAR:
+            break
+    return best
+
+
+def _shows_edges(seen: Seen, light: Float, darkening: float, room: Room) -> bool:
+    """Whether there are steps where a light (4,) would have the shadow's edges, nearly."""
+    edges = shadow_edges(seen.body, light, seen.view)
+    if edges is None:
+        return False
+    reach_px = np.full(len(edges.points_px), widest_reach_px(seen.body, seen.view))
+    profiles = Profiles.of(edges, reach_px, seen.light, room)
+    return bool(profiles.visible.any()) and profiles.clear(max(darkening, LEAST_DARKENING)) > LEAST_CLEAR
+
+
+def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float]:
+    """The likeliest light (4,) around a template (4,), and its part of the table's light."""
     s = template[:2] / template[2]
-    around = s + (0.5 + float(np.hypot(*s))) * NEARBY
-    lights = at_infinity(np.column_stack([around, np.ones(len(around))]))
-    scan = seen.scan(shadows_of(seen.body, lights), also)
-    score = scan.log_likelihood + seen.by_shading(lights)
-    best, share = np.unravel_index(int(score.argmax()), score.shape)
-    return float(score[best, share]), lights[best], float(scan.darkening[best].max())
+    for offsets in (AROUND, ALONG):
+        length = max(float(np.hypot(*s)), 1e-9)
+        around = s + (0.5 + length) * offsets @ (np.array([s, (-s[1], s[0])]) / length)
+        lights = at_infinity(np.column_stack([around, np.ones(len(around))]))
+        scan = beside.scanned(seen.lit(lights))
+        best = int(scan.log_likelihood.argmax())
+        s = around[best]
+    return lights[best], float(scan.darkenings[best, -1])
 
 
-def _spread(score: Float, lights: Float, start: Float) -> Float:
-    """(2, 2) covariance of s by the templates near `start` (4,), each as likely as its score says."""
-    near = lights[:, :3] @ normalised(start[:3]) > math.cos(2 * APART_RAD)
-    weight = np.exp(score[near] - score[near].max())
-    s = lights[near, :2] / lights[near, 2:3] - start[:2] / start[2]
-    spread = (weight[:, None] * s).T @ s / weight.sum()
+def _mean_near(directions: Directions, score: Float, darkenings: Float, light: Float) -> tuple[Float, Float, float]:
+    """The mean light (4,) of the directions near one (4,), each as likely as its score says; the covariance (2, 2) of
+    its displacement; and its part of the table's light.
+    """
+    near = directions.lights[:, :3] @ normalised(light[:3]) > math.cos(2 * APART_RAD)
+    weight = directions.solid_angle[near] * np.exp(score[near] - score[near].max())
+    weight /= weight.sum()
+    # Directions are averaged, as displacements are long-tailed towards the horizon.
+    mean = normalised(weight @ directions.lights[near, :3])
+    mean = np.append(mean / mean[2], 0.0)
+    away = directions.lights[near, :2] / directions.lights[near, 2:3] - mean[:2]
     # No finer than the templates lie.
-    apart = TEMPLATES_APART * (1 + float(np.hypot(*start[:2])) / start[2])
-    return np.asarray(spread + apart**2 * np.eye(2))
+    apart = TEMPLATES_APART * (1 + float(np.hypot(*mean[:2])))
+    return mean, (weight[:, None] * away).T @ away + apart**2 * np.eye(2), float(weight @ darkenings[near])

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre, project
 from ashe_live.light.pixels.view import View
@@ -13,7 +13,7 @@ from ashe_live.light.pixels.view import View
 NORMALS: Float = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)], dtype=np.float64)
 NORMALS.flags.writeable = False
 # A print leaves half of a facet white: what is brighter than most of it, without what gloss or noise makes brightest.
-WHITE = (70.0, 95.0)  # percentiles
+WHITE = (90.0, 98.0)  # percentiles
 RIM_PX, LEAST_PX = 2, 30
 CLIPPED = 0.95  # linear light, from which on it may be any
 BITS = 4
@@ -27,7 +27,7 @@ class Facets:
     normals: Float  # (n, 3) unit, outwards, marker frame
     light_rgb: Float  # (n, 3) linear light of the white, as the picture has it
     centres: Float  # (n, 3) metres
-    is_clipped: Float  # (n,) bool: brighter than the picture shows
+    is_clipped: Mask  # (n,) brighter than the picture shows
     width_px: Float  # (n,) of the narrowest strip of the picture that holds it
 
 
@@ -43,11 +43,8 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
         pixels = project(view.camera, view.T_cam_marker, corners)
         if len(corners) < 3 or (eye - centre) @ normal <= 0 or not np.isfinite(pixels).all():
             continue
-        hull = cv2.convexHull(pixels.clip(-1e4, 1e4).astype(np.float32))[:, 0]
-        mask = np.zeros(picture.shape[:2], np.uint8)
-        cv2.fillConvexPoly(mask, np.round(hull * 2**BITS).astype(np.int32), 1, shift=BITS)
-        within = cv2.erode(mask, np.ones((2 * RIM_PX + 1, 2 * RIM_PX + 1), np.uint8), borderValue=0)
-        seen = picture[within > 0]
+        hull = np.asarray(cv2.convexHull(pixels.clip(-1e4, 1e4).astype(np.float32))[:, 0], dtype=np.float32)
+        seen = _inside(hull, picture)
         if len(seen) < LEAST_PX:
             continue
         brightness = seen @ np.full(3, 1 / 3, np.float32)
@@ -59,3 +56,18 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
         return Facets(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0, bool), np.empty(0))
     normals, light, centres, clipped, widths = zip(*found, strict=True)
     return Facets(np.array(normals), np.array(light), np.array(centres), np.array(clipped), np.array(widths))
+
+
+def _inside(hull: Float32, picture: Float32) -> Float32:
+    """(n, 3) pixels of a picture (h, w, 3) in a convex outline (m, 2), without its rim."""
+    height, width = picture.shape[:2]
+    (left, top), (right, bottom) = np.floor(hull.min(axis=0)).astype(int), np.ceil(hull.max(axis=0)).astype(int) + 1
+    rows, columns = slice(max(top, 0), min(bottom, height)), slice(max(left, 0), min(right, width))
+    part = picture[rows, columns]
+    if not part.size:
+        return part.reshape(-1, 3)
+    mask = np.zeros(part.shape[:2], np.uint8)
+    corners = hull - np.array((columns.start, rows.start), np.float32)
+    cv2.fillConvexPoly(mask, np.round(corners * 2**BITS).astype(np.int32), 1, shift=BITS)
+    within = cv2.erode(mask, np.ones((2 * RIM_PX + 1, 2 * RIM_PX + 1), np.uint8), borderValue=0)
+    return part[within > 0]

@@ -5,16 +5,26 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
+from ashe_live.light.known_body.evidence import Evidence, Lit
 from ashe_live.light.known_body.facets import Facets, facets_of
-from ashe_live.light.known_body.scan import SKY_SHARES, Scan, relative_light, scanned, templates_of
-from ashe_live.light.known_body.shading import shading_log_likelihood
-from ashe_live.light.known_body.table import BRIGHTEST, CELLS_A_HEIGHT, SIDE, Table, linear_picture, table_around
+from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.shading import PAPER, Sides
+from ashe_live.light.known_body.table import (
+    BRIGHTEST,
+    CELLS_A_HEIGHT,
+    SIDE,
+    Table,
+    linear_picture,
+    relative_light,
+    sent_by_table,
+    table_around,
+)
+from ashe_live.light.known_body.templates import filled_of, shadows_of, templates_of
 from ashe_live.light.pixels.view import View
 
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
-BESIDE_PX = 2  # of the body, whose rim is neither table nor shadow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,11 +35,12 @@ class Seen:
     body: Proxy
     picture: Float32  # (h, w, 3) linear light, B, G, R
     light: Float32  # (h, w) its mean over the channels
-    clear: Mask  # (h, w) bare table, not beside the body
     table: Table
     relative: Float32  # (n, n, 3) R, G, B: the table's light over the lit table's
-    brightness: Float32  # (n, n) its mean over the channels, clipped against what is no table
+    lit_rgb: Float  # (3,) linear light of the lit table, R, G, B
+    room: Room
     facets: Facets
+    from_table: Float  # (k, 3) R, G, B: what the table sends to each facet, in the picture's linear light
 
     @staticmethod
     def of(view: View, body: Proxy) -> "Seen | None":
@@ -38,13 +49,15 @@ class Seen:
         table = table_around(view, body, picture)
         if table is None:
             return None
-        kernel = np.ones((2 * BESIDE_PX + 1,) * 2, np.uint8)
-        clear = cv2.erode(view.is_ground.astype(np.uint8), kernel) > 0
         light = np.asarray(cv2.transform(picture, np.full((1, 3), 1 / 3)), dtype=np.float32)
         relative = relative_light(table)
-        brightness = np.minimum(relative.mean(axis=2), BRIGHTEST).astype(np.float32)
+        seen = table.light_rgb[table.seen] / np.maximum(relative[table.seen], 1e-6)
+        lit_rgb = np.asarray(np.median(seen, axis=0), dtype=np.float64)
         facets = facets_of(view, body, picture)
-        return Seen(view, body, picture, light, clear, table, relative, brightness, facets)
+        sent = sent_by_table(body, table, relative, facets.normals, facets.centres)
+        return Seen(
+            view, body, picture, light, table, relative, lit_rgb, Room.of(view, body), facets, PAPER * lit_rgb * sent
+        )
 
     @property
     def beside_body(self) -> float:
@@ -54,23 +67,24 @@ class Seen:
         values = self.relative[near][self.table.seen[near]]
         return float(np.percentile(values.mean(axis=1), 90)) if len(values) else 1.0
 
-    @property
-    def lit_rgb(self) -> Float:
-        """(3,) linear light of the lit table, R, G, B."""
-        seen = self.table.light_rgb[self.table.seen] / np.maximum(self.relative[self.table.seen], 1e-6)
-        return np.asarray(np.median(seen, axis=0), dtype=np.float64)
-
-    def scan(self, shadows: Float32, also: Float32) -> Scan:
-        """How well `shadows` (m, n * n) explain the table beside others (k, n * n), those of lights that are known."""
-        weight = self.table.seen.astype(np.float32)
-        return scanned(self.brightness, weight, shadows, templates_of(self.body).hidden_sky, also)
-
-    def by_shading(self, lights: Float) -> Float:
-        """(m, k) log likelihood of the facets' light in lights (m, 4), under each of SKY_SHARES."""
+    def lit(self, lights: Float) -> Lit:
+        """The body's shadows in lights (m, 4)."""
         to_lights = lights[:, :3] / np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
-        return shading_log_likelihood(self.facets, self.lit_rgb, to_lights, SKY_SHARES.astype(np.float64))
+        shadows = shadows_of(self.body, lights)
+        return Lit(to_lights, shadows, filled_of(shadows))
 
-    @property
-    def by_shading_of_sky(self) -> float:
-        """The same under the sky alone, which then gives all of the light."""
-        return float(shading_log_likelihood(self.facets, self.lit_rgb, np.array([(0.0, 0.0, 1.0)]), np.ones(1))[0, 0])
+    def beside(self, known: Float, everywhere: Lit) -> Evidence:
+        """What the picture says of further lights, beside `known` ones (l, 4)."""
+        return self._evidence(self.lit(known), everywhere, np.full(3, 1 / 3))
+
+    def darkenings_rgb(self, lights: Float) -> Float:
+        """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""
+        known, nothing = self.lit(lights), self.lit(lights[:0])
+        return np.stack([self._evidence(known, nothing, channel).darkenings for channel in np.eye(3)], axis=1)
+
+    def _evidence(self, known: Lit, everywhere: Lit, channels: Float) -> Evidence:
+        """channels: (3,) weights of R, G, B."""
+        values = np.minimum(self.relative @ channels.astype(np.float32), BRIGHTEST)
+        sides = Sides.of(self.facets, self.from_table, channels)
+        weight, hidden_sky = self.table.seen.astype(np.float32), templates_of(self.body).hidden_sky
+        return Evidence(values, weight, hidden_sky, sides, known, everywhere)

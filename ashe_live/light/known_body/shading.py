@@ -1,41 +1,77 @@
-"""What the light on a body's white facets says of where a light is: the body's own dark and lit sides."""
+"""What lights, the sky and the table give to a known body's sides, beside what they give to its level facet."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.known_body.facets import Facets
 
 PAPER = 0.8  # reflectance of white paper
-# Standard deviation of a facet's light over level paper's, as skies are uneven and paper lets light through; and of
-# what a light adds to it. A residual counts no more than so many of them.
-UNEVEN, OF_LIGHT, MOST_SIGMAS = 0.12, 0.12, 4.0
-LOWEST_Z = 0.05
+LOWEST_Z = 0.05  # of the unit vector towards a light: what a lower one gives to sides, over level ground, is bounded
+# Standard deviations: of a side's light over level paper's, whatever lights it; of a light's part of the table's light,
+# which is told by its shadow, over that; and of the turn of a facet that was folded by hand.
+NOISE, OF_LIGHT, TURN_RAD = 0.02, 0.08, np.radians(0.9).item()
+# Sigma of a sky's slope before it is seen, over its light on level ground: it is 0 of an even sky, and 0.5 where all of
+# its light comes from one side.
+SLOPE = 0.1
+# Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is a fifth of the
+# level one's off where it is ten pixels wide, and falls by the third power of the width.
+MIXED, MIXED_PX, MIXED_POWER = 0.2, 10.0, 3
+MOST_SIGMAS = 4.0  # a residual counts no more than so many: something else may light or shade that side
 
 
-def shading_log_likelihood(facets: Facets, table_light: Float, to_lights: Float, sky_shares: Float) -> Float:
-    """(m, k) log likelihood of the facets' light if one light stands in directions (m, 3) and the sky gives level paper
-    shares (k,) of its light; zeros where the level facet is not seen, which all others are compared with.
+@dataclass(frozen=True, slots=True, eq=False)
+class Sides:
+    """k upright facets, in units of the level facet's light."""
 
-    table_light: (3,) linear light of the lit table in the picture.
-    """
-    nothing = np.zeros((len(to_lights), len(sky_shares)))
-    level = np.flatnonzero((facets.normals[:, 2] > 0.99) & ~facets.is_clipped.astype(bool))
-    if not len(level) or len(facets.normals) < 2:
-        return nothing
-    white = facets.light_rgb[level[0]].mean()
-    sides = np.delete(np.arange(len(facets.normals)), level[0])
-    seen = facets.light_rgb[sides].mean(axis=1) / max(white, 1e-4)
-    table = PAPER * float(table_light.mean()) / max(white, 1e-4)
-    normals = facets.normals[sides]
-    facing = np.maximum(to_lights @ normals.T, 0) / np.maximum(to_lights[:, 2:], LOWEST_Z)
-    total = nothing
-    for number in range(len(sides)):
-        up = normals[number, 2]
-        from_sky = sky_shares * (1 + up) / 2 + table * (1 - up) / 2
-        from_light = (1 - sky_shares) * facing[:, number, None]
-        away = seen[number] - from_sky - from_light
-        if facets.is_clipped[sides[number]]:
-            away = np.maximum(away, 0)  # it may be brighter than it looks
-        sigmas = np.abs(away) / (UNEVEN + OF_LIGHT * from_light)
-        total = total - 0.5 * np.minimum(sigmas, MOST_SIGMAS) ** 2
-    return np.asarray(total)
+    normals: Float  # (k, 3)
+    relative: Float  # (k,) their light
+    residual: Float  # (k,) without what the table sends, and an even sky that gave all light
+    noise: Float  # (k,) standard deviation of how that is measured
+    is_clipped: Mask  # (k,) brighter than the picture shows
+
+    @staticmethod
+    def of(facets: Facets, from_table: Float, channels: Float) -> "Sides":
+        """No sides where the level facet is not seen or clipped, which all others are compared with.
+
+        from_table: (n, 3) what the table sends to each facet, in the picture's linear light. channels: (3,) weights of
+        R, G, B.
+        """
+        light, bounced = facets.light_rgb @ channels, from_table @ channels
+        is_level = facets.normals[:, 2] > 0.99
+        level = np.flatnonzero(is_level & ~facets.is_clipped)
+        sides = np.flatnonzero(~is_level) if len(level) else level
+        white = max(float(light[level].mean()), 1e-4) if len(level) else 1.0
+        relative = light[sides] / white
+        residual = relative - bounced[sides] / white - 0.5 * (1 + facets.normals[sides, 2])
+        mixed = MIXED * (MIXED_PX / np.maximum(facets.width_px, MIXED_PX / 2)) ** MIXED_POWER
+        of_level = float(mixed[level].mean()) if len(level) else 0.0
+        noise = np.sqrt(NOISE**2 + mixed[sides] ** 2 + (relative * of_level) ** 2)
+        return Sides(facets.normals[sides], relative, residual, noise, facets.is_clipped[sides])
+
+    def reached(self, to_lights: Float) -> Float:
+        """(..., k) by how much each side gets more of a light in directions (..., 3) than of an even sky.
+
+        Both give level ground as much.
+        """
+        up = np.maximum(to_lights[..., 2:], LOWEST_Z)
+        return np.asarray(np.maximum(to_lights @ self.normals.T, 0.0) / up - 0.5 * (1 + self.normals[:, 2]))
+
+    def variance(self, to_lights: Float, reached: Float, darkenings: Float) -> Float:
+        """(m, k) of the residuals in l lights (m, l, 3) of `darkenings` (m, l); reached: (m, l, k) as by `reached`."""
+        cosines = np.maximum(to_lights @ self.normals.T, 0.0)
+        across = (darkenings / np.maximum(to_lights[..., 2], LOWEST_Z))[..., None]
+        direct = (reached + 0.5 * (1 + self.normals[:, 2])) * darkenings[..., None]
+        turned = np.where(cosines > 0, across**2 * (1 - cosines**2), 0.0)
+        turned_level = (across * self.relative) ** 2 * (1 - to_lights[..., 2:] ** 2)
+        by_lights = ((OF_LIGHT * direct) ** 2 + TURN_RAD**2 * (turned + turned_level)).sum(axis=1)
+        sky = np.maximum(1 - darkenings.sum(axis=1, keepdims=True), 0.0)
+        return np.asarray(self.noise**2 + by_lights + (SLOPE * sky) ** 2)
+
+    def log_likelihood(self, reached: Float, darkenings: Float, variance: Float) -> Float:
+        """(m,) of the sides' light in l lights of `darkenings` (m, l), with residuals of `variance` (m, k)."""
+        away = self.residual - (reached * darkenings[..., None]).sum(axis=1)
+        away = np.where(self.is_clipped, np.maximum(away, 0.0), away)  # it may be brighter than it looks
+        sigmas = np.minimum(np.abs(away) / np.sqrt(variance), MOST_SIGMAS)
+        return np.asarray(-0.5 * (sigmas**2 + np.log(variance)).sum(axis=1))

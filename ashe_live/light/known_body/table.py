@@ -15,7 +15,8 @@ from ashe_live.light.pixels.view import View
 CELLS_A_HEIGHT, REACH_HEIGHTS = 6, 5.3
 SIDE = 2 * round(CELLS_A_HEIGHT * REACH_HEIGHTS) + 1
 LEAST_CELLS = 150
-LEAST_SHARE = 0.5  # of a cell that must be bare table in the picture
+FINER = 3  # a cell is averaged over so many places in each direction
+LEAST_SHARE = 0.95  # of a cell that must be bare table in the picture
 # Light of a cell over the lit table's: brighter ones are things that lie there, or gloss.
 BRIGHTEST = 1.4
 LINEAR = LINEAR_FROM_SRGB_8BIT.astype(np.float32)
@@ -56,20 +57,43 @@ def table_around(view: View, body: Proxy, picture: Float32) -> Table | None:
     middle = depth[SIDE // 2, SIDE // 2]
     if middle <= 0:
         return None
-    # A cell's extent in the picture, as if it were seen from the front.
-    cell_px = float(view.camera.K[0, 0]) * cell / middle
-    width = max(1, round(cell_px)) | 1
-    size = (SIDE, SIDE)
+    to_finer = np.array([(1 / FINER, 0, 0.5 / FINER - 0.5), (0, 1 / FINER, 0.5 / FINER - 0.5), (0, 0, 1)])
 
     def seen_from_above(values: Float32) -> Float32:
-        averaged = cv2.blur(values, (width, width)) if width > 1 else values
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        return np.asarray(cv2.warpPerspective(averaged, H, size, flags=flags), dtype=np.float32)
+        finer = cv2.warpPerspective(values, H @ to_finer, (FINER * SIDE, FINER * SIDE), flags=flags)
+        return np.asarray(cv2.resize(finer, (SIDE, SIDE), interpolation=cv2.INTER_AREA), dtype=np.float32)
 
-    ground = view.is_ground.astype(np.float32)
-    share = seen_from_above(ground)
+    ground = view.is_ground.astype(np.uint8)
+    share = seen_from_above(ground.astype(np.float32))
     seen = (share > LEAST_SHARE) & (depth > 0.1 * middle)
     if np.count_nonzero(seen) < LEAST_CELLS:
         return None
-    light = seen_from_above(picture * ground[..., None])[..., ::-1] / np.maximum(share, LEAST_SHARE)[..., None]
+    bare = seen_from_above(np.asarray(cv2.copyTo(picture, ground), dtype=np.float32))
+    light = bare[..., ::-1] / np.maximum(share, LEAST_SHARE)[..., None]
     return Table(light.astype(np.float32), seen)
+
+
+def relative_light(table: Table) -> Float32:
+    """(n, n, 3) light over the lit table's; cells that are not seen have 1."""
+    seen = table.light_rgb[table.seen]
+    # Most of the table is lit, and what is not is darker.
+    lit = np.maximum(np.percentile(seen, 65, axis=0), 1e-4)
+    return np.where(table.seen[..., None], table.light_rgb / lit, 1).astype(np.float32)
+
+
+def sent_by_table(body: Proxy, table: Table, relative: Float32, normals: Float, centres: Float) -> Float:
+    """(m, 3) light that the table sends to facets at `centres` (m, 3), over what it would send, all lit, to one above.
+
+    relative: (n, n, 3) as by `relative_light`. The table is as lit as its map says, and beyond it as the open table is.
+    """
+    along, foot = places(body), body.foot_marker
+    missing = (1 - np.minimum(relative, 1.0)) * table.seen[..., None]
+    sent = np.empty((len(normals), 3))
+    for number, (normal, centre) in enumerate(zip(normals, centres, strict=True)):
+        x, y = along[None] + foot[0] - centre[0], along[:, None] + foot[1] - centre[1]
+        squared = x * x + y * y + centre[2] ** 2
+        facing = np.maximum(x * normal[0] + y * normal[1] - centre[2] * normal[2], 0.0)
+        form = facing * centre[2] / (np.pi * squared**2) * float(along[1] - along[0]) ** 2
+        sent[number] = 0.5 * (1 - float(normal[2])) - np.einsum("ij,ijc->c", form, missing)
+    return sent

@@ -80,12 +80,8 @@ def _made(image: Image, camera: Camera, T_cam_marker: Float, side_m: float, shee
 def _ground_mask(camera: Camera, T_cam_marker: Float, print_marker: Float) -> Mask:
     """(h, w) pixels whose ray meets the marker's plane, not too far away, outside of the hull of points (n, 3)."""
     width, height = camera.size
-    normal, place = T_cam_marker[:3, 2], T_cam_marker[:3, 3]
-    # The depth of the plane along a pixel's ray is `offset` over how much the ray faces it.
-    row, offset = normal @ np.linalg.inv(camera.K), float(normal @ place)
-    facing = np.sign(offset) * row
-    least = max(abs(offset) / (FARTHEST * float(np.linalg.norm(place))), 1e-9)
-    mask = facing[0] * np.arange(width) + (facing[1] * np.arange(height) + facing[2])[:, None] > least
+    line = ground_line(camera, T_cam_marker)
+    mask = line[0] * np.arange(width) + (line[1] * np.arange(height) + line[2])[:, None] > 0
     outline = project(camera, T_cam_marker, print_marker)
     if np.isfinite(outline).all():
         hull = cv2.convexHull(np.clip(outline, -1e6, 1e6).astype(np.float32))[:, 0]
@@ -93,3 +89,15 @@ def _ground_mask(camera: Camera, T_cam_marker: Float, print_marker: Float) -> Ma
         cv2.fillConvexPoly(printed, np.round(hull * 16).astype(np.int32), 1, shift=4)
         mask &= printed == 0
     return np.asarray(mask)
+
+
+def ground_line(camera: Camera, T_cam_marker: Float) -> Float:
+    """(3,) of a pixel (x, y, 1): positive where its ray meets the marker's plane, not too far away, and by how many
+    pixels it does; of a plane that is seen from straight above, any positive number.
+    """
+    normal, place = T_cam_marker[:3, 2], T_cam_marker[:3, 3]
+    # The depth of the plane along a pixel's ray is `offset` over how much the ray faces it.
+    row, offset = normal @ np.linalg.inv(camera.K), float(normal @ place)
+    line = np.sign(offset) * row
+    line[2] -= max(abs(offset) / (FARTHEST * float(np.linalg.norm(place))), 1e-9)
+    return np.asarray(line / max(float(np.hypot(*line[:2])), 1e-9))

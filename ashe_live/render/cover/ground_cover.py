@@ -13,12 +13,14 @@ from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.square import side_lengths_px
 from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.render.cover.hidden_by_body import half_of_square, hidden_and_shaded
 from ashe_live.render.cover.inpainting import BESIDE_SIDES, BLEED_SIDES, filled
 from ashe_live.render.cover.rectified import rectified
 from ashe_live.render.cover.sheet import sheet_mask
 
 HALF_SIDES = 2.75  # of the square of the plane that is looked at, in sides of the marker
 MOST_SIDE_PX, LEAST_SIDE_PX = 128.0, 24.0  # of the marker in the rectified picture
+COARSER = 1.6  # patches in which what a body hides is filled, over those of a sheet: it is some times as much ground
 FEATHER_PX = 2.0  # beyond the sheet, over which the cover ends
 LEAST_SHADE = 0.02  # by which a shadow's ground is divided, to be as if it were lit
 MOST_AROUND = 600  # points by which exposures are compared
@@ -36,26 +38,34 @@ class GroundCover:
 
 
 def ground_cover(tracked: TrackedFrame, illumination: Illumination) -> GroundCover | None:
-    """The cover of the sheet in a frame with a marker; None where too little ground is seen to make one."""
+    """The cover of the sheet in a frame with a marker; None where too little ground is seen to make one.
+
+    Of a body that the marker is on, as the paper cube: of all that it hides, and of its shadows.
+    """
     assert tracked.marker is not None
-    if tracked.marker.body is not None:
-        return None  # what stands there is no sheet
-    side_m = tracked.marker.side_m
+    side_m, body = tracked.marker.side_m, tracked.marker.body
     side_px = float(np.clip(side_lengths_px(tracked.marker.corners_px).max(), LEAST_SIDE_PX, MOST_SIDE_PX))
-    half_m = HALF_SIDES * side_m
-    plane = rectified(tracked, illumination, half_m, round(2 * HALF_SIDES * side_px))
+    half_m = HALF_SIDES * side_m if body is None else half_of_square(tracked.marker, body, illumination)
+    plane = rectified(tracked, illumination, half_m, round(2 * half_m / side_m * side_px))
     lit = np.asarray(plane.linear / np.maximum(plane.shade, LEAST_SHADE), np.float32)
-    hole = sheet_mask(lit, plane.is_seen & ~plane.border, side_px)
-    ground = filled(lit, hole, plane.is_seen & ~plane.border, side_px)
+    known, shade = plane.is_seen & ~plane.border, plane.shade
+    if body is None:
+        hole = covered = sheet_mask(lit, known, side_px)
+    else:
+        hole, covered = hidden_and_shaded(tracked.marker, body, illumination, half_m, len(lit))
+        hole |= plane.border | (covered & ~plane.is_seen)
+        covered |= hole
+        known, shade = known & ~hole, np.ones_like(shade)  # its shadows go with it
+    ground = filled(lit, hole, known, side_px if body is None else COARSER * side_px)
     if ground is None:
         return None
-    far = cv2.distanceTransform((~hole).astype(np.uint8), cv2.DIST_L2, 5)
+    far = cv2.distanceTransform((~covered).astype(np.uint8), cv2.DIST_L2, 5)
     rows, columns = np.nonzero((far > BLEED_SIDES * side_px) & (far < BESIDE_SIDES * side_px) & plane.is_seen)
     if not len(rows):
         return None
     rows, columns = (each[:: max(1, len(rows) // MOST_AROUND)] for each in (rows, columns))
     alpha = np.clip(1 - far / FEATHER_PX, 0, 1)
-    rgb = srgb_from_linear(np.clip(ground * plane.shade, 0, 1))
+    rgb = srgb_from_linear(np.clip(ground * shade, 0, 1))
     size = len(hole)
     return GroundCover(
         np.round(np.dstack([rgb, alpha]) * 255).astype(np.uint8),

@@ -16,6 +16,7 @@ from ashe_live.core.square import side_lengths_px
 from ashe_live.core.transforms import project, view_direction
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.cover.ground_cover import GroundCover, ground_cover
+from ashe_live.render.cover.hidden_by_body import TURNED_RAD
 from ashe_live.render.gl.programs import set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import same_objects
@@ -124,7 +125,8 @@ class HiddenMarker:
         if was.side_m != now.side_m or not _same_light(illumination, lit_by):
             return True
         is_nearer = side_lengths_px(now.corners_px).max() > NEARER * side_lengths_px(was.corners_px).max()
-        turned = view_direction(was.T_cam_marker) @ view_direction(now.T_cam_marker) < TURNED_COS
+        least_cos = TURNED_COS if now.body is None else np.cos(TURNED_RAD)
+        turned = view_direction(was.T_cam_marker) @ view_direction(now.T_cam_marker) < least_cos
         return bool(is_nearer or turned)
 
     def _follow_exposure(self, tracked: TrackedFrame) -> None:

@@ -40,7 +40,7 @@ def rectified(tracked: TrackedFrame, illumination: Illumination, half_m: float, 
     image = cv2.remap(picture, at[..., 0], at[..., 1], cv2.INTER_LINEAR)
     linear = LINEAR_FROM_SRGB_8BIT[image[..., ::-1]].astype(np.float32)
     shade, border = np.ones_like(linear), np.zeros(is_seen.shape, np.uint8)
-    body = illumination.real_object
+    body = tracked.marker.body or illumination.real_object
     if body is not None:
         hidden = _silhouette(body, tracked.camera, T)
         is_seen &= cv2.remap(hidden, at[..., 0], at[..., 1], cv2.INTER_NEAREST) == 0

@@ -14,9 +14,12 @@ DIRECTIONS = 16
 NEARER, ASIDE, OUT_OF_SHADOW = 0.25, 0.5, 1.0
 
 
-def first_placement(tracked: TrackedFrame, light: Light | None) -> Placement:
-    """Over the marker, or, where that is a body, to its side in the picture and away from its shadow in `light`."""
-    if tracked.marker is None or tracked.marker.body is None:
+def first_placement(tracked: TrackedFrame, light: Light | None, in_its_place: bool = False) -> Placement:
+    """Over the marker, or, where that is a body, to its side in the picture and away from its shadow in `light`.
+
+    in_its_place: the body is covered, and the model stands where it does.
+    """
+    if in_its_place or tracked.marker is None or tracked.marker.body is None:
         return UNMOVED
     right, away = picture_axes(tracked)
     angles = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS

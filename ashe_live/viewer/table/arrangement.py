@@ -122,12 +122,15 @@ class Arrangement:
                 best, nearest = number, distances
         return self._change_to(best)
 
-    def stand_clear(self, tracked: TrackedFrame | None, light: Light | None) -> None:
-        """A model that nobody has moved stands over the marker; where that is a body, beside it and its shadow."""
+    def stand_clear(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool = False) -> None:
+        """A model that nobody has moved stands over the marker; where that is a body, beside it and its shadow.
+
+        in_its_place: where such a body is, as that is covered.
+        """
         if not self._first_is_due or tracked is None or tracked.marker is None:
             return
         self._first_is_due = False
-        before, self._first = self._first, first_placement(tracked, light)
+        before, self._first = self._first, first_placement(tracked, light, in_its_place)
         if self._hand.placement == before:
             self._hand.placement = self._first
         self._stands = [
@@ -135,9 +138,10 @@ class Arrangement:
             for stand in self._stands
         ]
 
-    def stand_clear_again(self) -> None:
-        """The light, or the marker, is another one."""
+    def stand_clear_again(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool) -> None:
+        """As `stand_clear`, at once: the light is another one, or whether the body is covered has changed."""
         self._first_is_due = True
+        self.stand_clear(tracked, light, in_its_place)
 
     def begin_anew(self) -> None:
         """Another clip or photo: every model is where it was at first."""

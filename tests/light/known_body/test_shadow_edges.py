@@ -7,7 +7,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import raycast_to_plane
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.light.known_body.shadow_edges import ShadowEdges, shadow_edges
+from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.pixels.view import View
 from ashe_live.tracking.cube.faces import CORNERS
 from tests.painted_cubes import CAMERA, EDGE_M, looking

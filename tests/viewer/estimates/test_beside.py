@@ -26,6 +26,11 @@ def test_over_a_flat_marker_and_without_one_nothing_is_moved() -> None:
     assert first_placement(dataclasses.replace(tracked(30), marker=None), None) == UNMOVED
 
 
+def test_where_the_cube_is_covered_it_stands_in_its_place() -> None:
+    assert first_placement(tracked(30), None, in_its_place=True) == UNMOVED
+    assert first_placement(tracked(30), None) != UNMOVED
+
+
 @pytest.mark.parametrize("azimuth_deg", [0, 75, 200])
 def test_it_stands_beside_the_cube_in_the_picture(azimuth_deg: float) -> None:
     seen = tracked(azimuth_deg)

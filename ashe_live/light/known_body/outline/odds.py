@@ -4,8 +4,9 @@ import math
 
 import numpy as np
 
-from ashe_live.light.known_body.fit import POINTS_A_SAMPLE, EdgeFit
-from ashe_live.light.known_body.shadow_edges import POINTS
+from ashe_live.light.known_body.outline.edges import POINTS
+from ashe_live.light.known_body.outline.fit import EdgeFit
+from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE
 
 SHOWN, CHANCE = 0.85, 0.3  # probability that a place shows a step where there is an edge, and where there is none
 HIDDEN = 0.8  # factor of a probability whose edges cannot be seen

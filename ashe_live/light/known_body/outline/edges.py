@@ -9,11 +9,10 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import image_from_plane, project
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.directions import direction_by_displacement
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
 
-POINTS = 140  # of an outline, spread evenly along it in the picture
+POINTS = 105  # of an outline, spread evenly along it in the picture
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,6 +20,7 @@ class ShadowEdges:
     """Points on a shadow's outline in a picture."""
 
     points_px: Float  # (n, 2)
+    corners_px: Float  # (m, 2) those of the outline, which is convex
     normals_px: Float  # (n, 2) unit vectors out of the shadow
     to_corner_px: Float  # (n,) distance from the nearer end of the point's straight edge
     by_light: Float  # (n, 3) pixels along the normal by s_x, s_y and by w / z, 1/m
@@ -64,25 +64,22 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     across = np.einsum("ni,nij->nj", normals, by_place)
     lower = origin[:, 2] / (1 - origin[:, 2] * nearness)
     by_light = np.column_stack([-across * lower[:, None], (across * places).sum(axis=1) * lower])
-    offsets = light[:3] - light[3] * origin
-    by_size = _penumbra(across, lower, offsets / np.linalg.norm(light[:3]))
+    offsets = (light[:3] - light[3] * origin) / np.linalg.norm(light[:3])
+    by_size = _penumbra(across, lower, offsets)
     to_corner = np.minimum(along_px, lengths_px[edge] - along_px)
-    return ShadowEdges(points_px, normals, to_corner, by_light, by_size)
+    return ShadowEdges(points_px, pixels, normals, to_corner, by_light, by_size)
 
 
 def _penumbra(across: Float, lower: Float, offsets: Float) -> Float:
-    """(n,) standard deviation by the light's angular diameter, seen from the marker's centre: a disc's is a quarter."""
-    spreads = np.empty(len(across))
-    if (offsets == offsets[0]).all():  # all points see a sun in one direction
-        by_direction = np.linalg.inv(direction_by_displacement(offsets[0, :2] / offsets[0, 2]))
-        return np.asarray(np.linalg.norm(across @ by_direction, axis=1) * lower / 4)
-    several, which = np.unique(offsets.round(12), axis=0, return_inverse=True)
-    for number, offset in enumerate(several):
-        here = which.reshape(-1) == number
-        by_direction = np.linalg.inv(direction_by_displacement(offset[:2] / offset[2]))
-        nearer = float(np.linalg.norm(offset))
-        spreads[here] = np.linalg.norm(across[here] @ by_direction, axis=1) / nearer
-    return np.asarray(spreads * lower / 4)
+    """(n,) standard deviation by the light's angular diameter, seen from the marker's centre: a disc's is a quarter.
+
+    offsets: (n, 3) from what casts each point to the light, over the light's distance from the marker's centre.
+    """
+    s = offsets[:, :2] / offsets[:, 2:]
+    # A turn of the direction by 1 moves s, and with it the edge along `across`, by no more than this: with the metric
+    # (I - s s' / (1 + s's)) / (1 + s's) of directions in s, whose inverse is (1 + s's) (I + s s').
+    by_direction = np.sqrt((1 + (s * s).sum(axis=1)) * ((across * across).sum(axis=1) + (across * s).sum(axis=1) ** 2))
+    return np.asarray(by_direction / np.linalg.norm(offsets, axis=1) * lower / 4)
 
 
 def _depths(view: View, places: Float) -> Float:

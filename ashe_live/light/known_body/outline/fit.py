@@ -1,0 +1,134 @@
+"""Moves a light until the predicted edges of the body's shadow lie where the light on the table falls to its half."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.known_body.outline.edges import shadow_edges
+from ashe_live.light.known_body.outline.profiles import LEAST_PX, POINTS_A_SAMPLE, Profiles
+from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.table import height_of
+from ashe_live.light.pixels.view import View
+
+# How far from the predicted edge the search reaches: of the body's height in the picture at first, then as much as the
+# penumbra needs, in standard deviations, and never less than LEAST_PX.
+REACHES = (0.25, 0.16)
+MOST_ROUNDS, SPREADS, MOST_SHARE = 6, 2.6, 0.4
+DONE_PX = 0.06  # a step that moves no edge farther is the last one
+BLUR_PX = 0.8  # standard deviation of the picture's blur, until it is measured
+EARLY_LOSS = 2.0  # factor on the scale of Cauchy's loss in the first rounds
+FEWEST = 5  # places that show an edge, without which nothing is fitted
+START_SIGMA = 0.12  # of a start's displacement s, over 1 + |s|
+NEARNESS_SIGMA = 1.5  # 1/m, of w / z before the picture is seen: as of all lamps (lamps.LAMPS_NEARNESS)
+NEAREST = 0.7  # height of the body over that of a lamp, at most
+EDGE_SIGMA_PX = 0.3  # of an edge that is measured, beside which the start's own uncertainty counts
+LEAST_SIGMA_PX = 0.1  # of the edges' misfit, however small it is
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EdgeFit:
+    """A light whose shadow's edges were moved onto those in the picture."""
+
+    light: Float  # (4,) homogeneous, z = 1, marker frame
+    covariance: Float  # (p, p) of s = (x, y) / z, and of the nearness w / z where that was fitted
+    size_rad: float | None  # the light's angular diameter; None: no wider than the picture's blur tells
+    misfit_px: float  # root mean square distance of the edges, robust
+    misfit_share: float  # the same over how far they were looked for
+    clear: float  # of the outline's points that could be seen, the part with a step as deep as the shadow
+    seen: float  # part of the outline's points that could be seen
+
+
+def fitted(
+    body: Proxy, light: Float, darkening: float, picture: Float32, room: Room, view: View, with_nearness: bool = False
+) -> EdgeFit | None:
+    """The light near `light` (4,) that explains the edges; None where too few of them are seen.
+
+    darkening: the part of the table's light that it gives, roughly. picture: (h, w) linear light. room: without what is
+    in another light's penumbra. with_nearness: whether w / z is fitted, too; else it is held.
+    """
+    here, size, blur = light / light[2], 0.0, BLUR_PX**2
+    parameters = [0, 1, 3] if with_nearness else [0, 1]
+    start, prior = here[parameters] * (1, 1, 0)[: len(parameters)], _prior(here, len(parameters))
+    height_px = _height_px(body, view)
+    for number in range(MOST_ROUNDS):
+        edges = shadow_edges(body, here, view)
+        if edges is None:
+            return None
+        is_first = number < len(REACHES)
+        if is_first:
+            wanted_px = np.full(len(edges.points_px), max(REACHES[number] * height_px, 2 * LEAST_PX))
+        else:
+            spread_px = np.sqrt(blur + (size * edges.by_size) ** 2)
+            wanted_px = np.clip(SPREADS * spread_px, LEAST_PX, max(MOST_SHARE * height_px, LEAST_PX))
+        profiles = Profiles.of(edges, wanted_px, picture, room)
+        weight = profiles.weights(darkening, EARLY_LOSS if is_first else 1.0)
+        if np.count_nonzero(weight) < FEWEST:
+            return None
+        if number >= len(REACHES) - 1:
+            blur, size = profiles.widths(weight)
+        J = edges.by_light[:, : len(parameters)]
+        normal = (J * weight[:, None]).T @ J + prior
+        pull = (J * weight[:, None]).T @ profiles.offset_px - prior @ (here[parameters] - start)
+        step = np.linalg.solve(normal, pull)
+        here = _moved(here, step, height_of(body))
+        if not is_first and np.abs(J @ step).max() < DONE_PX:
+            break
+    return _edge_fit(here, profiles, weight, profiles.offset_px - J @ step, normal, size or None, darkening)
+
+
+def widest_reach_px(body: Proxy, view: View) -> float:
+    """How far from where a fit predicts edges at first it looks for them."""
+    return max(REACHES[0] * _height_px(body, view), 2 * LEAST_PX)
+
+
+def _height_px(body: Proxy, view: View) -> float:
+    return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
+
+
+def _prior(light: Float, count: int) -> Float:
+    """(p, p) what is known of a light's parameters before its edges are seen, in units of their residuals' weights.
+
+    Where an edge is hidden, what it would tell stays as it was found.
+    """
+    displaced = START_SIGMA * (1 + float(np.hypot(*light[:2])))
+    sigmas = np.array([displaced, displaced, NEARNESS_SIGMA])[:count]
+    return np.asarray(EDGE_SIGMA_PX**2 * POINTS_A_SAMPLE * np.diag(1 / sigmas**2))
+
+
+def _moved(light: Float, step: Float, height: float) -> Float:
+    """A light (4,) with z = 1 after a step (p,) of its parameters, over a body of some height.
+
+    Its displacement changes by no more than half of that and one, and no lamp comes near the body.
+    """
+    most = 0.5 * math.hypot(1.0, float(np.hypot(*light[:2])))
+    moved = light.copy()
+    moved[:2] += step[:2] * min(1.0, most / max(float(np.hypot(*step[:2])), 1e-12))
+    if len(step) > 2:
+        moved[3] = np.clip(moved[3] + step[2], -NEAREST / height, NEAREST / height)
+    return moved
+
+
+def _edge_fit(
+    light: Float,
+    profiles: Profiles,
+    weight: Float,
+    left_px: Float,
+    normal: Float,
+    size_rad: float | None,
+    darkening: float,
+) -> EdgeFit:
+    """What is said of a light (4,) once its edges are where they are seen, but for `left_px` (n,)."""
+    variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
+    visible = profiles.visible
+    return EdgeFit(
+        light,
+        np.asarray(variance * POINTS_A_SAMPLE * np.linalg.inv(normal)),
+        size_rad,
+        math.sqrt(variance),
+        math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),
+        profiles.clear(darkening) if visible.any() else 0.0,
+        float(visible.mean()),
+    )

@@ -1,0 +1,93 @@
+"""The light along lines across a shadow's predicted edges: where it falls to its half, and how steeply."""
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.light.known_body.outline.edges import ShadowEdges
+from ashe_live.light.known_body.outline.room import Room
+
+SAMPLES = 33  # across an edge
+ENDS = 6  # of them at either end, whose means are the levels of shadow and light
+LEAST_PX = 3.5  # that an edge is looked for on either side
+LEAST_STEP = 0.35  # of an edge, over the light that the shadow takes, from which on it is one
+OUTLIER_SHARE, OUTLIER_PX = 0.12, 0.5  # scale of Cauchy's loss: of the reach, and at least
+# Neighbouring points see the same pixels, and a table's stains are wider than these: points over the sample size.
+POINTS_A_SAMPLE = 4.5
+LARGEST_RAD = math.radians(20)  # of a light's diameter that is stated
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Profiles:
+    """Edges as the picture has them."""
+
+    edges: ShadowEdges
+    reach_px: Float  # (n,) how far from the prediction they were looked for
+    offset_px: Float  # (n,) outwards of where they are predicted
+    variance_px2: Float  # (n,) of the rise
+    step: Float  # (n,) light lost, over the lit side's
+    visible: Mask  # (n,) with room enough on the bare table
+
+    @staticmethod
+    def of(edges: ShadowEdges, wanted_px: Float, picture: Float32, room: Room) -> "Profiles":
+        """Edges in `picture` (h, w), looked for within `wanted_px` (n,), or less where there is less room."""
+        free = room.around(edges.points_px)
+        visible = free >= LEAST_PX
+        reach = np.where(visible, np.minimum(wanted_px, free), wanted_px)
+        along = np.linspace(-1, 1, SAMPLES)
+        lines = edges.points_px[:, None] + (reach[:, None] * along)[..., None] * edges.normals_px[:, None]
+        x, y = np.moveaxis(lines, 2, 0).clip(-1e4, 1e4).astype(np.float32)
+        profiles = cv2.remap(picture, x, y, cv2.INTER_LINEAR).astype(np.float64)
+        dark, lit = profiles[:, :ENDS].mean(axis=1), profiles[:, -ENDS:].mean(axis=1)
+        step = (lit - dark) / np.maximum(lit, 1e-4)
+        light = (profiles - dark[:, None]) / np.where(np.abs(lit - dark) > 1e-6, lit - dark, 1.0)[:, None]
+        spacing = 2 * reach / (SAMPLES - 1)
+        # The light on a line that is dark up to the edge and lit beyond it is as much as its lit part is long.
+        inside = light.sum(axis=1) - 0.5 * (light[:, 0] + light[:, -1])
+        offset = reach - inside * spacing
+        rises = np.clip(np.diff(light, axis=1), 0, None)
+        rises /= np.maximum(rises.sum(axis=1, keepdims=True), 1e-9)
+        middles = 0.5 * (along[1:] + along[:-1])
+        mean = rises @ middles
+        variance = (rises * (middles[None] - mean[:, None]) ** 2).sum(axis=1) * reach**2
+        return Profiles(edges, reach, np.clip(offset, -reach, reach), variance, step, visible)
+
+    def are_steps(self, darkening: float) -> Mask:
+        """(n,) which are visible and as deep as a light's edge that takes this part of the table's light."""
+        return np.asarray(self.visible & (self.step > LEAST_STEP * darkening))
+
+    def clear(self, darkening: float) -> float:
+        """Of the places that are visible, the part with a step; there must be some."""
+        return float(self.are_steps(darkening)[self.visible].mean())
+
+    def weights(self, darkening: float, loss: float) -> Float:
+        """(n,) weight of each edge, 0 for what is none; loss: factor on the scale of Cauchy's loss."""
+        scale = loss * np.maximum(OUTLIER_SHARE * self.reach_px, OUTLIER_PX)
+        # Near a corner the neighbouring edge bends the half light.
+        straight = np.clip(self.edges.to_corner_px / np.maximum(0.7 * self.reach_px, 1e-9), 0, 1) ** 2
+        deep = np.clip(self.step / max(darkening, 1e-6), 0, 1) ** 2
+        return np.asarray(self.are_steps(darkening) * straight * deep / (1 + (self.offset_px / scale) ** 2))
+
+    def widths(self, weight: Float) -> tuple[float, float]:
+        """The variance of the picture's blur, px^2, and the light's angular diameter, 0 where it is not told.
+
+        A penumbra widens with the height that casts it, blur does not: a weighted linear regression of variances.
+        """
+        spreads = self.edges.by_size
+        design = np.column_stack([np.ones(len(spreads)), spreads**2])
+        w = weight.copy()
+        for _ in range(3):
+            normal = (design * w[:, None]).T @ design + 1e-12 * np.eye(2)
+            blur, squared = np.linalg.solve(normal, (design * w[:, None]).T @ self.variance_px2)
+            rest = self.variance_px2 - design @ np.array([blur, squared])
+            scale = 1.48 * float(np.median(np.abs(rest[weight > 0]))) + 1e-3
+            w = weight / (1 + (rest / (2 * scale)) ** 2)
+        error = scale * math.sqrt(POINTS_A_SAMPLE * abs(float(np.linalg.inv(normal)[1, 1])))
+        blur = float(np.clip(blur, 0.3, 9.0))
+        widest = float(np.percentile(spreads[weight > 0], 90))
+        if squared <= 3 * error or squared * widest**2 < 0.5 * blur:
+            return blur, 0.0
+        return blur, min(math.sqrt(squared), LARGEST_RAD)

@@ -1,0 +1,77 @@
+"""The ground that a body with the marker on it hides and shades: the paper cube, in whose place a model is to stand."""
+
+import math
+
+import cv2
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import angles_from_direction, camera_centre, direction_from_angles
+from ashe_live.core.types import Illumination, MarkerPose
+from ashe_live.render.lights.cast_shadows import shadow_hull_of_point
+
+# A cover lasts while the camera turns by less than TURNED_RAD, and its edge is hidden from a little farther.
+TURNED_RAD = math.radians(8.0)
+MARGIN_RAD = math.radians(10.0)
+NEARER = 0.65  # of the camera's distance, the nearest from which the cover still hides the body
+LOWEST_RAD = math.radians(15.0)  # of the camera above the plane: from lower, the body hides ground without end
+MOST_HALF_SIDES = 6.0  # of the square of the plane that is looked at, in sides of the marker
+AROUND_SIDES = 0.6  # beyond what is hidden and shaded: ground to fill that with, in the same measure
+FOOT_SIDES = 0.5  # beside the body's foot, where it hides so much of the sky that the ground is darker
+BITS = 4  # binary places in which a polygon's corners are drawn
+
+
+def half_of_square(marker: MarkerPose, body: Proxy, illumination: Illumination) -> float:
+    """Metres from the marker's centre: half of a square that holds all that the body hides or shades, and some more."""
+    corners = np.concatenate([_hidden(body, eye) for eye in _eyes(marker, MARGIN_RAD)] + _shaded(body, illumination))
+    most = float(np.abs(corners).max()) + AROUND_SIDES * marker.side_m
+    return min(most, MOST_HALF_SIDES * marker.side_m)
+
+
+def hidden_and_shaded(
+    marker: MarkerPose, body: Proxy, illumination: Illumination, half_m: float, size: int
+) -> tuple[Mask, Mask]:
+    """(n, n) of a square of the plane each: what has to be made up, and what has to be covered from around here.
+
+    What is made up is what the camera does not see, and what the body shades.
+    """
+    foot = body.points_marker()[:, :2]
+    sides = marker.side_m * FOOT_SIDES
+    grown = np.concatenate([foot + offset for offset in sides * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])])
+    shaded = [*_shaded(body, illumination), grown]
+    unknown = _painted([_hidden(body, eye) for eye in _eyes(marker, 0.0)] + shaded, half_m, size)
+    return unknown, _painted([_hidden(body, eye) for eye in _eyes(marker, MARGIN_RAD)], half_m, size) | unknown
+
+
+def _eyes(marker: MarkerPose, turned_rad: float) -> list[Float]:
+    """(3,) places of the camera, marker frame, metres: where it is, or all around there."""
+    eye = camera_centre(marker.T_cam_marker)
+    azimuth, elevation = angles_from_direction(eye)
+    distance = float(np.linalg.norm(eye))
+    if turned_rad == 0:
+        return [distance * direction_from_angles(azimuth, max(elevation, LOWEST_RAD))]
+    heights = [max(elevation - turned_rad, LOWEST_RAD), min(max(elevation, LOWEST_RAD) + turned_rad, math.pi / 2)]
+    places = [(azimuth + aside, height) for aside in (-turned_rad, 0.0, turned_rad) for height in heights]
+    return [part * distance * direction_from_angles(*place) for place in places for part in (1.0, NEARER)]
+
+
+def _hidden(body: Proxy, eye: Float) -> Float:
+    """(n, 2) convex, metres: the ground that the body hides from an eye, which is its shadow in a lamp there."""
+    return shadow_hull_of_point(body.points_marker(), np.append(eye, 1.0))
+
+
+def _shaded(body: Proxy, illumination: Illumination) -> list[Float]:
+    """(n, 2) convex, metres, of each light: the ground that the body shades."""
+    lights = [each for each in illumination.lights if each.to_light_marker[2] > 0]
+    return [shadow_hull_of_point(body.points_marker(), each.homogeneous) for each in lights]
+
+
+def _painted(hulls: list[Float], half_m: float, size: int) -> Mask:
+    """(n, n) of a square of the plane, first row at the largest y: the insides of polygons (m, 2)."""
+    mask = np.zeros((size, size), np.uint8)
+    for hull in hulls:
+        pixels = (hull * (1, -1) / half_m + 1) * (size / 2) - 0.5
+        fixed = np.round(pixels.clip(-4 * size, 5 * size) * 2**BITS).astype(np.int32)
+        cv2.fillConvexPoly(mask, cv2.convexHull(fixed), 1, shift=BITS)
+    return mask > 0

@@ -1,0 +1,53 @@
+"""Lamps beside a painted cube: their distance by one shadow, and suns that are none."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.bench.cube.scenes import lamp
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import Light
+from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.families.layout import cube_layout
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, PaintedLight, frame_of, looking, sun
+
+
+def found(light: PaintedLight) -> Light:
+    frame = frame_of(CubeScene(CAMERA, looking(0.45, 45, 30), [light]))
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame)
+    answer = make_estimator("proxy").estimate(tracked)
+    assert len(answer.lights) == 1
+    return answer.lights[0]
+
+
+@pytest.mark.parametrize("distance_m", [0.4, 0.5, 0.7])
+@pytest.mark.parametrize(("azimuth_deg", "elevation_deg"), [(200, 45), (120, 60), (300, 35)])
+def test_a_lamps_place_is_told(azimuth_deg: float, elevation_deg: float, distance_m: float) -> None:
+    true = lamp(sun(azimuth_deg, elevation_deg, size_deg=3.0), distance_m)
+    light = found(true)
+    assert light.kind == "lamp"
+    assert 1 / light.inverse_distance == pytest.approx(distance_m, rel=0.1)
+    assert angle_between(light.to_light_marker, true.point[:3]) < math.radians(2)
+    assert light.lamp_covariance is not None
+    assert np.linalg.eigvalsh(light.lamp_covariance).min() > 0
+    sigma = math.sqrt(light.lamp_covariance[2, 2])
+    assert abs(light.inverse_distance - 1 / distance_m) < 3 * sigma
+    assert light.radius_m is not None
+    assert light.radius_m == pytest.approx(distance_m * math.sin(math.radians(1.5)), rel=0.35)
+
+
+def test_a_lamp_lights_the_table_as_it_does() -> None:
+    true = lamp(sun(200, 45, on_table=0.6, size_deg=3.0), 0.5)
+    light = found(true)
+    assert light.intensity_rgb_ratio is not None
+    given = true.irradiance_rgb * true.point[2] / np.linalg.norm(true.point[:3])
+    assert light.intensity_rgb_ratio == pytest.approx(given / 0.3, rel=0.25)  # over the painter's sky
+
+
+@pytest.mark.parametrize("elevation_deg", [20, 40, 65])
+def test_a_sun_is_no_lamp(elevation_deg: float) -> None:
+    for azimuth_deg in (80, 200, 320):
+        assert found(sun(azimuth_deg, elevation_deg)).kind == "directional"

@@ -1,0 +1,88 @@
+"""The linear model of a table's map: what lights take from it is what is found, whatever varies slowly beside."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.known_body.evidence import Evidence, Lit
+from ashe_live.light.known_body.shading import Sides
+from ashe_live.light.known_body.table import SIDE
+from ashe_live.light.known_body.templates import filled_of, shadows_of, templates_of
+from ashe_live.light.shape.light_points import at_infinity
+from ashe_live.tracking.cube.faces import CORNERS
+from tests.painted_cubes import sun
+
+NO_SIDES = Sides(np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0), np.empty(0, bool))
+RNG_SEED = 4
+
+
+def body(edge_m: float = 0.06, crooked: float = 0.0) -> Proxy:
+    corners = edge_m * CORNERS + np.random.default_rng(RNG_SEED).normal(0, crooked, CORNERS.shape)
+    return Proxy("box", np.column_stack([corners, np.zeros((8, 2))]))
+
+
+CUBE = body()
+TEMPLATES = templates_of(CUBE)
+EVERYWHERE = Lit(TEMPLATES.lights[:, :3], TEMPLATES.shadows, TEMPLATES.filled)
+
+
+def lit(*lights: Float) -> Lit:
+    points = np.array(lights).reshape(-1, 4)
+    shadows = shadows_of(CUBE, points)
+    return Lit(points[:, :3], shadows, filled_of(shadows))
+
+
+def map_of(darkenings: dict[tuple[float, float], float], noise: float = 0.02) -> Float32:
+    """Relative light of a table with a gradient, under suns at (azimuth, elevation) of some darkening and a sky."""
+    y, x = np.mgrid[:SIDE, :SIDE] / (SIDE // 2) - 1
+    sky = 1 - sum(darkenings.values())
+    light = 1 + 0.1 * x - 0.05 * x * y - sky * TEMPLATES.hidden_sky.reshape(SIDE, SIDE)
+    for angles, darkening in darkenings.items():
+        light -= darkening * shadows_of(CUBE, sun(*angles).point[None]).reshape(SIDE, SIDE)
+    return (light + np.random.default_rng(RNG_SEED).normal(0, noise, light.shape)).astype(np.float32)
+
+
+def evidence(values: Float32, known: Lit) -> Evidence:
+    return Evidence(values, np.ones((SIDE, SIDE), np.float32), TEMPLATES.hidden_sky, NO_SIDES, known, EVERYWHERE)
+
+
+@pytest.mark.parametrize("darkening", [0.15, 0.4, 0.7])
+def test_one_sun_is_where_it_is_and_takes_what_it_gives(darkening: float) -> None:
+    true = sun(200, 35).point
+    found = evidence(map_of({(200, 35): darkening}), lit())
+    best = int(found.everywhere.log_likelihood.argmax())
+    assert TEMPLATES.lights[best, :3] @ true[:3] > np.cos(np.radians(6))
+    assert found.scanned(lit(true)).darkenings[0, 0] == pytest.approx(darkening, rel=0.08)
+
+
+def test_two_suns_are_told_apart() -> None:
+    darkenings = {(200, 35): 0.4, (80, 60): 0.25}
+    known = lit(*(sun(*angles).point for angles in darkenings))
+    assert evidence(map_of(darkenings), known).darkenings == pytest.approx([0.4, 0.25], rel=0.1)
+    beside = evidence(map_of(darkenings), lit(sun(200, 35).point)).everywhere
+    best = int(beside.log_likelihood.argmax())
+    assert TEMPLATES.lights[best, :3] @ sun(80, 60).point[:3] > np.cos(np.radians(8))
+    assert beside.log_likelihood[best] > 10
+
+
+def test_where_nothing_casts_a_shadow_nothing_is_likelier_than_that() -> None:
+    assert evidence(map_of({}), lit()).everywhere.log_likelihood.max() < 1
+
+
+def test_a_further_light_that_is_not_there_takes_nothing() -> None:
+    scan = evidence(map_of({(200, 35): 0.4}), lit(sun(200, 35).point)).scanned(lit(sun(80, 60).point))
+    assert scan.darkenings[0, 1] < 0.03
+    assert scan.log_likelihood[0] < 0
+
+
+def test_all_cubes_share_their_templates() -> None:
+    assert templates_of(body(0.05)) is TEMPLATES
+    assert templates_of(body(crooked=1e-3)) is TEMPLATES
+    moved = Proxy("box", CUBE.spheroids_marker + np.array([0.2, -0.1, 0, 0, 0]))
+    assert templates_of(moved) is TEMPLATES
+
+
+def test_lights_at_the_horizon_and_below_cast_no_shadow() -> None:
+    low = at_infinity(np.array([(1.0, 0.0, 0.0), (1.0, 0.0, -0.5)]))
+    assert not shadows_of(CUBE, low).any()

@@ -1,0 +1,56 @@
+"""Lights whose shadow the cube hides from the camera: told by its sides, less surely; and what no side tells."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.core.types import LightEstimate
+from ashe_live.light.estimators.estimator import make_estimator
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.families.layout import cube_layout
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, PaintedLight, frame_of, looking, sun
+
+FROM_DEG, TILT_DEG = 210, 55  # the camera's azimuth, and how far from straight above it looks
+
+
+def estimate(*lights: PaintedLight, tilt_deg: float = TILT_DEG, **scene: object) -> LightEstimate:
+    view = looking(0.4, tilt_deg, FROM_DEG)
+    frame = frame_of(CubeScene(CAMERA, view, lights, **scene))  # type: ignore[arg-type]
+    return make_estimator("proxy").estimate(
+        MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame)
+    )
+
+
+@pytest.mark.parametrize("elevation_deg", [40, 45])
+def test_a_sun_behind_the_camera_is_told_by_the_sides(elevation_deg: float) -> None:
+    light = sun(FROM_DEG + 2, elevation_deg)
+    answer = estimate(light)
+    assert len(answer.lights) == 1
+    found = answer.lights[0]
+    error = angle_between(found.to_light_marker, light.point[:3])
+    assert error < math.radians(10)
+    assert found.sigma_rad is not None
+    assert found.sigma_rad > math.radians(4)  # nothing tells it better
+    assert error < 2 * found.sigma_rad
+    assert found.confidence is not None
+    assert 0.4 < found.confidence < 0.95
+
+
+def test_it_beside_one_whose_shadow_is_seen() -> None:
+    seen, hidden = sun(FROM_DEG + 100, 35, on_table=0.3), sun(FROM_DEG, 42, on_table=0.4)
+    answer = estimate(seen, hidden)
+    assert len(answer.lights) == 2
+    errors = np.degrees(
+        [[angle_between(f.to_light_marker, t.point[:3]) for f in answer.lights] for t in (seen, hidden)]
+    )
+    assert errors[0].min() < 0.5
+    assert errors[1].min() < 12
+
+
+@pytest.mark.parametrize("slope", [(0.0, 0.0), (0.3, 0.0), (-0.2, -0.2)])
+def test_a_leaning_sky_is_no_sun(slope: tuple[float, float]) -> None:
+    answer = estimate(sky_slope=np.array([*slope, 0.0]), sky_rgb=np.full(3, 0.5))
+    assert not [light for light in answer.lights if light.confidence is None or light.confidence > 0.5]

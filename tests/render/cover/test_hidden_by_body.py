@@ -1,0 +1,94 @@
+"""A paper cube is covered, with its shadow, by ground like that around it; painted tables tell what is below."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float, Image, Mask
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.transforms import direction_from_angles, project
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.models.primitives import box
+from ashe_live.quality import FAST
+from ashe_live.render.cover.hidden_by_body import TURNED_RAD
+from ashe_live.render.scene import Scene
+from ashe_live.tracking.cube.faces import CORNERS
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, looking, painted, sun
+
+BODY = Proxy("box", np.column_stack([EDGE_M * CORNERS, np.zeros((8, 2))]))
+SUN_DEG = (200, 35)
+LIT_BY = Illumination(
+    (Light(direction_from_angles(*np.radians(SUN_DEG)), shadow_rgb_ratio=np.full(3, 0.3)),), real_object=BODY
+)
+
+
+def seen(T: Float) -> TrackedFrame:
+    picture = painted(CubeScene(CAMERA, T, [sun(*SUN_DEG)]))
+    base = EDGE_M / 2 * np.array([(-1, 1, 0), (1, 1, 0), (1, -1, 0), (-1, -1, 0)], float)
+    marker = MarkerPose(T, project(CAMERA, T, base), EDGE_M, 0.0, None, body=BODY)
+    return TrackedFrame(Frame(picture, 0, 0.0), CAMERA, marker)
+
+
+def bare(T: Float) -> Image:
+    """The same table, on which stands what is too small to be seen."""
+    return painted(CubeScene(CAMERA, T, [sun(*SUN_DEG)], edge_m=1e-4))
+
+
+def differences(one: Image, other: Image) -> Float:
+    """(h, w) CIE 1976 colour difference of what is alike after a blur: grain may lie elsewhere."""
+    labs = [
+        cv2.cvtColor(cv2.GaussianBlur(np.float32(each) / 255, (0, 0), 2), cv2.COLOR_BGR2LAB) for each in (one, other)
+    ]
+    return np.asarray(np.linalg.norm(labs[0] - labs[1], axis=2), dtype=np.float64)
+
+
+def cube_and_shadow(tracked: TrackedFrame, table: Image) -> Mask:
+    """(h, w) where the picture is not that of the bare table."""
+    return np.asarray(differences(tracked.frame.image_bgr, table) > 8)
+
+
+def far_away(stage):
+    """Low, and beside all that is covered: a model must stand somewhere for anything to be drawn."""
+    mesh = box((0.004, 0.004, 0.002))
+    return stage.placed(replace(mesh, vertices=mesh.vertices + np.array((-0.14, 0.14, 0.0), np.float32)))
+
+
+@pytest.mark.parametrize("turned_rad", [0.0, 0.8 * TURNED_RAD])
+def test_cube_and_shadow_are_covered_also_while_the_camera_moves(make_renderer, stage, turned_rad: float) -> None:
+    renderer = make_renderer(FAST.render, CAMERA.size)
+    for azimuth_deg in (30.0, 30.0 + np.degrees(turned_rad)):
+        T = looking(0.45, 45, azimuth_deg)
+        tracked, table = seen(T), bare(T)
+        renderer.render(Scene(tracked, far_away(stage), LIT_BY, hides_marker=True))
+    there = cube_and_shadow(tracked, table)
+    assert there.mean() > 0.02
+    off = differences(renderer.read_bgr(), table)
+    assert off[there].mean() < 3
+    assert np.percentile(off[there], 99) < 8
+    assert differences(tracked.frame.image_bgr, table)[there].mean() > 20
+
+
+def test_what_is_covered_is_no_real_object() -> None:
+    tracked = seen(looking(0.45, 45, 30))
+    assert Scene(tracked, None, LIT_BY).real_object is BODY
+    assert Scene(tracked, None, LIT_BY, hides_marker=True).real_object is None
+    assert tracked.marker is not None
+    flat = replace(tracked, marker=replace(tracked.marker, body=None))
+    assert Scene(flat, None, LIT_BY, hides_marker=True).real_object is BODY
+
+
+def test_where_no_ground_is_seen_nothing_is_covered(make_renderer, stage) -> None:
+    tracked = seen(looking(0.45, 45, 30))
+    rows = slice(200, 280)  # nothing but the cube
+    K = tracked.camera.K.copy()
+    K[:2, 2] -= 280, 200
+    near = replace(
+        tracked,
+        frame=replace(tracked.frame, image_bgr=np.ascontiguousarray(tracked.frame.image_bgr[rows, 280:360])),
+        camera=replace(tracked.camera, size=(80, 80), K=K),
+    )
+    renderer = make_renderer(FAST.render, (80, 80))
+    renderer.render(Scene(near, far_away(stage), LIT_BY, hides_marker=True))
+    np.testing.assert_array_equal(renderer.read_bgr(), near.frame.image_bgr)
