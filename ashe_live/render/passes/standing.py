@@ -7,7 +7,7 @@ from ashe_live.core.transforms import transform_points
 from ashe_live.models.placement import Placement
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.gl.geometry import GpuModel
-from ashe_live.render.passes.contact import ContactPatch
+from ashe_live.render.occlusion.contact import ContactPatch
 
 
 class StandingModel:
