@@ -133,6 +133,9 @@ void main() {
     // Multiple scattering between microfacets: Turquin, "Practical multiple scattering compensation", 2019.
     vec3 again = 1.0 + f0 * (1.0 / (share.x + share.y) - 1.0);
     vec3 mirror = reflect(-to_eye, n);
+    // What is mirrored does not get in.
+    vec3 reflectance = (f0 * share.x + share.y) * again;
+    albedo *= 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
 #endif
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
@@ -166,7 +169,7 @@ void main() {
     // Share of the lobe that is open: Lagarde and de Rousiers, "Moving Frostbite to PBR", 2014.
     float ahead = mix(open.y, open.x, 0.5 + 0.5 * mirror.z);
     float open_lobe = clamp(pow(n_v + ahead, exp2(-16.0 * rough - 1.0)) - 1.0 + ahead, 0.0, 1.0);
-    mirrored += mix(base.rgb * on_parts, around, open_lobe) * (f0 * share.x + share.y) * again;
+    mirrored += mix(base.rgb * on_parts, around, open_lobe) * reflectance;
 #endif
     vec3 glow = mirrored;
 #ifdef EMITS
