@@ -99,7 +99,7 @@ void main() {
     base *= colour;
 #endif
 #ifdef BASE_MAP
-    base *= texture(base_map, laid_out(BASE));
+    base *= texture(base_map, laid_out(BASE), -0.5);
 #endif
 #ifdef CUT_OUT
     if (base.a < alpha_cutoff) discard;
