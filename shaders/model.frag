@@ -24,9 +24,7 @@ uniform float alpha_cutoff;
 #ifdef GLOSSY
 #include "brdf.glsl"
 #endif
-#ifdef MIRRORS
 #include "environment.glsl"
-#endif
 
 in vec3 position;
 in vec3 normal;
@@ -77,17 +75,21 @@ vec3 surface_normal() {
 // Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
 // these are the middles of the thirds, as 1 - h / sqrt(h^2 + d^2) of it comes from within d.
 const float THIRDS[3] = float[](0.66, 1.73, 5.92);
+const float NEARER = 1.2;  // the middle of the nearer two thirds,
+const float NEARER_WIDTH = 1.5;  // and about how far they reach to both sides of it
 
 // Light from all around, over pi, on a surface or from a direction: the sky above, the ground below, with the model's
 // shadow on it, as far as they are `open`.
 vec3 ambient(vec3 direction, vec2 open) {
     float upward = 0.5 + 0.5 * direction.z;
-    vec3 ground = vec3(0.0);
-    for (int part = 0; part < 3; ++part) {
-        ground += light_on_ground(position.xy + THIRDS[part] * max(position.z, 0.0) * direction.xy) / 3.0;
-    }
+    float height = max(position.z, 0.0);
+    vec2 away = height * direction.xy;
+    // Near by it has the colours of the picture there: the marker's paper is brighter than what it lies on.
+    vec3 ground = left_on_ground(position.xy + THIRDS[0] * away) + left_on_ground(position.xy + THIRDS[1] * away);
+    ground *= ground_seen(position.xy + NEARER * away, NEARER_WIDTH * height) / 3.0;
+    ground += ground_bounce * light_on_ground(position.xy + THIRDS[2] * away) / 3.0;
     vec3 from_sky = sky * upward + sky_slope[0] * direction.x + sky_slope[1] * direction.y;
-    return max(from_sky, 0.0) * open.x + ground_bounce * ground * ((1.0 - upward) * open.y);
+    return max(from_sky, 0.0) * open.x + ground * ((1.0 - upward) * open.y);
 }
 
 const float ANYHOW = 0.25;  // mean over all directions of a cosine where it is positive

@@ -174,3 +174,24 @@ def test_no_sky_leans_so_far_that_it_takes_light_away(stage) -> None:
     lighting = lighting_of((stage.light(10, 40, (0.2, 0.3, 0.4)),), sky_slope_rgb=np.full((2, 3), 2.0))
     assert np.linalg.norm(lighting.sky_slope, axis=0) == pytest.approx(0.5 * np.array(lighting.sky))
     assert not lighting_of(()).sky_slope.any()
+
+
+def test_wall_is_lit_by_the_ground_before_it_as_the_picture_shows_it(make_renderer, stage) -> None:
+    """A pale sheet under the model and a dark one: half of what is near the foot comes from there."""
+    pose = stage.pose(-90, 35, 0.3)
+    shades = []
+    for sheet in (20, 240):
+        image = np.full((360, 480, 3), 120, np.uint8)
+        tracked = stage.tracked(image, pose)
+        outline = project(
+            tracked.camera, pose, [(x, y, 0) for x, y in ((-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1))]
+        )
+        cv2.fillConvexPoly(image, np.round(outline).astype(np.int32), (sheet,) * 3)
+        tracked = stage.tracked(image, pose)
+        lit = Illumination(seen_in=tracked, ground_rgb=np.full(3, float(linear_from_srgb(120 / 255))))
+        renderer = make_renderer()
+        renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), lit))
+        shades.append(linear_from_srgb(np.median(_face(renderer.read_bgr(), tracked, FRONT)) / 255) / EXPOSURE)
+    dark, pale = (float(linear_from_srgb(each / 255)) / EXPOSURE for each in (20, 240))
+    # Two thirds of the ground's half, and that from within a few heights of a face.
+    assert 0.6 * (pale - dark) / 3 < shades[1] - shades[0] < 1.05 * (pale - dark) / 3

@@ -139,7 +139,6 @@ class GpuModel:
         self.placed = placed
         self.points = placed.outline
         self.albedo = mean_albedo(placed.model)
-        self.mirrors = any(part.material.is_mirror for part in placed.model.parts)
         self.parts: list[GpuPart] = []
         self._ctx = ctx
         self._programs = programs

@@ -50,11 +50,6 @@ class StandingGroup:
         # (8 n, 3) of the boxes around them, metres, marker frame
         self.corners = np.concatenate([member.corners for member in members])
 
-    @property
-    def mirrors(self) -> bool:
-        """Whether what surrounds them is seen in any of them."""
-        return any(member.model.mirrors for member in self.members)
-
     def render_depth(self, clip_from_marker: Float) -> None:
         for member in self.members:
             member.render_depth(clip_from_marker)
