@@ -7,7 +7,7 @@ model alone: it is moved, turned and scaled with it.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Generator
 from dataclasses import replace
 
 import moderngl
@@ -31,7 +31,7 @@ GOLDEN_SHARE = 0.618034  # multiples of which are spread evenly
 
 def occlusion_steps(
     ctx: moderngl.Context, programs: Programs, model: GpuModel, contact: ContactPatch
-) -> Iterator[None]:
+) -> Generator[None, None, None]:
     """Fills the contact patch and the openness of the parts of a model that is uploaded, a direction each step."""
     stand_in = stand_in_for(model.placed)
     caster = model

@@ -33,8 +33,8 @@ class PreparedModel:
         self.contact = ContactPatch(ctx, programs, self.model)
         self._standing: StandingModel | None = None
         self._ctx = ctx
-        occlusion = occlusion_steps(ctx, programs, self.model, self.contact)
-        self._steps = itertools.chain(self.model.upload(), occlusion, last_steps(self.model))
+        self._occlusion = occlusion_steps(ctx, programs, self.model, self.contact)
+        self._steps = itertools.chain(self.model.upload(), self._occlusion, last_steps(self.model))
 
     def advance(self) -> bool:
         """Continues for about BUDGET_S; returns whether the model can be drawn."""
@@ -60,6 +60,8 @@ class PreparedModel:
         return standing
 
     def release(self) -> None:
+        # Which has textures of its own while it is at work.
+        self._occlusion.close()
         self.contact.release()
         self.model.release()
 
