@@ -9,8 +9,11 @@ uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform float weights[REACH + 1];  // of a row's middle, and of its neighbours on either side
 #ifdef WIDE
-uniform float wide_weights[REACH + 1];  // of a blur a pixel wider: what sharpening takes away, and how coarse colours are
+uniform float wide_weights[REACH + 1];  // of a blur a pixel wider, which sharpening takes away
 uniform float sharpening;
+#endif
+#ifdef COARSE_REACH
+uniform float coarse_weights[COARSE_REACH + 1];  // of the colours' blur
 #endif
 #ifdef OVEREXPOSED
 uniform float overexposure;  // how much brighter than the picture shows what it shows as white is
@@ -58,6 +61,14 @@ float noise_sigma(float brightness) {
     texelFetch(layer, clamp(middle + ivec2(column, row), ivec2(0), textureSize(layer, 0) - 1), 0)
 #endif
 
+// Raises `most` to the largest difference of either layer between `middle` and the places diagonally `away` from it.
+#define DIFFERS(light, gone, middle, away, most) \
+    for (int corner = 0; corner < 4; ++corner) { \
+        int across = away - 2 * away * (corner & 1), up = away - away * (corner & 2); \
+        most = max(most, abs(READ(added_light, middle, across, up) - light)); \
+        most.rgb = max(most.rgb, abs(READ(removed, middle, across, up).rgb - gone)); \
+    }
+
 // What is left of the video's light.
 vec3 left_of(vec3 seen, vec3 gone) {
 #ifdef OVEREXPOSED
@@ -81,15 +92,26 @@ void main() {
     vec4 light = READ(added_light, middle, 0, 0);
     vec3 gone = READ(removed, middle, 0, 0).rgb;
     // Most of a picture is even or changes steadily over a kernel's width, and is not worth looking at more closely.
-    vec4 light_differs = vec4(0.0);
-    vec3 gone_differs = vec3(0.0);
-    for (int corner = 0; corner < 4; ++corner) {
-        int across = REACH - 2 * REACH * (corner & 1), up = REACH - REACH * (corner & 2);
-        light_differs = max(light_differs, abs(READ(added_light, middle, across, up) - light));
-        gone_differs = max(gone_differs, abs(READ(removed, middle, across, up).rgb - gone));
+    vec4 differs = vec4(0.0);
+    DIFFERS(light, gone, middle, REACH, differs)
+    bool is_even = all(lessThan(differs, vec4(EVEN)));
+#ifdef COARSE_REACH
+    DIFFERS(light, gone, middle, COARSE_REACH, differs)
+    bool is_coarsely_even = all(lessThan(differs, vec4(EVEN)));
+    vec4 coarse_light = is_coarsely_even ? light : vec4(0.0);
+    vec3 coarse_gone = is_coarsely_even ? gone : vec3(0.0);
+    int last = is_coarsely_even ? -COARSE_REACH - 1 : COARSE_REACH;
+    // Every second pixel will do, as of a chessboard: nothing in so wide a blur is as fine as a pixel.
+    for (int row = -COARSE_REACH; row <= last; ++row) {
+        int columns = max(COARSE_REACH, 2) - abs(row);
+        columns = min(columns, COARSE_REACH);
+        for (int column = -columns + ((columns + row) & 1); column <= columns; column += 2) {
+            float weight = coarse_weights[abs(row)] * coarse_weights[abs(column)];
+            coarse_light += weight * READ(added_light, middle, column, row);
+            coarse_gone += weight * READ(removed, middle, column, row).rgb;
+        }
     }
-    light_differs.rgb = max(light_differs.rgb, gone_differs);
-    bool is_even = all(lessThan(light_differs, vec4(EVEN)));
+#endif
     float blurred = is_even ? 0.0 : 1.0;
     light *= 1.0 - blurred;
     gone *= 1.0 - blurred;
@@ -119,18 +141,24 @@ void main() {
 #ifdef WIDE
     change = max(change, abs(wide_gone));
 #endif
+#ifdef COARSE_REACH
+    change = max(change, max(abs(coarse_gone), coarse_light.aaa));
+#endif
     if (max(light.a, max(change.r, max(change.g, change.b))) < 0.0005) discard;
     vec3 seen = linear_from_srgb(texture(video, at).rgb);
     vec3 composed = srgb_from_linear(left_of(seen, gone) + light.rgb);
     float luma = dot(composed, LUMINANCE);
 #ifdef WIDE
     vec3 wide = srgb_from_linear(left_of(seen, wide_gone) + wide_light.rgb);
-    float wide_luma = dot(wide, LUMINANCE);
-#ifdef COARSE_CHROMA
-    composed = luma + wide - wide_luma;
+    float sharpened = sharpening * (luma - dot(wide, LUMINANCE));
+#else
+    float sharpened = 0.0;
 #endif
-    composed += sharpening * (luma - wide_luma);
+#ifdef COARSE_REACH
+    vec3 coarse = srgb_from_linear(left_of(seen, coarse_gone) + coarse_light.rgb);
+    composed = luma + coarse - dot(coarse, LUMINANCE);
 #endif
+    composed += sharpened;
     uvec2 grain = uvec2((gl_FragCoord.xy - viewport.xy) / grain_px);
     composed += noise_sigma(luma) * light.a * noise(grain);
 #ifdef CUT_OUT

@@ -2,25 +2,37 @@
 // where the ray meets it, and the sky. The layouts of the maps are those of render/lights/surroundings.py.
 
 uniform sampler2D ground_map;  // linear RGB of the picture
-uniform sampler2D sky_map;  // relative to the mean sky
 uniform float half_radius_m;
 uniform float environment_size;  // texels a side
+
+// Mean radiance of the ground, as it is in the picture, over about `width_m`.
+vec3 ground_seen(vec2 at, float width_m) {
+    float far = length(at) + half_radius_m;
+    // Size of a texel of the map there in metres.
+    float texel_m = 2.0 * far * far / (half_radius_m * environment_size);
+    return textureLod(ground_map, 0.5 + 0.5 * at / far, log2(width_m / texel_m + 1e-3)).rgb / exposure;
+}
+
+// What the model leaves of the light there.
+vec3 left_on_ground(vec2 at) {
+#if LIGHTS > 0
+    return light_on_ground(at) / max(level_at(at), 1e-3);
+#else
+    return vec3(1.0);
+#endif
+}
+
+#ifdef MIRRORS
+uniform sampler2D sky_map;  // relative to the mean sky
 
 // Radiance from the unit direction `towards`, seen from `from`, within a lobe of about `alpha` radians.
 vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
     float down = max(-towards.z, 0.02);
     float distance = max(from.z, 0.0) / down;
     vec2 meets = from.xy + towards.xy * distance;
-    float far = length(meets) + half_radius_m;
-    // Size of a texel of the map there in metres, and the lobe's mean width on the ground.
-    float texel_m = 2.0 * far * far / (half_radius_m * environment_size);
-    float lobe_m = alpha * distance * inversesqrt(down);
-    vec3 ground = textureLod(ground_map, 0.5 + 0.5 * meets / far, log2(lobe_m / texel_m + 1e-3)).rgb / exposure;
+    vec3 ground = ground_seen(meets, alpha * distance * inversesqrt(down));  // the lobe's mean width there
     // A wide lobe would blur the shadow into a gradient, which the surface's shading contains already.
-    #if LIGHTS > 0
-    vec3 left = light_on_ground(meets) / max(level_at(meets), 1e-3);
-    ground *= mix(left, vec3(1.0), min(2.0 * alpha, 1.0));
-#endif
+    ground *= mix(left_on_ground(meets), vec3(1.0), min(2.0 * alpha, 1.0));
     float up = max(towards.z, 0.0);
     // A texel of the sky's map spans 4 / size radians in its middle, half of that at the horizon.
     vec2 at = 0.5 + 0.5 * normalize(towards.xy + vec2(1e-6, 0.0)) * sqrt((1.0 - up) / (1.0 + up));
@@ -28,3 +40,4 @@ vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
     float width = max(alpha, 0.01);
     return mix(ground, above, smoothstep(-width, width, towards.z));
 }
+#endif

@@ -24,12 +24,11 @@ uniform float alpha_cutoff;
 #ifdef GLOSSY
 #include "brdf.glsl"
 #endif
-#ifdef MIRRORS
 #include "environment.glsl"
-#endif
 
 in vec3 position;
 in vec3 normal;
+in vec4 openness;  // shares of sky and ground that the model leaves in front of the surface, and behind it
 #include "layout.glsl"
 #ifdef VERTEX_COLOURS
 in vec4 colour;
@@ -76,18 +75,25 @@ vec3 surface_normal() {
 // Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
 // these are the middles of the thirds, as 1 - h / sqrt(h^2 + d^2) of it comes from within d.
 const float THIRDS[3] = float[](0.66, 1.73, 5.92);
+const float NEARER = 1.2;  // the middle of the nearer two thirds,
+const float NEARER_WIDTH = 1.5;  // and about how far they reach to both sides of it
 
 // Light from all around, over pi, on a surface or from a direction: the sky above, the ground below, with the model's
-// shadow on it.
-vec3 ambient(vec3 direction) {
+// shadow on it, as far as they are `open`.
+vec3 ambient(vec3 direction, vec2 open) {
     float upward = 0.5 + 0.5 * direction.z;
-    vec3 ground = vec3(0.0);
-    for (int part = 0; part < 3; ++part) {
-        ground += light_on_ground(position.xy + THIRDS[part] * max(position.z, 0.0) * direction.xy) / 3.0;
-    }
+    float height = max(position.z, 0.0);
+    vec2 away = height * direction.xy;
+    // Near by it has the colours of the picture there: the marker's paper is brighter than what it lies on.
+    vec3 ground = left_on_ground(position.xy + THIRDS[0] * away) + left_on_ground(position.xy + THIRDS[1] * away);
+    ground *= ground_seen(position.xy + NEARER * away, NEARER_WIDTH * height) / 3.0;
+    ground += ground_bounce * light_on_ground(position.xy + THIRDS[2] * away) / 3.0;
     vec3 from_sky = sky * upward + sky_slope[0] * direction.x + sky_slope[1] * direction.y;
-    return max(from_sky, 0.0) + ground_bounce * ground * (1.0 - upward);
+    return max(from_sky, 0.0) * open.x + ground * ((1.0 - upward) * open.y);
 }
+
+const float ANYHOW = 0.25;  // mean over all directions of a cosine where it is positive
+const float MOST_ALBEDO = 0.9;  // beyond which nothing throws light back
 
 void main() {
     vec4 base = base_colour;
@@ -95,17 +101,21 @@ void main() {
     base *= colour;
 #endif
 #ifdef BASE_MAP
-    base *= texture(base_map, laid_out(BASE));
+    base *= texture(base_map, laid_out(BASE), -0.5);
 #endif
 #ifdef CUT_OUT
     if (base.a < alpha_cutoff) discard;
 #endif
     vec3 n = surface_normal();
-    float open = 1.0;
+    vec2 open = gl_FrontFacing ? openness.xy : openness.zw;
+    float hidden = 1.0 - mix(open.y, open.x, 0.5 + 0.5 * n.z);
 #ifdef OCCLUSION_MAP
-    open += occlusion_strength * (texture(occlusion_map, laid_out(OCCLUSION)).r - 1.0);
+    // It says the same of the same parts, and more finely: the smaller of the two.
+    open = min(open, 1.0 + occlusion_strength * (texture(occlusion_map, laid_out(OCCLUSION)).r - 1.0));
 #endif
-    vec3 diffuse = ambient(n) * open;
+    vec3 from_around = ambient(n, open);
+    vec3 from_suns = vec3(0.0);
+    vec3 diffuse = from_around;
     vec3 mirrored = vec3(0.0);
     vec3 albedo = base.rgb;
 #ifdef GLOSSY
@@ -125,17 +135,15 @@ void main() {
     // Multiple scattering between microfacets: Turquin, "Practical multiple scattering compensation", 2019.
     vec3 again = 1.0 + f0 * (1.0 / (share.x + share.y) - 1.0);
     vec3 mirror = reflect(-to_eye, n);
-#ifdef MIRRORS
-    mirrored = surrounding_radiance(position, mirror, rough * rough);
-#else
-    mirrored = ambient(mirror);
-#endif
-    mirrored *= (f0 * share.x + share.y) * again * open;
+    // What is mirrored does not get in.
+    vec3 reflectance = (f0 * share.x + share.y) * again;
+    albedo *= 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
 #endif
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
         float falloff;
         vec3 to_light = towards_light(light, position, falloff);
+        from_suns += sun[light] * falloff;
         float cosine = dot(n, to_light);
         if (cosine <= 0.0) continue;
         vec3 direct = sun[light] * (falloff * cosine * shadow(light, position, n, to_light));
@@ -146,6 +154,24 @@ void main() {
         mirrored += direct * again * ggx(max(dot(n, between), 0.0), n_v, cosine, rough * rough) * fresnel(f0, v_h);
 #endif
     }
+#endif
+    // In the place of what they hide the model's parts show themselves, of this place's colour: lit by sky and ground as
+    // this place is, and by the suns as a surface that is turned anyhow, and sees as much of the sky. Of light thrown to
+    // and fro the sum is a geometric series (Jimenez, Wu, Pesce, Jarabo, "Practical realtime strategies for accurate
+    // indirect occlusion", 2016, whose fit that is for grey cavities).
+    vec3 thrown = hidden * min(base.rgb, MOST_ALBEDO);
+    vec3 on_parts = (from_around + ANYHOW * open.x * from_suns) / (1.0 - thrown);
+    diffuse += thrown * on_parts;
+#ifdef GLOSSY
+#ifdef MIRRORS
+    vec3 around = surrounding_radiance(position, mirror, rough * rough);
+#else
+    vec3 around = ambient(mirror, vec2(1.0));
+#endif
+    // Share of the lobe that is open: Lagarde and de Rousiers, "Moving Frostbite to PBR", 2014.
+    float ahead = mix(open.y, open.x, 0.5 + 0.5 * mirror.z);
+    float open_lobe = clamp(pow(n_v + ahead, exp2(-16.0 * rough - 1.0)) - 1.0 + ahead, 0.0, 1.0);
+    mirrored += mix(base.rgb * on_parts, around, open_lobe) * reflectance;
 #endif
     vec3 glow = mirrored;
 #ifdef EMITS

@@ -6,6 +6,7 @@ uniform mat4 marker_from_placed;  // a similarity
 
 in vec3 in_position;
 in vec3 in_normal;
+in vec4 in_openness;
 #ifdef HAS_MAPS
 in vec2 in_uv;
 #ifdef LAID_OUT
@@ -24,10 +25,12 @@ out vec4 colour;
 
 out vec3 position;  // metres, marker frame
 out vec3 normal;
+out vec4 openness;
 
 void main() {
     position = (marker_from_placed * vec4(in_position, 1.0)).xyz;
     normal = mat3(marker_from_placed) * in_normal;
+    openness = in_openness;
 #ifdef LAID_OUT
 #ifdef MORE_UVS
     uvs = vec4(in_uv, in_more_uv);

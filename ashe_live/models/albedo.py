@@ -21,8 +21,7 @@ def mean_albedo(model: Model) -> Float:
 
 
 def _area_and_colour(part: Mesh) -> tuple[float, Float]:
-    corners = part.vertices[part.triangles].astype(np.float64)
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    area = part.areas
     total = float(area.sum())
     colour = np.array(part.material.base_colour, dtype=np.float64)
     if part.colours is not None and total > 0:

@@ -91,6 +91,13 @@ class Mesh:
         return replace(self, vertices=(self.vertices * scale + offset).astype(np.float32), motion=motion)
 
     @property
+    def areas(self) -> Float:
+        """(m,) of the triangles, square metres, at rest."""
+        corners = self.vertices[self.triangles].astype(np.float64)
+        crosses = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return np.asarray(np.linalg.norm(crosses, axis=1) / 2)
+
+    @property
     def bounds(self) -> Float:
         """(2, 3) smallest and largest coordinates, in all of its poses."""
         places = self.vertices if self.motion is None else self.motion.vertices.reshape(-1, 3)

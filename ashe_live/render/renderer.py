@@ -209,8 +209,7 @@ class SceneRenderer:
         if frame is None:
             return
         look = self._photometry.look(tracked, scene.illumination)
-        if models.mirrors:
-            self._environment.show(scene.illumination, look.white_rgb)
+        self._environment.show(scene.illumination, look.white_rgb, covered)
         straight = self.video
         if bends and self._shadows.shadows_meet:
             straight = self._straight_video

@@ -3,6 +3,7 @@
 Everything is measured at the printed marker, of one frame: white paper around a black square with sharp edges.
 """
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -12,11 +13,16 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.camera.chroma_blur import chroma_blur_px
 from ashe_live.render.camera.edges import blur_and_sharpening
 from ashe_live.render.camera.grain import SILENT, NoiseLevels, has_coarse_chroma, noise_levels
 from ashe_live.render.camera.white import OVEREXPOSED, PAPER_ALBEDO, print_pixels, print_side_m, white_of
 from ashe_live.render.lights.lighting import RGB, Lighting
 
+HALF_RESOLUTION_PX = 1.0  # sigma of colours that are means of two pixels, interpolated: variances of 1/4 and 3/4
+# Encoders round off weak colours more than strong ones: in the variance of the blur that is measured on the ground. Of
+# 0, 1.5, 2.5 and 3.5 the one with the least dE on the models of `bench render --pairs`; the minimum is a flat one.
+WEAK_COLOURS_PX2 = 1.5
 WINDOW_PX = 160  # a side of the part of the picture whose noise and colours stand for the whole
 
 
@@ -29,7 +35,7 @@ class VideoLook:
     blur_sigma_px: float | None
     noise_sigmas: NoiseLevels  # standard deviations of the encoded values in [0, 1], as `noise_levels` has them
     sharpening: float = 0.0  # how much of what a blur of a pixel would take away the camera has added once more
-    has_coarse_chroma: bool = False  # colour at half the resolution, as most encodings of video and photos have it
+    chroma_blur_px: float = 0.0  # sigma of what colours are blurred beyond brightness, pixels of the video
 
     @property
     def overexposure(self) -> float:
@@ -44,8 +50,12 @@ def look_of(
     noise: bool = True,
     lighting: Lighting | None = None,
     real_object: Proxy | None = None,
+    chroma_blur: float | None = None,
 ) -> VideoLook:
-    """White (as `white_of`), blur and noise of a frame with a marker; None or 0 for what is not asked for."""
+    """White (as `white_of`), blur and noise of a frame with a marker; None or 0 for what is not asked for.
+
+    `chroma_blur`: where `VideoLook.chroma_blur_px` is known already, as it takes as long as all else together.
+    """
     assert tracked.marker is not None
     white = white_of(tracked, lighting, real_object)
     if not blur and not noise:
@@ -62,8 +72,17 @@ def look_of(
         sigma_px,
         noise_levels(_window(grey, middle)) if noise else SILENT,
         sharpening,
-        blur and has_coarse_chroma(_window(tracked.frame.image_bgr, middle)),
+        _chroma_blur_px(_window(tracked.frame.image_bgr, middle), chroma_blur) if blur else 0.0,
     )
+
+
+def _chroma_blur_px(image: Image, known: float | None) -> float:
+    """Sigma by which strong colours, as a model's are, would be blurred; as it is known, if it is."""
+    if known is not None:
+        return known
+    found = chroma_blur_px(image) or 0.0
+    least = HALF_RESOLUTION_PX if has_coarse_chroma(image) else 0.0
+    return max(least, math.sqrt(max(found**2 - WEAK_COLOURS_PX2, 0.0)))
 
 
 def _window(image: Image, centre: Float) -> Image:

@@ -18,12 +18,13 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 
 GL_RGBA8, GL_SRGB8_ALPHA8 = 0x8058, 0x8C43
 STEP_BYTES = 1 << 20  # about what a software rasteriser uploads in a millisecond
+OPENNESS = "in_openness"  # bytes that stand for 0 to 1, in a buffer of their own, as they are found out last
 
 
 class GpuPart:
     """One mesh, in buffers of position 3f, normal 3f and, where it has them, one or two uv 2f and colour 4f.
 
-    Positions and normals of one that moves have a buffer of their own.
+    Positions and normals of one that moves have a buffer of their own, and so has every mesh's openness.
     """
 
     def __init__(self, ctx: moderngl.Context, mesh: Mesh) -> None:
@@ -57,6 +58,8 @@ class GpuPart:
                 (names, self._ctx.buffer(np.hstack([self._columns[name][used] for name in names])))
                 for names in self._together
             ]
+            count = len(self.mesh.vertices[used])
+            attributes.append(((OPENNESS,), self._ctx.buffer(np.full((count, 4), 255, np.uint8))))
             self._pieces.append(_Piece(used, attributes, self._ctx.buffer(indices.astype(np.uint32))))
             yield
 
@@ -72,6 +75,12 @@ class GpuPart:
             both = np.hstack(self.mesh.motion.at(time_s))
             for piece in self._pieces:
                 piece.attributes[0][1].write(np.ascontiguousarray(both[piece.used]))
+
+    def set_openness(self, openness: Float) -> None:
+        """(n, 4) of the vertices, in [0, 1], as SelfOcclusion finds it; all open until then. It must be uploaded."""
+        as_bytes = np.round(openness * 255).astype(np.uint8)
+        for piece in self._pieces:
+            piece.attributes[-1][1].write(np.ascontiguousarray(as_bytes[piece.used]))
 
     def draw(self, program: moderngl.Program) -> None:
         """Draws with the vertex attributes that `program` reads; its uniforms are set by the caller."""
@@ -94,11 +103,16 @@ class GpuPart:
         for names, buffer in piece.attributes:
             # Attributes that the program does not read are skipped.
             read = [name for name in names if isinstance(program.get(name, None), moderngl.Attribute)]
-            widths = ((name, self._columns[name].shape[1]) for name in names)
-            formats = (f"{width}f" if name in read else f"{4 * width}x" for name, width in widths)
             if read:
-                content.append((buffer, " ".join(formats), *read))
+                content.append((buffer, " ".join(self._format(name, name in read) for name in names), *read))
         return self._ctx.vertex_array(program, content, piece.indices)
+
+    def _format(self, name: str, is_read: bool) -> str:
+        """Of an attribute in a row of its buffer, in moderngl's words."""
+        if name == OPENNESS:
+            return "4f1"
+        width = self._columns[name].shape[1]
+        return f"{width}f" if is_read else f"{4 * width}x"
 
 
 class _Piece(NamedTuple):
@@ -125,7 +139,6 @@ class GpuModel:
         self.placed = placed
         self.points = placed.outline
         self.albedo = mean_albedo(placed.model)
-        self.mirrors = any(part.material.is_mirror for part in placed.model.parts)
         self.parts: list[GpuPart] = []
         self._ctx = ctx
         self._programs = programs

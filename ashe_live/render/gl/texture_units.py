@@ -22,6 +22,8 @@ UNIT_OF = {
     "video": 11,
     "cover": 15,
     # Full-screen passes.
+    "sample_places": 12,
+    "sample_normals": 13,
     "picture": 12,
     "added_light": 13,
     "removed": 14,

@@ -32,8 +32,8 @@ def shadow_hull_of_point(points: Float, light: Float) -> Float:
 def lit_past(body: Proxy, sun: Sun, ground: Float) -> Float:
     """(n,) 1 where all of a light reaches points (n, 2) of the ground past a body, 0 where none does, NaN between."""
     points = body.points_marker()
-    inside = np.array([_is_inside(_hull(shadow), ground) for shadow in _cast(points, _around(sun))])
-    shaded, lit = inside.all(axis=0), ~_is_inside(shadow_hull(points, sun), ground)
+    inside = np.array([is_inside(_hull(shadow), ground) for shadow in _cast(points, _around(sun))])
+    shaded, lit = inside.all(axis=0), ~is_inside(shadow_hull(points, sun), ground)
     return np.where(lit, 1.0, np.where(shaded, 0.0, np.nan))
 
 
@@ -42,7 +42,7 @@ def _hull(points: Float) -> Float:
     return np.asarray(cv2.convexHull(points.reshape(-1, 2).astype(np.float32)).reshape(-1, 2), dtype=np.float64)
 
 
-def _is_inside(hull: Float, points: Float) -> NDArray[np.bool_]:
+def is_inside(hull: Float, points: Float) -> NDArray[np.bool_]:
     """(n,) whether points (n, 2) are within a convex polygon (m, 2)."""
     edges = np.roll(hull, -1, axis=0) - hull
     x, y = np.moveaxis(points[:, None] - hull, 2, 0)

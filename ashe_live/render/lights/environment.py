@@ -25,19 +25,20 @@ class Environment:
         self._size = size
         self._ground, self._sky = (_blank(ctx, size) for _ in range(2))
         self._half_radius_m = 1.0
-        self._shown: tuple[TrackedFrame | None, Float | None, RGB | None] | None = None
+        self._shown: tuple[TrackedFrame | None, Float | None, RGB | None, bytes] | None = None
 
-    def show(self, illumination: Illumination, white_rgb: RGB) -> None:
+    def show(self, illumination: Illumination, white_rgb: RGB, covered: Float) -> None:
         """Fills the maps from the frame that the illumination was seen in, or with even ground where there is none.
 
-        `white_rgb`: of a fully lit white surface in the video, linear.
+        `white_rgb`: of a fully lit white surface in the video, linear. `covered`: (n, 2) metres, corners of the sheet
+        where it is hidden.
         """
         seen_in, ground_rgb = illumination.seen_in, illumination.ground_rgb
-        wanted = seen_in, ground_rgb, white_rgb if seen_in is None else None
-        if self._shown is not None and same_objects(self._shown[:2], wanted[:2]) and self._shown[2] == wanted[2]:
+        wanted = seen_in, ground_rgb, white_rgb if seen_in is None else None, covered.tobytes()
+        if self._shown is not None and same_objects(self._shown[:2], wanted[:2]) and self._shown[2:] == wanted[2:]:
             return
         if seen_in is not None:
-            surroundings = surroundings_of(seen_in, self._size, ground_rgb)
+            surroundings = surroundings_of(seen_in, self._size, ground_rgb, covered)
         else:
             assumed = GROUND_ALBEDO * np.array(white_rgb)
             surroundings = even_surroundings(self._size, assumed if ground_rgb is None else ground_rgb)

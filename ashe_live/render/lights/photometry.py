@@ -13,6 +13,7 @@ from ashe_live.render.lights.shadow_colour import steadied
 from ashe_live.render.lights.shadow_maps import same_objects
 
 LOOK_HELD_S = 0.2  # of the video's time
+CHROMA_HELD_S = 10.0  # that a camera's colours count as blurred as they were found to be
 
 
 class Photometry:
@@ -21,6 +22,7 @@ class Photometry:
     def __init__(self, preset: RenderPreset) -> None:
         self._preset = preset
         self._look: tuple[TrackedFrame, Lighting, VideoLook] | None = None
+        self._chroma: tuple[TrackedFrame, float] | None = None
         self._lighting: tuple[tuple[object, ...], Lighting] | None = None
         self._border: tuple[Lighting, float] | None = None
 
@@ -58,10 +60,21 @@ class Photometry:
                     look = replace(look, white_rgb=white_of(measured_in, lighting, of.real_object))
                     self._look = measured_in, lighting, look
                 return look
-        look = look_of(tracked, self._preset.matches_blur, self._preset.matches_noise, lighting, of.real_object)
+        blur, noise = self._preset.matches_blur, self._preset.matches_noise
+        chroma_blur = self._known_chroma_blur(tracked)
+        look = look_of(tracked, blur, noise, lighting, of.real_object, chroma_blur)
+        if chroma_blur is None:
+            self._chroma = tracked, look.chroma_blur_px
         if self._preset.matches_lens and tracked.camera.is_distorted and look.blur_sigma_px is not None:
             # The composite interpolates then, which blurs as well.
             variance = max(0.0, look.blur_sigma_px**2 - INTERPOLATION_VARIANCE_PX2)
             look = replace(look, blur_sigma_px=math.sqrt(variance))
         self._look = tracked, lighting, look
         return look
+
+    def _known_chroma_blur(self, tracked: TrackedFrame) -> float | None:
+        """What was found in another frame of the same camera not long ago; None where it was not looked for."""
+        if self._chroma is None or self._chroma[0].camera is not tracked.camera:
+            return None
+        is_fresh = abs(tracked.frame.time_s - self._chroma[0].frame.time_s) < CHROMA_HELD_S
+        return self._chroma[1] if is_fresh else None

@@ -16,6 +16,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.transforms import project, transform_points
 from ashe_live.core.types import TrackedFrame
+from ashe_live.render.lights.cast_shadows import is_inside
 
 LinearPicture = NDArray[np.float32]
 
@@ -26,6 +27,7 @@ FEATHER = 0.1  # share of the picture's size along which its ground fades into t
 READ_WIDTH_PX = 320  # the picture is reduced to about that before it is read
 PATTERN_SIZE = (12, 9)  # texels of the blurred picture that the sky's pattern is made of
 PATTERN_STRENGTH = 0.6  # 0: an even sky
+NOWHERE: Float = np.zeros((0, 2))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,14 +39,19 @@ class Surroundings:
     sky: LinearPicture  # (s, s, 3) a factor of the mean sky; a direction d is at (d.x, d.y) / (1 + d.z)
 
 
-def surroundings_of(tracked: TrackedFrame, size: int, ground_rgb: Float | None = None) -> Surroundings:
-    """`size`: texels a side. `ground_rgb` (3,) linear, where the picture does not show the ground; else its mean."""
+def surroundings_of(
+    tracked: TrackedFrame, size: int, ground_rgb: Float | None = None, covered: Float = NOWHERE
+) -> Surroundings:
+    """`size`: texels a side. `ground_rgb` (3,) linear, where the picture does not show the ground; else its mean.
+
+    `covered`: (n, 2) metres, marker frame, corners of a convex part of the ground that counts as not shown.
+    """
     if tracked.marker is None:
         raise ValueError("without a marker nobody knows where the ground is")
     linear = _reduced_linear(tracked)
     half_radius_m = HALF_RADIUS_SIDES * tracked.marker.side_m
     return Surroundings(
-        _ground(tracked, linear, size, half_radius_m, ground_rgb), half_radius_m, _sky(tracked, linear, size)
+        _ground(tracked, linear, size, half_radius_m, ground_rgb, covered), half_radius_m, _sky(tracked, linear, size)
     )
 
 
@@ -61,7 +68,12 @@ def _reduced_linear(tracked: TrackedFrame) -> LinearPicture:
 
 
 def _ground(
-    tracked: TrackedFrame, linear: LinearPicture, size: int, half_radius_m: float, ground_rgb: Float | None
+    tracked: TrackedFrame,
+    linear: LinearPicture,
+    size: int,
+    half_radius_m: float,
+    ground_rgb: Float | None,
+    covered: Float,
 ) -> LinearPicture:
     assert tracked.marker is not None
     at = _square(size)
@@ -76,6 +88,8 @@ def _ground(
     share = ((pixels + 0.5) / tracked.frame.size).reshape(size, size, 2)
     seen = _read(linear, share)
     inside = np.clip(np.minimum(share, 1 - share).min(axis=2, keepdims=True) / FEATHER, 0, 1)
+    if len(covered):
+        inside = np.where(is_inside(covered, points[:, :2]).reshape(size, size, 1), 0.0, inside)
     mean = (seen * inside).sum(axis=(0, 1)) / max(float(inside.sum()), 1e-9) if ground_rgb is None else ground_rgb
     return np.asarray(seen * inside + mean * (1 - inside), dtype=np.float32)
 

@@ -22,10 +22,9 @@ from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 
 MAX_REACH = 4  # pixels; a wider blur is cut off there
+MAX_COARSE_REACH = 7  # and one of colours there
 SMALLEST = 2  # rows and columns together from the middle of a kernel to its farthest pixels, at least
 KERNEL_SIGMAS = 2.0  # of a Gaussian within its kernel's reach
-# Colours at half the resolution are means of two pixels, interpolated: variances of 1/4 and 3/4, by chance the same.
-WIDER_PX2 = SHARPENING_SIGMA_PX**2
 
 
 class Composite:
@@ -38,7 +37,8 @@ class Composite:
 
     def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
         """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
-        return _reach(_widest(viewport[2] / frame.size[0], look))
+        scale = viewport[2] / frame.size[0]
+        return max(_reach(_widest(scale, look)), _reach(_coarsest(scale, look), MAX_COARSE_REACH))
 
     def draw(
         self,
@@ -62,14 +62,17 @@ class Composite:
         scale = viewport[2] / frame.size[0]
         variance, widest = _variance(scale, look), _widest(scale, look)
         reach = _reach(widest)
+        coarsest = _coarsest(scale, look)
+        coarse_reach = _reach(coarsest, MAX_COARSE_REACH)
         switches = {
             "wide": widest > variance,
-            "coarse_chroma": look.has_coarse_chroma,
             "overexposed": look.overexposure > 1,
             "bends": lens is not None,
             "cut_out": is_cut_out,
         }
         constants = {"reach": reach, **{name: 1 for name, is_on in switches.items() if is_on}}
+        if coarse_reach > 0:
+            constants["coarse_reach"] = coarse_reach
         program = self._programs.get("composite", **constants)
         if self._rectangle is None or self._rectangle[0] is not program:
             self._release_rectangle()
@@ -81,13 +84,14 @@ class Composite:
             viewport=tuple(map(float, viewport)),
             weights=_weights(variance, reach),
             wide_weights=_weights(widest, reach),
+            coarse_weights=_weights(coarsest, coarse_reach, every_second=True),
             sharpening=look.sharpening,
             overexposure=look.overexposure,
             noise_sigmas=np.array(look.noise_sigmas),
             grain_px=(scale, viewport[3] / frame.size[1]),
             seed=frame.index,
         )
-        within = grown(region, reach, surface.size)
+        within = grown(region, max(reach, coarse_reach), surface.size)
         if lens is not None:
             lens.bind(tracked.camera)
             set_uniforms(program, region=tuple(map(float, within)))
@@ -127,18 +131,25 @@ def _variance(scale: float, look: VideoLook) -> float:
 
 
 def _widest(scale: float, look: VideoLook) -> float:
-    """Variance of the blur with which the composite's colours are blurred and its brightness is compared."""
+    """Variance of the blur with which the composite's brightness is compared."""
     variance = _variance(scale, look)
-    return variance + scale**2 * WIDER_PX2 if look.sharpening > 0 or look.has_coarse_chroma else variance
+    return variance + scale**2 * SHARPENING_SIGMA_PX**2 if look.sharpening > 0 else variance
 
 
-def _reach(variance: float) -> int:
-    return min(MAX_REACH, math.ceil(KERNEL_SIGMAS * math.sqrt(variance) - 1)) if variance > 0 else 0
+def _coarsest(scale: float, look: VideoLook) -> float:
+    """Variance of the blur of the composite's colours; 0 where they are as sharp as its brightness."""
+    return _variance(scale, look) + scale**2 * look.chroma_blur_px**2 if look.chroma_blur_px > 0 else 0.0
 
 
-@lru_cache(maxsize=8)  # a frame's two are the next frame's as a rule: a search of 0.4 ms each
-def _weights(variance: float, reach: int) -> Float:
+def _reach(variance: float, most: int = MAX_REACH) -> int:
+    return min(most, math.ceil(KERNEL_SIGMAS * math.sqrt(variance) - 1)) if variance > 0 else 0
+
+
+@lru_cache(maxsize=8)  # a frame's three are the next frame's as a rule: a search of 0.4 ms each
+def _weights(variance: float, reach: int, every_second: bool = False) -> Float:
     """(reach + 1,) factors by row and column; over the diamond of pixels that is used, their products sum to 1.
+
+    `every_second`: as of a chessboard's fields only those of the middle's colour are used.
 
     The Gaussian's variance is raised until that of the kernel, which is cut off and sampled, is the wanted one.
     """
@@ -146,6 +157,8 @@ def _weights(variance: float, reach: int) -> Float:
         return np.where(np.arange(reach + 1) == 0, 1.0, 0.0)
     at = np.arange(-reach, reach + 1)
     used = np.abs(at)[:, None] + np.abs(at) <= max(reach, SMALLEST)
+    if every_second:
+        used &= (at[:, None] + at) % 2 == 0
     low, high = variance / 40, 40.0 * variance
     for _ in range(40):
         raised = math.sqrt(low * high)

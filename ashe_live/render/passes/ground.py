@@ -14,7 +14,7 @@ from ashe_live.render.lights.cast_shadows import LEAST_DISTANCE, MAX_SHADOW_HEIG
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import Lighting, Sun
 from ashe_live.render.lights.shadow_maps import ShadowMaps
-from ashe_live.render.passes.contact import FADE
+from ashe_live.render.occlusion.contact import FADE
 from ashe_live.render.passes.standing import StandingGroup, StandingModel
 from ashe_live.render.passes.video import Video
 

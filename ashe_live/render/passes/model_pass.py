@@ -120,8 +120,7 @@ class ModelPass:
         )
         looked_up.shadows.bind(program)
         looked_up.ground_shadows.bind(program)
-        if part.material.is_mirror:
-            looked_up.environment.bind(program)
+        looked_up.environment.bind(program)
         for name, texture in part.maps.items():
             texture.use(UNIT_OF[name])
         return program

@@ -1,4 +1,4 @@
-"""Prepares a model for drawing: uploads it, draws its contact shadow and compiles its shaders.
+"""Prepares a model for drawing: uploads it, finds out what it hides of the light around and compiles its shaders.
 
 That takes longer than one picture, so it is done in small steps while the former model is still shown.
 """
@@ -13,7 +13,8 @@ from ashe_live.models.placement import PlacedModel, Placement
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.lights.shadow_maps import same_objects
-from ashe_live.render.passes.contact import ContactPatch
+from ashe_live.render.occlusion.contact import ContactPatch
+from ashe_live.render.occlusion.occlusion import occlusion_steps
 from ashe_live.render.passes.standing import StandingGroup, StandingModel
 
 # Of each picture's time; a step that has begun is finished, which may take a few milliseconds more.
@@ -32,7 +33,8 @@ class PreparedModel:
         self.contact = ContactPatch(ctx, programs, self.model)
         self._standing: StandingModel | None = None
         self._ctx = ctx
-        self._steps = itertools.chain(self.model.upload(), self.contact.draw(), last_steps(self.model))
+        self._occlusion = occlusion_steps(ctx, programs, self.model, self.contact)
+        self._steps = itertools.chain(self.model.upload(), self._occlusion, last_steps(self.model))
 
     def advance(self) -> bool:
         """Continues for about BUDGET_S; returns whether the model can be drawn."""
@@ -58,6 +60,8 @@ class PreparedModel:
         return standing
 
     def release(self) -> None:
+        # Which has textures of its own while it is at work.
+        self._occlusion.close()
         self.contact.release()
         self.model.release()
 

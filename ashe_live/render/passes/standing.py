@@ -7,7 +7,7 @@ from ashe_live.core.transforms import transform_points
 from ashe_live.models.placement import Placement
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.render.gl.geometry import GpuModel
-from ashe_live.render.passes.contact import ContactPatch
+from ashe_live.render.occlusion.contact import ContactPatch
 
 
 class StandingModel:
@@ -49,11 +49,6 @@ class StandingGroup:
         self.points = np.concatenate([member.points for member in members])
         # (8 n, 3) of the boxes around them, metres, marker frame
         self.corners = np.concatenate([member.corners for member in members])
-
-    @property
-    def mirrors(self) -> bool:
-        """Whether what surrounds them is seen in any of them."""
-        return any(member.model.mirrors for member in self.members)
 
     def render_depth(self, clip_from_marker: Float) -> None:
         for member in self.members:

@@ -64,3 +64,11 @@ def test_each_level_is_half_of_the_one_before() -> None:
 def test_without_a_marker_there_is_no_ground(stage) -> None:
     with pytest.raises(ValueError, match="marker"):
         surroundings_of(stage.tracked(90, None), SIZE)
+
+
+def test_covered_ground_has_the_colour_of_what_lies_around_it(stage) -> None:
+    given = np.array([0.3, 0.2, 0.1])
+    sheet = np.array([(-0.05, -0.05), (0.05, -0.05), (0.05, 0.05), (-0.05, 0.05)])
+    ground = surroundings_of(stage.tracked(220, stage.pose(-90, 60)), SIZE, given, sheet).ground
+    np.testing.assert_allclose(ground[_texel((0.0, 0.0))], given, atol=1e-5)
+    np.testing.assert_allclose(ground[_texel((0.08, 0.0))], float(linear_from_srgb(220 / 255)), atol=1e-4)

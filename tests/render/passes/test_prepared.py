@@ -5,6 +5,7 @@ import numpy as np
 from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.quality import FAST
+from ashe_live.render.gl.offscreen import live_gl_objects
 from ashe_live.render.passes import prepared
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
@@ -35,4 +36,22 @@ def test_the_model_before_is_shown_until_the_next_is_ready(ctx, stage, monkeypat
     np.testing.assert_array_equal(shown, small_alone)
     renderer.release()
     at_once.release()
+    assert ctx.error == "GL_NO_ERROR"
+
+
+def test_what_is_dropped_while_it_is_prepared_leaves_nothing(ctx, stage, monkeypatch) -> None:
+    monkeypatch.setattr(prepared, "BUDGET_S", 0.0)
+    tracked = stage.tracked(90, stage.pose(20, 40))
+    small, large = stage.placed(box((0.02, 0.02, 0.02))), stage.placed(box((0.06, 0.06, 0.06)))
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
+    for _ in range(2):
+        renderer.render(Scene(tracked, small))
+    before = live_gl_objects()
+    for _ in range(40):
+        renderer.render(Scene(tracked, large))
+    assert not renderer.is_settled
+    assert live_gl_objects() > before
+    renderer.render(Scene(tracked, small))
+    assert live_gl_objects() == before
+    renderer.release()
     assert ctx.error == "GL_NO_ERROR"
