@@ -235,7 +235,8 @@ def test_turning_the_marker_by_quarters_turns_the_light(plain: tuple[TrackedFram
     np.testing.assert_allclose(R @ after.to_light_marker, before.to_light_marker, atol=1e-6)
     # The covariance stands on the direction's own tangents, which turn along.
     np.testing.assert_allclose(after.covariance_rad2, before.covariance_rad2, rtol=1e-4, atol=1e-12)
-    assert after.confidence == pytest.approx(before.confidence, abs=1e-6)
+    # It depends on what other families would answer, some of which are searched from six or eight sides.
+    assert after.confidence == pytest.approx(before.confidence, abs=1e-4)
 
 
 @settings(max_examples=6, deadline=None, derandomize=True)
