@@ -203,8 +203,8 @@ def _explained(start: JointStart) -> JointExplanation | None:
         split = Split(seen.body & ground, seen.shadow & ground, None, seen.parts)
         each.append(Explanation(costs.region, costs.materials, split, alignment, lights, costs.as_object))
     # How much the light depends on the family is what one view tells, until all views choose it.
-    joint = replace(each[0], bodies=start.origin.bodies)
-    return JointExplanation(joint, tuple(each[1:]), start.origin)
+    together = replace(each[0], bodies=start.origin.bodies)
+    return JointExplanation(together, tuple(each[1:]), start.origin)
 
 
 def _together(alignments: Sequence[Alignment]) -> Alignment:
