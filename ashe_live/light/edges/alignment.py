@@ -20,6 +20,7 @@ from ashe_live.light.edges.outline_points import (
     derivatives_by_theta,
     evenly_spaced,
 )
+from ashe_live.light.edges.step_costs import FEWEST_STEPS, MISSED, StepCosts, mean_costs
 from ashe_live.light.edges.steps import LightPicture, steps_across
 from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, prior_information
 from ashe_live.light.shape.body import LitBody
@@ -34,24 +35,11 @@ REACHES_PX = (4.0, 3.0, 2.0, 2.0, 2.0)  # within which steps are looked for: wha
 OUTLIER_PX, OUTLIER_SHARE, EARLY_LOSS_FACTOR = 0.75, 0.0125, 3.0
 BESIDE_BODY_PX = 2.0  # the shadow's outline cannot be seen nearer to the object
 SHAPE_ERROR_SHARE = 0.004  # sigma of a real object's outline from the nearest member of a family, of its size
-FEWEST_STEPS = 6  # of an outline's 48 points: with fewer, a shadow is hidden, and goes where it likes
-MISSED = 9.0  # squared sigmas that a point costs at most, and where no step is found though one should be seen
 FEWEST_SAMPLES = 3.0  # of which a fit's criterion is told
 POINTS_PER_SAMPLE = 2.3  # errors of neighbouring points are correlated: their number over the effective sample size
 NOWHERE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
 Scalar = TypeVar("Scalar", bound=np.generic)
-
-
-@dataclass(frozen=True, slots=True)
-class StepCosts:
-    """Mean squared distances of outlines from the steps of light, in sigmas, each point's MISSED at most."""
-
-    body: float
-    shadow: float  # of all lights' shadows; MISSED where one is hidden, which misses no steps, but tells nothing either
-
-
-NO_STEPS = StepCosts(MISSED, MISSED)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,16 +93,7 @@ def aligned_with_steps(
 def step_costs(several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float) -> list[StepCosts]:
     """The mean costs of bodies where they stand; arguments as of `aligned_with_steps`."""
     seen = _Seen([_measured(several, picture, shifts, REACHES_PX[0]) for picture in pictures])
-    return [_mean_costs(*each) for each in zip(*seen.costs(), strict=True)]
-
-
-def _mean_costs(cost: Float, count: Float, shadow_steps: int) -> StepCosts:
-    """cost, count: (1 + l,) of the body's outline and of each shadow's."""
-    shadow, points = cost[1:].sum(), count[1:].sum()
-    return StepCosts(
-        float(cost[0] / count[0]) if count[0] else MISSED,
-        float(shadow / points) if shadow_steps >= FEWEST_STEPS else MISSED,
-    )
+    return [mean_costs(*each) for each in zip(*seen.costs(), strict=True)]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -188,7 +167,7 @@ class _Seen:
             self.views[0].bodies, normals, *self.costs(), in_view, strict=True
         ):
             size = lit.layout.split + len(lit.body.shape)
-            costs = _mean_costs(cost, count, steps)
+            costs = mean_costs(cost, count, steps)
             fit = EdgeFit(lit, normal[:size, :size], float(cost.sum()), int(count.sum()), costs, int(steps))
             found.append(fit if is_seen else None)
         return found

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ashe_live.core.arrays import Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.edges.alignment import NO_STEPS, StepCosts
+from ashe_live.light.edges.step_costs import NO_STEPS, StepCosts
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import Split

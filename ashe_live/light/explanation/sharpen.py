@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ashe_live.light.edges.alignment import MISSED, EdgeFit, aligned_with_steps, step_costs
+from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
+from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, measured, placed_in
 from ashe_live.light.explanation.explain import refined_by_tangents

@@ -9,7 +9,7 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.edges.alignment import MISSED, StepCosts
+from ashe_live.light.edges.step_costs import MISSED, StepCosts
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import (
