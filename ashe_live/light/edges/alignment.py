@@ -35,7 +35,7 @@ REACHES_PX = (4.0, 3.0, 2.0, 2.0, 2.0)  # within which steps are looked for: wha
 OUTLIER_PX, OUTLIER_SHARE, EARLY_LOSS_FACTOR = 0.75, 0.0125, 3.0
 BESIDE_BODY_PX = 2.0  # the shadow's outline cannot be seen nearer to the object
 SHAPE_ERROR_SHARE = 0.004  # sigma of a real object's outline from the nearest member of a family, of its size
-FEWEST_SAMPLES = 3.0  # of which a fit's criterion is told
+FEWEST_SAMPLES = 3.0  # effective sample size of a criterion, at least: the logarithm of one is no penalty
 POINTS_PER_SAMPLE = 2.3  # errors of neighbouring points are correlated: their number over the effective sample size
 NOWHERE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
@@ -50,7 +50,7 @@ class EdgeFit:
     normal: Float  # (split + q, split + q) matrix of the normal equations: the information on theta
     cost: float  # squared distances of its outlines from the steps, in sigmas, each MISSED at most
     count: int  # points at which a step should be seen
-    costs: StepCosts  # the same on average, of each kind of outline
+    mean_costs: StepCosts  # the same on average, of each kind of outline
     shadow_steps: int  # points of the shadow's outline at which one is; of two lights' shadows, of that with fewer
 
     @property

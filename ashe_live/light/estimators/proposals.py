@@ -14,7 +14,7 @@ from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import SHIFT_NOISE, shift_within
 from ashe_live.light.labels.associate import (
     Split,
-    are_alike,
+    are_like_areas,
     areas_of_one_colour,
     distinct,
     flat_areas,
@@ -85,7 +85,7 @@ def _within_areas_of_one_colour(
     """
     known = [materials for materials, _ in several if materials.other_ground is None]
     for area in areas_of_one_colour(region):
-        if any(are_alike(area, look) for _, look in several):
+        if any(are_like_areas(area, look) for _, look in several):
             continue
         shift = shift_within(region.colours[area], ground)
         if shift is not None and shift[0] < -PALER:

@@ -38,8 +38,8 @@ class Sharpener:
     def sharpened(self, explanation: Explanation) -> Explanation:
         """The explanation by the body and the lights that agree best with the steps of light.
 
-        Of the families that its labels allow, each is aligned, and the likeliest is kept, by steps and by the pixels'
-        unary costs: each are measured by what one more parameter would cost. The explanation as it is where no body
+        Of the families that its labels allow, each is aligned, and the likeliest is kept, by the steps and by the
+        pixels' unary costs, both in units of what one more parameter costs. The explanation as it is where no body
         stays in view, or too little of a shadow.
         """
         placed = explanation.alignment.placed
@@ -55,7 +55,7 @@ class Sharpener:
         (alignment,) = measured([body])
         lights = lights_by_steps(best, alignment)
         # Where the body is a poor model, and its steps tell little, the common tangents decide.
-        return refined_by_tangents(replace(explanation, alignment=alignment, lights=lights, steps=best.costs))
+        return refined_by_tangents(replace(explanation, alignment=alignment, lights=lights, steps=best.mean_costs))
 
     def best_fit(self, explanation: Explanation) -> EdgeFit | None:
         """The explanation's own body with its lights, moved; None where no steps are seen."""

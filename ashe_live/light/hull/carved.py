@@ -73,9 +73,8 @@ class Carved:
     pixels: list[NDArray[np.intp]]  # (n,) of each view: index of the pixel that shows a voxel; h w for none
     plane_low: Float  # (2,) metres
     plane_shape: tuple[int, int]
-    cells: list[
-        NDArray[np.intp]
-    ]  # (h, w) of each view: index of the plane's cell that a pixel shows; the last for none
+    # (h, w) of each view: index of the plane's cell that a pixel shows; the number of cells for none.
+    cells: list[NDArray[np.intp]]
     lit: Mask  # (cells + 1,) where no shadow may fall: neither on lit ground nor, last, beyond the plane's cells
 
     @property

@@ -124,7 +124,7 @@ def with_near_shadow_undecided(split: Split) -> Split | None:
 def areas_of_one_colour(region: Region) -> list[Mask]:
     """(h, w) each: unlit areas of one colour, by K-means, as the paper finds its shadows.
 
-    An object that looks like ground in its own shadow's light is only told from that by another colour. Each colour
+    An object that looks like ground in shadow is told from its own shadow by another colour alone. Each colour
     counts once, however many pixels have it, so that a small shadow gets a cluster too.
     """
     unlit, quantised = large_areas(region.unlit, LEAST_PX), region.quantised
@@ -136,10 +136,10 @@ def areas_of_one_colour(region: Region) -> list[Mask]:
         labels = cluster[quantised.cell]
         for colour in range(count):
             found += areas_by_size(majority((labels == colour) & unlit), LEAST_PX)[:AREAS_PER_COLOUR]
-    return distinct(found, are_alike)
+    return distinct(found, are_like_areas)
 
 
-def are_alike(one: Mask, other: Mask) -> bool:
+def are_like_areas(one: Mask, other: Mask) -> bool:
     """Whether two areas (h, w) differ in few of their pixels."""
     return bool(np.count_nonzero(one ^ other) < SAME_SHARE * np.count_nonzero(one | other))
 

@@ -128,7 +128,7 @@ def sharpened_in_views(explanation: JointExplanation, sharpener: Sharpener) -> J
         return explanation
     lights = lights_by_steps(best, moved.joint.alignment, 1 + SHARED * (len(sharpener.pictures) - 1))
     before = explanation.joint
-    joint = replace(moved.joint, split=before.split, lights=lights, steps=best.costs, bodies=before.bodies)
+    joint = replace(moved.joint, split=before.split, lights=lights, steps=best.mean_costs, bodies=before.bodies)
     return replace(moved, joint=joint)
 
 

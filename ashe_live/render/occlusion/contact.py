@@ -12,6 +12,7 @@ from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.occlusion.adding import draw_added
 
 PATCH_SIZE = 96  # texels a side
 BLUR_TEXELS = 1.5  # of a Gaussian that merges the single directions' shadows
@@ -44,10 +45,7 @@ class ContactPatch:
         set_uniforms(program, weight=weight, patch_bounds=tuple(self.bounds.ravel()))
         if self._rectangle is None:
             self._rectangle = self._ctx.vertex_array(program, [])
-        self._framebuffer.use()
-        self._ctx.enable_only(moderngl.BLEND)
-        self._ctx.blend_func = moderngl.ONE, moderngl.ONE
-        self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        draw_added(self._ctx, self._framebuffer, self._rectangle)
 
     def finish(self) -> None:
         """Smooths it, once every direction was added."""

@@ -15,6 +15,7 @@ from ashe_live.models.mesh import Mesh
 from ashe_live.render.gl.programs import Programs, set_uniforms
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.occlusion.adding import draw_added
 from ashe_live.render.occlusion.surface_samples import SurfaceSamples, samples_on
 
 SAMPLES = 8_000  # points on a model, besides one on each triangle
@@ -55,10 +56,7 @@ class SelfOcclusion:
         set_uniforms(program, weight=weight)
         if self._rectangle is None:
             self._rectangle = self._ctx.vertex_array(program, [])
-        self._framebuffer.use()
-        self._ctx.enable_only(moderngl.BLEND)
-        self._ctx.blend_func = moderngl.ONE, moderngl.ONE
-        self._rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        draw_added(self._ctx, self._framebuffer, self._rectangle)
 
     def openness(self) -> Iterator[Float]:
         """(n, 4) in [0, 1] of the vertices of each mesh, as `_openness`, once every direction was added."""

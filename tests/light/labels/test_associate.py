@@ -12,7 +12,7 @@ from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.labels.associate import (
     Split,
-    are_alike,
+    are_like_areas,
     areas_of_one_colour,
     distinct,
     shadow_like,
@@ -82,7 +82,7 @@ def test_a_shadow_beside_an_object_nearly_as_dark_is_an_area_of_one_colour(rgb: 
     here = painted_region(replace(CYLINDER, rgb=rgb))
     areas = areas_of_one_colour(here.region)
     assert max(overlap(area, here.shadow) for area in areas) > 0.9
-    assert not any(are_alike(one, other) for i, one in enumerate(areas) for other in areas[:i])
+    assert not any(are_like_areas(one, other) for i, one in enumerate(areas) for other in areas[:i])
     assert not any((area & ~here.region.unlit).sum() > 0.2 * area.sum() for area in areas)
 
 
