@@ -23,8 +23,9 @@ class RealObject:
         self.points, triangles = proxy.surface()
         self._ctx = ctx
         self._programs = programs
-        self._vertices = ctx.buffer(self.points.astype(np.float32))
-        self._indices = ctx.buffer(triangles)
+        # A mesh's arrays may lie in memory in any order.
+        self._vertices = ctx.buffer(np.ascontiguousarray(self.points, np.float32))
+        self._indices = ctx.buffer(np.ascontiguousarray(triangles))
         self._arrays: dict[moderngl.Program, moderngl.VertexArray] = {}
 
     def render_depth(self, clip_from_marker: Float) -> None:

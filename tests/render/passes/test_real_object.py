@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
-from ashe_live.core.proxy import Proxy
+from ashe_live.core.proxy import Mesh, Proxy
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
+from ashe_live.light.hull.surface import surface_of
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.camera.white import ASSUMED_WHITE
@@ -56,6 +57,24 @@ def test_model_behind_the_object_is_hidden_by_it(make_renderer, stage, preset) -
         renderer.render(Scene(tracked, model, Illumination(real_object=caster)))
         red, green, blue = (int(value) for value in _pixel(renderer.read_bgr(), tracked, point))
         assert (red, green, blue) == (seen,) * 3 if seen else green > red + 30
+
+
+def test_model_behind_a_hull_is_hidden_by_it_and_seen_past_it(make_renderer, stage) -> None:
+    renderer = make_renderer(PRESETS[0])
+    tracked = stage.tracked(GREY, stage.pose(-90, 25, 0.5))
+    model = stage.placed(box((0.05, 0.03, 0.05), (0.0, 1.0, 0.0, 1.0)))
+    # An L, as voxels: its low part does not hide what the convex hull of both would.
+    occupied = np.zeros((20, 8, 24), np.bool_)
+    occupied[:10], occupied[:, :, :4] = True, True
+    points, triangles = surface_of(occupied, np.array([-0.025, -0.1, 0.0]), 0.0025)
+    assert _volume(points, triangles) == pytest.approx(occupied.sum() * 0.0025**3, rel=0.1)
+    corners = np.column_stack([points, np.zeros((len(points), 2))])
+    hull = Proxy("silhouettes", corners, Mesh(points, triangles))
+    renderer.render(Scene(tracked, model, Illumination(real_object=hull)))
+    picture = renderer.read_bgr()
+    hidden, seen = (_pixel(picture, tracked, (x, -0.015, 0.02)).astype(int) for x in (-0.015, 0.018))
+    assert hidden.tolist() == [GREY] * 3
+    assert seen[1] > seen[0] + 30
 
 
 @pytest.mark.parametrize("preset", PRESETS, ids=IDS)
