@@ -145,6 +145,7 @@ class ProxyEstimator:
                 trace.unlit,
                 lambda: other_objects(chosen, trace.judged, trace.regions, ground, judge),
                 lambda: Sharpener.of([look.views[0].fine]),
+                steps.fine_fit,
             ),
             # A hull's shadow has been compared with all of the plane: there is no body's border left to tell of a lamp.
             SUN if chosen.hull is not None and steps.light == AUTO else steps.light,

@@ -26,6 +26,7 @@ from ashe_live.light.shape.directions import (
     information_on_displacement,
     with_hemisphere_prior,
 )
+from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import observe_outlines
@@ -52,6 +53,7 @@ class Proposal:
     split: Split
     start: Float | None = None  # (l, 4) lights, marker frame, as a further start of the fit
     as_object: Float32 | None = None  # (h, w) unary cost of the object, if an earlier fit has learned its colours
+    nearness: float = 0.0  # 1/m, w / z at which the first light is held: 0 for one at infinity
 
     def is_like(self, other: "Proposal") -> bool:
         """Whether both split one region in nearly the same way."""
@@ -89,10 +91,15 @@ def aligned_explanations(several: Sequence[tuple[Proposal, Sequence[LitBody], Si
     ]
 
 
-def realigned(explanation: Explanation, lit: LitBody) -> Explanation | None:
-    """The explanation aligned again from `lit`, whose lights keep their nearness; None where it is not in view."""
-    proposal = Proposal(explanation.region, explanation.materials, explanation.split, None, explanation.as_object)
-    (found,) = aligned_explanations([(proposal, [lit], explanation.alignment.placed.sight)])
+def explained_near(explanation: Explanation, nearness: float, preset: FitPreset) -> Explanation | None:
+    """The explanation fitted anew with its first light held at the nearness w / z (1/m); None where no fit is in view.
+
+    A lamp's shadow widens with height as no sun's does, so that a sun's fit has found another body: all families are
+    searched again.
+    """
+    start = explanation.alignment.placed.lit.lights
+    region, materials, split = explanation.region, explanation.materials, explanation.split
+    (found,) = explained([Proposal(region, materials, split, start, explanation.as_object, nearness)], preset)
     return None if found is None else refined_by_tangents(found)
 
 
@@ -171,6 +178,7 @@ def _masks(proposal: Proposal) -> Masks:
         EDGE_SIGMA_PX,
         split.undecided,
         proposal.start,
+        proposal.nearness,
     )
 
 
@@ -186,7 +194,7 @@ def _relabelled(last: Explanation) -> Proposal | None:
         return None
     lit = last.alignment.placed.lit
     start = lit.lights if min(towards[2] for towards in lit.to_lights_marker) > LOWEST_Z else None
-    return Proposal(last.region, last.materials, split, start, last.as_object)
+    return Proposal(last.region, last.materials, split, start, last.as_object, float(nearness_of(lit.lights)[0]))
 
 
 def _costs(proposal: Proposal, likeliest: LitBody) -> Costs:

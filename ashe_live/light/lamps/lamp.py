@@ -27,12 +27,13 @@ from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import (
     NEAREST,
     SeenObject,
-    aligned_as_lamp,
     deviance_of_sun,
+    fitted_as_lamp,
     place_by_all,
     place_seen_from_a_sun,
     shadow_middle,
 )
+from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
@@ -73,6 +74,7 @@ class Scene:
     # Explanations of other objects with their log odds: looked for where a sun is not certain.
     others: Callable[[], Sequence[tuple[Explanation, float]]]
     sharpener: Callable[[], Sharpener]  # of the view at full resolution: asked for where lights are aligned as lamps
+    preset: FitPreset  # of fits with a lamp
 
 
 def stated(
@@ -115,8 +117,8 @@ def stated(
     is_sun = kind == AUTO and not _is_lamp(objects, place, from_sun, ratios, fall_off)
     if not is_sun:
         worth = WORTH_ALIGNING if kind == AUTO else 0.0
-        aligned, at = _aligned_as_lamps(
-            objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth, scene.sharpener()
+        aligned, at = _fitted_as_lamps(
+            objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth, scene
         )
         if _is_near(at, LEAST_SIGMAS if kind == AUTO else 0.0):
             best = aligned[0].explanation
@@ -135,20 +137,23 @@ def _is_lamp(
     return deviance >= SURE_DEVIANCE or (from_sun.standard_errors > needed and deviance > needed**2)
 
 
-def _aligned_as_lamps(
+def _fitted_as_lamps(
     objects: Sequence[SeenObject],
     place: Place,
     place_of: Callable[[Sequence[SeenObject]], Place],
     covariance_of: Callable[[Explanation, float], Float],
     worth_sigmas: float,
-    sharpener: Sharpener,
+    scene: Scene,
 ) -> tuple[Sequence[SeenObject], Place]:
-    """The objects aligned again with the lamp's nearness held, and its place by them, as long as that is worth it."""
+    """The objects fitted again with the lamp's nearness held, and its place by them, as long as that is worth it."""
+    sharpener = scene.sharpener()
     for _ in range(ALIGNMENTS):
         if not _is_near(place, worth_sigmas):
             break
         nearness = float(min(place.mean[2], NEAREST))
-        again = [(aligned_as_lamp(each.explanation, nearness, sharpener), each.probability) for each in objects]
+        again = [
+            (fitted_as_lamp(each.explanation, nearness, scene.preset, sharpener), each.probability) for each in objects
+        ]
         if again[0][0] is None:
             break
         objects = [SeenObject(one, sure, covariance_of(one, sure)) for one, sure in again if one is not None]

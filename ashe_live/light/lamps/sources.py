@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.explanation.explain import realigned
+from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
+from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
@@ -41,16 +42,19 @@ class SeenObject:
         return place_by_borders(fitted, lamp_borders(self.explanation)[0])
 
 
-def aligned_as_lamp(explanation: Explanation, nearness: float, sharpener: Sharpener) -> Explanation | None:
-    """The explanation aligned again in all of its views with its first light at a nearness w / z (1/m), held.
+def fitted_as_lamp(
+    explanation: Explanation, nearness: float, preset: FitPreset, sharpener: Sharpener
+) -> Explanation | None:
+    """The explanation fitted again in all of its views with its first light at a nearness w / z (1/m), held.
 
-    None where the object or a shadow is then not in view. sharpener: of the view that is answered.
+    None where the object or a shadow is then not in view. preset: of one view's fit. sharpener: of the view that is
+    answered.
     """
     alignment = explanation.alignment
-    lit = alignment.placed.lit.with_first_light_near(nearness)
     if not alignment.elsewhere:
-        again = realigned(explanation, lit)
+        again = explained_near(explanation, nearness, preset)
         return None if again is None else sharpener.sharpened(again)
+    lit = alignment.placed.lit.with_first_light_near(nearness)
     costs = [one.costs for one in (alignment.placed, *alignment.elsewhere)]
     (found,) = explained_in_views([JointStart(explanation, lit, costs)])
     return None if found is None else found.joint

@@ -21,6 +21,7 @@ from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.known import family_of, resized_family_of
 from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.light_points import held_near
 from ashe_live.light.shape.sight import Sight
 from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 
@@ -31,6 +32,7 @@ DIRECTIONS_PER_SAMPLE = 4.0
 OUTLIER_SHARE, OUTLIER_PX = 0.03, (0.75, 4.0)
 # Limit to `FitPreset.sufficient_rms`, as a fraction of the object's size: small objects need all families.
 SUFFICIENT_SHARE = 0.005
+HIGHEST_NEARNESS = 0.7  # of a lamp, times the guessed height of the body below it
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +57,7 @@ class Masks:
     edge_sigma_px: float = 0.5  # standard deviation of the masks' edges from the truth; 0.2 for perfect masks
     undecided: Mask | None = None  # pixels outside the masks that belong to the object or to a shadow
     start: Float | None = None  # (l, 4) lights, marker frame, as a further start
+    nearness: float = 0.0  # 1/m, w / z at which the first light is held: 0 for one at infinity
 
     def __post_init__(self) -> None:
         shape = self.sight.camera.size[::-1]
@@ -88,6 +91,7 @@ class _Scene:
     sight: Sight  # its pixels counted from the outlines' centre
     guess: FirstGuess
     starts: list[Float]  # (l, 4) each, lights to start from, in the frame of the guess
+    nearness: Float  # (l,) at which each light is held, in that frame
     edge_sigma_px: float
     solutions: dict[str, Solution] = field(default_factory=dict)  # by family
 
@@ -107,7 +111,9 @@ class _Scene:
         else:
             parent = self.solutions[family.grows_from]
             shapes, lights = family.starts(parent.shape), [parent.lights]
-        return Problem(number, family, np.repeat(lights, len(shapes), axis=0), np.tile(shapes, (len(lights), 1)))
+        return Problem(
+            number, family, np.repeat(lights, len(shapes), axis=0), np.tile(shapes, (len(lights), 1)), self.nearness
+        )
 
     def ranked(self) -> list[str]:
         """The names of the families tried, by rising information criterion."""
@@ -143,8 +149,12 @@ def _scene(masks: Masks, preset: FitPreset) -> _Scene | FitFailure:
     guess = guess_scene(sight, outlines, preset.caster)
     if isinstance(guess, str):
         return FitFailure(guess)
-    starts = [guess.lights] if masks.start is None else [guess.lights, guess.frame.lights(masks.start)]
-    return _Scene(outlines, sight, guess, starts, masks.edge_sigma_px)
+    nearness = np.zeros(len(guess.lights))
+    nearness[0] = min(masks.nearness * guess.frame.unit_m, HIGHEST_NEARNESS / guess.height)
+    starts = [held_near(guess.lights, nearness, guess.height)]
+    if masks.start is not None:
+        starts.append(held_near(guess.frame.lights(masks.start), nearness, 0.5 * guess.height))
+    return _Scene(outlines, sight, guess, starts, nearness, masks.edge_sigma_px)
 
 
 def _try_families(scenes: Sequence[_Scene], preset: FitPreset) -> None:

@@ -33,12 +33,9 @@ class Problem:
 
     scene: int  # index among the observations
     family: Family
-    lights: Float  # (m, l, 4) of m starts, at infinity
+    lights: Float  # (m, l, 4) of m starts
     shapes: Float  # (m, q) of the same starts
-
-    def __post_init__(self) -> None:
-        if self.lights[..., 3].any():
-            raise ValueError("the search varies directions only, and no lamps")
+    nearness: Float  # (l,) w / z at which each light is held, in the bodies' frame: 0 for lights at infinity
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +151,7 @@ class _Stack:
     scene: Indices  # (m,)
     observations: Observations  # of each problem
     prior: Float  # (m, split + q)
+    nearness: Float  # (m, l)
     layout: Layout
 
     @classmethod
@@ -162,7 +160,8 @@ class _Stack:
         scene = np.array([problem.scene for problem in problems])
         layout = Layout(problems[0].lights.shape[1])
         prior = padded([prior_information(family, layout) for family in families])
-        return cls(families, scene, observations.of(scene), prior, layout)
+        nearness = np.array([problem.nearness for problem in problems])
+        return cls(families, scene, observations.of(scene), prior, nearness, layout)
 
     def started(self, problems: Sequence[Problem]) -> _Candidates:
         start = padded(
@@ -180,7 +179,9 @@ class _Stack:
         """Residuals (n, r) of n candidates, their derivatives by theta, and the costs (n,), the prior included."""
         observed, layout = self.observations.of(problem), self.layout
         families = [self.families[i] for i in problem]
-        missed, by_theta = residuals(observed, families, layout.lights_of(theta), layout.shape_of(theta))
+        missed, by_theta = residuals(
+            observed, families, layout.lights_of(theta, self.nearness[problem]), layout.shape_of(theta)
+        )
         loss = (observed.scale_px**2 * np.log1p((missed / observed.scale_px) ** 2)).sum(axis=1)
         return missed, by_theta, loss + ((theta - start) ** 2 * self.prior[problem]).sum(axis=1)
 
@@ -214,7 +215,8 @@ class _Stack:
         measured = is_measured.sum(axis=1)
         found = {}
         for i, problem in enumerate(best.problem.tolist()):
-            family, lights = self.families[problem], self.layout.lights_of(best.theta[i])
+            family = self.families[problem]
+            lights = self.layout.lights_of(best.theta[i], self.nearness[problem])
             shape = self.layout.shape_of(best.theta[i])[: family.size]
             square = float(loss[i]) / max(int(measured[i]), 1)
             found[problem] = Solution(family, lights, shape, float(best.cost[i]), square, int(measured[i]))

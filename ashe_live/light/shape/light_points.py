@@ -42,6 +42,16 @@ def cast_on_ground(points: Float, light: Float) -> Float | None:
     return np.asarray((points - points[:, 2:] * (light[:3] / light[2])) / height_left)
 
 
+def held_near(lights: Float, nearness: Float, height: float) -> Float:
+    """(l, 4) lights with z = 1 and the nearness w / z (l,) that cast what is `height` above the origin as `lights` do.
+
+    Both must be above that height.
+    """
+    before = lights[:, 3] / lights[:, 2]
+    displacements = lights[:, :2] / lights[:, 2:3] * ((1 - nearness * height) / (1 - before * height))[:, None]
+    return np.column_stack([displacements, np.ones(len(lights)), nearness])
+
+
 def towards(light: Float, point: Float) -> Float:
     """(3,) the unit vector from a point (3,) towards a light (4,)."""
     return normalised(light[:3] - light[3] * point)

@@ -199,6 +199,21 @@ def test_a_wrong_start_beside_the_guess_does_no_harm(near: tuple[float, float]) 
     assert error_deg(fit, LIGHT) < 1.5
 
 
+@pytest.mark.parametrize("azimuth_deg", [20.0, 110.0, 200.0])
+@pytest.mark.parametrize("name", ["box", "cylinder", "cup", "bottle"])
+def test_a_lamps_direction_is_found_where_its_nearness_is_known(name: str, azimuth_deg: float) -> None:
+    """The lamp stands less than four times as high as the bodies: for a sun its shadow is that of another body."""
+    lamp_m = 0.4 * direction(azimuth_deg, 55.0)
+    scene = render(BODIES[name](), [np.append(lamp_m, 1.0)], VIEW)
+    masks = Masks(scene.body, scene.shadows, Sight(scene.camera, VIEW), None, 0.2)
+    as_sun, as_lamp = best_of(masks), best_of(replace(masks, nearness=1 / lamp_m[2]))
+    assert isinstance(as_sun, LitBody)
+    assert isinstance(as_lamp, LitBody)
+    foot = np.array([*as_lamp.body.frame.origin_marker, 0.0])
+    assert error_deg(as_lamp, lamp_m - foot) < 1.5
+    assert error_deg(as_sun, lamp_m - foot) > 4.0
+
+
 # Extremes
 
 
