@@ -9,7 +9,8 @@ from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.shading import LOWEST_Z, NOISE, OF_LIGHT, SLOPE, TURN_RAD
-from ashe_live.light.known_body.templates import shadows_of, templates_of
+from ashe_live.light.known_body.shadows import shadows_of
+from ashe_live.light.known_body.templates import templates_of
 
 # Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is right to 3 % from
 # here on, and half of what it is where a facet is five pixels wide.
@@ -22,8 +23,8 @@ def open_sky_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float) -> F
     dark_rgb: (l, 3) part of the table's light that each light gives.
     """
     in_shadow = np.clip(1 - dark_rgb.sum(axis=0), 1e-3, 1.0)
-    shadows = shadows_of(seen.body, np.array([each.light for each in lights])).max(axis=0)
-    cells = shadows * seen.table.seen.reshape(-1)
+    shadows = shadows_of(seen.body, np.array([each.light for each in lights])).whole().max(axis=0)
+    cells = (shadows * seen.table.seen).reshape(-1)
     hidden = float((templates_of(seen.body).hidden_sky * cells).sum() / max(float(cells.sum()), 1e-6))
     # Where a part h of the sky s is hidden, on both sides of a shadow's edge, s (1 - h) / (1 - s h) is left in it.
     return np.asarray(in_shadow / (1 - hidden * (1 - in_shadow)))

@@ -12,6 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.light.known_body.shading import Sides
+from ashe_live.light.known_body.shadows import Shadows
 from ashe_live.light.known_body.table import SIDE
 
 # Cells whose errors are correlated, as stains and prints on a table are wider than a cell: the sample size is divided
@@ -50,8 +51,7 @@ class Lit:
     """Lights and the shadows of a body in them."""
 
     to_lights: Float  # (m, 3) unit
-    shadows: Float32  # (m, n * n) part of each cell of the map that is in shadow
-    filled: Float  # (m,) sum of the shadows' squares over their sums
+    shadows: Shadows
 
 
 class Evidence:
@@ -70,15 +70,14 @@ class Evidence:
         weight = weight.reshape(-1)
         self._cells = float(weight.sum())
         # All of the sky's light is taken for granted, and lights take from it.
-        base = np.concatenate(
-            [_slow(), hidden_sky[None], hidden_sky - known.shadows, values.reshape(1, -1) + hidden_sky]
-        )
+        taken = hidden_sky - known.shadows.whole().reshape(-1, SIDE * SIDE)
+        base = np.concatenate([_slow(), hidden_sky[None], taken, values.reshape(1, -1) + hidden_sky])
         weighted = base * weight
         moments = (weighted @ base.T).astype(np.float64)
         self._of_hidden = moments[VARIED - 1].copy()
         moments[:VARIED, :VARIED] += RIDGE * np.trace(moments[:VARIED, :VARIED]) * np.eye(VARIED)
         moments[VARIED - 1, VARIED - 1] += CELLS_A_SAMPLE * (USUAL_NOISE / HIDDEN_SIGMA) ** 2
-        self._columns = np.ascontiguousarray(np.concatenate([weighted, weight[None]]).T)
+        self._columns = np.concatenate([weighted, weight[None]]).T.reshape(SIDE, SIDE, -1)
         self._without_varied = np.linalg.inv(moments[:VARIED, :VARIED])
         self._varied = self._without_varied @ moments[:VARIED, VARIED:]
         rest = moments[VARIED:, VARIED:] - moments[VARIED:, :VARIED] @ self._varied
@@ -103,12 +102,12 @@ class Evidence:
 
     def _with(self, new: Lit) -> _Normal:
         """The known lights and each of the new ones."""
-        m, count = len(new.shadows), len(self._to_known) + 1
-        sums = (new.shadows @ self._columns).astype(np.float64)
+        m, count = new.shadows.count, len(self._to_known) + 1
+        sums = new.shadows.sums(self._columns)
         # A light takes its shadow away, and its share of the hidden sky's light.
         mixed = self._of_hidden - sums[:, :-1]
         varied, crossed = mixed[:, :VARIED], mixed[:, VARIED:] - mixed[:, :VARIED] @ self._varied
-        squares = mixed[:, VARIED - 1] - sums[:, VARIED - 1] + sums[:, -1] * new.filled
+        squares = mixed[:, VARIED - 1] - sums[:, VARIED - 1] + sums[:, -1] * new.shadows.filled
         information = np.empty((m, count, count))
         information[:, :-1, :-1] = self._known.information
         information[:, -1, :-1] = information[:, :-1, -1] = crossed[:, :-1]

@@ -11,6 +11,7 @@ from ashe_live.light.known_body.evidence import Evidence, Lit
 from ashe_live.light.known_body.facets import Facets, facets_of
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.shading import PAPER, Sides
+from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.table import (
     BRIGHTEST,
     CELLS_A_HEIGHT,
@@ -21,7 +22,7 @@ from ashe_live.light.known_body.table import (
     sent_by_table,
     table_around,
 )
-from ashe_live.light.known_body.templates import filled_of, shadows_of, templates_of
+from ashe_live.light.known_body.templates import templates_of
 from ashe_live.light.pixels.view import View
 
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
@@ -70,8 +71,7 @@ class Seen:
     def lit(self, lights: Float) -> Lit:
         """The body's shadows in lights (m, 4)."""
         to_lights = lights[:, :3] / np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
-        shadows = shadows_of(self.body, lights)
-        return Lit(to_lights, shadows, filled_of(shadows))
+        return Lit(to_lights, shadows_of(self.body, lights))
 
     def beside(self, known: Float, everywhere: Lit) -> Evidence:
         """What the picture says of further lights, beside `known` ones (l, 4)."""
