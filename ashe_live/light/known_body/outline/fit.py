@@ -70,8 +70,9 @@ def fitted(
         if number >= len(REACHES) - 1:
             blur, size = profiles.widths(weight)
         J = edges.by_light[:, : len(parameters)]
-        normal = (J * weight[:, None]).T @ J + prior
-        pull = (J * weight[:, None]).T @ profiles.offset_px - prior @ (here[parameters] - start)
+        weighted = J.T * weight
+        normal = weighted @ J + prior
+        pull = weighted @ profiles.offset_px - prior @ (here[parameters] - start)
         step = np.linalg.solve(normal, pull)
         here = _moved(here, step, height_of(body))
         if not is_first and np.abs(J @ step).max() < DONE_PX:
