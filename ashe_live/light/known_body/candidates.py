@@ -61,7 +61,7 @@ class Directions:
             lights = np.concatenate([lights, further])
             solid_angle = np.concatenate([solid_angle, cell / lengths**3 / (2 * math.pi)])
             shadows = shadows.joined(seen.lit(further).shadows)
-        return Directions(lights, solid_angle, Lit(lights[:, :3], shadows))
+        return Directions(lights, solid_angle, Lit(lights, shadows))
 
 
 def refined(

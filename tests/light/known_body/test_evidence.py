@@ -14,7 +14,8 @@ from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.tracking.cube.faces import CORNERS
 from tests.painted_cubes import sun
 
-NO_SIDES = Sides(np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0), np.empty(0, bool))
+NOTHING = np.empty(0)
+NO_SIDES = Sides(np.empty((0, 3)), np.empty((0, 3)), np.zeros(3), NOTHING, NOTHING, NOTHING, np.empty(0, bool))
 RNG_SEED = 4
 
 
@@ -25,12 +26,12 @@ def body(edge_m: float = 0.06, crooked: float = 0.0) -> Proxy:
 
 CUBE = body()
 TEMPLATES = templates_of(CUBE)
-EVERYWHERE = Lit(TEMPLATES.lights[:, :3], TEMPLATES.shadows)
+EVERYWHERE = Lit(TEMPLATES.lights, TEMPLATES.shadows)
 
 
 def lit(*lights: Float) -> Lit:
     points = np.array(lights).reshape(-1, 4)
-    return Lit(points[:, :3], shadows_of(CUBE, points))
+    return Lit(points, shadows_of(CUBE, points))
 
 
 def map_of(darkenings: dict[tuple[float, float], float], noise: float = 0.02) -> Float32:
@@ -44,7 +45,8 @@ def map_of(darkenings: dict[tuple[float, float], float], noise: float = 0.02) ->
 
 
 def evidence(values: Float32, known: Lit) -> Evidence:
-    return Evidence(values, np.ones((SIDE, SIDE), np.float32), TEMPLATES.hidden_sky, NO_SIDES, known, EVERYWHERE)
+    even = np.ones((SIDE, SIDE), np.float32)
+    return Evidence(values, even, TEMPLATES.hidden_sky, NO_SIDES, known, EVERYWHERE)
 
 
 @pytest.mark.parametrize("darkening", [0.15, 0.4, 0.7])

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
@@ -24,7 +25,8 @@ class ShadowEdges:
     points_px: Float  # (n, 2)
     corners_px: Float  # (m, 2) those of the outline, which is convex
     normals_px: Float  # (n, 2) unit vectors out of the shadow
-    to_corner_px: Float  # (n,) distance from the nearer end of the point's straight edge
+    side: NDArray[np.intp]  # (n,) number of the point's straight side, among the outline's corners
+    to_corner_px: Float  # (n,) distance from the nearer end of that side
     by_light: Float  # (n, 3) pixels along the normal by s_x, s_y and by w / z, 1/m
     by_size: Float  # (n,) standard deviation, pixels, of the penumbra of a light of 1 rad
 
@@ -77,7 +79,8 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
     by_light = np.column_stack([-across * lower[:, None], (across * places).sum(axis=1) * lower])
     offsets = (light[:3] - light[3] * origin) / np.linalg.norm(light[:3])
     by_size = _penumbra(across, lower, offsets)
-    return ShadowEdges(points_px, pixels, outwards[side], np.minimum(along_px, length_px - along_px), by_light, by_size)
+    to_corner_px = np.minimum(along_px, length_px - along_px)
+    return ShadowEdges(points_px, pixels, outwards[side], side, to_corner_px, by_light, by_size)
 
 
 def _homogeneous(share: Float, first: Float, last: Float) -> Float:
