@@ -51,9 +51,9 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     found = lights_of(seen)
     clock.end("fit")
     likely = [each for each in found.lights if each.confidence >= LEAST_CONFIDENCE] if found is not None else []
-    if not likely:
+    if found is None or not likely:
         return none(_why_none(seen, found))
-    illumination = _illumination(seen, likely, tracked)
+    illumination = _illumination(found.seen, likely, tracked)
     masks = masks_of(seen, likely)
     clock.end("judge")
     return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms())

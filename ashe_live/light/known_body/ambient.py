@@ -5,15 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.shading import LOWEST_Z, NOISE, OF_LIGHT, SLOPE, TURN_RAD
-from ashe_live.light.known_body.templates import shadows_of, templates_of
+from ashe_live.light.known_body.shading import LOWEST_Z, NOISE, OF_LIGHT, SLOPE, TURN_RAD, direct_light
+from ashe_live.light.known_body.shadows import shadows_of
+from ashe_live.light.known_body.templates import templates_of
 
 # Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is right to 3 % from
 # here on, and half of what it is where a facet is five pixels wide.
 LEAST_PX = 30.0
+LEAST_LIGHT = 0.1  # of level ground's, on a level facet beside lamps that give it less
 
 
 def open_sky_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float) -> Float:
@@ -22,8 +23,8 @@ def open_sky_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float) -> F
     dark_rgb: (l, 3) part of the table's light that each light gives.
     """
     in_shadow = np.clip(1 - dark_rgb.sum(axis=0), 1e-3, 1.0)
-    shadows = shadows_of(seen.body, np.array([each.light for each in lights])).max(axis=0)
-    cells = shadows * seen.table.seen.reshape(-1)
+    shadows = shadows_of(seen.body, np.array([each.light for each in lights])).whole().max(axis=0)
+    cells = (shadows * seen.table.seen).reshape(-1)
     hidden = float((templates_of(seen.body).hidden_sky * cells).sum() / max(float(cells.sum()), 1e-6))
     # Where a part h of the sky s is hidden, on both sides of a shadow's edge, s (1 - h) / (1 - s h) is left in it.
     return np.asarray(in_shadow / (1 - hidden * (1 - in_shadow)))
@@ -44,14 +45,18 @@ def sky_slope_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float, sky
     level = np.flatnonzero(is_told & is_level)
     if not len(level):
         return np.zeros((2, 3))
-    white = np.maximum(facets.light_rgb[level[0]], 1e-4)
-    to_lights = np.array([normalised(each.light[:3]) for each in lights])
+    points = np.array([each.light for each in lights])
+    to_lights = points[:, :3] / np.linalg.norm(points[:, :3], axis=1, keepdims=True)
+    given = direct_light(points, facets.normals, facets.centres)
+    # Of white paper in all the light of level ground, of which a lamp gives more, or less, to the level facet.
+    on_level = 1 + (given[:, level[0]] - 1) @ dark_rgb
+    white = np.maximum(facets.light_rgb[level[0]] / np.maximum(on_level, LEAST_LIGHT), 1e-4)
     across = dark_rgb / np.maximum(to_lights[:, 2:], LOWEST_Z)
     turned_level = _change_by_turn(to_lights, across, np.array((0.0, 0.0, 1.0)))
     information, pull = np.tile(np.eye(2) / SLOPE**2, (3, 1, 1)), np.zeros((3, 2))
     for number in np.flatnonzero(is_told & ~is_level):
         normal, relative = facets.normals[number], facets.light_rgb[number] / white
-        direct = np.maximum(to_lights @ normal, 0.0) @ across
+        direct = given[:, number] @ dark_rgb
         from_table = seen.from_table[number] / white
         left = relative - 0.5 * sky_rgb - direct - from_table
         by_turns = _change_by_turn(to_lights, across, normal) ** 2 + (relative * turned_level) ** 2

@@ -48,8 +48,7 @@ class Directions:
     def of(seen: Seen) -> "Directions":
         """The templates, and between them more of those whose shadow the body hides from the camera."""
         templates = templates_of(seen.body)
-        lights, solid_angle = templates.lights, templates.solid_angle
-        shadows, filled = templates.shadows, templates.filled
+        lights, solid_angle, shadows = templates.lights, templates.solid_angle, templates.shadows
         eye = camera_centre(seen.view.T_cam_marker) - seen.body.foot_marker
         if eye[2] > 0:
             s = eye[:2] / eye[2]
@@ -61,9 +60,8 @@ class Directions:
             cell = length * (BEHIND[1] - BEHIND[0]) * (1 + length) * (BEHIND_ASIDE[1] - BEHIND_ASIDE[0])
             lights = np.concatenate([lights, further])
             solid_angle = np.concatenate([solid_angle, cell / lengths**3 / (2 * math.pi)])
-            hidden = seen.lit(further)
-            shadows, filled = np.concatenate([shadows, hidden.shadows]), np.concatenate([filled, hidden.filled])
-        return Directions(lights, solid_angle, Lit(lights[:, :3], shadows, filled))
+            shadows = shadows.joined(seen.lit(further).shadows)
+        return Directions(lights, solid_angle, Lit(lights, shadows))
 
 
 def refined(

@@ -12,6 +12,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.light.known_body.shading import Sides
+from ashe_live.light.known_body.shadows import Shadows
 from ashe_live.light.known_body.table import SIDE
 
 # Cells whose errors are correlated, as stains and prints on a table are wider than a cell: the sample size is divided
@@ -39,7 +40,7 @@ class Scan:
 class _Normal:
     """Normal equations of the map for m sets of lights, without what else varies."""
 
-    to_lights: Float  # (m, l, 3) unit
+    lights: Float  # (m, l, 4) unit (x, y, z)
     information: Float  # (m, l, l)
     pull: Float  # (m, l)
     squares: float  # sum of what is left if no light is there
@@ -49,9 +50,15 @@ class _Normal:
 class Lit:
     """Lights and the shadows of a body in them."""
 
-    to_lights: Float  # (m, 3) unit
-    shadows: Float32  # (m, n * n) part of each cell of the map that is in shadow
-    filled: Float  # (m,) sum of the shadows' squares over their sums
+    lights: Float  # (m, 4) unit (x, y, z)
+    shadows: Shadows
+    falls: Float32 | None = None  # (m, n, n) what they give to each cell over what they give at the foot; None: suns
+
+    def taken(self, hidden_sky: Float32) -> Float32:
+        """(m, n * n) what each light adds to each cell in place of as much of the sky, of which a part is hidden."""
+        lit = 1 - self.shadows.whole()
+        lit = lit if self.falls is None else lit * self.falls
+        return np.asarray(hidden_sky - 1 + lit.reshape(-1, SIDE * SIDE), dtype=np.float32)
 
 
 class Evidence:
@@ -63,26 +70,24 @@ class Evidence:
         self, values: Float32, weight: Float32, hidden_sky: Float32, sides: Sides, known: Lit, everywhere: Lit
     ) -> None:
         """values: (n, n) relative light of the table's cells, with their weights. hidden_sky: as in Templates.
-
         everywhere: lights in all directions. What the best of these leaves of the map is its noise.
         """
-        self._sides, self._to_known = sides, known.to_lights
+        self._sides, self._known_lights = sides, known.lights
         weight = weight.reshape(-1)
         self._cells = float(weight.sum())
         # All of the sky's light is taken for granted, and lights take from it.
-        base = np.concatenate(
-            [_slow(), hidden_sky[None], hidden_sky - known.shadows, values.reshape(1, -1) + hidden_sky]
-        )
+        self._hidden_sky = hidden_sky
+        base = np.concatenate([_slow(), hidden_sky[None], known.taken(hidden_sky), values.reshape(1, -1) + hidden_sky])
         weighted = base * weight
         moments = (weighted @ base.T).astype(np.float64)
         self._of_hidden = moments[VARIED - 1].copy()
         moments[:VARIED, :VARIED] += RIDGE * np.trace(moments[:VARIED, :VARIED]) * np.eye(VARIED)
         moments[VARIED - 1, VARIED - 1] += CELLS_A_SAMPLE * (USUAL_NOISE / HIDDEN_SIGMA) ** 2
-        self._columns = np.ascontiguousarray(np.concatenate([weighted, weight[None]]).T)
+        self._columns = np.concatenate([weighted, weight[None]]).T.reshape(SIDE, SIDE, -1)
         self._without_varied = np.linalg.inv(moments[:VARIED, :VARIED])
         self._varied = self._without_varied @ moments[:VARIED, VARIED:]
         rest = moments[VARIED:, VARIED:] - moments[VARIED:, :VARIED] @ self._varied
-        self._known = _Normal(known.to_lights[None], rest[None, :-1, :-1], rest[None, :-1, -1], float(rest[-1, -1]))
+        self._known = _Normal(known.lights[None], rest[None, :-1, :-1], rest[None, :-1, -1], float(rest[-1, -1]))
         beside = self._with(everywhere)
         self._variance = min(self._left_by_best(beside), self._left_by_best(self._known)) / self._cells + LEAST_NOISE**2
         self._none, self._darkenings = self._explained(self._known)
@@ -103,21 +108,27 @@ class Evidence:
 
     def _with(self, new: Lit) -> _Normal:
         """The known lights and each of the new ones."""
-        m, count = len(new.shadows), len(self._to_known) + 1
-        sums = (new.shadows @ self._columns).astype(np.float64)
-        # A light takes its shadow away, and its share of the hidden sky's light.
-        mixed = self._of_hidden - sums[:, :-1]
+        m, count = new.shadows.count, len(self._known_lights) + 1
+        mixed, squares = self._products(new)
         varied, crossed = mixed[:, :VARIED], mixed[:, VARIED:] - mixed[:, :VARIED] @ self._varied
-        squares = mixed[:, VARIED - 1] - sums[:, VARIED - 1] + sums[:, -1] * new.filled
         information = np.empty((m, count, count))
         information[:, :-1, :-1] = self._known.information
         information[:, -1, :-1] = information[:, :-1, -1] = crossed[:, :-1]
         information[:, -1, -1] = squares - ((varied @ self._without_varied) * varied).sum(axis=1)
         pull = np.column_stack([np.broadcast_to(self._known.pull, (m, count - 1)), crossed[:, -1]])
-        all_lights = np.concatenate(
-            [np.broadcast_to(self._to_known, (m, count - 1, 3)), new.to_lights[:, None]], axis=1
-        )
+        known = np.broadcast_to(self._known_lights, (m, count - 1, 4))
+        all_lights = np.concatenate([known, new.lights[:, None]], axis=1)
         return _Normal(all_lights, information, pull, self._known.squares)
+
+    def _products(self, new: Lit) -> tuple[Float, Float]:
+        """(m, .) of what each new light adds with all that is known and the map, and (m,) with itself."""
+        if new.falls is not None:
+            taken, columns = new.taken(self._hidden_sky), self._columns.reshape(SIDE * SIDE, -1)
+            return (taken @ columns[:, :-1]).astype(np.float64), (taken * taken @ columns[:, -1]).astype(np.float64)
+        # Nearly everywhere it is the sky's hidden light alone.
+        sums = new.shadows.sums(self._columns)
+        mixed = self._of_hidden - sums[:, :-1]
+        return mixed, mixed[:, VARIED - 1] - sums[:, VARIED - 1] + sums[:, -1] * new.shadows.filled
 
     def _left_by_best(self, normal: _Normal) -> float:
         """Sum of squares of the map that is left by the set of lights that explains it best."""
@@ -134,10 +145,10 @@ class Evidence:
         """(m,) log likelihood of map and sides, with each set of lights, and (m, l) their darkenings."""
         sides, prior = self._sides, 1 / DARKENING_SIGMA**2
         count = normal.pull.shape[1]
-        reached = sides.reached(normal.to_lights)
+        reached = sides.reached(normal.lights)
         darkenings = np.full(normal.pull.shape, DARKENING)
         for _ in range(ROUNDS):
-            spread = sides.variance(normal.to_lights, reached, darkenings)
+            spread = sides.variance(normal.lights, reached, darkenings)
             told = reached / spread[:, None] * ~sides.is_clipped
             information = normal.information / (CELLS_A_SAMPLE * self._variance)
             information = information + told @ np.swapaxes(reached, 1, 2) + prior * np.eye(count)
@@ -146,7 +157,7 @@ class Evidence:
             darkenings /= np.maximum(darkenings.sum(axis=1, keepdims=True) / MOST_DARKENING, 1.0)
         left = self._left(normal, darkenings) / self._cells + LEAST_NOISE**2
         by_map = -0.5 * self._cells / CELLS_A_SAMPLE * np.log(left)
-        by_sides = sides.log_likelihood(reached, darkenings, sides.variance(normal.to_lights, reached, darkenings))
+        by_sides = sides.log_likelihood(reached, darkenings, sides.variance(normal.lights, reached, darkenings))
         by_prior = -0.5 * prior * ((darkenings - DARKENING) ** 2).sum(axis=1)
         volume = 0.5 * (count * np.log(prior) - np.linalg.slogdet(information)[1])
         return by_map + by_sides + by_prior + volume, darkenings

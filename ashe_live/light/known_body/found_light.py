@@ -6,16 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.transforms import normalised, raycast_to_plane
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.known_body.shading import fall_off
 from ashe_live.light.shape.directions import FittedLight, fitted_lights
 from ashe_live.light.shape.predicted import predicted
 
 # From a shadow's edge to where it is dark, or lit: pixels, and of the light's angular diameter times the penumbra's
 # standard deviation for a light of 1 rad.
 BEYOND_PX, BEYOND_PENUMBRA = 3.0, 2.2
+LEAST_LEFT = 0.2  # of a lamp's height, above the body
 # Beside another light's edges the table is not clear: pixels, and of that light's penumbra for a light of 1 rad.
 OTHER_EDGE_PX, OTHER_PENUMBRA = 3.0, 2.0
 
@@ -34,6 +37,19 @@ class FoundLight:
     def size_rad(self) -> float:
         """The light's angular diameter; 0 where it is not told from a point."""
         return 0.0 if self.fit is None else self.fit.size_rad or 0.0
+
+    @property
+    def is_lamp(self) -> bool:
+        """Whether its distance is told."""
+        return bool(self.light[3] > 0)
+
+    def sun_alike(self, height: float) -> Float:
+        """(3,) the direction of the sun in which the shadow of a body of some height ends where it does in this light.
+
+        This is what maps of suns' shadows tell; a low lamp itself stands higher by several degrees.
+        """
+        left = max(1 - height * float(self.light[3] / self.light[2]), LEAST_LEFT)
+        return normalised(self.light[:3] * (1, 1, left))
 
     @property
     def fitted(self) -> FittedLight:
@@ -91,4 +107,8 @@ def _step_rgb(seen: Seen, one: FoundLight, own: ShadowEdges, others: Sequence[Sh
         return None
     columns, rows = np.moveaxis(np.round(ends[:, kept]).astype(int), 2, 0)
     dark, bright = seen.picture[rows, columns].astype(np.float64)[..., ::-1]
-    return np.asarray(1 - np.median(dark / np.maximum(bright, 1e-4), axis=0)).clip(0.0, 1.0)
+    # Of what else lights the place, the light gives so much there; a lamp's falls off from the marker's centre.
+    given = np.maximum(bright / np.maximum(dark, 1e-4) - 1, 0.0)
+    x, y, _ = raycast_to_plane(seen.view.camera, seen.view.T_cam_marker, own.points_px[kept]).T
+    at_centre = np.median(given / np.maximum(fall_off(one.light, x, y), 1e-3)[:, None], axis=0)
+    return np.asarray(at_centre / (1 + at_centre))

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.found_light import FoundLight, room_beside
-from ashe_live.light.known_body.outline.fit import fitted
+from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 
@@ -15,7 +16,13 @@ from ashe_live.light.known_body.table import height_of
 # throws the shadow of a lamp whose w / z is larger by a hundredth over that height.
 FOLDED = 0.017
 LEAST_SIGMAS = 4.0  # standard errors by which the nearness of a lamp must differ from that of a sun, 0
-MOST_MISFIT_PX, LESS_CLEAR = 0.7, 0.05  # of a lamp's edges, and part of the edges that it may explain less than a sun
+LEAST_INVERSE_DISTANCE = 0.4  # 1/m: a lamp farther away is as good as a sun
+# The nearness is looked for so many standard deviations of the edges' about theirs, on grids of so many values, each
+# about what the one before has found; as long as they are no narrower than this, 1/m.
+WITHIN_SIGMAS, GRID, GRIDS, LEAST_NEARNESS = 4.0, 9, 2, 1e-3
+# Of a lamp's edges, or over how far they were looked for, as a penumbra is wide; and the part of the edges that a lamp
+# may explain less than a sun.
+MOST_MISFIT_PX, MOST_MISFIT_SHARE, LESS_CLEAR = 0.7, 0.08, 0.05
 
 
 def as_lamps(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
@@ -28,9 +35,66 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight]) -> Found
         return one
     room = room_beside(seen, others)
     fit = fitted(seen.body, one.light, one.darkening, seen.light, room, seen.view, with_nearness=True)
-    if fit is None or fit.misfit_px > MOST_MISFIT_PX or fit.clear < one.fit.clear - LESS_CLEAR:
-        return replace(one, light=one.light * (1, 1, 1, 0))
+    if fit is None or fit.clear < one.fit.clear - LESS_CLEAR or not _is_near(fit, one.fit):
+        # What was fitted as a lamp from the beginning is no sun with the same displacement.
+        if len(one.fit.covariance) < 3:
+            return one
+        fit = one.fit
     covariance = fit.covariance + np.diag([0.0, 0.0, (FOLDED / height_of(seen.body)) ** 2])
-    if fit.light[3] > LEAST_SIGMAS * math.sqrt(covariance[2, 2]):
-        return replace(one, light=fit.light, covariance=covariance, fit=fit)
-    return replace(one, light=one.light * (1, 1, 1, 0), covariance=fit.covariance[:2, :2])
+    sun, nearness, variance = _nearness(seen, fit.light, covariance, others)
+    # By the edges, the displacement follows the nearness.
+    by_nearness = covariance[:, 2] / covariance[2, 2]
+    light = _along(fit.light, by_nearness, np.array([nearness]))[0]
+    covariance = covariance + (variance - covariance[2, 2]) * np.outer(by_nearness, by_nearness)
+    inverse_distance = nearness / float(np.linalg.norm(light[:3]))
+    if nearness > LEAST_SIGMAS * math.sqrt(variance) and inverse_distance > LEAST_INVERSE_DISTANCE:
+        return replace(one, light=light, covariance=covariance, fit=replace(fit, light=light))
+    light = one.light if sun > 0.5 else light
+    return replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2])
+
+
+def _is_near(fit: EdgeFit, other: EdgeFit) -> bool:
+    """Whether a fit's edges lie near to where it predicts them, or at least as near as another's."""
+    is_good = fit.misfit_px < MOST_MISFIT_PX or fit.misfit_share < MOST_MISFIT_SHARE
+    return is_good or fit.misfit_px <= other.misfit_px
+
+
+def _nearness(seen: Seen, light: Float, covariance: Float, others: Sequence[FoundLight]) -> tuple[float, float, float]:
+    """The probability of a sun, and mean and variance of w / z with those of a lamp, of which any is as likely before.
+
+    By the edges' fit (4,) with its (3, 3) covariance, the map, and the sides.
+
+    A lamp's light falls off over the table, and gives more to what is nearer to it.
+    """
+    by_nearness, sigma = covariance[:, 2] / covariance[2, 2], math.sqrt(covariance[2, 2])
+    points = np.array([each.light for each in others]).reshape(-1, 4)
+    beside = seen.beside(points, seen.lit(np.zeros((0, 4))))
+    most = NEAREST / height_of(seen.body)
+    low, high = (float(np.clip(light[3] + sign * WITHIN_SIGMAS * sigma, 0.0, most)) for sign in (-1, 1))
+    mean, variance, sun = float(np.clip(light[3], 0.0, most)), sigma**2, 0.5
+    for number in range(GRIDS):
+        if high - low < LEAST_NEARNESS:
+            break
+        grid = np.append(np.linspace(low, high, GRID), 0.0)
+        by_map = beside.scanned(seen.lit(_along(light, by_nearness, grid))).log_likelihood
+        score = by_map - 0.5 * ((grid - light[3]) / sigma) ** 2
+        likelihood = np.exp(score - score.max())
+        weight = likelihood[:-1] / max(float(likelihood[:-1].sum()), 1e-300)
+        mean = float(weight @ grid[:-1])
+        variance = float(weight @ (grid[:-1] - mean) ** 2) + (grid[1] - grid[0]) ** 2 / 12
+        if number == 0:
+            lamp = float(likelihood[:-1].mean()) * (high - low) / most
+            sun = float(likelihood[-1]) / (float(likelihood[-1]) + lamp)
+        spread = WITHIN_SIGMAS * math.sqrt(variance)
+        low, high = max(low, mean - spread), min(high, mean + spread)
+    by_both = (1 - sun) * (variance + sun * mean**2)
+    return sun, (1 - sun) * mean, by_both + sun * LEAST_NEARNESS**2
+
+
+def _along(light: Float, by_nearness: Float, nearness: Float) -> Float:
+    """(m, 4) a light (4,), z = 1, with m other values of w / z, and what else the edges then say."""
+    lights = np.tile(light, (len(nearness), 1))
+    away = nearness - light[3]
+    lights[:, :2] += away[:, None] * by_nearness[:2]
+    lights[:, 3] = nearness
+    return lights

@@ -15,6 +15,7 @@ from ashe_live.light.known_body.lamps import as_lamps
 from ashe_live.light.known_body.outline.fit import fitted
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, edge_log_odds, with_edges
 from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.known_body.table import height_of
 
 NEAR_RAD = math.radians(10)  # of an answer, within which it counts as right
 # Weight before the picture is seen of "no light casts a shadow", where all directions together have 1.
@@ -32,6 +33,7 @@ LEAST_DARKENING, LEAST_CLEAR, MOST_MISFIT_PX = 0.06, 0.75, 0.7
 class Found:
     """What a picture of a known body says of its lights."""
 
+    seen: Seen  # the picture as these lights explain it
     lights: tuple[FoundLight, ...]  # the strongest first
     is_dark_elsewhere: bool  # the table is darkened as if by a shadow, of whatever
 
@@ -45,18 +47,27 @@ def lights_of(seen: Seen) -> Found | None:
     if not scored:
         return None
     likelihood, first = max(scored, key=lambda pair: pair[0])
-    found = [first]
+    # A lamp's fan of a shadow and the fall of its light, taken for a sun's, would look like a further light.
+    found = as_lamps(seen, [first])
+    seen = _in_light_of(seen, found)
     while len(found) < MOST_LIGHTS:
         further = _further(seen, directions, found)
         if further is None:
             break
-        both = _refitted(seen, [*found, further])
-        if not are_apart(both):
+        both = as_lamps(seen, _refitted(seen, [*found, further]))
+        if not are_apart(both, height_of(seen.body)):
             break  # what was taken for another shadow is the rest of one that is known
-        found = both
-    found = as_lamps(seen, [_with_confidence(seen, directions, each, found, alone) for each in found])
+        found, seen = both, _in_light_of(seen, both)
+    found = [_with_confidence(seen, directions, each, found, alone) for each in found]
     found.sort(key=lambda each: -each.darkening)
-    return Found(tuple(found), likelihood > DARK_ELSEWHERE)
+    return Found(seen, tuple(found), likelihood > DARK_ELSEWHERE)
+
+
+def _in_light_of(seen: Seen, found: Sequence[FoundLight]) -> Seen:
+    """The picture measured in the light of those that were found, of which lamps give more to some of the table."""
+    if not any(each.is_lamp for each in found):
+        return seen
+    return seen.in_light_of(_points(found), darkenings_rgb(seen, found).mean(axis=1))
 
 
 def _points(found: Sequence[FoundLight]) -> Float:
@@ -81,26 +92,34 @@ def _with_confidence(
     if others:
         beside = seen.beside(_points(others), directions.lit)
         palest = pale = LEAST_DARKENING
-    near = _posterior_near(directions, beside.everywhere, one.light)
+    own = beside.scanned(seen.lit(one.light[None]))
+    lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
+    near = _posterior_near(directions, beside.everywhere, one.sun_alike(height_of(seen.body)), lamp)
     # Beside the foot the hidden sky's gradient looks like a step, and map and sides know better.
-    by_all = float(beside.scanned(seen.lit(one.light[None])).darkenings[0, -1])
+    by_all = float(own.darkenings[0, -1])
     step = min(by_all, float(darkenings_rgb(seen, [one, *others])[0].mean()))
     return replace(one, confidence=with_edges(near, one.fit, step, palest, pale))
 
 
-def _posterior_near(directions: Directions, scan: Scan, light: Float) -> float:
-    """Posterior probability, before any edge is looked at, of the directions within NEAR_RAD of a light (4,)."""
+def _posterior_near(directions: Directions, scan: Scan, to_sun: Float, lamp: float) -> float:
+    """Posterior probability, before any edge is looked at, of the directions within NEAR_RAD of one (3,).
+
+    lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none.
+    """
     by_light = scan.log_likelihood + np.log(directions.solid_angle)
-    most = max(float(by_light.max()), LOG_NONE)
+    by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
+    most = max(float(by_light.max()), by_lamp, LOG_NONE)
     posterior = np.exp(by_light - most)
-    near = directions.lights[:, :3] @ normalised(light[:3]) > math.cos(NEAR_RAD)
-    return float(posterior[near].sum() / (posterior.sum() + math.exp(LOG_NONE - most)))
+    is_near = directions.lights[:, :3] @ to_sun > math.cos(NEAR_RAD)
+    near, elsewhere = float(posterior[is_near].sum()), float(posterior[~is_near].sum())
+    near = max(near, math.exp(by_lamp - most))
+    return near / (near + elsewhere + math.exp(LOG_NONE - most))
 
 
-def are_apart(found: Sequence[FoundLight]) -> bool:
-    """Whether no two lights are as near to each other as the map tells none apart."""
-    to_lights = np.array([normalised(each.light[:3]) for each in found])
-    return bool((to_lights @ to_lights.T - 2 * np.eye(len(found)) < math.cos(APART_RAD)).all())
+def are_apart(found: Sequence[FoundLight], height: float) -> bool:
+    """Whether no two lights' shadows of a body of some height are as near to each other as the map tells none apart."""
+    to_suns = np.array([each.sun_alike(height) for each in found])
+    return bool((to_suns @ to_suns.T - 2 * np.eye(len(found)) < math.cos(APART_RAD)).all())
 
 
 def _further(seen: Seen, directions: Directions, known: Sequence[FoundLight]) -> FoundLight | None:
@@ -108,8 +127,8 @@ def _further(seen: Seen, directions: Directions, known: Sequence[FoundLight]) ->
     beside = seen.beside(_points(known), directions.lit)
     score = beside.everywhere.log_likelihood
     for each in known:
-        to_light = normalised(each.light[:3])
-        score = np.where(directions.lights[:, :3] @ to_light > math.cos(APART_RAD), -np.inf, score)
+        to_sun = each.sun_alike(height_of(seen.body))
+        score = np.where(directions.lights[:, :3] @ to_sun > math.cos(APART_RAD), -np.inf, score)
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
@@ -129,7 +148,9 @@ def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
     fitted_again = []
     for number, (one, darkening) in enumerate(zip(found, dark, strict=True)):
         room = room_beside(seen, [*found[:number], *found[number + 1 :]])
-        fit = None if one.fit is None else fitted(seen.body, one.light, float(darkening), seen.light, room, seen.view)
+        fit = None
+        if one.fit is not None and not one.is_lamp:  # lamps are fitted as such afterwards
+            fit = fitted(seen.body, one.light, float(darkening), seen.light, room, seen.view)
         if fit is None or normalised(fit.light[:3]) @ normalised(one.light[:3]) < math.cos(APART_RAD):
             fitted_again.append(replace(one, darkening=float(darkening)))
         else:

@@ -1,27 +1,30 @@
 """A picture of a known body, prepared once for all that looks at it, and what it says of lights as a whole."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.evidence import Evidence, Lit
 from ashe_live.light.known_body.facets import Facets, facets_of
 from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.shading import PAPER, Sides
+from ashe_live.light.known_body.shading import PAPER, Sides, fall_off
+from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.table import (
     BRIGHTEST,
     CELLS_A_HEIGHT,
+    LEAST_CELLS,
     SIDE,
     Table,
     linear_picture,
+    places,
     relative_light,
     sent_by_table,
     table_around,
 )
-from ashe_live.light.known_body.templates import filled_of, shadows_of, templates_of
+from ashe_live.light.known_body.templates import templates_of
 from ashe_live.light.pixels.view import View
 
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
@@ -37,7 +40,8 @@ class Seen:
     light: Float32  # (h, w) its mean over the channels
     table: Table
     relative: Float32  # (n, n, 3) R, G, B: the table's light over the lit table's
-    lit_rgb: Float  # (3,) linear light of the lit table, R, G, B
+    lit_rgb: Float  # (3,) linear light of the lit table, R, G, B; where lamps are known, at the body's foot
+    is_table: Mask  # (n, n) cells that are seen and no brighter than a table in the light of suns
     room: Room
     facets: Facets
     from_table: Float  # (k, 3) R, G, B: what the table sends to each facet, in the picture's linear light
@@ -51,13 +55,29 @@ class Seen:
             return None
         light = np.asarray(cv2.transform(picture, np.full((1, 3), 1 / 3)), dtype=np.float32)
         relative = relative_light(table)
+        is_table = table.seen & (relative.mean(axis=2) < BRIGHTEST)
         seen = table.light_rgb[table.seen] / np.maximum(relative[table.seen], 1e-6)
         lit_rgb = np.asarray(np.median(seen, axis=0), dtype=np.float64)
         facets = facets_of(view, body, picture)
         sent = sent_by_table(body, table, relative, facets.normals, facets.centres)
-        return Seen(
-            view, body, picture, light, table, relative, lit_rgb, Room.of(view, body), facets, PAPER * lit_rgb * sent
-        )
+        room, from_table = Room.of(view, body), PAPER * lit_rgb * sent
+        return Seen(view, body, picture, light, table, relative, lit_rgb, is_table, room, facets, from_table)
+
+    def in_light_of(self, lights: Float, darkenings: Float) -> "Seen":
+        """The same with the lit table at the body's foot as the measure, which in a lamp's light is as bright nowhere.
+
+        lights: (l, 4) all that are known, darkenings: (l,) part of the table's light that each gives at the foot.
+        """
+        lit = self.lit(lights)
+        if lit.falls is None:
+            return self
+        expected = 1 + np.tensordot(darkenings, lit.falls - 1, 1)
+        open_table = self.is_table & (lit.shadows.whole().max(axis=0) == 0)
+        if np.count_nonzero(open_table) < LEAST_CELLS:
+            return self
+        at_foot = np.median(self.relative[open_table] / expected[open_table, None], axis=0)
+        relative = (self.relative / at_foot).astype(np.float32)
+        return replace(self, relative=relative, lit_rgb=self.lit_rgb * at_foot)
 
     @property
     def beside_body(self) -> float:
@@ -69,9 +89,12 @@ class Seen:
 
     def lit(self, lights: Float) -> Lit:
         """The body's shadows in lights (m, 4)."""
-        to_lights = lights[:, :3] / np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
-        shadows = shadows_of(self.body, lights)
-        return Lit(to_lights, shadows, filled_of(shadows))
+        falls = None
+        if lights[:, 3].any():
+            along, (x, y, _) = places(self.body), self.body.foot_marker
+            falls = np.array([fall_off(light, along + x, along[:, None] + y) for light in lights], np.float32)
+        unit = lights / np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
+        return Lit(unit, shadows_of(self.body, lights), falls)
 
     def beside(self, known: Float, everywhere: Lit) -> Evidence:
         """What the picture says of further lights, beside `known` ones (l, 4)."""
@@ -84,7 +107,8 @@ class Seen:
 
     def _evidence(self, known: Lit, everywhere: Lit, channels: Float) -> Evidence:
         """channels: (3,) weights of R, G, B."""
-        values = np.minimum(self.relative @ channels.astype(np.float32), BRIGHTEST)
+        values = self.relative @ channels.astype(np.float32)
         sides = Sides.of(self.facets, self.from_table, channels)
-        weight, hidden_sky = self.table.seen.astype(np.float32), templates_of(self.body).hidden_sky
+        weight = (self.table.seen & (values < BRIGHTEST)).astype(np.float32)
+        hidden_sky = templates_of(self.body).hidden_sky
         return Evidence(values, weight, hidden_sky, sides, known, everywhere)

@@ -6,12 +6,16 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.known_body.facets import Facets
+from ashe_live.light.shape.light_points import NEAREST
 
 PAPER = 0.8  # reflectance of white paper
 LOWEST_Z = 0.05  # of the unit vector towards a light: what a lower one gives to sides, over level ground, is bounded
 # Standard deviations: of a side's light over level paper's, whatever lights it; of a light's part of the table's light,
 # which is told by its shadow, over that; and of the turn of a facet that was folded by hand.
 NOISE, OF_LIGHT, TURN_RAD = 0.02, 0.08, np.radians(0.9).item()
+# A facet's brightest white lies some way from its centre, towards a lamp or away: by a third of this, as the light of a
+# lamp changes by about three times the way over its distance.
+ACROSS_FACET_M = 0.065
 # Sigma of a sky's slope before it is seen, over its light on level ground: it is 0 of an even sky, and 0.5 where all of
 # its light comes from one side.
 SLOPE = 0.1
@@ -26,6 +30,8 @@ class Sides:
     """k upright facets, in units of the level facet's light."""
 
     normals: Float  # (k, 3)
+    centres: Float  # (k, 3) metres, marker frame
+    level_centre: Float  # (3,) of the level facet
     relative: Float  # (k,) their light
     residual: Float  # (k,) without what the table sends, and an even sky that gave all light
     noise: Float  # (k,) standard deviation of how that is measured
@@ -48,26 +54,37 @@ class Sides:
         mixed = MIXED * (MIXED_PX / np.maximum(facets.width_px, MIXED_PX / 2)) ** MIXED_POWER
         of_level = float(mixed[level].mean()) if len(level) else 0.0
         noise = np.sqrt(NOISE**2 + mixed[sides] ** 2 + (relative * of_level) ** 2)
-        return Sides(facets.normals[sides], relative, residual, noise, facets.is_clipped[sides])
+        level_centre = facets.centres[level].mean(axis=0) if len(level) else np.zeros(3)
+        clipped = facets.is_clipped[sides]
+        return Sides(facets.normals[sides], facets.centres[sides], level_centre, relative, residual, noise, clipped)
 
-    def reached(self, to_lights: Float) -> Float:
-        """(..., k) by how much each side gets more of a light in directions (..., 3) than of an even sky.
+    def reached(self, lights: Float) -> Float:
+        """(..., k) by how much each side gets more of lights (..., 4) than of an even sky.
 
-        Both give level ground as much.
+        Over the level facet, and in units of what each gives to the level ground at the marker's centre. A lamp gives
+        more to what is nearer to it: where the level facet gets `level` of these units, a light's share D of the
+        ground's light makes all relative light smaller by 1 + D (level - 1).
         """
-        up = np.maximum(to_lights[..., 2:], LOWEST_Z)
-        return np.asarray(np.maximum(to_lights @ self.normals.T, 0.0) / up - 0.5 * (1 + self.normals[:, 2]))
+        even = 0.5 * (1 + self.normals[:, 2])
+        direct = direct_light(lights, self.normals, self.centres)
+        if not lights[..., 3].any():
+            return np.asarray(direct - even)
+        level = direct_light(lights, np.array([(0.0, 0.0, 1.0)]), self.level_centre[None])
+        return np.asarray(direct - even - (self.residual + even) * (level - 1))
 
-    def variance(self, to_lights: Float, reached: Float, darkenings: Float) -> Float:
-        """(m, k) of the residuals in l lights (m, l, 3) of `darkenings` (m, l); reached: (m, l, k) as by `reached`."""
+    def variance(self, lights: Float, reached: Float, darkenings: Float) -> Float:
+        """(m, k) of the residuals in l lights (m, l, 4) of `darkenings` (m, l); reached: (m, l, k) as by `reached`."""
+        to_lights = lights[..., :3]
         cosines = np.maximum(to_lights @ self.normals.T, 0.0)
         across = (darkenings / np.maximum(to_lights[..., 2], LOWEST_Z))[..., None]
         direct = (reached + 0.5 * (1 + self.normals[:, 2])) * darkenings[..., None]
         turned = np.where(cosines > 0, across**2 * (1 - cosines**2), 0.0)
         turned_level = (across * self.relative) ** 2 * (1 - to_lights[..., 2:] ** 2)
-        by_lights = ((OF_LIGHT * direct) ** 2 + TURN_RAD**2 * (turned + turned_level)).sum(axis=1)
+        uneven = (ACROSS_FACET_M * lights[..., 3:]) ** 2
+        on_level = (darkenings[..., None] * self.relative) ** 2 * uneven
+        by_lights = (OF_LIGHT**2 + uneven) * direct**2 + on_level + TURN_RAD**2 * (turned + turned_level)
         sky = np.maximum(1 - darkenings.sum(axis=1, keepdims=True), 0.0)
-        return np.asarray(self.noise**2 + by_lights + (SLOPE * sky) ** 2)
+        return np.asarray(self.noise**2 + by_lights.sum(axis=1) + (SLOPE * sky) ** 2)
 
     def log_likelihood(self, reached: Float, darkenings: Float, variance: Float) -> Float:
         """(m,) of the sides' light in l lights of `darkenings` (m, l), with residuals of `variance` (m, k)."""
@@ -75,3 +92,28 @@ class Sides:
         away = np.where(self.is_clipped, np.maximum(away, 0.0), away)  # it may be brighter than it looks
         sigmas = np.minimum(np.abs(away) / np.sqrt(variance), MOST_SIGMAS)
         return np.asarray(-0.5 * (sigmas**2 + np.log(variance)).sum(axis=1))
+
+
+def direct_light(lights: Float, normals: Float, centres: Float) -> Float:
+    """(..., k) light of each of lights (..., 4) on facets with normals (k, 3) at `centres` (k, 3), marker frame.
+
+    In units of what it gives to level ground at the marker's centre: by Lambert's cosine law and, of a lamp, the
+    inverse square of the distance.
+    """
+    lengths = np.linalg.norm(lights[..., :3], axis=-1)
+    up = np.maximum(lights[..., 2] / lengths, LOWEST_Z)[..., None]
+    if not lights[..., 3].any():
+        return np.asarray(np.maximum(lights[..., :3] / lengths[..., None] @ normals.T, 0.0) / up)
+    ways = (lights[..., None, :3] - lights[..., None, 3:] * centres) / lengths[..., None, None]
+    cosines = np.maximum((ways * normals).sum(axis=-1), 0.0)
+    return np.asarray(cosines / np.maximum(np.linalg.norm(ways, axis=-1), NEAREST) ** 3 / up)
+
+
+def fall_off(light: Float, x: Float, y: Float) -> Float:
+    """What a light (4,) gives to level ground at places x, y, metres, over that at the marker's centre: 1 of a sun."""
+    if light[3] == 0:
+        return np.ones(np.broadcast_shapes(x.shape, y.shape))
+    length = float(np.linalg.norm(light[:3]))
+    lx, ly, lz, w = light / length
+    squared = (lx - w * x) ** 2 + (ly - w * y) ** 2 + lz**2
+    return np.asarray(np.maximum(squared, NEAREST**2) ** -1.5)

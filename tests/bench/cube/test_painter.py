@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.cube.painter import PAPER, CubeScene, PaintedLight, hull_of, painted
-from ashe_live.bench.cube.scenes import looking, sun
+from ashe_live.bench.cube.scenes import SETS, looking, sun
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
@@ -99,3 +99,8 @@ def test_a_wider_light_makes_softer_borders() -> None:
     columns, rows = np.round(project(CAMERA, T_CAM_CUBE, places)).astype(int).T
     steepest = [np.diff(picture[rows, columns]).max() for picture in (sharp, soft)]
     assert steepest[1] < 0.6 * steepest[0]
+
+
+def test_sets_share_no_scene_whatever_the_seed() -> None:
+    drawn = [tuple(next(one.scenes(1, seed)).T_cam_cube.ravel()) for one in SETS for seed in range(8)]
+    assert len(set(drawn)) == len(drawn)

@@ -128,5 +128,5 @@ def test_the_rest_of_a_shadow_is_no_second_light() -> None:
 
 def test_lights_that_come_within_the_maps_resolution_are_one() -> None:
     apart = [FoundLight(sun(azimuth, 50).point, np.eye(2), None, 0.3) for azimuth in (0, 30, 200)]
-    assert are_apart(apart)
-    assert not are_apart([*apart, FoundLight(sun(35, 50).point, np.eye(2), None, 0.3)])
+    assert are_apart(apart, EDGE_M)
+    assert not are_apart([*apart, FoundLight(sun(35, 50).point, np.eye(2), None, 0.3)], EDGE_M)

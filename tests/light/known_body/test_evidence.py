@@ -7,13 +7,15 @@ from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
 from ashe_live.light.known_body.evidence import Evidence, Lit
 from ashe_live.light.known_body.shading import Sides
+from ashe_live.light.known_body.shadows import shadows_of
 from ashe_live.light.known_body.table import SIDE
-from ashe_live.light.known_body.templates import filled_of, shadows_of, templates_of
+from ashe_live.light.known_body.templates import templates_of
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.tracking.cube.faces import CORNERS
 from tests.painted_cubes import sun
 
-NO_SIDES = Sides(np.empty((0, 3)), np.empty(0), np.empty(0), np.empty(0), np.empty(0, bool))
+NOTHING = np.empty(0)
+NO_SIDES = Sides(np.empty((0, 3)), np.empty((0, 3)), np.zeros(3), NOTHING, NOTHING, NOTHING, np.empty(0, bool))
 RNG_SEED = 4
 
 
@@ -24,13 +26,12 @@ def body(edge_m: float = 0.06, crooked: float = 0.0) -> Proxy:
 
 CUBE = body()
 TEMPLATES = templates_of(CUBE)
-EVERYWHERE = Lit(TEMPLATES.lights[:, :3], TEMPLATES.shadows, TEMPLATES.filled)
+EVERYWHERE = Lit(TEMPLATES.lights, TEMPLATES.shadows)
 
 
 def lit(*lights: Float) -> Lit:
     points = np.array(lights).reshape(-1, 4)
-    shadows = shadows_of(CUBE, points)
-    return Lit(points[:, :3], shadows, filled_of(shadows))
+    return Lit(points, shadows_of(CUBE, points))
 
 
 def map_of(darkenings: dict[tuple[float, float], float], noise: float = 0.02) -> Float32:
@@ -39,12 +40,13 @@ def map_of(darkenings: dict[tuple[float, float], float], noise: float = 0.02) ->
     sky = 1 - sum(darkenings.values())
     light = 1 + 0.1 * x - 0.05 * x * y - sky * TEMPLATES.hidden_sky.reshape(SIDE, SIDE)
     for angles, darkening in darkenings.items():
-        light -= darkening * shadows_of(CUBE, sun(*angles).point[None]).reshape(SIDE, SIDE)
+        light -= darkening * shadows_of(CUBE, sun(*angles).point[None]).whole()[0]
     return (light + np.random.default_rng(RNG_SEED).normal(0, noise, light.shape)).astype(np.float32)
 
 
 def evidence(values: Float32, known: Lit) -> Evidence:
-    return Evidence(values, np.ones((SIDE, SIDE), np.float32), TEMPLATES.hidden_sky, NO_SIDES, known, EVERYWHERE)
+    even = np.ones((SIDE, SIDE), np.float32)
+    return Evidence(values, even, TEMPLATES.hidden_sky, NO_SIDES, known, EVERYWHERE)
 
 
 @pytest.mark.parametrize("darkening", [0.15, 0.4, 0.7])
@@ -85,4 +87,16 @@ def test_all_cubes_share_their_templates() -> None:
 
 def test_lights_at_the_horizon_and_below_cast_no_shadow() -> None:
     low = at_infinity(np.array([(1.0, 0.0, 0.0), (1.0, 0.0, -0.5)]))
-    assert not shadows_of(CUBE, low).any()
+    assert not shadows_of(CUBE, low).whole().any()
+
+
+def test_a_shadow_is_the_same_in_whichever_window_it_is_stored() -> None:
+    lights = TEMPLATES.lights[::17]
+    together, apart = shadows_of(CUBE, lights), shadows_of(CUBE, lights, np.arange(len(lights)))
+    np.testing.assert_array_equal(together.whole(), apart.whole())
+    np.testing.assert_allclose(together.filled, apart.filled, rtol=1e-5)
+    values = np.random.default_rng(RNG_SEED).random((SIDE, SIDE, 2)).astype(np.float32)
+    expected = np.einsum("mij,ijc->mc", together.whole(), values)
+    np.testing.assert_allclose(apart.sums(values), expected, rtol=1e-4)
+    joined = together.joined(apart)
+    np.testing.assert_allclose(joined.sums(values), np.concatenate([expected, expected]), rtol=1e-4)

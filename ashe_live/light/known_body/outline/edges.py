@@ -4,15 +4,18 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import image_from_plane, project
+from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
 
 POINTS = 105  # of an outline, spread evenly along it in the picture
+EVENLY: Float = (np.arange(POINTS) + 0.5) / POINTS
+EVENLY.flags.writeable = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +25,8 @@ class ShadowEdges:
     points_px: Float  # (n, 2)
     corners_px: Float  # (m, 2) those of the outline, which is convex
     normals_px: Float  # (n, 2) unit vectors out of the shadow
-    to_corner_px: Float  # (n,) distance from the nearer end of the point's straight edge
+    side: NDArray[np.intp]  # (n,) number of the point's straight side, among the outline's corners
+    to_corner_px: Float  # (n,) distance from the nearer end of that side
     by_light: Float  # (n, 3) pixels along the normal by s_x, s_y and by w / z, 1/m
     by_size: Float  # (n,) standard deviation, pixels, of the penumbra of a light of 1 rad
 
@@ -35,39 +39,53 @@ def shadow_edges(body: Proxy, light: Float, view: View) -> ShadowEdges | None:
         return None
     rim = cv2.convexHull(cast[:, :2].astype(np.float32), returnPoints=False)[:, 0]
     corners, casting = cast[rim, :2], points[rim]
-    pixels = project(view.camera, view.T_cam_marker, cast[rim])
-    if len(rim) < 3 or not np.isfinite(pixels).all():
+    H = image_from_plane(view.camera, view.T_cam_marker)
+    image = corners @ H[:, :2].T + H[:, 2]
+    depths = image[:, 2]
+    if len(rim) < 3 or not depths.min() > 0:
         return None
-    lengths_px = np.linalg.norm(np.roll(pixels, -1, axis=0) - pixels, axis=1)
+    pixels = image[:, :2] / depths[:, None]
+    if not np.isfinite(pixels).all():
+        return None
+    # Of each straight side, which is a line in the picture as well.
+    after = np.arange(1, len(rim) + 1) % len(rim)
+    sides = pixels[after] - pixels
+    lengths_px = np.hypot(sides[:, 0], sides[:, 1])
+    outwards = np.column_stack([sides[:, 1], -sides[:, 0]]) / np.maximum(lengths_px, 1e-12)[:, None]
+    is_clockwise = (pixels[:, 0] * sides[:, 1] - pixels[:, 1] * sides[:, 0]).sum() > 0
+    outwards = outwards if is_clockwise else -outwards
+    # A place's pixel moves along the side's normal by this over its depth, as that line's homogeneous vector says.
+    across_depth = outwards @ H[:2, :2] - (outwards * pixels).sum(axis=1)[:, None] * H[2, :2]
+
     ends = lengths_px.cumsum()
-    at = (np.arange(POINTS) + 0.5) / POINTS * ends[-1]
-    edge = np.minimum(np.searchsorted(ends, at, side="right"), len(rim) - 1)
-    after = (edge + 1) % len(rim)
-    along_px = at - (ends - lengths_px)[edge]
-    # Evenly in the picture is not evenly on the table: an edge's points are those of its line's homogeneous points.
-    start, stop = (_depths(view, corners[each]) for each in (edge, after))
-    share = along_px / np.maximum(lengths_px[edge], 1e-9)
-    part = share * start / np.maximum(share * start + (1 - share) * stop, 1e-12)
-    places = corners[edge] + part[:, None] * (corners[after] - corners[edge])
+    at = EVENLY * ends[-1]
+    side = np.minimum(np.searchsorted(ends, at, side="right"), len(rim) - 1)
+    stop, length_px = after[side], lengths_px[side]
+    along_px = at - ends[side] + length_px
+    share = along_px / np.maximum(length_px, 1e-9)
+    points_px = pixels[side] + share[:, None] * sides[side]
+    # Evenly in the picture is not evenly on the table: a side's points are those of its line's homogeneous points.
+    part = _homogeneous(share, depths[side], depths[stop])
+    places = corners[side] + part[:, None] * (corners[stop] - corners[side])
+    depth = depths[side] + part * (depths[stop] - depths[side])
     # And those of the body's edge are in the ratio of their homogeneous scales.
     nearness = float(nearness_of(light))
-    first, last = (1 - casting[each, 2] * nearness for each in (edge, after))
-    way = part * first / np.maximum(part * first + (1 - part) * last, 1e-12)
-    origin = casting[edge] + way[:, None] * (casting[after] - casting[edge])
+    left = 1 - casting[:, 2] * nearness
+    way = _homogeneous(part, left[side], left[stop])
+    origin = casting[side] + way[:, None] * (casting[stop] - casting[side])
 
-    points_px, by_place = _with_slopes(view, places)
-    tangent = np.einsum("nij,nj->ni", by_place, corners[after] - corners[edge])
-    normals = np.column_stack([tangent[:, 1], -tangent[:, 0]])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-12)[:, None]
-    middle = project(view.camera, view.T_cam_marker, np.append(corners.mean(axis=0), 0.0)[None])[0]
-    normals *= np.sign(((points_px - middle) * normals).sum(axis=1))[:, None]
-    across = np.einsum("ni,nij->nj", normals, by_place)
+    across = across_depth[side] / depth[:, None]
     lower = origin[:, 2] / (1 - origin[:, 2] * nearness)
     by_light = np.column_stack([-across * lower[:, None], (across * places).sum(axis=1) * lower])
     offsets = (light[:3] - light[3] * origin) / np.linalg.norm(light[:3])
     by_size = _penumbra(across, lower, offsets)
-    to_corner = np.minimum(along_px, lengths_px[edge] - along_px)
-    return ShadowEdges(points_px, pixels, normals, to_corner, by_light, by_size)
+    to_corner_px = np.minimum(along_px, length_px - along_px)
+    return ShadowEdges(points_px, pixels, outwards[side], side, to_corner_px, by_light, by_size)
+
+
+def _homogeneous(share: Float, first: Float, last: Float) -> Float:
+    """(n,) the part of a segment at a `share` of its projection, whose ends have the homogeneous scales."""
+    return np.asarray(share * first / np.maximum(share * first + (1 - share) * last, 1e-12))
 
 
 def _penumbra(across: Float, lower: Float, offsets: Float) -> Float:
@@ -78,18 +96,5 @@ def _penumbra(across: Float, lower: Float, offsets: Float) -> Float:
     s = offsets[:, :2] / offsets[:, 2:]
     # A turn of the direction by 1 moves s, and with it the edge along `across`, by no more than this: with the metric
     # (I - s s' / (1 + s's)) / (1 + s's) of directions in s, whose inverse is (1 + s's) (I + s s').
-    by_direction = np.sqrt((1 + (s * s).sum(axis=1)) * ((across * across).sum(axis=1) + (across * s).sum(axis=1) ** 2))
-    return np.asarray(by_direction / np.linalg.norm(offsets, axis=1) * lower / 4)
-
-
-def _depths(view: View, places: Float) -> Float:
-    return np.asarray(places @ view.T_cam_marker[2, :2] + view.T_cam_marker[2, 3])
-
-
-def _with_slopes(view: View, places: Float) -> tuple[Float, Float]:
-    """(n, 2) pixels of places (n, 2) on the table, and (n, 2, 2) their derivatives by these."""
-    H = image_from_plane(view.camera, view.T_cam_marker)
-    image = places @ H[:, :2].T + H[:, 2]
-    pixels = image[:, :2] / image[:, 2:]
-    slopes = (H[None, :2, :2] - pixels[:, :, None] * H[None, 2:, :2]) / image[:, 2, None, None]
-    return pixels, slopes
+    squared = (1 + (s * s).sum(axis=1)) * ((across * across).sum(axis=1) + (across * s).sum(axis=1) ** 2)
+    return np.asarray(np.sqrt(squared / (offsets * offsets).sum(axis=1)) * lower / 4)

@@ -21,8 +21,10 @@ DONE_PX = 0.06  # a step that moves no edge farther is the last one
 BLUR_PX = 0.8  # standard deviation of the picture's blur, until it is measured
 EARLY_LOSS = 2.0  # factor on the scale of Cauchy's loss in the first rounds
 FEWEST = 5  # places that show an edge, without which nothing is fitted
-START_SIGMA = 0.12  # of a start's displacement s, over 1 + |s|
-NEARNESS_SIGMA = 1.5  # 1/m, of w / z before the picture is seen: as of all lamps (lamps.LAMPS_NEARNESS)
+# Of a start's displacement s, over 1 + |s|; and of where a lamp's shadow ends, over the same: that of a low one is far
+# beyond the end of the sun's that was found in its place.
+START_SIGMA, LAMP_START_SIGMA = 0.12, 0.4
+NEARNESS_SIGMA = 1.5  # 1/m, of one over the light's distance before the picture is seen: most lamps are within it
 NEAREST = 0.7  # height of the body over that of a lamp, at most
 EDGE_SIGMA_PX = 0.3  # of an edge that is measured, beside which the start's own uncertainty counts
 LEAST_SIGMA_PX = 0.1  # of the edges' misfit, however small it is
@@ -51,7 +53,7 @@ def fitted(
     """
     here, size, blur = light / light[2], 0.0, BLUR_PX**2
     parameters = [0, 1, 3] if with_nearness else [0, 1]
-    start, prior = here[parameters] * (1, 1, 0)[: len(parameters)], _prior(here, len(parameters))
+    start, prior = _prior(here, height_of(body), with_nearness)
     height_px = _height_px(body, view)
     for number in range(MOST_ROUNDS):
         edges = shadow_edges(body, here, view)
@@ -70,13 +72,14 @@ def fitted(
         if number >= len(REACHES) - 1:
             blur, size = profiles.widths(weight)
         J = edges.by_light[:, : len(parameters)]
-        normal = (J * weight[:, None]).T @ J + prior
-        pull = (J * weight[:, None]).T @ profiles.offset_px - prior @ (here[parameters] - start)
+        weighted = J.T * weight
+        normal = weighted @ J + prior
+        pull = weighted @ profiles.offset_px - prior @ (here[parameters] - start)
         step = np.linalg.solve(normal, pull)
         here = _moved(here, step, height_of(body))
         if not is_first and np.abs(J @ step).max() < DONE_PX:
             break
-    return _edge_fit(here, profiles, weight, profiles.offset_px - J @ step, normal, size or None, darkening)
+    return _edge_fit(here, profiles, weight, step, normal, size or None, darkening)
 
 
 def widest_reach_px(body: Proxy, view: View) -> float:
@@ -88,14 +91,22 @@ def _height_px(body: Proxy, view: View) -> float:
     return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
 
 
-def _prior(light: Float, count: int) -> Float:
-    """(p, p) what is known of a light's parameters before its edges are seen, in units of their residuals' weights.
+def _prior(light: Float, height: float, with_nearness: bool) -> tuple[Float, Float]:
+    """(p,) mean and (p, p) information of a light's parameters before its edges are seen, by the start `light` (4,).
 
-    Where an edge is hidden, what it would tell stays as it was found.
+    In units of the residuals' weights. Where an edge is hidden, what it would tell stays as it was found. A start tells
+    where the shadow of something `height` high ends, s / (1 - height w / z), but not what of that is nearness.
     """
-    displaced = START_SIGMA * (1 + float(np.hypot(*light[:2])))
-    sigmas = np.array([displaced, displaced, NEARNESS_SIGMA])[:count]
-    return np.asarray(EDGE_SIGMA_PX**2 * POINTS_A_SAMPLE * np.diag(1 / sigmas**2))
+    end = light[:2] / (1 - height * light[3])
+    sigma = (LAMP_START_SIGMA if with_nearness else START_SIGMA) * (1 + float(np.hypot(*end)))
+    unit = EDGE_SIGMA_PX**2 * POINTS_A_SAMPLE
+    if not with_nearness:
+        return light[:2], unit / sigma**2 * np.eye(2)
+    by_parameters = np.column_stack([np.eye(2), height * end])
+    # The nearness w / z of a low lamp is larger than one over its distance.
+    nearness_sigma = NEARNESS_SIGMA * math.sqrt(1 + float(light[:2] @ light[:2]))
+    information = by_parameters.T @ by_parameters / sigma**2 + np.diag([0.0, 0.0, nearness_sigma**-2])
+    return np.append(end, 0.0), unit * information
 
 
 def _moved(light: Float, step: Float, height: float) -> Float:
@@ -115,17 +126,24 @@ def _edge_fit(
     light: Float,
     profiles: Profiles,
     weight: Float,
-    left_px: Float,
+    step: Float,
     normal: Float,
     size_rad: float | None,
     darkening: float,
 ) -> EdgeFit:
-    """What is said of a light (4,) once its edges are where they are seen, but for `left_px` (n,)."""
+    """What is said of a light (4,) after its last step (p,), where the normal matrix was (p, p)."""
+    edges = profiles.edges
+    J = edges.by_light[:, : len(step)]
+    left_px = profiles.offset_px - J @ step
     variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
     visible = profiles.visible
+    inverse = np.linalg.inv(normal)
+    # Neighbouring points err alike, and a whole side does where stains, folds or the hidden sky's gradient shift it.
+    of_side = edges.side == np.arange(len(edges.corners_px))[:, None]
+    by_sides = EDGE_SIGMA_PX * (of_side * weight) @ J @ inverse
     return EdgeFit(
         light,
-        np.asarray(variance * POINTS_A_SAMPLE * np.linalg.inv(normal)),
+        np.asarray(variance * POINTS_A_SAMPLE * inverse + by_sides.T @ by_sides),
         size_rad,
         math.sqrt(variance),
         math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),

@@ -5,12 +5,43 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import project
 from ashe_live.light.pixels.view import View, ground_line
 
 BESIDE_PX = 2.5  # of the body, whose rim is neither table nor shadow
+SHORTEST = 1e-9  # of an outline's side: a shorter one is a corner that is given twice
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outline:
+    """A convex outline, with what its distances need."""
+
+    corners: Float  # (k, 2)
+    along: Float  # (2, k) unit vectors from each corner to the next
+    outwards: Float  # (2, k) unit normals
+    lengths: Float  # (k,) of the sides
+
+    @staticmethod
+    def of(corners: Float) -> "Outline":
+        """Of corners (k, 2) in turn, whichever way around; at least two of them differ."""
+        sides = np.concatenate([corners[1:], corners[:1]]) - corners
+        lengths = np.hypot(sides[:, 0], sides[:, 1])
+        is_side = lengths > SHORTEST
+        corners, sides, lengths = corners[is_side], sides[is_side], lengths[is_side]
+        along = sides.T / lengths
+        from_first = corners - corners[:1]
+        area = (from_first[:, 0] * sides[:, 1] - from_first[:, 1] * sides[:, 0]).sum()
+        return Outline(corners, along, np.array([along[1], -along[0]]) * (1.0 if area > 0 else -1.0), lengths)
+
+    def distances(self, points: Float) -> Float:
+        """(n,) of points (n, 2) from it, negative inside."""
+        beside = points @ self.outwards - (self.corners.T * self.outwards).sum(axis=0)
+        along = points @ self.along - (self.corners.T * self.along).sum(axis=0)
+        beyond = np.maximum(np.maximum(-along, along - self.lengths), 0.0)
+        away = np.sqrt((beside * beside + beyond * beyond).min(axis=1))
+        return np.asarray(np.where(beside.max(axis=1) <= 0, -away, away))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,51 +50,30 @@ class Room:
 
     size: tuple[int, int]  # width and height of the picture
     ground_line: Float  # (3,) of a pixel (x, y, 1), positive where the ray meets the table, unit (x, y)
-    solid_px: tuple[Float, ...]  # (m, 2) convex outlines, in which no table is seen
-    edges_px: tuple[tuple[Float, float], ...] = ()  # (k, 2) outlines beside which none is seen, and how far beside
+    solid: tuple[Outline, ...]  # in which no table is seen
+    edges: tuple[tuple[Outline, float], ...] = ()  # beside which none is seen, and how far beside, pixels
 
     @staticmethod
     def of(view: View, body: Proxy) -> "Room":
         """All of the table that is in view beside the body."""
         pixels = project(view.camera, view.T_cam_marker, body.points_marker())
         hull = cv2.convexHull(np.nan_to_num(pixels, nan=-1e4).clip(-1e4, 1e4).astype(np.float32))[:, 0]
-        return Room(view.size, ground_line(view.camera, view.T_cam_marker), (hull.astype(np.float64),))
+        return Room(view.size, ground_line(view.camera, view.T_cam_marker), (Outline.of(hull.astype(np.float64)),))
 
     def without(self, outline_px: Float, broad_px: float) -> "Room":
-        """The same without what lies within `broad_px` of an outline (k, 2)."""
-        return replace(self, edges_px=(*self.edges_px, (outline_px, broad_px)))
+        """The same without what lies within `broad_px` of a convex outline (k, 2)."""
+        return replace(self, edges=(*self.edges, (Outline.of(outline_px), broad_px)))
 
     def outside(self, hull_px: Float) -> "Room":
         """The same without what lies in a convex outline (k, 2)."""
-        return replace(self, solid_px=(*self.solid_px, hull_px))
+        return replace(self, solid=(*self.solid, Outline.of(hull_px)))
 
     def around(self, points_px: Float) -> Float:
         """(n,) pixels from points (n, 2) to what is no bare table; negative on it."""
-        width, height = self.size
-        x, y = points_px.T
-        least = np.minimum.reduce([x, y, width - 1 - x, height - 1 - y])
-        least = np.minimum(least, points_px @ self.ground_line[:2] + self.ground_line[2])
-        for hull_px in self.solid_px:
-            beside = _distances(points_px, hull_px)
-            beside = np.where(_are_inside(points_px, hull_px), -beside, beside)
-            least = np.minimum(least, beside - BESIDE_PX)
-        for outline_px, broad_px in self.edges_px:
-            least = np.minimum(least, _distances(points_px, outline_px) - broad_px)
+        from_ends = np.minimum(points_px, np.subtract(self.size, 1) - points_px).min(axis=1)
+        least = np.minimum(from_ends, points_px @ self.ground_line[:2] + self.ground_line[2])
+        for outline in self.solid:
+            least = np.minimum(least, outline.distances(points_px) - BESIDE_PX)
+        for outline, broad_px in self.edges:
+            least = np.minimum(least, np.abs(outline.distances(points_px)) - broad_px)
         return np.asarray(least)
-
-
-def _distances(points: Float, outline: Float) -> Float:
-    """(n,) of points (n, 2) from the nearest segment of a closed outline (k, 2)."""
-    along = np.roll(outline, -1, axis=0) - outline
-    offsets = points[:, None] - outline
-    lengths = np.maximum((along * along).sum(axis=1), 1e-12)
-    part = ((offsets * along).sum(axis=2) / lengths).clip(0.0, 1.0)
-    return np.asarray(np.sqrt(((offsets - part[..., None] * along) ** 2).sum(axis=2)).min(axis=1))
-
-
-def _are_inside(points: Float, hull: Float) -> Mask:
-    """(n,) which of points (n, 2) lie in a convex outline (k, 2), whichever way around that is."""
-    along = np.roll(hull, -1, axis=0) - hull
-    offsets = points[:, None] - hull
-    side = along[:, 0] * offsets[..., 1] - along[:, 1] * offsets[..., 0]
-    return np.asarray((side >= 0).all(axis=1) | (side <= 0).all(axis=1))

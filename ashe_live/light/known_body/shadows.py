@@ -1,0 +1,110 @@
+"""The shadows that a known body casts on the cells of its table's map, each stored within a window of it."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.proxy import Proxy
+from ashe_live.light.known_body.table import FINER, SIDE, places
+from ashe_live.light.shape.light_points import LOWEST_Z
+
+BITS = 6  # a shadow is painted with fractions of the finer cells
+FARTHEST_CELLS = 1e3  # of a shadow's corner: beyond, it is painted as if it were there
+FIXED = FINER * 2**BITS  # units of a painted corner to a cell
+
+Integers = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """k shadows that lie within one window of the map."""
+
+    rows: slice
+    columns: slice
+    numbers: Integers  # (k,) among all shadows
+    shares: Float32  # (k, cells of the window) part of each cell that is in shadow
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shadows:
+    """The shadows of a body in m lights, none where they are infinite."""
+
+    count: int  # m
+    blocks: tuple[Block, ...]
+    filled: Float  # (m,) sum of squares over the sum: 1 where no cell is in shadow only in part
+
+    def sums(self, values: Float32) -> Float:
+        """(m, c) sums over each shadow of values (n, n, c) of the map's cells."""
+        total = np.zeros((self.count, values.shape[2]))
+        for block in self.blocks:
+            total[block.numbers] = block.shares @ values[block.rows, block.columns].reshape(-1, values.shape[2])
+        return total
+
+    def whole(self) -> Float32:
+        """(m, n, n) part of each cell of the map that is in shadow."""
+        whole = np.zeros((self.count, SIDE, SIDE), np.float32)
+        for block in self.blocks:
+            window = whole[:, block.rows, block.columns]
+            window[block.numbers] = block.shares.reshape(-1, *window.shape[1:])
+        return whole
+
+    def joined(self, others: "Shadows") -> "Shadows":
+        """These and the others after them, without a copy of either."""
+        shifted = (Block(each.rows, each.columns, each.numbers + self.count, each.shares) for each in others.blocks)
+        filled = np.concatenate([self.filled, others.filled])
+        return Shadows(self.count + others.count, (*self.blocks, *shifted), filled)
+
+
+def shadows_of(body: Proxy, lights: Float, groups: Integers | None = None) -> Shadows:
+    """The body's shadows in lights (m, 4); those of one of the `groups` (m,) share a window of the map."""
+    corners, is_finite = _corners(body, lights)
+    of_group = np.zeros(len(lights), np.intp) if groups is None else groups
+    filled, blocks = np.zeros(len(lights)), []
+    for group in np.unique(of_group):
+        numbers = np.flatnonzero(is_finite & (of_group == group))
+        if not len(numbers):
+            continue
+        rows, columns = (_window(corners[numbers, :, axis]) for axis in (1, 0))
+        shares = _painted(corners[numbers], rows, columns)
+        squares = np.einsum("mi,mi->m", shares, shares)
+        filled[numbers] = squares / np.maximum(shares.sum(axis=1), 1e-6)
+        blocks.append(Block(rows, columns, numbers, shares))
+    return Shadows(len(lights), tuple(blocks), filled)
+
+
+def _painted(corners: NDArray[np.int32], rows: slice, columns: slice) -> Float32:
+    """(k, cells of the window) part of each cell in the hulls of corners (k, m, 2)."""
+    height, width = rows.stop - rows.start, columns.stop - columns.start
+    corners = corners - np.array((columns.start, rows.start), np.int32) * FIXED
+    painted = np.empty((len(corners), height, width), np.float32)
+    fine = np.empty((FINER * height, FINER * width), np.float32)
+    for cells, outline in zip(painted, corners, strict=True):
+        fine[:] = 0
+        cv2.fillConvexPoly(fine, cv2.convexHull(outline), 1, shift=BITS)
+        cv2.resize(fine, (width, height), cells, interpolation=cv2.INTER_AREA)
+    return painted.reshape(len(painted), -1)
+
+
+def _window(corners: NDArray[np.int32]) -> slice:
+    """The cells along one axis that hold all corners, as far as they lie in the map, and the rim of their pixels."""
+    first = int(corners.min()) // FIXED - 1
+    last = int(corners.max()) // FIXED + 2
+    return slice(min(max(first, 0), SIDE - 1), max(min(last + 1, SIDE), 1))
+
+
+def _corners(body: Proxy, lights: Float) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+    """(m, k, 2) the body's points cast by each light, in units of 1 / FIXED of a cell, and (m,) where it is finite."""
+    points = body.points_marker(12)
+    is_above = lights[:, 2] > LOWEST_Z * np.linalg.norm(lights[:, :3], axis=1)
+    by_height = lights[:, [0, 1, 3]] / np.where(is_above, lights[:, 2], 1.0)[:, None]
+    left = 1 - by_height[:, 2:] * points[:, 2]
+    is_finite = is_above & (left > 0).all(axis=1)
+    cast = points[:, :2] - by_height[:, None, :2] * points[:, 2:]
+    cast = cast / np.where(is_finite[:, None], left, 1.0)[..., None] - body.foot_marker[:2]
+    along = places(body)
+    cells = (cast / float(along[1] - along[0])).clip(-FARTHEST_CELLS, FARTHEST_CELLS)
+    fixed = np.round(((cells + SIDE // 2 + 0.5) * FINER - 0.5) * 2**BITS).astype(np.int32)
+    return fixed, is_finite
