@@ -6,14 +6,16 @@ the package, which every start of the command line does, loads neither OpenCV no
 
 TYPE_CHECKING = False  # as `typing` has it, which would be loaded at every start
 if TYPE_CHECKING:
-    from ashe_live.api import Renderer, Tracker, estimate_light, make_estimator, read_photo
+    from ashe_live.api import Tracker, estimate_light, make_estimator, read_photo
     from ashe_live.capture.snapshot import write_png
     from ashe_live.capture.sources import open_source
     from ashe_live.core.camera import Camera, read_camera_file
     from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
     from ashe_live.errors import ModelWarning, UserError
     from ashe_live.models.catalogue import model_names
+    from ashe_live.models.placement import Placement
     from ashe_live.render.lights.light_map import write_light_map
+    from ashe_live.renderer import Renderer
 
 __version__ = "0.1.0"
 
@@ -24,6 +26,7 @@ __all__ = [
     "LightEstimate",
     "MarkerPose",
     "ModelWarning",
+    "Placement",
     "Renderer",
     "TrackedFrame",
     "Tracker",
@@ -45,7 +48,8 @@ _HOMES = {
     "LightEstimate": "core.types",
     "MarkerPose": "core.types",
     "ModelWarning": "errors",
-    "Renderer": "api",
+    "Placement": "models.placement",
+    "Renderer": "renderer",
     "TrackedFrame": "core.types",
     "Tracker": "api",
     "UserError": "errors",

@@ -5,6 +5,7 @@ They are values without what they configure: knowing them loads neither OpenCV n
 
 from dataclasses import dataclass
 
+from ashe_live.core import arguments
 from ashe_live.light.estimators import steps as lighting
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.render.gl import preset as rendering
@@ -28,3 +29,8 @@ BALANCED = Quality("balanced", tracking.BALANCED, rendering.BALANCED, lighting.B
 ACCURATE = Quality("accurate", tracking.ACCURATE, rendering.ACCURATE, lighting.ACCURATE)
 
 QUALITIES: dict[str, Quality] = {quality.name: quality for quality in (FAST, BALANCED, ACCURATE)}
+
+
+def quality_named(name: str) -> Quality:
+    """Raises ValueError, or TypeError for what is no text, that says which there are."""
+    return QUALITIES[arguments.one_of(name, QUALITIES, "quality")]

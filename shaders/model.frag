@@ -27,11 +27,14 @@ uniform float alpha_cutoff;
 #include "environment.glsl"
 
 in vec3 position;
-in vec3 normal;
-in vec4 openness;  // shares of sky and ground that the model leaves in front of the surface, and behind it
+// Interpolated where the triangle is within the pixel: beyond its border colours would be extrapolated, which sparkles
+// along thin triangles. Places would be as well, but along the triangle's plane, and Mesa divides them by the depth of
+// the pixel's middle all the same, which takes them off their surface.
+centroid in vec3 normal;
+centroid in vec4 openness;  // shares of sky and ground that the model leaves in front of the surface, and behind it
 #include "layout.glsl"
 #ifdef VERTEX_COLOURS
-in vec4 colour;
+centroid in vec4 colour;
 #endif
 #ifdef BASE_MAP
 uniform sampler2D base_map;  // decoded to linear by the sampler, as is the emissive map

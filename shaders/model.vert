@@ -20,12 +20,12 @@ out vec2 uv;
 #endif
 #ifdef VERTEX_COLOURS
 in vec4 in_colour;
-out vec4 colour;
+centroid out vec4 colour;
 #endif
 
 out vec3 position;  // metres, marker frame
-out vec3 normal;
-out vec4 openness;
+centroid out vec3 normal;
+centroid out vec4 openness;
 
 void main() {
     position = (marker_from_placed * vec4(in_position, 1.0)).xyz;

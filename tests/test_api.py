@@ -85,6 +85,23 @@ def test_two_renderers_do_not_disturb_each_other():
             assert second.render(bright, "cube").mean() == pytest.approx(220)
 
 
+def test_several_models_stand_side_by_side_and_one_where_it_is_put(ran):
+    """Each as the window has it: what is drawn of the two is what is drawn of either, where only that one stands."""
+    tracked = ran["tracked"]
+    side_m = tracked.marker.side_m
+    beside = al.Placement(shift_m=(1.25 * side_m, 0.0))
+    with al.Renderer(tracked.frame.size) as renderer:
+        covers = [
+            renderer.render(tracked, model, is_cut_out=True)[..., 3] == 255
+            for model in ("mug", ("tree", beside), ["mug", "tree"], [("tree", beside), ("mug", al.Placement())])
+        ]
+    mug, tree, both, in_other_order = covers
+    assert np.count_nonzero(mug & ~tree) > 100
+    assert np.count_nonzero(tree & ~mug) > 100
+    assert np.mean(both == (mug | tree)) > 0.999
+    assert np.mean(in_other_order == both) > 0.999
+
+
 def test_what_is_cut_out_is_nothing_where_nothing_is_drawn_and_can_be_saved(ran, tmp_path):
     tracked = ran["tracked"]
     with al.Renderer(tracked.frame.size) as renderer:
@@ -158,6 +175,12 @@ WRONG = {
     ("ground_rgb", "Illumination"): (lambda value: al.Illumination(ground_rgb=value), ("abc", (1, 2), {})),
     ("tracked", "as_seen_in"): (al.Illumination().as_seen_in, ("a", np.eye(4))),
     ("camera", "TrackedFrame"): (lambda value: al.TrackedFrame(TRACKED.frame, value, None), (None, 60)),
+    ("scale", "Placement"): (al.Placement, (None, "a", 0, -1, float("nan"), 1e300, True)),
+    ("turn_rad", "Placement"): (lambda value: al.Placement(turn_rad=value), (None, "a", float("nan"), True)),
+    ("shift_m", "Placement"): (
+        lambda value: al.Placement(shift_m=value),
+        (None, 1.0, "ab", (1.0,), (0.0, float("nan")), (0.0, "a")),
+    ),
     ("marker", "TrackedFrame"): (lambda value: al.TrackedFrame(TRACKED.frame, CAMERA, value), ("a", np.eye(4))),
 }
 
@@ -176,7 +199,7 @@ def test_wrong_use_names_the_argument(argument, function, tmp_path, monkeypatch)
     ("argument", "values"),
     [
         ("tracked", (None, "a", GREY)),
-        ("model", (None, 7, "a\0b")),
+        ("model", (None, 7, "a\0b", [], ["cube"] * 10, ["cube", 7], ("cube", None), ("cube", "mug"), [("cube",)])),
         ("illumination", ("a", A_LIGHT)),
         ("time_s", ("a", float("nan"))),
     ],

@@ -51,13 +51,14 @@ ROOMS: dict[str, set[str]] = {
     "light.live": {"core", "light.pixels", "light.estimators", "light.views", "process"},
     "drawing": {"core", "light.pixels", "light.ground", "light.shape", "light.estimators"},
     "render": {"core", "errors", "files", "models", "process"},
-    "quality": {"tracking", "light.estimators", "render"},
+    "quality": {"core", "tracking", "light.estimators", "render"},
     "viewer": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.estimators",
         "light.live", "drawing", "process", "render",
     },
-    "api": {"quality", "core", "errors", "models", "capture", "tracking", "light.estimators", "render"},
-    "": {"core", "errors", "models", "capture", "render", "api"},  # `import ashe_live` itself
+    "api": {"quality", "core", "models", "capture", "tracking", "light.estimators"},
+    "renderer": {"quality", "core", "errors", "models", "render"},
+    "": {"core", "errors", "models", "capture", "render", "api", "renderer"},  # `import ashe_live` itself
     "bench": {"core", "errors", "files", "capture", "tracking", "render", "viewer", "process"},
     "bench.light": {
         "quality", "core", "errors", "files", "capture", "tracking", "light.estimators", "light.outline_fit",

@@ -44,6 +44,10 @@ INVERSE_DISTANCE = Range(0.0, 1e3, "1/m")  # of a lamp: no nearer than a millime
 LAMP_RADIUS = Range(0.0, 1e3, "m")
 INDEX = Range(0, 1e9)
 VIEWS = Range(1, 12)  # of one scene: what an estimate takes, and what is kept of a video for it
+SCALE = Range(1e-6, 1e6)  # of a model, over what a marker makes of it
+TURN = Range(-1e6, 1e6, "rad")
+SHIFT = Range(-1e6, 1e6, "m")
+TIME = Range(-1e9, 1e9, "s")  # since a clip or a motion began
 CAMERA_NUMBER = Range(0, 65535)
 
 

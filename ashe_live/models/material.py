@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ashe_live.core.arrays import Image, frozen_view, set_frozen
+from ashe_live.core.arrays import Float, Image, frozen_view, set_frozen
+from ashe_live.core.colour import linear_from_srgb
 
 LinearRGB = tuple[float, float, float]
 LinearRGBA = tuple[float, float, float, float]
@@ -115,13 +116,59 @@ class Material:
         return self.metallic > 0 or self.roughness < MIRROR_ROUGHNESS or self.metallic_roughness_map is not None
 
     def without_maps(self) -> "Material":
-        """For a mesh without texture coordinates."""
-        nothing: dict[str, Any] = dict.fromkeys(self.maps)
-        return replace(self, **nothing) if nothing else self
+        """For a mesh without texture coordinates: in the one colour that `in_one_place` says."""
+        maps = self.maps
+        if not maps:
+            return self
+        factors = {name: getattr(self, name) for name in ("base_colour", "metallic", "roughness", "emissive")}
+        folded = in_one_place(factors, {name: (texels, self.layout(name)) for name, texels in maps.items()})
+        nothing: dict[str, Any] = dict.fromkeys(maps)
+        return replace(self, **nothing, **folded)
 
 
 MAPS = ("base_map", "metallic_roughness_map", "normal_map", "occlusion_map", "emissive_map")
 SRGB_MAPS = ("base_map", "emissive_map")
+NO_COORDINATES = (0.0, 1.0)  # from the bottom left: glTF's (0, 0), as a vertex has them whose mesh brings none
+
+
+def in_one_place(factors: dict[str, Any], maps: Mapping[str, tuple[Image, MapLayout]]) -> dict[str, Any]:
+    """A material's factors times what maps hold where a mesh without texture coordinates would look them up.
+
+    OpenGL's default for an attribute that is not there is 0, so that renderers draw such a mesh in the colour of the
+    picture's corner. Normals and occlusion are left out.
+    """
+    found = dict(factors)
+    for name, (texels, layout) in maps.items():
+        texel = _texel(texels, layout, name in SRGB_MAPS)
+        match name:
+            case "base_map":
+                found["base_colour"] = tuple(map(float, np.multiply(found["base_colour"], texel)))
+            case "metallic_roughness_map":
+                found["roughness"] = found["roughness"] * float(texel[1])
+                found["metallic"] = found["metallic"] * float(texel[2])
+            case "emissive_map":
+                found["emissive"] = tuple(map(float, np.multiply(found["emissive"], texel[:3])))
+    return found
+
+
+def _texel(texels: Image, layout: MapLayout, is_srgb: bool) -> Float:
+    """(4,) linear, at NO_COORDINATES; between texels their mean by bilinear weights."""
+    at = np.reshape(layout.matrix, (2, 3)) @ (*NO_COORDINATES, 1.0)
+    counts = texels.shape[1::-1]
+    indices, weights = [], []
+    for share, count, repeats in zip((at[0], 1 - at[1]), counts, layout.repeats, strict=True):
+        place = share * count - 0.5
+        near = np.floor(place) + np.arange(2)
+        indices.append((near % count if repeats else np.clip(near, 0, count - 1)).astype(int))
+        after = place - near[0]
+        weights.append(np.round((1 - after, after)) if layout.is_sharp else np.array((1 - after, after)))
+    (columns, rows), (across, down) = indices, weights
+    four = texels[rows][:, columns] / 255
+    if is_srgb:
+        four[..., :3] = linear_from_srgb(four[..., :3])
+    return np.asarray(np.einsum("i,j,ijk->k", down, across, four))
+
+
 # What formats without materials look like, and glTF meshes that name none: matt plastic. Many of their files have
 # holes, so both sides are seen.
 UNKNOWN = Material(roughness=0.7)

@@ -8,10 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.ranges import SCALE, SHIFT, TURN
 from ashe_live.models.mesh import Float32, Model
 
 FOOTPRINT_SIDES = 1.0  # largest horizontal extent, in sides of the marker
 HEIGHT_SIDES = 1.2  # largest vertical extent, in sides of the marker
+# From the middle of a model to that of the next: half of each, which are a marker's side wide at most, and a gap.
+BESIDE_SIDES = 1.25
 
 # A larger cloud is enclosed by what of it is extreme in so many directions, widened by what a sphere loses by that.
 MAX_OUTLINE_POINTS = 1000
@@ -37,7 +40,7 @@ class PlacedModel:
 class Placement:
     """How a placed model was moved since: scaled and turned about the marker's centre, then shifted on its plane.
 
-    Raises ValueError for a scale that is not positive, and for what is not finite.
+    Raises ValueError for a scale that is not positive and for what is not finite, TypeError for what is no number.
     """
 
     scale: float = 1.0
@@ -45,8 +48,12 @@ class Placement:
     shift_m: tuple[float, float] = (0.0, 0.0)  # x, y; marker frame
 
     def __post_init__(self) -> None:
-        if not (self.scale > 0 and all(map(math.isfinite, (self.scale, self.turn_rad, *self.shift_m)))):
-            raise ValueError(f"a model cannot be scaled by {self.scale}, turned by {self.turn_rad} to {self.shift_m}")
+        SCALE.checked(self.scale, "scale")
+        TURN.checked(self.turn_rad, "turn_rad")
+        if not isinstance(self.shift_m, tuple) or len(self.shift_m) != 2:
+            raise TypeError(f"shift_m must be (x, y), and is {self.shift_m!r:.40}")
+        for shift in self.shift_m:
+            SHIFT.checked(shift, "shift_m")
 
     def __matmul__(self, first: "Placement") -> "Placement":
         """This one after `first`, as of matrices."""
@@ -71,6 +78,12 @@ class Placement:
 
 
 UNMOVED = Placement()
+
+
+def seat_beside(number: int, side_m: float) -> Placement:
+    """Where one of several models stands on a marker of that side: in the middle, to the right, to the left, ..."""
+    steps = (number + 1) // 2 * (1 if number % 2 else -1)
+    return Placement(shift_m=(BESIDE_SIDES * steps * side_m, 0.0))
 
 
 def placed_on_marker(model: Model, side_m: float) -> PlacedModel:

@@ -274,3 +274,23 @@ def test_markers_of_5_mm_and_2_m_look_alike_from_alike_distances(make_renderer, 
         pictures.append(renderer.read_bgr().astype(int))
     differs = np.abs(pictures[0] - pictures[1]).max(axis=2) > 4
     assert differs.mean() < 0.002
+
+
+def test_colours_of_slivers_are_never_beyond_those_of_their_corners(make_renderer, stage) -> None:
+    """Samples of a pixel that such a triangle covers lie beside the pixel's middle, where its colours grow on."""
+    around = np.linspace(0, 2 * math.pi, 1000, endpoint=False)
+    corners = np.stack([0.03 * np.cos(around), 0.03 * np.sin(around), np.full(1000, HEIGHT_M)], axis=1)
+    wires = np.concatenate([corners, 0.99 * corners]).astype(np.float32)
+    first = np.arange(0, 999)
+    triangles = np.stack([first, first + 1, first + 1000], 1)
+    normals = np.tile(np.float32((0, 0, 1)), (2000, 1))
+    colours = np.ones((2000, 4), np.float32)
+    colours[::2, :3] = 0.5
+    coloured = Mesh(wires, normals, triangles, colours=colours, material=Material())
+    studio = _Studio(make_renderer, stage, "balanced", elevation_deg=35)
+    brightest = studio.picture(replace(coloured, colours=np.ones_like(colours))).astype(int)
+    darkest = studio.picture(replace(coloured, colours=np.where(colours < 2, np.float32(0.5), 1))).astype(int)
+    seen = studio.picture(coloured)
+    assert np.any(brightest > darkest + 20)
+    assert (np.minimum(brightest, darkest) - 1 <= seen).all()
+    assert (seen <= np.maximum(brightest, darkest) + 1).all()

@@ -10,7 +10,17 @@ from ashe_live.models.gltf.arrays import Arrays
 from ashe_live.models.gltf.container import named_content
 from ashe_live.models.gltf.schema import CLAMP_TO_EDGE, MIRRORED_REPEAT, REPEAT
 from ashe_live.models.gltf.specular import metal_rough_from_specular
-from ashe_live.models.material import BLACK, MAP_SETS, UNKNOWN, WHITE, Alpha, LinearRGBA, MapLayout, Material
+from ashe_live.models.material import (
+    BLACK,
+    MAP_SETS,
+    UNKNOWN,
+    WHITE,
+    Alpha,
+    LinearRGBA,
+    MapLayout,
+    Material,
+    in_one_place,
+)
 from ashe_live.models.parsing import basis
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.malformed import MalformedError
@@ -62,10 +72,11 @@ class Materials:
             ("emissive_map", "emissiveTexture", given.get("emissiveTexture", {})),
         ):
             self._add(maps, name, key, texture)
-        is_lost = "emissiveTexture" in given and "emissive_map" not in maps.texels
+        is_lost = "emissiveTexture" in given and "emissive_map" not in maps.texels | maps.unplaced
         emissive = tuple(strength * value for value in given.get("emissiveFactor", BLACK))
         # Without its map all of the surface would glow.
         surface |= {"emissive": BLACK if is_lost else emissive, "alpha": ALPHAS[given.get("alphaMode", "OPAQUE")]}
+        surface = in_one_place(surface, maps.unplaced)
         surface |= self._see_through(extensions, surface)
         if "KHR_materials_unlit" in extensions:
             surface |= _shining(surface, maps)
@@ -189,20 +200,24 @@ class _Maps:
     def __init__(self, uv_sets: frozenset[int]) -> None:
         self.texels: dict[str, Any] = {}
         self.layouts: dict[str, MapLayout] = {}
+        self.unplaced: dict[str, tuple[Any, MapLayout]] = {}  # for which the mesh has no coordinates
         self.sets: list[int] = []
         self.has_third_set = self.lacks_coordinates = False
         self._there = uv_sets
 
     def takes(self, layout: MapLayout) -> bool:
-        """Whether the mesh has what the map is laid out by."""
+        """Whether the map can be drawn: laid out, or in one colour where the mesh has no such coordinates."""
         is_there = layout.uv_set in self._there
         has_room = layout.uv_set in self.sets or len(self.sets) < MAP_SETS
         self.has_third_set |= is_there and not has_room
         self.lacks_coordinates |= not is_there
-        return is_there and has_room
+        return has_room or not is_there
 
     def add(self, name: str, layout: MapLayout, texels: Image) -> None:
         if not self.takes(layout):
+            return
+        if layout.uv_set not in self._there:
+            self.unplaced[name] = texels, layout
             return
         if layout.uv_set not in self.sets:
             self.sets.append(layout.uv_set)

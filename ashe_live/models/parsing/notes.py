@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 
 MOST_NOTES = 6
-WITHOUT_COORDINATES = "pictures are left out where it has no texture coordinates"
+WITHOUT_COORDINATES = "where it has no texture coordinates, pictures are drawn in one colour, that of their corner"
 
 
 class Notes:

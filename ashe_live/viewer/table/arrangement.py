@@ -9,16 +9,13 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import project, transform_points
 from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
-from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
+from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, seat_beside
 from ashe_live.render.gl.framing import box_corners
 from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.viewer.estimates.beside import first_placement
 from ashe_live.viewer.hands.hand import Hand
 from ashe_live.viewer.hands.pointing import Pixel
 from ashe_live.viewer.table.shelf import Shelf
-
-# From the middle of a model to that of the next: half of each, which are a marker's side wide at most, and a gap.
-BESIDE_SIDES = 1.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,10 +189,7 @@ class Arrangement:
 
     def _anchor(self, stand: Stand, tracked: TrackedFrame | None) -> Placement | None:
         place = _place_of(stand.marker, tracked)
-        steps = (stand.seat + 1) // 2 * (1 if stand.seat % 2 else -1)
-        if place is None or steps == 0:
-            return place
-        return place @ Placement(shift_m=(BESIDE_SIDES * steps * self._shelf.marker_side_m, 0.0))
+        return None if place is None else place @ seat_beside(stand.seat, self._shelf.marker_side_m)
 
 
 def _place_of(marker: str | None, tracked: TrackedFrame | None) -> Placement | None:

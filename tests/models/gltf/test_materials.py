@@ -13,6 +13,7 @@ from ashe_live.models.gltf.specular import metal_rough_from_specular
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import BLACK, Alpha, MapLayout, Material
 from ashe_live.models.mesh import Model
+from ashe_live.models.parsing.notes import WITHOUT_COORDINATES
 from tests.models.gltf_files import UVS, Document, png
 
 RED, GREEN, BLUE, WHITE = (255, 0, 0, 255), (0, 255, 0, 255), (0, 0, 255, 255), (255, 255, 255, 255)
@@ -209,9 +210,26 @@ def test_what_would_be_seen_is_said_and_what_would_not_is_not(tmp_path, extensio
     assert model.notes == (() if words is None else (f"it is drawn without {words}",))
 
 
-def test_a_picture_without_texture_coordinates_is_said(tmp_path: Path) -> None:
+@pytest.mark.parametrize("wrap", [10497, 33071])
+def test_a_picture_without_texture_coordinates_is_one_colour_and_said(tmp_path: Path, wrap: int) -> None:
+    """At (0, 0), as a card looks it up: repeated, that is between the picture's corners; clamped, the first of them."""
     document = Document()
-    document.quad(material={"pbrMetallicRoughness": {"baseColorTexture": document.embedded(quarters())}})
+    texture = document.embedded(quarters())
+    document.json["samplers"] = [{"wrapS": wrap, "wrapT": wrap}]
+    document.json["textures"][0]["sampler"] = 0
+    document.quad(
+        material={
+            "pbrMetallicRoughness": {"baseColorTexture": texture, "metallicRoughnessTexture": texture},
+            "emissiveTexture": texture,
+            "emissiveFactor": [0.5, 1.0, 1.0],
+        }
+    )
     model = load_model_file(document.save(tmp_path / "bare.glb"))
-    assert model.parts[0].material.maps == {}
-    assert model.notes == ("pictures are left out where it has no texture coordinates",)
+    material = model.parts[0].material
+    corners = np.array([RED, GREEN, BLUE, WHITE]) / 255
+    expected = corners.mean(axis=0) if wrap == 10497 else corners[0]
+    assert material.maps == {}
+    np.testing.assert_allclose(material.base_colour, expected)
+    np.testing.assert_allclose((material.roughness, material.metallic), expected[1:3])
+    np.testing.assert_allclose(material.emissive, expected[:3] * (0.5, 1, 1))
+    assert model.notes == (WITHOUT_COORDINATES,)

@@ -10,14 +10,13 @@ from ashe_live.core.plane_marker import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel
-from ashe_live.models.placement import UNMOVED, Placement
+from ashe_live.models.placement import BESIDE_SIDES, UNMOVED, Placement
 from ashe_live.tracking.poses.steadiness import Steadiness
 from ashe_live.viewer.display import bare_scene
 from ashe_live.viewer.estimates.policy import EstimatePolicy
 from ashe_live.viewer.hands.requests import Command, Drag, Request
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import status_lines
-from ashe_live.viewer.table.arrangement import BESIDE_SIDES
 from ashe_live.viewer.table.shelf import Shelf
 
 SIDE_M = 0.08

@@ -1,0 +1,138 @@
+"""For programs that embed this one: models drawn into their pictures, without a window (docs/api.md)."""
+
+import os
+import threading
+import warnings
+from collections.abc import Sequence
+from dataclasses import replace
+from types import TracebackType
+from typing import Any, Self
+
+from ashe_live.core import arguments
+from ashe_live.core.arrays import Image
+from ashe_live.core.camera import Size
+from ashe_live.core.ranges import DRAWN, TIME
+from ashe_live.core.types import Illumination, TrackedFrame
+from ashe_live.errors import ModelWarning
+from ashe_live.models.catalogue import MOST_MODELS
+from ashe_live.models.placement import PlacedModel, Placement, seat_beside
+from ashe_live.models.reading import read_model
+from ashe_live.quality import quality_named
+
+Standing = str | tuple[str, Placement]  # a model, by itself or moved from where it stands first
+
+
+class Renderer:
+    """Draws models into pictures, without a window. For use by the thread that made it; a context manager.
+
+    Elsewhere, in a forked process, and after `release`, its methods raise ValueError: OpenGL would hang or crash there.
+    """
+
+    def __init__(self, size: Size, quality: str = "balanced") -> None:
+        """`size` is the width and height of the pictures to come, into which the video's are fitted.
+
+        Raises UserError when there is no OpenGL 3.3.
+        """
+        # Only here, so that estimating and tracking do without OpenGL.
+        from ashe_live.render.gl.offscreen import offscreen_context
+        from ashe_live.render.renderer import SceneRenderer
+
+        size = arguments.picture_size(size, "size")
+        DRAWN.checked(size[0] * size[1], "the number of pixels in size")
+        preset = quality_named(quality).render
+        self._maker = os.getpid(), threading.get_ident()
+        self._is_released = False
+        self._context = offscreen_context()
+        with self._context:
+            self._renderer = SceneRenderer(self._context, preset, size)
+        self._placed: dict[tuple[str, float], PlacedModel] = {}
+
+    def render(
+        self,
+        tracked: TrackedFrame,
+        model: Standing | Sequence[Standing],
+        illumination: Illumination | None = None,
+        shows_light: bool = False,
+        time_s: float = 0.0,
+        is_cut_out: bool = False,
+    ) -> Image:
+        """(h, w, 3) uint8 BGR: the picture with a lit model on its marker, and the shadow that the model casts.
+
+        `time_s`: of a model that moves, since its motion began; it is looped. `is_cut_out`: model and shadow alone,
+        (h, w, 4) uint8 BGRA with straight alpha, so that they give the same picture when put over the frame.
+
+        `model` is a shipped model's name (`model_names()`) or the path of a glTF, GLB, OBJ, PLY or STL file; or such a
+        name with a Placement, how it is scaled, turned and shifted on the marker's plane; or a list of up to nine of
+        both. The list's models shade each other, and those without a placement stand side by side: the first over the
+        marker, the second to its right, the third to its left, and so on.
+        `illumination` is an estimate's (`LightEstimate.illumination`) or one of your own; without it, or without a
+        light in it, the sky alone gives light. Polished surfaces mirror the frame that it was seen in, whichever is
+        drawn. Without a marker there is no model. What of a model is drawn otherwise than its file says is a
+        ModelWarning, once. Raises UserError for a model that is not there or cannot be read.
+        """
+        from ashe_live.render.scene import Scene
+
+        self._check_usable()
+        arguments.instance(tracked, TrackedFrame, "tracked")
+        standing = _standings(model)
+        if illumination is not None:
+            arguments.instance(illumination, Illumination, "illumination")
+        placed: list[tuple[PlacedModel, Placement]] = []
+        if tracked.marker is not None:
+            side_m = tracked.marker.side_m
+            for seat, (name, placement) in enumerate(standing):
+                placed.append((self._model(name, side_m), placement or seat_beside(seat, side_m)))
+        time_s = TIME.checked(time_s, "time_s")
+        lit_by = illumination or Illumination()
+        scene = Scene(tracked, None, lit_by, shows_light, time_s=time_s, is_cut_out=is_cut_out)
+        if placed:
+            (first, placement), *others = placed
+            scene = replace(scene, model=first, placement=placement, others=tuple(others))
+        with self._context:
+            self._renderer.render(scene)
+            return self._renderer.read_bgra() if is_cut_out else self._renderer.read_bgr()
+
+    def release(self) -> None:
+        """Gives everything back to OpenGL; the renderer is of no use afterwards. May be called twice."""
+        if self._is_released:
+            return
+        self._check_usable()
+        self._is_released = True
+        with self._context:
+            self._renderer.release()
+        self._context.release()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.release()
+
+    def _check_usable(self) -> None:
+        if self._is_released:
+            raise ValueError("this renderer has been released: make a new one")
+        if self._maker != (os.getpid(), threading.get_ident()):
+            raise ValueError("a renderer is for the process and thread that made it: make one there")
+
+    def _model(self, name: str, side_m: float) -> PlacedModel:
+        """The same object again for the same name: it is uploaded once."""
+        if (name, side_m) not in self._placed:
+            placed = self._placed[name, side_m] = read_model(name, side_m)
+            for note in placed.model.notes:
+                warnings.warn(f"{name}: {note}", ModelWarning, stacklevel=3)
+        return self._placed[name, side_m]
+
+
+def _standings(model: Standing | Sequence[Standing]) -> list[tuple[str, Placement | None]]:
+    """Names with placements; None for those that stand side by side. Raises TypeError or ValueError for others."""
+    chosen: list[Any] = model if isinstance(model, list) else [model]
+    if not 0 < len(chosen) <= MOST_MODELS:
+        raise ValueError(f"model is a list of {len(chosen)}, and must name 1 to {MOST_MODELS}")
+    found: list[tuple[str, Placement | None]] = []
+    for one in chosen:
+        if isinstance(one, tuple) and len(one) == 2:
+            name, placement = one
+            found.append((arguments.text(name, "model"), arguments.instance(placement, Placement, "model's placement")))
+        else:
+            found.append((arguments.text(one, "model"), None))
+    return found
