@@ -6,35 +6,19 @@ pixels are shadow and which object; `outline_fit` fits bodies and lights to both
 likeliest with the borders in the picture, relabels and refits, and rates the best one's confidence, or rejects it.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import cache
+from collections.abc import Sequence
 
-import numpy as np
-
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Mask
 from ashe_live.core.stages import StageClock
-from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
+from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
-from ashe_live.light.estimators.other_objects import other_objects
-from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
-from ashe_live.light.estimators.refining import refined_and_others
-from ashe_live.light.estimators.scene_views import contradicting, scene_views, span_of
+from ashe_live.light.estimators.looking import looked
+from ashe_live.light.estimators.scene_views import contradicting, span_of
+from ashe_live.light.estimators.stating import Choice, chosen, illumination_of
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
-from ashe_live.light.estimators.together import explained_together
 from ashe_live.light.estimators.trace import Look, Trace
-from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.company import Company, company_features
-from ashe_live.light.explanation.judgement.evidence import shadow_core
-from ashe_live.light.explanation.judgement.judge import (
-    Judge,
-    best_direction,
-    explanation_features,
-    fitted_judge,
-    probabilities_of,
-    recalibrated,
-)
+from ashe_live.light.explanation.judgement.judge import Judge, fitted_judge
 from ashe_live.light.explanation.known_size import is_as_given
 from ashe_live.light.explanation.no_answer import (
     NO_SHADOW,
@@ -44,18 +28,7 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_exposure,
     fault_of_scene,
 )
-from ashe_live.light.explanation.penumbra import angular_size, soft_size
-from ashe_live.light.explanation.sharpen import Sharpener
-from ashe_live.light.ground.glint import glint_in
-from ashe_live.light.ground.lit_ground import LitGround, lit_rgb, unlit_mask, with_unlit_on_average
-from ashe_live.light.ground.regions import unlit_regions
-from ashe_live.light.ground.shadow_shift import FINE, shadow_ratio, shadow_shifts, shift_within
-from ashe_live.light.lamps.kinds import AUTO, SUN
-from ashe_live.light.lamps.lamp import Scene, stated, with_size
 from ashe_live.light.pixels.view import View
-
-# Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
-LEAST_SHARE = 0.0005
 
 
 class ProxyEstimator:
@@ -98,152 +71,39 @@ class ProxyEstimator:
         self, tracked: TrackedFrame, others: Sequence[TrackedFrame], clock: StageClock
     ) -> tuple[LightEstimate, Trace]:
         judge, (steps, *further) = self._judge, self._steps.looks
-        first = self._looked(tracked, others, steps, clock)
+        first = looked(tracked, others, steps, judge, clock)
         views = first.views
-        looks = [first, *(self._looked(tracked, (), each, clock) for each in further if len(views) == 1)]
-
-        def none(reason: str, body: Mask | None = None, shadow: Mask | None = None) -> tuple[LightEstimate, Trace]:
-            reason = fault_of_exposure(first.trace.view) or reason
-            return answer(Illumination(), reason, body, shadow), first.trace
-
-        def answer(found: Illumination, reason: str | None, body: Mask | None, shadow: Mask | None) -> LightEstimate:
-            index, timing_ms = tracked.frame.index, clock.timing_ms()
-            indices = tuple(view.index for view in views)
-            return LightEstimate(self.name, index, found, reason, body, shadow, timing_ms, indices, span_of(views))
-
-        if not views:
-            return none(TOO_LITTLE_GROUND)
-        average = judge.average(len(looks))
-        several = [
-            (look, each, weight * probability)
-            for look, weight in zip(looks, average.weights, strict=True)
-            for each, probability in zip(look.trace.judged, look.trace.probabilities, strict=True)
-        ]
-        if not several:
-            return none(NO_SHADOW if first.trace.regions else NOTHING_THERE)
-        probabilities = np.array([probability for *_, probability in several])
-        index, share = best_direction(probabilities, [each.lights[0].to_light_marker for _, each, _ in several])
-        look, best, _ = several[index]
-        trace, ground = look.trace, look.views[0].ground
-        confidence = recalibrated(share, average)
+        looks = [first, *(looked(tracked, (), each, judge, clock) for each in further if len(views) == 1)]
+        choice = chosen(looks, judge) if views else None
         clock.end("judge")
-        if confidence < judge.least_confidence:
-            return none(fault_of_scene(best, confidence), *_masks_of(best))
-        if not is_as_given(best, steps.first_fit):
-            return none(OTHER_SIZE, *_masks_of(best))
-        ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
-        assert trace.unlit is not None
-        chosen = best
-        told = stated(
-            chosen,
-            confidence,
-            lambda each, probability: judge.lights_of(each, probability, tracked),
-            ratios[: len(chosen.lights)],
-            Scene(
-                trace.view,
-                ground,
-                trace.unlit,
-                lambda: other_objects(chosen, trace.judged, trace.regions, ground, judge),
-                lambda: Sharpener.of([look.views[0].fine]),
-                steps.fine_fit,
-            ),
-            # A hull's shadow has been compared with all of the plane: there is no body's border left to tell of a lamp.
-            SUN if chosen.hull is not None and steps.light == AUTO else steps.light,
-        )
-        best = told.explanation
-        # With two lights there is a third shift, that where both are blocked.
-        answers = zip(told.lights, ratios, strict=False)
-        lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
-        if len(lights) == 1:
-            lights = [with_size(lights[0], _angular_size(best, lights[0], tracked))]
-        clock.end("judge")
-        found = Illumination(tuple(lights), ratios[-1], lit_rgb(ground), best.real_object)
-        return answer(found, None, *_masks_of(best)), trace
+        found, trace = Illumination(), first.trace
+        explanation = None if choice is None else choice.explanation
+        reason = _reason_for_none(first, choice, judge, steps)
+        if reason is not None:
+            reason = fault_of_exposure(trace.view) or reason
+        elif choice is not None:
+            found, explanation = illumination_of(choice, tracked, judge, steps)
+            trace = choice.look.trace
+            clock.end("judge")
+        body, shadow = (None, None) if explanation is None else _masks_of(explanation)
+        indices = tuple(view.index for view in views)
+        index, timing_ms = tracked.frame.index, clock.timing_ms()
+        estimate = LightEstimate(self.name, index, found, reason, body, shadow, timing_ms, indices, span_of(views))
+        return estimate, trace
 
-    def _looked(
-        self, tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps, clock: StageClock
-    ) -> Look:
-        """One look at the picture, and with it at the others that show the same scene."""
-        fine = View.of(tracked, steps.fine_width_px)
-        coarse = fine.scaled(steps.coarse_width_px)
-        trace = Trace(coarse)
-        views = scene_views(tracked, fine, coarse, others, steps)
-        clock.end("segment")
-        if not views:
-            return Look(trace, views)
-        trace.ground = views[0].ground
-        candidates, log_odds = self._explanations(fine, coarse, views[0].ground, trace, steps, clock)
-        if len(views) > 1:
-            others_found = []
-            for view in views[1:][: steps.companions]:
-                other = Trace(view.coarse)
-                found, _ = self._explanations(view.fine, view.coarse, view.ground, other, steps, clock)
-                others_found.append((view, found))
-            together = explained_together([(views[0], candidates), *others_found], views, steps, self._judge)
-            candidates, log_odds = [each for each, _ in together], [odds for _, odds in together]
-            clock.end("views")
-        trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
-        return Look(trace, views)
 
-    def _explanations(
-        self, fine: View, coarse: View, ground: LitGround, trace: Trace, steps: ProxySteps, clock: StageClock
-    ) -> tuple[list[Explanation], list[float]]:
-        """What one view may show, the likeliest refined, and its log odds; nothing where nothing stands out."""
-        judge = self._judge
-        unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
-        unlit = with_unlit_on_average(unlit, coarse)
-        trace.glint = glint = glint_in(coarse, ground)
-        trace.unlit = unlit = unlit if glint is None else unlit & ~glint.halo
-        trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
-        clock.end("segment")
-        if not regions:
-            return [], []
-
-        proposals: list[Proposal] = []
-        for region in regions:
-            # What stands out elsewhere may outvote a region's own shadow; but all shadows are of the same lights.
-            votes = region.colours[region.unlit], ground.colours[unlit]
-            shifts = shadow_shifts(ground, votes, steps.shifts)
-            paired = shadow_shifts(ground, votes, steps.shifts, FINE)
-            proposals += proposals_of(region, ground, shifts, paired)
-        clock.end("associate")
-        trace.proposals = selected_for_fit(proposals, steps.tried, judge)
-        sharpener = Sharpener.of([fine])
-        rough = [each for each in explained(trace.proposals, steps.first_fit) if each]
-        trace.rough = rough = sharpener.measured(rough)
-        to_glint = None if glint is None else glint.to_light_marker
-        alone = cache(explanation_features)
-
-        def log_odds_among(several: Sequence[Explanation]) -> Callable[[Explanation], float]:
-            company = Company(several, to_glint)
-            return cache(lambda each: judge.log_odds_of({**alone(each), **company_features(each, company)}))
-
-        found = refined_and_others(rough, sharpener, fine, coarse, ground, steps, log_odds_among(rough))
-        clock.end("fit")
-        log_odds = list(map(log_odds_among(found), found))
-        clock.end("judge")
-        return found, log_odds
+def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, steps: ProxySteps) -> str | None:
+    """Why there is no answer; None where there is one. first: the first look at the picture."""
+    if not first.views:
+        return TOO_LITTLE_GROUND
+    if choice is None:
+        return NO_SHADOW if first.trace.regions else NOTHING_THERE
+    if choice.confidence < judge.least_confidence:
+        return fault_of_scene(choice.explanation, choice.confidence)
+    return None if is_as_given(choice.explanation, steps.first_fit) else OTHER_SIZE
 
 
 def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:
     """(h, w) each, of the whole frame at the region's scale: the object and the shadow."""
     region, split = explanation.region, explanation.split
     return region.in_frame(split.object_mask), region.in_frame(split.shadow_mask)
-
-
-def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
-    """The shifts measured inside the final shadow, as the vote also counted penumbrae and contact shadows.
-
-    Of two lights, the shifts of the vote.
-    """
-    if best.materials.lights == 2:
-        return best.materials.shifts
-    seen = shift_within(best.region.colours[shadow_core(best.region, best.predicted)], ground)
-    return best.materials.shifts if seen is None else (seen,)
-
-
-def _angular_size(best: Explanation, light: Light, tracked: TrackedFrame) -> float | None:
-    soft = soft_size(best.proxy, light.homogeneous, tracked)
-    if soft is not None:
-        return soft
-    return angular_size(best.proxy, light.homogeneous, best.materials.light_lost, best.predicted, best.region.view)

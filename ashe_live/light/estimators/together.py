@@ -18,6 +18,7 @@ from ashe_live.light.views.joint import (
     own_costs,
     refined_by_all_tangents,
     sharpened_in_views,
+    turned_from,
     with_likeliest_family,
     with_steps,
 )
@@ -25,6 +26,9 @@ from ashe_live.light.views.seen import SceneView, costs_around
 
 REFITTED = 1  # number of explanations, the likeliest, whose body's family is chosen anew by all views
 FIRST_VIEWS = 3  # number of views in which candidates are aligned before the likeliest are in all
+# Log odds by which an explanation may be less likely than the likeliest one, each in its own view, to be aligned at
+# all: other views would have to make up for one part in three thousand.
+MOST_BEHIND = 8.0
 MORE = 2  # number of candidates that are aligned in those beside the ones that are aligned in all
 
 
@@ -44,7 +48,8 @@ def explained_together(
         one = pair[1]
         return judge.log_odds(one) + plane_support(one.region, one.predicted.body, one.predicted.shadow)
 
-    candidates.sort(key=in_one_view, reverse=True)
+    ranked = sorted(((in_one_view(pair), *pair) for pair in candidates), key=itemgetter(0), reverse=True)
+    candidates = [(view, each) for odds, view, each in ranked if odds > ranked[0][0] - MOST_BEHIND]
 
     @cache
     def log_odds(one: JointExplanation) -> float:
@@ -58,8 +63,7 @@ def explained_together(
         # Masks and body are to be those of the first view.
         if costs[0] is not None:
             starts.append(JointStart(one, lit, [each for each in costs if each is not None]))
-    likely = sorted((each for each in explained_in_views(starts) if each is not None), key=log_odds, reverse=True)
-    likely = distinct_explanations(likely)[: steps.joint]
+    likely = distinct_explanations(sorted(_aligned_or_as_started(starts), key=log_odds, reverse=True))[: steps.joint]
     likely[:REFITTED] = [with_likeliest_family(each, steps.fine_fit) for each in likely[:REFITTED]]
     if rest:
         starts = []
@@ -68,10 +72,16 @@ def explained_together(
             more = [costs_around(lit, shifts, view, steps.region_px) for view in rest]
             seen = [own_costs(one) for one in each.each]
             starts.append(JointStart(each.origin, lit, [*seen, *(one for one in more if one is not None)]))
-        likely = distinct_explanations([each for each in explained_in_views(starts) if each is not None])
+        likely = distinct_explanations(_aligned_or_as_started(starts))
     sharpener = Sharpener.of([view.fine for view in views])
     likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
     sharp = [sharpened_in_views(refined_by_all_tangents(each), sharpener) for each in likely[:REFITTED]]
     # A known caster is no body of any shape.
     likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
     return sorted(((each.joint, log_odds(each)) for each in likely), key=itemgetter(1), reverse=True)
+
+
+def _aligned_or_as_started(starts: Sequence[JointStart]) -> list[JointExplanation]:
+    """The starts aligned in their views; then those of them where they stood that became another answer thereby."""
+    found = explained_in_views(starts)
+    return [each for each in found if each is not None] + turned_from(starts, found)

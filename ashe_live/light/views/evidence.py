@@ -1,6 +1,5 @@
 """What several views together say for or against an explanation."""
 
-import math
 from collections.abc import Mapping, Sequence
 
 import cv2
@@ -21,6 +20,7 @@ PIXELS_PER_SAMPLE = 40.0  # of the region: colours, their edges and the errors o
 MOST_FOR, MOST_AGAINST = 0.5, 3.0
 # So much against labels of one view: what of their shadow the body hides in the others is not known.
 MOST_AGAINST_ONE_VIEW = 1.0
+LEAST_SEEN = 0.05  # of body and shadow in a view, that it counts by where it shows none of them
 BESIDE_PX = 1  # next to what a body hides, colours are mixed
 ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
@@ -29,18 +29,14 @@ ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their ligh
 def joint_features(explanation: JointExplanation) -> Mapping[str, float]:
     """The features of an explanation of several views: the mean over the first JUDGED views of what each shows.
 
-    How well borders agree and lights are determined is that of all views together.
+    A view counts by how much of body and shadow it has in its picture. Steps of light are those of all views together,
+    and so is the covariance that tells how well the light is determined.
     """
-    of_views = [explanation_features(each) for each in explanation.each[:JUDGED]]
-    means = {name: float(np.mean([features[name] for features in of_views])) for name in of_views[0]}
-    joint = explanation.joint.alignment
-    of_all = {
-        "misfit": math.log(max(joint.misfit_px, 0.05) / joint.placed.object_px),
-        **of_steps_and_families(explanation.joint),
-        "clear body": joint.clear_body,
-        "clear shadow": joint.clear_shadow,
-    }
-    return {**means, **of_all}
+    judged = explanation.each[:JUDGED]
+    of_views = [explanation_features(each) for each in judged]
+    weights = [max(share_seen(each), LEAST_SEEN) for each in judged]
+    means = {name: float(np.average([each[name] for each in of_views], weights=weights)) for name in of_views[0]}
+    return {**means, **of_steps_and_families(explanation.joint)}
 
 
 def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:

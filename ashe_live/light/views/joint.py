@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import angle_between, project
 from ashe_live.light.explanation.alignment import (
     SEARCH_RANGES,
     Alignment,
@@ -23,6 +23,7 @@ from ashe_live.light.explanation.alignment import (
 )
 from ashe_live.light.explanation.explain import lights_of, refined_by_tangents, refitted_bodies
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.sharpen import Sharpener, lights_by_steps
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
@@ -77,6 +78,19 @@ def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation |
         for i, lit in zip(members, _aligned([several[i] for i in members]), strict=True):
             found[i] = _explained(replace(several[i], lit=lit))
     return found
+
+
+def turned_from(several: Sequence[JointStart], found: Sequence[JointExplanation | None]) -> list[JointExplanation]:
+    """The starts that alignment has turned into another answer, or lost, judged where they stand.
+
+    found: of each start, what it was aligned to. Where a shadow is a sliver, views that show little of it may pull it
+    onto what is more clearly dark.
+    """
+    turned = []
+    for start, one in zip(several, found, strict=True):
+        if one is None or _apart_rad(start.lit, one.joint.alignment.placed.lit) > GOOD_RAD:
+            turned.append(_explained(start))
+    return [each for each in turned if each is not None]
 
 
 def with_likeliest_family(explanation: JointExplanation, preset: FitPreset) -> JointExplanation:
@@ -174,6 +188,12 @@ def _sight(lit: LitBody, costs: Costs) -> Sight:
     view = costs.region.view
     foot = project(view.camera, view.T_cam_marker, np.array([[*lit.body.frame.origin_marker, 0.0]]))[0]
     return Sight(view.camera, view.T_cam_marker, foot if np.isfinite(foot).all() else np.zeros(2))
+
+
+def _apart_rad(one: LitBody, other: LitBody) -> float:
+    """The largest angle between a light of one and the same light of the other."""
+    pairs = zip(one.to_lights_marker, other.to_lights_marker, strict=True)
+    return max(angle_between(a, b) for a, b in pairs)
 
 
 def _cost(placed: Sequence[PlacedBody]) -> float:

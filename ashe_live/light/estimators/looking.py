@@ -1,0 +1,115 @@
+"""A look at a picture: what it may show, judged beside whatever other views of the scene there are."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+
+from ashe_live.core.stages import StageClock
+from ashe_live.core.types import TrackedFrame
+from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
+from ashe_live.light.estimators.refining import refined_and_others
+from ashe_live.light.estimators.scene_views import scene_views
+from ashe_live.light.estimators.steps import FAST, ProxySteps
+from ashe_live.light.estimators.together import explained_together
+from ashe_live.light.estimators.trace import Look, Trace
+from ashe_live.light.explanation.explain import Proposal, explained
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.company import Company, company_features
+from ashe_live.light.explanation.judgement.judge import Judge, explanation_features, probabilities_of
+from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.ground.glint import glint_in
+from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
+from ashe_live.light.ground.regions import unlit_regions
+from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts
+from ashe_live.light.pixels.view import View
+from ashe_live.light.views.seen import SceneView
+
+# Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
+LEAST_SHARE = 0.0005
+# What is tried at most in a view beside the first: as in a single picture by the preset `fast`.
+MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
+
+# The log odds of an explanation, judged beside these several.
+LogOddsAmong = Callable[[Sequence[Explanation]], Callable[[Explanation], float]]
+
+
+def looked(
+    tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps, judge: Judge, clock: StageClock
+) -> Look:
+    """One look at the picture of `tracked`, which must have a marker, and at the others, which show the same scene."""
+    fine = View.of(tracked, steps.fine_width_px)
+    coarse = fine.scaled(steps.coarse_width_px)
+    trace = Trace(coarse)
+    views = scene_views(tracked, fine, coarse, others, steps)
+    clock.end("segment")
+    if not views:
+        return Look(trace, views)
+    trace.ground = views[0].ground
+    candidates, log_odds = _explanations(views[0], trace, steps, judge, clock)
+    if len(views) > 1:
+        others_found = []
+        for view in views[1:][: steps.companions]:
+            rough, _ = _rough_explanations(view, Trace(view.coarse), _beside(steps), judge, clock)
+            others_found.append((view, rough))
+        together = explained_together([(views[0], candidates), *others_found], views, steps, judge)
+        candidates, log_odds = [each for each, _ in together], [odds for _, odds in together]
+        clock.end("views")
+    trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
+    return Look(trace, views)
+
+
+def _beside(steps: ProxySteps) -> ProxySteps:
+    """How a companion is searched: the first view finds the same explanations, unless they are hard to see in it."""
+    counts = {name: min(getattr(steps, name), most) for name, most in MOST_BESIDE.items()}
+    return replace(steps, **counts)
+
+
+def _explanations(
+    view: SceneView, trace: Trace, steps: ProxySteps, judge: Judge, clock: StageClock
+) -> tuple[list[Explanation], list[float]]:
+    """What one view may show, the likeliest refined, and its log odds; nothing where nothing stands out.
+
+    trace: of the view, filled in on the way.
+    """
+    rough, log_odds_among = _rough_explanations(view, trace, steps, judge, clock)
+    if not rough:
+        return [], []
+    sharpener = Sharpener.of([view.fine])
+    found = refined_and_others(rough, sharpener, view.fine, view.coarse, view.ground, steps, log_odds_among(rough))
+    clock.end("fit")
+    log_odds = list(map(log_odds_among(found), found))
+    clock.end("judge")
+    return found, log_odds
+
+
+def _rough_explanations(
+    view: SceneView, trace: Trace, steps: ProxySteps, judge: Judge, clock: StageClock
+) -> tuple[list[Explanation], LogOddsAmong]:
+    """What one view may show, as the fits to the likeliest splits say, and how these are judged among several."""
+    fine, coarse, ground = view.fine, view.coarse, view.ground
+    unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
+    unlit = with_unlit_on_average(unlit, coarse)
+    trace.glint = glint = glint_in(coarse, ground)
+    trace.unlit = unlit = unlit if glint is None else unlit & ~glint.halo
+    trace.regions = regions = unlit_regions(fine, unlit, ground, steps.region_px, steps.regions)
+    clock.end("segment")
+    proposals: list[Proposal] = []
+    for region in regions:
+        # What stands out elsewhere may outvote a region's own shadow; but all shadows are of the same lights.
+        votes = region.colours[region.unlit], ground.colours[unlit]
+        shifts = shadow_shifts(ground, votes, steps.shifts)
+        paired = shadow_shifts(ground, votes, steps.shifts, FINE)
+        proposals += proposals_of(region, ground, shifts, paired)
+    clock.end("associate")
+    trace.proposals = selected_for_fit(proposals, steps.tried, judge)
+    rough = [each for each in explained(trace.proposals, steps.first_fit) if each] if proposals else []
+    trace.rough = rough = Sharpener.of([fine]).measured(rough)
+    to_glint = None if glint is None else glint.to_light_marker
+    alone = cache(explanation_features)
+
+    def log_odds_among(several: Sequence[Explanation]) -> Callable[[Explanation], float]:
+        company = Company(several, to_glint)
+        return cache(lambda each: judge.log_odds_of({**alone(each), **company_features(each, company)}))
+
+    clock.end("fit")
+    return rough, log_odds_among

@@ -1,0 +1,126 @@
+"""The answer: the likeliest direction of what a picture's looks found, and all that is stated of its lights."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.light.estimators.proposals import proposals_of
+from ashe_live.light.estimators.steps import FIRST_FIT, ProxySteps
+from ashe_live.light.estimators.trace import Look
+from ashe_live.light.explanation.explain import Proposal, explained
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.evidence import shadow_core
+from ashe_live.light.explanation.judgement.judge import Judge, best_direction, recalibrated
+from ashe_live.light.explanation.penumbra import angular_size, soft_size
+from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.ground.lit_ground import LitGround, lit_rgb
+from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
+from ashe_live.light.labels.associate import distinct
+from ashe_live.light.lamps.kinds import AUTO, SUN
+from ashe_live.light.lamps.lamp import Scene, stated, with_size
+
+OTHERS_TRIED = 4  # splits of other regions that are fitted, the best-looking, once one object's light is known
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Choice:
+    """The explanation that all looks together make likeliest."""
+
+    look: Look  # that found it
+    explanation: Explanation
+    confidence: float
+
+
+def chosen(looks: Sequence[Look], judge: Judge) -> Choice | None:
+    """The likeliest explanation of the likeliest direction by the average of the looks; None where none was found."""
+    average = judge.average(len(looks))
+    several = [
+        (look, each, weight * probability)
+        for look, weight in zip(looks, average.weights, strict=True)
+        for each, probability in zip(look.trace.judged, look.trace.probabilities, strict=True)
+    ]
+    if not several:
+        return None
+    probabilities = np.array([probability for *_, probability in several])
+    index, share = best_direction(probabilities, [each.lights[0].to_light_marker for _, each, _ in several])
+    look, best, _ = several[index]
+    return Choice(look, best, recalibrated(share, average))
+
+
+def illumination_of(
+    choice: Choice, tracked: TrackedFrame, judge: Judge, steps: ProxySteps
+) -> tuple[Illumination, Explanation]:
+    """What the choice says of the light in `tracked`, and its explanation by the lights as they are stated.
+
+    A sun's explanation and a lamp's differ, as a lamp's body is aligned anew.
+    """
+    look, best = choice.look, choice.explanation
+    trace, ground = look.trace, look.views[0].ground
+    assert trace.unlit is not None
+    ratios = [shadow_ratio(ground, shift) for shift in _shifts_seen(best, ground)]
+    told = stated(
+        best,
+        choice.confidence,
+        lambda each, probability: judge.lights_of(each, probability, tracked),
+        ratios[: len(best.lights)],
+        Scene(
+            trace.view,
+            ground,
+            trace.unlit,
+            lambda: _other_objects(choice, judge),
+            lambda: Sharpener.of([look.views[0].fine]),
+            steps.fine_fit,
+        ),
+        # A hull's shadow has been compared with all of the plane: there is no body's border left to tell of a lamp.
+        SUN if best.hull is not None and steps.light == AUTO else steps.light,
+    )
+    # With two lights there is a third shift, that where both are blocked.
+    answers = zip(told.lights, ratios, strict=False)
+    lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
+    if len(lights) == 1:
+        lights = [with_size(lights[0], _angular_size(told.explanation, lights[0], tracked))]
+    real_object = told.explanation.real_object
+    return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), told.explanation
+
+
+def _other_objects(choice: Choice, judge: Judge) -> list[tuple[Explanation, float]]:
+    """Explanations of other objects than the chosen one, with their log odds: those found before, and new ones.
+
+    Once an object and its light are known, so is the colour that shadows have everywhere in the picture.
+    """
+    best, trace, ground = choice.explanation, choice.look.trace, choice.look.views[0].ground
+    shift = np.asarray(best.materials.shift)
+    proposals = [
+        proposal
+        for region in trace.regions
+        if region.window != best.region.window
+        for proposal in proposals_of(region, ground, [shift], [])
+        if proposal.split.undecided is None
+    ]
+    proposals.sort(key=lambda each: judge.split_score(each.region, each.materials, each.split), reverse=True)
+    new = [
+        each for each in explained(distinct(proposals, Proposal.is_like, OTHERS_TRIED), FIRST_FIT) if each is not None
+    ]
+    others = [each for each in trace.judged if each is not best]
+    return [(each, judge.log_odds(each)) for each in [*others, *new] if len(each.lights) == 1]
+
+
+def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
+    """The shifts measured inside the final shadow, as the vote also counted penumbrae and contact shadows.
+
+    Of two lights, the shifts of the vote.
+    """
+    if best.materials.lights == 2:
+        return best.materials.shifts
+    seen = shift_within(best.region.colours[shadow_core(best.region, best.predicted)], ground)
+    return best.materials.shifts if seen is None else (seen,)
+
+
+def _angular_size(best: Explanation, light: Light, tracked: TrackedFrame) -> float | None:
+    soft = soft_size(best.proxy, light.homogeneous, tracked)
+    if soft is not None:
+        return soft
+    return angular_size(best.proxy, light.homogeneous, best.materials.light_lost, best.predicted, best.region.view)
