@@ -40,7 +40,11 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight]) -> Found
         if len(one.fit.covariance) < 3:
             return one
         fit = one.fit
-    covariance = fit.covariance + np.diag([0.0, 0.0, (FOLDED / height_of(seen.body)) ** 2])
+    # A wider body throws the shadow of a nearer lamp, which ends at the same place: s / (1 - height w / z) is its end.
+    height = height_of(seen.body)
+    end = fit.light[:2] / (1 - height * fit.light[3])
+    by_width = FOLDED * np.append(-end, 1 / height)
+    covariance = fit.covariance + np.outer(by_width, by_width)
     sun, nearness, variance = _nearness(seen, fit.light, covariance, others)
     # By the edges, the displacement follows the nearness.
     by_nearness = covariance[:, 2] / covariance[2, 2]

@@ -27,6 +27,7 @@ START_SIGMA, LAMP_START_SIGMA = 0.12, 0.4
 NEARNESS_SIGMA = 1.5  # 1/m, of one over the light's distance before the picture is seen: most lamps are within it
 NEAREST = 0.7  # height of the body over that of a lamp, at most
 EDGE_SIGMA_PX = 0.3  # of an edge that is measured, beside which the start's own uncertainty counts
+LEAST_SHOWN = 0.1  # mean weight of a side's visible places, below which its edge is not seen
 LEAST_SIGMA_PX = 0.1  # of the edges' misfit, however small it is
 
 
@@ -79,7 +80,7 @@ def fitted(
         here = _moved(here, step, height_of(body))
         if not is_first and np.abs(J @ step).max() < DONE_PX:
             break
-    return _edge_fit(here, profiles, weight, step, normal, size or None, darkening)
+    return _edge_fit(here, profiles, weight, step, prior, size or None, darkening)
 
 
 def widest_reach_px(body: Proxy, view: View) -> float:
@@ -127,20 +128,23 @@ def _edge_fit(
     profiles: Profiles,
     weight: Float,
     step: Float,
-    normal: Float,
+    prior: Float,
     size_rad: float | None,
     darkening: float,
 ) -> EdgeFit:
-    """What is said of a light (4,) after its last step (p,), where the normal matrix was (p, p)."""
+    """What is said of a light (4,) after its last step (p,), with the information (p, p) of its start."""
     edges = profiles.edges
     J = edges.by_light[:, : len(step)]
     left_px = profiles.offset_px - J @ step
     variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
     visible = profiles.visible
-    inverse = np.linalg.inv(normal)
+    # A side that shows an edge in few places, by chance or by its neighbours', has led the fit but tells nothing.
+    count = len(edges.corners_px)
+    shown = np.bincount(edges.side, weight, count) >= LEAST_SHOWN * np.bincount(edges.side, visible, count)
+    told = weight * shown[edges.side]
+    inverse = np.linalg.inv((J.T * told) @ J + prior)
     # Neighbouring points err alike, and a whole side does where stains, folds or the hidden sky's gradient shift it.
-    of_side = edges.side == np.arange(len(edges.corners_px))[:, None]
-    by_sides = EDGE_SIGMA_PX * (of_side * weight) @ J @ inverse
+    by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(count)[:, None]) * told) @ J @ inverse
     return EdgeFit(
         light,
         np.asarray(variance * POINTS_A_SAMPLE * inverse + by_sides.T @ by_sides),

@@ -33,6 +33,7 @@ class Profiles:
 
     edges: ShadowEdges
     reach_px: Float  # (n,) how far from the prediction they were looked for
+    window: Float  # (n,) part of the window that was asked for, which holds an edge's blur, for which there is room
     offset_px: Float  # (n,) outwards of where they are predicted
     variance_px2: Float  # (n,) of the rise
     step: Float  # (n,) light lost, over the lit side's
@@ -57,7 +58,8 @@ class Profiles:
         total = np.maximum(total, 1e-9)
         variance = np.maximum(second / total - (first / total) ** 2, 0.0) * reach**2
         step = lost / np.maximum(lit, 1e-4)
-        return Profiles(edges, reach, offset.clip(-reach, reach), variance, step, visible)
+        window = np.minimum(reach / wanted_px, 1.0)
+        return Profiles(edges, reach, window, offset.clip(-reach, reach), variance, step, visible)
 
     def are_steps(self, darkening: float) -> Mask:
         """(n,) which are visible and as deep as a light's edge that takes this part of the table's light."""
@@ -73,7 +75,8 @@ class Profiles:
         # Near a corner the neighbouring edge bends the half light.
         straight = np.clip(self.edges.to_corner_px / np.maximum(0.7 * self.reach_px, 1e-9), 0, 1) ** 2
         deep = np.clip(self.step / max(darkening, 1e-6), 0, 1) ** 2
-        return np.asarray(self.are_steps(darkening) * straight * deep / (1 + (self.offset_px / scale) ** 2))
+        told = straight * deep * self.window**2
+        return np.asarray(self.are_steps(darkening) * told / (1 + (self.offset_px / scale) ** 2))
 
     def widths(self, weight: Float) -> tuple[float, float]:
         """The variance of the picture's blur, px^2, and the light's angular diameter, 0 where it is not told.
