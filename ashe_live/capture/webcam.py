@@ -13,9 +13,9 @@ from ashe_live.capture.camera_error import camera_error, check_is_device
 from ashe_live.capture.sources import Source, SourceLost
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
-from ashe_live.core.mailbox import Closed, LatestMailbox
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.process.mailbox import Closed, LatestMailbox
 
 FALLBACK_FPS = 30.0
 # How long a camera may be silent before it counts as lost (OpenCV waits 10 s on Linux unless told). Its first picture

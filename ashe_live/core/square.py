@@ -1,10 +1,26 @@
-"""A marker's square: its corners in the marker frame, and the lengths of its sides in a picture."""
+"""A marker's square: its corners in the marker frame, its sides in a picture, and where another one lies beside it."""
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.ranges import MARKER_SIDE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlaneMarker:
+    """Where another marker lies on the plane z = 0 of the one that is followed, and how large it is there."""
+
+    spec: str
+    centre_m: Float  # (2,) x, y; metres, frame of the marker that is followed
+    turn_rad: float  # from that marker's x to its own, counter-clockwise seen from above
+    side_m: float  # black square's side, by the size of the marker that is followed
+
+    def __post_init__(self) -> None:
+        set_frozen(self, centre_m=frozen_floats(self.centre_m, (2,), "centre_m"))
+        MARKER_SIDE.checked(self.side_m, "side_m")
 
 
 def square_corners(side_m: float) -> Float:

@@ -10,9 +10,9 @@ import numpy as np
 from ashe_live.core import arguments
 from ashe_live.core.arrays import Float, Image, Mask, frozen_floats, frozen_view, set_frozen
 from ashe_live.core.camera import Camera
-from ashe_live.core.plane_marker import PlaneMarker
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.ranges import ANGLE, INVERSE_DISTANCE, LAMP_RADIUS, MARKER_SIDE, SHARE
+from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import angles_from_direction, normalised
 
 

@@ -10,18 +10,18 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes
+from ashe_live.models.assembly.geometry import RawMesh, placed_mesh
+from ashe_live.models.assembly.merging import merged
+from ashe_live.models.assembly.up import Y_UP, guessed_up, z_up_from
 from ashe_live.models.formats.obj import read_obj
 from ashe_live.models.formats.ply import read_ply
 from ashe_live.models.formats.stl import read_stl
-from ashe_live.models.geometry import RawMesh, placed_mesh
 from ashe_live.models.gltf.reader import read_gltf
-from ashe_live.models.merging import merged
 from ashe_live.models.mesh import Model
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.limits import MAX_FILE_BYTES, check_surfaces, check_text, check_triangles
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES, Notes
-from ashe_live.models.up import Y_UP, guessed_up, z_up_from
 
 GLTF_SUFFIXES = (".glb", ".gltf")
 SUFFIXES = (*GLTF_SUFFIXES, ".obj", ".ply", ".stl")

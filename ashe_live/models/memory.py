@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ashe_live.files.kept import KeptObject, configuration_file
-from ashe_live.models.up import UPS
+from ashe_live.models.assembly.up import UPS
 
 MOST_MODELS = 500
 

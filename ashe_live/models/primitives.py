@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ashe_live.models.assembly.shading_normals import corner_normals
 from ashe_live.models.material import WHITE, LinearRGBA, Material
 from ashe_live.models.mesh import Mesh
-from ashe_live.models.shading_normals import corner_normals
 
 
 def box(size: ArrayLike, colour: LinearRGBA = WHITE) -> Mesh:

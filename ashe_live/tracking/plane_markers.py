@@ -12,9 +12,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
-from ashe_live.core.plane_marker import PlaneMarker
 from ashe_live.core.ranges import MARKER_SIDE
-from ashe_live.core.square import square_corners
+from ashe_live.core.square import PlaneMarker, square_corners
 from ashe_live.core.transforms import project, raycast_to_plane
 from ashe_live.core.types import Frame, MarkerPose
 from ashe_live.tracking.edges.lens import source_from_ideal

@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from ashe_live.core.mailbox import Closed
 from ashe_live.errors import UserError
+from ashe_live.process.mailbox import Closed
 from ashe_live.process.messages import say, tell
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.tracking.poses.steadiness import Steadiness

@@ -55,3 +55,4 @@ def test_help_is_the_programs_or_the_options_of_the_start(run):
     assert "COMMAND" in run("--help").out[0]
     assert any("--camera" in line for line in run("--model", "mug", "--help").out)
     assert not any(START in line.split() for line in run("--help").out)
+    assert START not in "".join(run("nosuch").err)

@@ -7,9 +7,9 @@ import pytest
 import trimesh
 
 from ashe_live.errors import UserError
+from ashe_live.models.assembly.shading_normals import face_normals, row_keys
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.mesh import Mesh
-from ashe_live.models.shading_normals import face_normals, row_keys
 
 
 def _volume(part: Mesh) -> float:

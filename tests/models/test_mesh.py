@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
+from ashe_live.models.assembly.shading_normals import face_normals
 from ashe_live.models.mesh import Mesh, Model
 from ashe_live.models.primitives import box, revolved
-from ashe_live.models.shading_normals import face_normals
 
 TRIANGLE = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], dtype=np.float32)
 UP = np.tile(np.float32((0, 0, 1)), (3, 1))

@@ -15,10 +15,10 @@ from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.core.camera import Camera
 from ashe_live.core.caster import Caster
-from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews
+from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.gl.offscreen import graphics_failures_told
 from ashe_live.tracking.poses.steadiness import Steadiness

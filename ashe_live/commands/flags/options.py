@@ -5,14 +5,13 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from ashe_live.commands.flags.option_groups import DEFAULT_MODELS, UPS
-from ashe_live.commands.flags.parser import START, build_parser
+from ashe_live.commands.flags.parser import build_parser, build_start_parser
 from ashe_live.errors import UserError
 
 
-def with_command(arguments: Sequence[str]) -> Sequence[str]:
-    """START where there is none."""
-    is_there = bool(arguments) and (not arguments[0].startswith("-") or arguments[0] in ("-h", "--help", "--version"))
-    return arguments if is_there else [START, *arguments]
+def has_command(arguments: Sequence[str]) -> bool:
+    """Whether there is one, or a question about all of them."""
+    return bool(arguments) and (not arguments[0].startswith("-") or arguments[0] in ("-h", "--help", "--version"))
 
 
 def _with_axes_joined(arguments: Sequence[str]) -> Sequence[str]:
@@ -28,8 +27,9 @@ def _with_axes_joined(arguments: Sequence[str]) -> Sequence[str]:
 
 def parsed(arguments: Sequence[str]) -> argparse.Namespace:
     """The options, with the settings where no flag says otherwise. Raises UserError for settings that cannot be."""
-    arguments = _with_axes_joined(with_command(arguments))
-    options = build_parser().parse_args(arguments)
+    arguments = _with_axes_joined(arguments)
+    build, named = (build_parser, 1) if has_command(arguments) else (build_start_parser, 0)
+    options = build().parse_args(arguments)
     # Only here, as --help and wrong use do not come so far.
     from ashe_live.commands.flags.settings_file import COMMANDS, ONE_OF, flags_of, read_settings, settings_path
 
@@ -40,8 +40,8 @@ def parsed(arguments: Sequence[str]) -> argparse.Namespace:
         settings = {key: value for key, value in settings.items() if key not in ONE_OF}
     if getattr(options, "model", DEFAULT_MODELS) is not DEFAULT_MODELS:  # a setting would be one more
         settings.pop("model", None)
-    first, *rest = arguments
-    return build_parser(_SettingsParser).parse_args([first, *flags_of(settings, options.command), *rest])
+    flags = flags_of(settings, options.command)
+    return build(_SettingsParser).parse_args([*arguments[:named], *flags, *arguments[named:]])
 
 
 class _SettingsParser(argparse.ArgumentParser):

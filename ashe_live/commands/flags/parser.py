@@ -26,6 +26,7 @@ START = "start"
 
 
 def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
+    """Of the command line with a command."""
     parser = (parser_class or _Parser)(
         prog="ashe-live", description="AR whose virtual objects are lit as the real ones are.", epilog=EPILOG
     )
@@ -40,12 +41,6 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     webcam.add_argument("--camera", type=values.camera, default="0", metavar="N|PATH", help="(default 0)")
     add_scene_options(webcam)
     add_view_options(webcam)
-
-    # Without help it is not listed: nobody has to know its name.
-    start = commands.add_parser(START, prog="ashe-live")
-    start.add_argument("--camera", type=values.camera, metavar="N|PATH", help="(default: the first one)")
-    add_scene_options(start)
-    add_view_options(start)
 
     play = commands.add_parser("play", help="play a recorded clip, or show a photo")
     play.add_argument("file", type=Path, metavar="FILE")
@@ -63,7 +58,27 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     commands.add_parser("doctor", help="check what works on this machine, and say how to mend what does not")
     commands.add_parser("settings", help="where your settings are, and which values apply (docs/settings.md)")
 
-    board = commands.add_parser("board", help="make a board to print, with which `calibrate` measures a camera")
+    _add_board_options(
+        commands.add_parser("board", help="make a board to print, with which `calibrate` measures a camera")
+    )
+    _add_calibrate_options(
+        commands.add_parser("calibrate", help="measure a camera's focal length and distortion with the board")
+    )
+    add_benches(commands.add_parser("bench", help="measure speed and accuracy on this machine"))
+    return parser
+
+
+def build_start_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> argparse.ArgumentParser:
+    """Of the command line without a command, which nobody has to know the name of."""
+    start = (parser_class or _Parser)(prog="ashe-live")
+    start.set_defaults(command=START)
+    start.add_argument("--camera", type=values.camera, metavar="N|PATH", help="(default: the first one)")
+    add_scene_options(start)
+    add_view_options(start)
+    return start
+
+
+def _add_board_options(board: argparse.ArgumentParser) -> None:
     board.add_argument("--out", type=Path, required=True, metavar="FILE.pdf|png")
     board.add_argument(
         "--square-mm", type=values.millimetres, default=25.0, metavar="MM", help="side of a square (default 25)"
@@ -71,7 +86,8 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
     _add_paper(board)
     board.add_argument("--overwrite", action="store_true", help="replace an existing file")
 
-    calibrate = commands.add_parser("calibrate", help="measure a camera's focal length and distortion with the board")
+
+def _add_calibrate_options(calibrate: argparse.ArgumentParser) -> None:
     calibrate.add_argument(
         "--camera",
         type=values.camera,
@@ -87,9 +103,6 @@ def build_parser(parser_class: type[argparse.ArgumentParser] | None = None) -> a
         "--headless", action="store_true", help="print what to do next in the terminal, without a window"
     )
     calibrate.add_argument("--overwrite", action="store_true", help="replace an existing file")
-
-    add_benches(commands.add_parser("bench", help="measure speed and accuracy on this machine"))
-    return parser
 
 
 def _add_estimate_options(estimate: argparse.ArgumentParser) -> None:

@@ -14,13 +14,13 @@ from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import Any, Self
 
-from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.estimator import ESTIMATORS, Estimator, make_estimator
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.live import worker_process
 from ashe_live.light.live.worker_process import Answer, Draw, Request, WorkerFailure
 from ashe_live.process import children
+from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.process.pipes import receive_value, send_value
 
 LIMITS = children.Limits(niceness=0)  # worker_process.py gives way where it should

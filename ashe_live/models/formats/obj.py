@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.errors import UserError
+from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import read_mtl, text_of
 from ashe_live.models.formats.polygons import triangulated
 from ashe_live.models.formats.words import numbers_in
-from ashe_live.models.geometry import RawMesh
 from ashe_live.models.material import UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.malformed import MalformedError

@@ -7,10 +7,10 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import linear_from_srgb
+from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.mtl import pictured
 from ashe_live.models.formats.ply_elements import Element, Lists, elements_of
 from ashe_live.models.formats.polygons import triangulated
-from ashe_live.models.geometry import RawMesh
 from ashe_live.models.material import UNKNOWN, Material
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.malformed import MalformedError

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.words import numbers_in
-from ashe_live.models.geometry import RawMesh
 from ashe_live.models.material import UNKNOWN
 from ashe_live.models.parsing.folder import Folder
 from ashe_live.models.parsing.malformed import MalformedError

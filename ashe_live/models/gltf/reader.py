@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
-from ashe_live.models.geometry import RawMesh, RawMotion
+from ashe_live.models.assembly.geometry import RawMesh, RawMotion
 from ashe_live.models.gltf.amounts import FAN, STRIP, TRIANGLES, amounts_of, check_layout
 from ashe_live.models.gltf.animation import Animation
 from ashe_live.models.gltf.arrays import Arrays

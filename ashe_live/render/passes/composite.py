@@ -7,6 +7,7 @@ of model and border of shadow are as soft as everything else in the picture.
 
 import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -37,8 +38,8 @@ class Composite:
 
     def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
         """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
-        scale = viewport[2] / frame.size[0]
-        return max(_reach(_widest(scale, look)), _reach(_coarsest(scale, look), MAX_COARSE_REACH))
+        blurs = _blurs_of(viewport[2] / frame.size[0], look)
+        return max(blurs.reach, blurs.coarse_reach)
 
     def draw(
         self,
@@ -59,39 +60,31 @@ class Composite:
         the video; straight alpha.
         """
         frame = tracked.frame
-        scale = viewport[2] / frame.size[0]
-        variance, widest = _variance(scale, look), _widest(scale, look)
-        reach = _reach(widest)
-        coarsest = _coarsest(scale, look)
-        coarse_reach = _reach(coarsest, MAX_COARSE_REACH)
+        blurs = _blurs_of(viewport[2] / frame.size[0], look)
         switches = {
-            "wide": widest > variance,
+            "wide": blurs.widest > blurs.variance,
+            "coarse_reach": blurs.coarse_reach,
             "overexposed": look.overexposure > 1,
             "bends": lens is not None,
             "cut_out": is_cut_out,
         }
-        constants = {"reach": reach, **{name: 1 for name, is_on in switches.items() if is_on}}
-        if coarse_reach > 0:
-            constants["coarse_reach"] = coarse_reach
-        program = self._programs.get("composite", **constants)
-        if self._rectangle is None or self._rectangle[0] is not program:
-            self._release_rectangle()
-            self._rectangle = program, self._ctx.vertex_array(program, [])
+        constants = {name: int(value) for name, value in switches.items() if value}
+        program, rectangle = self._rectangle_of(self._programs.get("composite", reach=blurs.reach, **constants))
         surface.bind_layers()
         video.bind()
         set_uniforms(
             program,
             viewport=tuple(map(float, viewport)),
-            weights=_weights(variance, reach),
-            wide_weights=_weights(widest, reach),
-            coarse_weights=_weights(coarsest, coarse_reach, every_second=True),
+            weights=_weights(blurs.variance, blurs.reach),
+            wide_weights=_weights(blurs.widest, blurs.reach),
+            coarse_weights=_weights(blurs.coarsest, blurs.coarse_reach, every_second=True),
             sharpening=look.sharpening,
             overexposure=look.overexposure,
             noise_sigmas=np.array(look.noise_sigmas),
-            grain_px=(scale, viewport[3] / frame.size[1]),
+            grain_px=(viewport[2] / frame.size[0], viewport[3] / frame.size[1]),
             seed=frame.index,
         )
-        within = grown(region, max(reach, coarse_reach), surface.size)
+        within = grown(region, max(blurs.reach, blurs.coarse_reach), surface.size)
         if lens is not None:
             lens.bind(tracked.camera)
             set_uniforms(program, region=tuple(map(float, within)))
@@ -100,12 +93,19 @@ class Composite:
         surface.colour.use()
         self._ctx.viewport = (0, 0, *surface.size)
         self._ctx.enable_only(moderngl.NOTHING)
-        self._rectangle[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+        rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
         surface.colour.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
         surface.colour.use()
 
     def release(self) -> None:
         self._release_rectangle()
+
+    def _rectangle_of(self, program: moderngl.Program) -> tuple[moderngl.Program, moderngl.VertexArray]:
+        """What draws all of the framebuffer with that program."""
+        if self._rectangle is None or self._rectangle[0] is not program:
+            self._release_rectangle()
+            self._rectangle = program, self._ctx.vertex_array(program, [])
+        return self._rectangle
 
     def _release_rectangle(self) -> None:
         if self._rectangle is not None:
@@ -119,26 +119,26 @@ def _right_of(column: int, rectangle: Rectangle) -> Rectangle:
     return first, bottom, max(0, left + width - first), height
 
 
-def _variance(scale: float, look: VideoLook) -> float:
-    """Of the blur in pixels of the framebuffer, `scale` of which are one of the video.
+class _Blurs(NamedTuple):
+    """Variances (px²) and reaches (px) of the composite's blurs, in pixels of the framebuffer."""
 
-    A pixel of the video is a box of `scale` pixels. Shadows are drawn with one sample a pixel, however many the model's
-    edges have, so that all of that box is left to do.
+    variance: float
+    widest: float  # with which its brightness is compared; as `variance` where nothing is sharpened
+    coarsest: float  # of its colours; 0 where they are as sharp as its brightness
+    reach: int  # of both blurs of its brightness
+    coarse_reach: int
+
+
+def _blurs_of(scale: float, look: VideoLook) -> _Blurs:
+    """`scale` pixels of the framebuffer are one of the video, which is a box of as many.
+
+    Shadows are drawn with one sample a pixel, however many the model's edges have, so that all of that box is left to
+    do.
     """
-    if look.blur_sigma_px is None:
-        return 0.0
-    return scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2)
-
-
-def _widest(scale: float, look: VideoLook) -> float:
-    """Variance of the blur with which the composite's brightness is compared."""
-    variance = _variance(scale, look)
-    return variance + scale**2 * SHARPENING_SIGMA_PX**2 if look.sharpening > 0 else variance
-
-
-def _coarsest(scale: float, look: VideoLook) -> float:
-    """Variance of the blur of the composite's colours; 0 where they are as sharp as its brightness."""
-    return _variance(scale, look) + scale**2 * look.chroma_blur_px**2 if look.chroma_blur_px > 0 else 0.0
+    variance = 0.0 if look.blur_sigma_px is None else scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2)
+    widest = variance + (scale**2 * SHARPENING_SIGMA_PX**2 if look.sharpening > 0 else 0.0)
+    coarsest = variance + scale**2 * look.chroma_blur_px**2 if look.chroma_blur_px > 0 else 0.0
+    return _Blurs(variance, widest, coarsest, _reach(widest), _reach(coarsest, MAX_COARSE_REACH))
 
 
 def _reach(variance: float, most: int = MAX_REACH) -> int:

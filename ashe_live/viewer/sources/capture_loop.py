@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ashe_live.capture.sources import Seekable, Source, SourceLost
-from ashe_live.core.mailbox import Closed, LatestMailbox
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.errors import UserError
 from ashe_live.light.live.key_views import KeyViews
+from ashe_live.process.mailbox import Closed, LatestMailbox
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.sources.pace import Pace

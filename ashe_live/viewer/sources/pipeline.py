@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 from ashe_live.capture.sources import Seekable, Source
-from ashe_live.core.mailbox import LatestMailbox
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.live.key_views import KeyViews
+from ashe_live.process.mailbox import LatestMailbox
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.tracker import MarkerTracker
 from ashe_live.viewer.sources.capture_loop import FIRST_FRAME, CaptureLoop, Jump, Place, Wish

@@ -6,11 +6,11 @@ from concurrent.futures import Future
 from pathlib import Path
 
 from ashe_live.errors import UserError
+from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import model_names
 from ashe_live.models.memory import ModelMemory
 from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_model
-from ashe_live.models.up import UPS
 from ashe_live.viewer.sources.background import begun
 
 # A line that is gone before it can be read would only flicker.

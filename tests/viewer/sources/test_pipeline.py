@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from ashe_live.capture.sources import SourceLost
-from ashe_live.core.mailbox import Closed
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.process.mailbox import Closed
 from ashe_live.quality import ACCURATE, FAST
 from ashe_live.viewer.sources import capture_loop
 from ashe_live.viewer.sources import pipeline as pipeline_module

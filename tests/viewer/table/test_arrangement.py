@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.core.plane_marker import PlaneMarker
+from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.models.catalogue import MOST_MODELS, ChosenModel

@@ -6,10 +6,10 @@ from concurrent.futures import wait
 import pytest
 
 from ashe_live.errors import UserError
+from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import model_names
 from ashe_live.models.memory import ModelMemory
 from ashe_live.models.reading import read_model
-from ashe_live.models.up import UPS
 from ashe_live.viewer.table import shelf as shelf_module
 from ashe_live.viewer.table.shelf import Shelf
 

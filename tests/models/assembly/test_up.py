@@ -7,9 +7,9 @@ import pytest
 import trimesh
 
 from ashe_live.commands.flags import option_groups
+from ashe_live.models.assembly.up import UPS, z_up_from
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.memory import ModelMemory
-from ashe_live.models.up import UPS, z_up_from
 
 SUFFIXES = (".obj", ".ply", ".stl")
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from ashe_live.errors import UserError
+from ashe_live.models.assembly.merging import merged
 from ashe_live.models.loading import load_model_file
 from ashe_live.models.material import Alpha, Material
-from ashe_live.models.merging import merged
 from ashe_live.models.parsing import limits
 from ashe_live.models.primitives import box
 from tests.models.gltf_files import UVS, Document, png

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.models.geometry import RawMesh
+from ashe_live.models.assembly.geometry import RawMesh
 
 UPS = ("y", "z", "x", "-y", "-z", "-x")
 Y_UP, Z_UP = UPS[:2]

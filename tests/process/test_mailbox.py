@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from ashe_live.core.mailbox import Closed, LatestMailbox
+from ashe_live.process.mailbox import Closed, LatestMailbox
 
 
 def test_the_latest_value_replaces_the_earlier() -> None:

@@ -6,10 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
-from ashe_live.models.material import Material
-from ashe_live.models.mesh import Float32, Indices, Mesh, Motion
-from ashe_live.models.parsing.malformed import MalformedError
-from ashe_live.models.shading_normals import (
+from ashe_live.models.assembly.shading_normals import (
     corner_normals,
     face_normals,
     is_inside_out,
@@ -17,6 +14,9 @@ from ashe_live.models.shading_normals import (
     unit_rows,
     vertex_normals,
 )
+from ashe_live.models.material import Material
+from ashe_live.models.mesh import Float32, Indices, Mesh, Motion
+from ashe_live.models.parsing.malformed import MalformedError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
