@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.edges.nearness import NearnessBySteps, NearnessPrior
 from ashe_live.light.edges.outline_points import (
     POINTS_PER_OUTLINE,
     OutlinePoints,
@@ -22,7 +23,7 @@ from ashe_live.light.edges.outline_points import (
 )
 from ashe_live.light.edges.step_costs import FEWEST_STEPS, MISSED, StepCosts, mean_costs
 from ashe_live.light.edges.steps import LightPicture, steps_across
-from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, prior_information
+from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, offset_of_lights, prior_information
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.family import padded
 from ashe_live.light.shape.layout import Layout
@@ -52,6 +53,7 @@ class EdgeFit:
     count: int  # points at which a step should be seen
     mean_costs: StepCosts  # the same on average, of each kind of outline
     shadow_steps: int  # points of the shadow's outline at which one is; of two lights' shadows, of that with fewer
+    as_lamp: tuple[Float, Float] | None = None  # normal matrix and gradient with the nearness, where that was free
 
     @property
     def mean_cost(self) -> float:
@@ -61,8 +63,19 @@ class EdgeFit:
     @property
     def information(self) -> Float:
         """(split, split) on the lights, whatever the shape; less where steps are missed by more than their sigmas."""
-        information = information_on_lights(self.normal, self.lit.layout)
-        return np.asarray(information / (POINTS_PER_SAMPLE * max(self.mean_cost, 1.0)))
+        return information_on_lights(self.normal, self.lit.layout) / self._points_per_sample
+
+    @property
+    def nearness(self) -> NearnessBySteps | None:
+        """What the steps tell of the first light's nearness, where that was free."""
+        if self.as_lamp is None:
+            return None
+        offset, information = offset_of_lights(*self.as_lamp, Layout(len(self.lit.lights), with_nearness=True))
+        return NearnessBySteps(offset, information / self._points_per_sample)
+
+    @property
+    def _points_per_sample(self) -> float:
+        return POINTS_PER_SAMPLE * max(self.mean_cost, 1.0)
 
     @property
     def criterion(self) -> float:
@@ -75,19 +88,20 @@ class EdgeFit:
 
 
 def aligned_with_steps(
-    several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float
+    several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float, near: NearnessPrior | None = None
 ) -> list[EdgeFit | None]:
     """Each body moved onto the steps of light around its outlines; None where it does not stay in view.
 
     several: n nearly right bodies of l lights each. pictures: of one scene, whose normal equations are summed. shifts:
-    (n, l) logs of how much darker the ground is in each light's shadow than out of it, negative.
+    (n, l) logs of how much darker the ground is in each light's shadow than out of it, negative. near: of the nearness
+    of one light each, where that is not held.
     """
     here = list(several)
     for reach in REACHES_PX:
-        seen = _Seen([_measured(here, picture, shifts, reach) for picture in pictures])
+        seen = _Seen([_measured(here, picture, shifts, reach) for picture in pictures], near)
         steps = seen.steps(EARLY_LOSS_FACTOR if reach > REACHES_PX[-1] else 1.0)
-        here = [lit.moved(step) for lit, step in zip(here, steps, strict=True)]
-    return _Seen([_measured(here, picture, shifts, REACHES_PX[-1]) for picture in pictures]).fits()
+        here = [lit.moved(step, near is not None) for lit, step in zip(here, steps, strict=True)]
+    return _Seen([_measured(here, picture, shifts, REACHES_PX[-1]) for picture in pictures], near).fits()
 
 
 def step_costs(several: Sequence[LitBody], pictures: Sequence[LightPicture], shifts: Float) -> list[StepCosts]:
@@ -114,9 +128,10 @@ class _Measured:
         scale_px = loss_factor * np.maximum(OUTLIER_PX, OUTLIER_SHARE * self.object_px)[:, None]
         return np.asarray(self.information / (1 + (self.offset_px / scale_px) ** 2) ** 2)
 
-    def equations(self, loss_factor: float) -> tuple[Float, Float]:
+    def equations(self, loss_factor: float, with_nearness: bool) -> tuple[Float, Float]:
         """(n, t, t) normal matrices without the prior on the shape, (n, t) gradients towards the steps."""
-        weight, by_theta = self.weight(loss_factor), derivatives_by_theta(self.bodies, self.sights, self.places)
+        weight = self.weight(loss_factor)
+        by_theta = derivatives_by_theta(self.bodies, self.sights, self.places, with_nearness)
         by_theta = np.where(self.is_in_view[:, None, None], by_theta, 0.0)
         gradient = (by_theta @ (weight * self.offset_px)[..., None])[..., 0]
         return (by_theta * weight[:, None]) @ by_theta.swapaxes(1, 2), gradient
@@ -140,18 +155,25 @@ class _Seen:
     """The steps of light around n bodies in all pictures."""
 
     views: Sequence[_Measured]
+    near: NearnessPrior | None = None
 
-    def equations(self, loss_factor: float) -> tuple[Float, Float]:
+    def equations(self, loss_factor: float, with_nearness: bool = False) -> tuple[Float, Float]:
         """As `_Measured.equations`, of all pictures and with the prior on the shape."""
-        normals, gradients = zip(*(view.equations(loss_factor) for view in self.views), strict=True)
+        normals, gradients = zip(*(view.equations(loss_factor, with_nearness) for view in self.views), strict=True)
         normal, bodies = np.sum(normals, axis=0), self.views[0].bodies
-        diagonal, layout = np.arange(normal.shape[1]), Layout(len(bodies[0].lights))
+        diagonal, layout = np.arange(normal.shape[1]), Layout(len(bodies[0].lights), with_nearness)
         normal[:, diagonal, diagonal] += padded([prior_information(one.body.family, layout) for one in bodies])
         return normal, np.sum(gradients, axis=0)
 
     def steps(self, loss_factor: float) -> Float:
         """(n, split + q) damped Gauss-Newton steps of theta."""
-        return damped_steps(*self.equations(loss_factor))
+        normal, gradient = self.equations(loss_factor, self.near is not None)
+        if self.near is not None:
+            at = Layout(1, with_nearness=True).split - 1
+            information, towards = self.near.applied(self.views[0].bodies)
+            normal[:, at, at] += POINTS_PER_SAMPLE * information
+            gradient[:, at] += POINTS_PER_SAMPLE * towards
+        return damped_steps(normal, gradient)
 
     def costs(self) -> tuple[Float, Float, Float]:
         """As `_Measured.costs`, of all pictures, with the steps of the shadow that has the fewest (n,)."""
@@ -161,15 +183,17 @@ class _Seen:
     def fits(self) -> list[EdgeFit | None]:
         """Of every body; None for one that is in view nowhere."""
         normals, _ = self.equations(1.0)
+        free = None if self.near is None else self.equations(1.0, with_nearness=True)
         in_view = np.any([view.is_in_view for view in self.views], axis=0)
         found: list[EdgeFit | None] = []
-        for lit, normal, cost, count, steps, is_seen in zip(
-            self.views[0].bodies, normals, *self.costs(), in_view, strict=True
-        ):
+        for i, (lit, cost, count, steps) in enumerate(zip(self.views[0].bodies, *self.costs(), strict=True)):
             size = lit.layout.split + len(lit.body.shape)
             costs = mean_costs(cost, count, steps)
-            fit = EdgeFit(lit, normal[:size, :size], float(cost.sum()), int(count.sum()), costs, int(steps))
-            found.append(fit if is_seen else None)
+            as_lamp = None if free is None else (free[0][i, : size + 1, : size + 1], free[1][i, : size + 1])
+            fit = EdgeFit(
+                lit, normals[i, :size, :size], float(cost.sum()), int(count.sum()), costs, int(steps), as_lamp
+            )
+            found.append(fit if in_view[i] else None)
         return found
 
 

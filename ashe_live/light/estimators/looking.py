@@ -21,6 +21,7 @@ from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts
+from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.seen import SceneView
 
@@ -49,7 +50,7 @@ def looked(
     if len(views) > 1:
         others_found = []
         for view in views[1:][: steps.companions]:
-            rough, _ = _rough_explanations(view, Trace(view.coarse), _beside(steps), judge, clock)
+            rough, *_ = _rough_explanations(view, Trace(view.coarse), _beside(steps), judge, clock)
             others_found.append((view, rough))
         together = explained_together([(views[0], candidates), *others_found], views, steps, judge)
         candidates, log_odds = [each for each, _ in together], [odds for _, odds in together]
@@ -71,11 +72,12 @@ def _explanations(
 
     trace: of the view, filled in on the way.
     """
-    rough, log_odds_among = _rough_explanations(view, trace, steps, judge, clock)
+    rough, log_odds_among, lamps = _rough_explanations(view, trace, steps, judge, clock)
     if not rough:
         return [], []
     sharpener = Sharpener.of([view.fine])
-    found = refined_and_others(rough, sharpener, view.fine, view.coarse, view.ground, steps, log_odds_among(rough))
+    log_odds_of = log_odds_among(rough)
+    found = refined_and_others(rough, sharpener, view.fine, view.coarse, view.ground, steps, log_odds_of, lamps)
     clock.end("fit")
     log_odds = list(map(log_odds_among(found), found))
     clock.end("judge")
@@ -84,8 +86,10 @@ def _explanations(
 
 def _rough_explanations(
     view: SceneView, trace: Trace, steps: ProxySteps, judge: Judge, clock: StageClock
-) -> tuple[list[Explanation], LogOddsAmong]:
-    """What one view may show, as the fits to the likeliest splits say, and how these are judged among several."""
+) -> tuple[list[Explanation], LogOddsAmong, LampHypotheses]:
+    """What one view may show, as the fits to the likeliest splits say, how these are judged among several, and what
+    the view's ground tells of lamps.
+    """
     fine, coarse, ground = view.fine, view.coarse, view.ground
     unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
     unlit = with_unlit_on_average(unlit, coarse)
@@ -102,14 +106,19 @@ def _rough_explanations(
         proposals += proposals_of(region, ground, shifts, paired)
     clock.end("associate")
     trace.proposals = selected_for_fit(proposals, steps.tried, judge)
-    rough = [each for each in explained(trace.proposals, steps.first_fit) if each] if proposals else []
-    trace.rough = rough = Sharpener.of([fine]).measured(rough)
+    suns = [each for each in explained(trace.proposals, steps.first_fit) if each] if proposals else []
+    lamps = LampHypotheses.of(coarse, ground, unlit, steps.light)
+    trace.rough = rough = Sharpener.of([fine]).measured(lamps.likelier(suns, steps.first_fit))
     to_glint = None if glint is None else glint.to_light_marker
     alone = cache(explanation_features)
 
     def log_odds_among(several: Sequence[Explanation]) -> Callable[[Explanation], float]:
         company = Company(several, to_glint)
-        return cache(lambda each: judge.log_odds_of({**alone(each), **company_features(each, company)}))
+
+        def log_odds(each: Explanation) -> float:
+            return judge.log_odds_of({**alone(each), **company_features(each, company)}) + lamps.agreement(each)
+
+        return cache(log_odds)
 
     clock.end("fit")
-    return rough, log_odds_among
+    return rough, log_odds_among, lamps

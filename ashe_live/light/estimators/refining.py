@@ -10,6 +10,7 @@ from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.pixels.view import View
 
 
@@ -21,8 +22,9 @@ def refined_and_others(
     ground: LitGround,
     steps: ProxySteps,
     log_odds: Callable[[Explanation], float],
+    lamps: LampHypotheses,
 ) -> list[Explanation]:
-    """The likeliest different explanations, refined and with their lights counted; then the others as they are.
+    """The likeliest different explanations, refined, with their lights counted and near ones told; then the others.
 
     Those are judged as well, as they are what else the picture may show; so is what refinement has turned into another
     answer, or could not fit.
@@ -37,7 +39,7 @@ def refined_and_others(
     others = different(each for each in ranked if not any(each is one for one in chosen))
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
-    return [sharpener.sharpened(each) for each in found] + others
+    return [lamps.decided(sharpener.sharpened(each), steps.fine_fit, sharpener) for each in found] + others
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:

@@ -45,7 +45,7 @@ def chosen(looks: Sequence[Look], judge: Judge) -> Choice | None:
     if not several:
         return None
     probabilities = np.array([probability for *_, probability in several])
-    index, share = best_direction(probabilities, [each.lights[0].to_light_marker for _, each, _ in several])
+    index, share = best_direction(probabilities, [each.to_light_from_body for _, each, _ in several])
     look, best, _ = several[index]
     return Choice(look, best, recalibrated(share, average))
 

@@ -21,7 +21,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.edges.outline_points import POINTS_PER_OUTLINE, are_in_view, derivatives_by_theta, evenly_spaced
 from ashe_live.light.explanation.borders import Borders, borders_at
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, prior_information
+from ashe_live.light.outline_fit.search import damped_steps, offset_of_lights, prior_information
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.family import padded
 from ashe_live.light.shape.layout import Layout, light_parameters
@@ -116,10 +116,7 @@ def lights_as_lamps(several: Sequence[PlacedBody]) -> tuple[Float, Float]:
     normal[diagonal, diagonal] -= (len(several) - 1) * prior  # which each view's includes
     nearness = [layout.light(i).stop - 1 for i in range(layout.lights)]
     normal[nearness, nearness] += 1 / WIDEST_NEARNESS**2
-    scale = np.sqrt(np.maximum(np.diag(normal), 1e-12))
-    balanced = normal / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
-    offset = np.linalg.solve(balanced, gradient / scale) / scale
-    return offset[: layout.split], information_on_lights(normal, layout)
+    return offset_of_lights(normal, gradient, layout)
 
 
 def criterion(placed: PlacedBody) -> float:

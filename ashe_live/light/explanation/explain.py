@@ -74,7 +74,8 @@ def explained(proposals: Sequence[Proposal], preset: FitPreset) -> list[Explanat
 def refitted_bodies(explanation: Explanation, preset: FitPreset) -> list[LitBody]:
     """The best body of every family for an explanation's labels, the likeliest first; none if they allow no fit."""
     start = explanation.alignment.placed.lit.lights
-    proposal = Proposal(explanation.region, explanation.materials, explanation.split, start)
+    nearness = float(nearness_of(start)[0])
+    proposal = Proposal(explanation.region, explanation.materials, explanation.split, start, nearness=nearness)
     (fit,) = fit_bodies([_masks(proposal)], preset)
     return [] if isinstance(fit, FitFailure) else fit.bodies
 
@@ -91,16 +92,17 @@ def aligned_explanations(several: Sequence[tuple[Proposal, Sequence[LitBody], Si
     ]
 
 
-def explained_near(explanation: Explanation, nearness: float, preset: FitPreset) -> Explanation | None:
-    """The explanation fitted anew with its first light held at the nearness w / z (1/m); None where no fit is in view.
+def explained_near(several: Sequence[tuple[Explanation, float]], preset: FitPreset) -> list[Explanation | None]:
+    """Explanations fitted anew, each with its first light held at a nearness w / z (1/m); None where no fit is in view.
 
     A lamp's shadow widens with height as no sun's does, so that a sun's fit has found another body: all families are
     searched again.
     """
-    start = explanation.alignment.placed.lit.lights
-    region, materials, split = explanation.region, explanation.materials, explanation.split
-    (found,) = explained([Proposal(region, materials, split, start, explanation.as_object, nearness)], preset)
-    return None if found is None else refined_by_tangents(found)
+    proposals = [
+        Proposal(each.region, each.materials, each.split, each.alignment.placed.lit.lights, each.as_object, nearness)
+        for each, nearness in several
+    ]
+    return [None if found is None else refined_by_tangents(found) for found in explained(proposals, preset)]
 
 
 def refined(roughs: Sequence[Explanation], preset: FitPreset) -> list[Explanation | None]:

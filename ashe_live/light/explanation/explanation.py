@@ -1,9 +1,13 @@
 """An explanation: what a region of the picture may show, and the light that follows from that."""
 
+import math
 from dataclasses import dataclass
 
-from ashe_live.core.arrays import Float32
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
+from ashe_live.light.edges.nearness import NearnessBySteps
 from ashe_live.light.edges.step_costs import NO_STEPS, StepCosts
 from ashe_live.light.explanation.alignment import Alignment
 from ashe_live.light.ground.regions import Region
@@ -11,6 +15,7 @@ from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.materials import Materials
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.directions import FittedLight
+from ashe_live.light.shape.light_points import towards
 from ashe_live.light.shape.predicted import Predicted
 
 
@@ -26,6 +31,10 @@ class Explanation:
     as_object: Float32  # (h, w) unary cost of the object's colours
     bodies: tuple[LitBody, ...] = ()  # the best of each family by the labels' outlines, the likeliest first
     steps: StepCosts = NO_STEPS  # of light at full resolution, if they were measured
+    # Information criterion of the outlines by steps of light and unary costs, in penalties of one parameter; inf where
+    # no body was moved onto steps.
+    criterion: float = math.inf
+    nearness: NearnessBySteps | None = None  # of the first light, where steps of light were free to tell it
     hull: Proxy | None = None  # of the object's silhouettes in several views, where no family explains these
 
     @property
@@ -36,6 +45,15 @@ class Explanation:
     def proxy(self) -> Proxy:
         """The fitted member of a family."""
         return self.alignment.placed.lit.body.proxy
+
+    @property
+    def to_light_from_body(self) -> Float:
+        """(3,) the unit vector from the middle of the body towards the first light.
+
+        This is what a shadow tells: a sun's and a lamp's fit to the same labels agree there, if nowhere else.
+        """
+        foot, top = self.alignment.placed.lit.body.frame.origin_marker, self.proxy.points_marker()[:, 2].max()
+        return towards(self.lights[0].light, np.array([*foot, 0.5 * top]))
 
     @property
     def real_object(self) -> Proxy:

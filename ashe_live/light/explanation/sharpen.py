@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
+from ashe_live.light.edges.nearness import NearnessPrior
 from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, measured, placed_in
@@ -35,35 +36,47 @@ class Sharpener:
         """Of views at full resolution."""
         return Sharpener([LightPicture.of(view) for view in views])
 
-    def sharpened(self, explanation: Explanation) -> Explanation:
+    def sharpened(self, explanation: Explanation, near: NearnessPrior | None = None) -> Explanation:
         """The explanation by the body and the lights that agree best with the steps of light.
 
         Of the families that its labels allow, each is aligned, and the likeliest is kept, by the steps and by the
         pixels' unary costs, both in units of what one more parameter costs. The explanation as it is where no body
-        stays in view, or too little of a shadow.
+        stays in view, or too little of a shadow. near: of its only light's nearness, where that is not held.
         """
         placed = explanation.alignment.placed
         others = [one for one in explanation.bodies if len(one.lights) == len(placed.lit.lights)]
-        fits = self._fits([placed.lit, *others[:FAMILIES]], explanation)
+        fits = self._fits([placed.lit, *others[:FAMILIES]], explanation, near)
         costs = Costs(explanation.region, explanation.materials, explanation.as_object)
         moved = placed_in([(fit.lit, placed.sight, costs) for fit in fits]) if fits else []
         seen = [(fit, one) for fit, one in zip(fits, moved, strict=True) if one.is_in_view]
         if not seen:
             (as_it_is,) = self.measured([explanation])
             return as_it_is
-        best, body = min(seen, key=lambda pair: pair[0].criterion + pair[1].cost / COST_PER_PARAMETER)
+        criteria = [fit.criterion + body.cost / COST_PER_PARAMETER for fit, body in seen]
+        best, body = seen[int(np.argmin(criteria))]
         (alignment,) = measured([body])
         lights = lights_by_steps(best, alignment)
         # Where the body is a poor model, and its steps tell little, the common tangents decide.
-        return refined_by_tangents(replace(explanation, alignment=alignment, lights=lights, steps=best.mean_costs))
+        found = replace(
+            explanation,
+            alignment=alignment,
+            lights=lights,
+            steps=best.mean_costs,
+            criterion=min(criteria),
+            nearness=best.nearness,
+        )
+        return refined_by_tangents(found)
 
     def best_fit(self, explanation: Explanation) -> EdgeFit | None:
         """The explanation's own body with its lights, moved; None where no steps are seen."""
         return next(iter(self._fits([explanation.alignment.placed.lit], explanation)), None)
 
-    def _fits(self, bodies: Sequence[LitBody], explanation: Explanation) -> list[EdgeFit]:
+    def _fits(
+        self, bodies: Sequence[LitBody], explanation: Explanation, near: NearnessPrior | None = None
+    ) -> list[EdgeFit]:
         """The bodies with their lights, moved, without those whose shadows show too few steps to tell their lights."""
-        fits = aligned_with_steps(bodies, self.pictures, np.repeat([_shifts(explanation)], len(bodies), axis=0))
+        shifts = np.repeat([_shifts(explanation)], len(bodies), axis=0)
+        fits = aligned_with_steps(bodies, self.pictures, shifts, near)
         return [fit for fit in fits if fit is not None and fit.mean_cost < MISSED]
 
     def measured(self, explanations: Sequence[Explanation]) -> list[Explanation]:

@@ -25,8 +25,12 @@ class LampBorders:
 def lamp_borders(explanation: Explanation) -> list[LampBorders]:
     """For each light; all are about the explanation's own lights, whose displacement depends on their nearness."""
     placed, frame = explanation.alignment.placed, explanation.alignment.placed.lit.body.frame
-    offset, information = lights_as_lamps([placed, *explanation.alignment.elsewhere])
-    covariance = _bounded_inverse(tempered(information, explanation.alignment))
+    if explanation.nearness is not None:
+        offset, information = explanation.nearness.offset, explanation.nearness.information
+    else:
+        offset, unary = lights_as_lamps([placed, *explanation.alignment.elsewhere])
+        information = tempered(unary, explanation.alignment)
+    covariance = _bounded_inverse(information)
     layout = Layout(len(placed.lit.lights), with_nearness=True)
     found = []
     for i, held in enumerate(nearness_of(placed.lit.lights)):

@@ -17,10 +17,12 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.mixtures import nearest_centres
 from ashe_live.light.pixels.view import View
 
+BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
 LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
 CLIPPED = 250  # value of the brightest channel from which on it tells nothing
 SAMPLES, FEWEST = 1500, 300  # pixels of lit ground: as many as are used, and as few as tell anything
@@ -113,11 +115,39 @@ class FallOff:
         cost = float(gram[told, told])
         return Pull(trusted @ gradient, np.asarray(0.5 * (told_of + told_of.T)), cost, cost - explained)
 
+    def worst_costs(self, parameters: Float, share: float, reference: Float) -> Float:
+        """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), all of one share, as in `pull`."""
+        relative = _falls(self.places, parameters) / _falls(reference[None], parameters)
+        lights = np.log(np.maximum(1 - share + share * relative, 1e-3))
+        known = np.column_stack([self.uneven, self.brightness])
+        both = self._gram(np.column_stack([known, lights]))
+        uneven, told, of_light = slice(0, 5), 5, slice(6, None)
+        square, with_told = np.diag(both)[of_light], both[told, of_light]
+        # As in `pull`: inner products of unevenness and contrast with one another, and with what the light leaves.
+        columns = np.empty((len(parameters), 6, 7))
+        columns[:, :5, :5] = both[uneven, uneven]
+        columns[:, :5, 5] = columns[:, 5, :5] = both[uneven, of_light].T
+        columns[:, 5, 5] = square
+        columns[:, :5, 6] = both[uneven, told] - both[uneven, of_light].T
+        columns[:, 5, 6] = with_told - square
+        cost = both[told, told] - 2 * with_told + square
+        stiff = square + 1 / CONTRAST**2
+        cost -= columns[:, 5, 6] ** 2 / stiff
+        columns = columns - columns[:, :, 5:6] * columns[:, 5:6] / stiff[:, None, None]
+        worst = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
+        explained = np.linalg.solve(columns[:, :, :6] + np.diag(1 / worst**2), columns[:, :, 6:])
+        return np.asarray(cost - (columns[:, :, 6:] * explained).sum(axis=(1, 2)))
+
     def _gram(self, columns: Float) -> Float:
         """(k, k) weighted inner products of columns (n, k), without what can be fitted along."""
         weighted = columns * self.weights[:, None]
         through = np.linalg.solve(self.factor, self.fitted.T @ weighted)
         return np.asarray(columns.T @ weighted - through.T @ through)
+
+
+def clear_of(taken: Mask) -> Mask:
+    """(h, w) the ground that is lit as the rest, away from objects and shadows (h, w)."""
+    return ~grown(taken, BESIDE_PX)
 
 
 def log_irradiance(
@@ -138,6 +168,12 @@ def log_irradiance(
             slopes = part[:, None] * (by_light - by_light_there)
     total = np.maximum(total, 1e-3)
     return np.log(total), slopes / total[:, None]
+
+
+def _falls(places: Float, parameters: Float) -> Float:
+    """(p, n) irradiance by each of n lights (n, 3) at places (p, 2), but for a factor."""
+    aside_x, aside_y = (parameters[:, i] - places[:, i : i + 1] * parameters[:, 2] for i in (0, 1))
+    return np.asarray((1 + aside_x**2 + aside_y**2) ** -1.5)
 
 
 def _log_fall(places: Float, light: Float) -> tuple[Float, Float]:

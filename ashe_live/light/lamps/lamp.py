@@ -21,7 +21,8 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.companions import companions
-from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.fall_off import FallOff, clear_of
+from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.lamps.sources import (
@@ -34,19 +35,18 @@ from ashe_live.light.lamps.sources import (
     shadow_middle,
 )
 from ashe_live.light.outline_fit.preset import FitPreset
-from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
 from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.predicted import predicted
 
-BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
 SURE_DEVIANCE = 60.0  # of a sun, from which on there is a lamp even if the ground's slope does not tell: one overhead
-LEAST_SIGMAS = 3.0  # standard errors by which the nearness of a lamp must differ from 0
+LEAST_SIGMAS = 3.0  # standard errors by which the nearness of a lamp must differ from 0, seen from a sun
+TOLD_SIGMAS = 2.0  # the same once a sun is excluded: the nearness is then stated with a standard error of its own
 # The same where one object alone tells it: then it is the fall of light that does, and uneven ground, which has wider
 # tails than a normal distribution, has no second witness against it.
 ALONE_SIGMAS = 4.0
-WORTH_ALIGNING = 2.0  # standard errors from which on borders are aligned as a lamp's
+WORTH_ALIGNING = 1.5  # standard errors from which on borders are aligned as a lamp's
 WORTH_LOOKING = 1.0  # standard errors from which on other objects are looked for
 UNTOLD_NEARNESS = 0.5  # 1/m, standard error of the nearness above which a sun is not certain either
 ALIGNMENTS = 2
@@ -92,7 +92,7 @@ def stated(
     """
     lights = lights_of(explanation, confidence)
     seen = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, scene.view).whole
-    fall_off = FallOff.of(scene.view, scene.ground, ~grown(scene.unlit | seen, BESIDE_PX))
+    fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | seen))
 
     def covariance_of(one: Explanation, probability: float) -> Float:
         covariance = lights_of(one, probability)[0].covariance_rad2
@@ -114,13 +114,16 @@ def stated(
             from_sun = max(
                 from_sun, place_seen_from_a_sun(objects, ratios, fall_off), key=attrgetter("standard_errors")
             )
-    is_sun = kind == AUTO and not _is_lamp(objects, place, from_sun, ratios, fall_off)
-    if not is_sun:
+    is_lamp = kind == LAMP or is_held_near(explanation)
+    if not is_lamp and _is_lamp(objects, place, from_sun, ratios, fall_off):
+        evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.preset, scene.sharpener())
+        is_lamp = evidence.lamp is None or evidence.deviance > 0
+    if is_lamp:
         worth = WORTH_ALIGNING if kind == AUTO else 0.0
         aligned, at = _fitted_as_lamps(
             objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth, scene
         )
-        if _is_near(at, LEAST_SIGMAS if kind == AUTO else 0.0):
+        if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0):
             best = aligned[0].explanation
             first, *others_lights = lights_of(best, confidence)
             return Answer(best, (_lamp(first, at, ratios[0], shadow_middle(best)), *others_lights), at)
@@ -152,7 +155,14 @@ def _fitted_as_lamps(
             break
         nearness = float(min(place.mean[2], NEAREST))
         again = [
-            (fitted_as_lamp(each.explanation, nearness, scene.preset, sharpener), each.probability) for each in objects
+            (
+                # What was free to find its nearness is where it belongs.
+                each.explanation
+                if each.explanation.nearness is not None
+                else fitted_as_lamp(each.explanation, nearness, scene.preset, sharpener),
+                each.probability,
+            )
+            for each in objects
         ]
         if again[0][0] is None:
             break

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
+from ashe_live.light.edges.nearness import NearnessPrior
 from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.borders import lamp_borders
-from ashe_live.light.lamps.fall_off import FallOff
+from ashe_live.light.lamps.fall_off import FallOff, Pull
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
 from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.shape.directions import FittedLight
@@ -22,6 +23,9 @@ from ashe_live.light.views.joint import JointStart, explained_in_views
 MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
 NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is taken to be there
 STARTS = (0.0, 0.3, 0.7, 1.2, 2.0, 3.5, 6.0, 10.0)  # 1/m, nearnesses from which the search begins
+# Sigma of the nearness by the fall of light, as a fraction of it, whatever its noise: uneven ground, walls and other
+# lights bend that fall.
+FALL_ERROR_SHARE = 0.45
 ROUNDS, SETTLED = 12, 1e-3  # Gauss-Newton steps at most, and the size of one that ends them
 # Limits of one step: of the nearness in 1/m, and as a fraction of it; of the displacement over the distance per height.
 LARGEST_STEP, LARGEST_SHARE, LARGEST_SHIFT = 0.4, 0.3, 0.5
@@ -45,19 +49,26 @@ class SeenObject:
 def fitted_as_lamp(
     explanation: Explanation, nearness: float, preset: FitPreset, sharpener: Sharpener
 ) -> Explanation | None:
-    """The explanation fitted again in all of its views with its first light at a nearness w / z (1/m), held.
+    """The explanation fitted again in all of its views with its first light at a nearness w / z (1/m).
 
-    None where the object or a shadow is then not in view. preset: of one view's fit. sharpener: of the view that is
-    answered.
+    Steps of light in a single view move the nearness too. None where the object or a shadow is then not in view.
+    preset: of one view's fit. sharpener: of the view that is answered.
     """
     alignment = explanation.alignment
     if not alignment.elsewhere:
-        again = explained_near(explanation, nearness, preset)
-        return None if again is None else sharpener.sharpened(again)
+        (again,) = explained_near([(explanation, nearness)], preset)
+        if again is None or len(again.lights) > 1:
+            return None if again is None else sharpener.sharpened(again)
+        return sharpener.sharpened(again, nearness_prior(nearness))
     lit = alignment.placed.lit.with_first_light_near(nearness)
     costs = [one.costs for one in (alignment.placed, *alignment.elsewhere)]
     (found,) = explained_in_views([JointStart(explanation, lit, costs)])
     return None if found is None else found.joint
+
+
+def nearness_prior(by_fall: float) -> NearnessPrior:
+    """What is known of a lamp's nearness, which is that by the fall of light (1/m), before outlines are seen."""
+    return NearnessPrior(by_fall, FALL_ERROR_SHARE * by_fall)
 
 
 def place_by_all(objects: Sequence[SeenObject], ratios: Sequence[Float], fall_off: FallOff | None) -> Place:
@@ -134,9 +145,9 @@ def _with_fall_off(
     at = by_borders.mean + line * (start - by_borders.mean[2])
     information = by_borders.information
     for number in range(ROUNDS):
-        pull = fall_off.pull(np.vstack([at, others]), shares, reference)
-        information = pull.information + by_borders.information
-        step = np.linalg.solve(information, pull.gradient + by_borders.information @ (by_borders.mean - at))
+        pulled, told = _tempered(fall_off.pull(np.vstack([at, others]), shares, reference), line, at[2])
+        information = told + by_borders.information
+        step = np.linalg.solve(information, pulled + by_borders.information @ (by_borders.mean - at))
         reach = max(LARGEST_STEP, LARGEST_SHARE * abs(at[2])) / max(abs(step[2]), 1e-9)
         wide = LARGEST_SHIFT * math.hypot(1, *at[:2]) / max(math.hypot(*step[:2]), 1e-9)
         at = at + min(1.0, reach, wide) * step * (1.0 if 2 * number < ROUNDS else 0.5)
@@ -146,13 +157,25 @@ def _with_fall_off(
     return Place(at, information)
 
 
+def _tempered(pull: Pull, line: Float, nearness: float) -> tuple[Float, Float]:
+    """(3,) gradient and (3, 3) information of a pull, less what a further error of the nearness along `line` leaves."""
+    along = pull.information @ line
+    left = 1 / ((FALL_ERROR_SHARE * nearness) ** 2 + 1e-12) + float(line @ along)
+    return pull.gradient - along * float(line @ pull.gradient) / left, pull.information - np.outer(along, along) / left
+
+
 def _beside(explanation: Explanation, ratios: Sequence[Float]) -> tuple[Float, list[float]]:
     """(l - 1, 3) parameters of the lights beside the first; each light's share of all light on the plane."""
-    others = np.array([_parameters(each.light) for each in explanation.lights[1:]]).reshape(-1, 3)
-    shares = np.array([np.clip(1 - ratio.mean(), LEAST_SHARE, MOST_SHARE) for ratio in ratios])
+    others = np.array([parameters_of(each.light) for each in explanation.lights[1:]]).reshape(-1, 3)
+    shares = np.array([share_of(ratio) for ratio in ratios])
     return others, (shares * min(MOST_SHARE / shares.sum(), 1.0)).tolist()
 
 
-def _parameters(light: Float) -> Float:
+def share_of(ratio: Float) -> float:
+    """A light's share of all light on the plane, by the shadow ratio (3,) where it is blocked."""
+    return float(np.clip(1 - ratio.mean(), LEAST_SHARE, MOST_SHARE))
+
+
+def parameters_of(light: Float) -> Float:
     """(3,) displacement and nearness of a light (4,)."""
     return np.append(light_parameters(light), nearness_of(light))

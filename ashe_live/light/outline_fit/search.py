@@ -100,6 +100,17 @@ def information_on_lights(normal: Float, layout: Layout) -> Float:
     return np.asarray(of_lights - mixed @ np.linalg.solve(balanced, mixed.T))
 
 
+def offset_of_lights(normal: Float, gradient: Float, layout: Layout) -> tuple[Float, Float]:
+    """(split,) the offset of the lights that normal equations ask for, whatever the shape; (split, split) information.
+
+    Well conditioned also where next to nothing tells of a parameter.
+    """
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-12))
+    balanced = normal / np.outer(scale, scale) + 1e-9 * np.eye(len(scale))
+    offset = np.linalg.solve(balanced, gradient / scale) / scale
+    return offset[: layout.split], information_on_lights(normal, layout)
+
+
 @dataclass(slots=True)
 class _Candidates(Stacked):
     """The states of n searches."""

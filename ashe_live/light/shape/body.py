@@ -99,13 +99,17 @@ class LitBody:
         lights[0] = (*(seen * (1 - nearness * middle) + nearness * foot), 1.0, nearness)
         return replace(self, lights=lights)
 
-    def moved(self, step: Float) -> "LitBody":
+    def moved(self, step: Float, with_nearness: bool = False) -> "LitBody":
         """After a step in theta; a step longer than (split + q,) is padded for others of its batch, and cut.
 
-        The nearness of lamps is no part of theta and stays.
+        with_nearness: as in the Layout of theta; else the nearness of lamps stays.
         """
-        layout = self.layout
-        theta = layout.theta(self.lights, self.body.shape)
+        layout, before = Layout(len(self.lights), with_nearness), self.lights_in_body_frame
+        theta = layout.theta(before, self.body.shape)
         theta = theta + step[: len(theta)]
-        lights = layout.lights_of(theta, nearness_of(self.lights))
-        return replace(self, lights=lights, body=replace(self.body, shape=layout.shape_of(theta)))
+        body = replace(self.body, shape=layout.shape_of(theta))
+        lights = layout.lights_of(theta, nearness_of(before))
+        if with_nearness:
+            highest = 2 * HIGHEST_NEARNESS / max(float((body.spheroids[:, 2] + body.spheroids[:, 4]).max()), 1e-9)
+            lights[:, 3] = np.clip(lights[:, 3], 0.0, highest)
+        return replace(self, lights=self.body.frame.lights_marker(lights), body=body)

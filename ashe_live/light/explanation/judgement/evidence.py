@@ -13,6 +13,7 @@ from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import hue_of
 from ashe_live.light.labels.materials import Materials
 from ashe_live.light.pixels.areas import distance_to, grown, shrunk, window_around
+from ashe_live.light.shape.light_points import towards
 from ashe_live.light.shape.predicted import Predicted
 
 # The ring on either side of an outline where its sharpness is measured; the outline's own pixels are mixed.
@@ -79,7 +80,8 @@ def evidence(explanation: Explanation) -> dict[str, float]:
 
 def of_steps_and_families(explanation: Explanation) -> dict[str, float]:
     """How far the outlines lie from the steps of light; and by how much the light depends on the body's family, rad."""
-    steps, light = explanation.steps, explanation.lights[0].to_light_marker
+    steps, foot = explanation.steps, explanation.alignment.placed.lit.body.frame.origin_marker
+    light = towards(explanation.lights[0].light, np.array([*foot, 0.0]))
     others = [angle_between(light, body.to_lights_marker[0]) for body in explanation.bodies[:FAMILIES]]
     return {
         "body steps": math.log(max(steps.body, LEAST_STEP_COST)),

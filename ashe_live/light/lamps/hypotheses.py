@@ -1,0 +1,152 @@
+"""Lamps in the place of suns: an explanation's labels fitted with a near light, and the evidence that it is one.
+
+A lamp's shadow widens with height. By a sun it is that of another body, if of any: the direction is wrong, and the
+outlines miss their steps of light. Whether a light is near is asked of two witnesses that know nothing of each other:
+the outlines, fitted anew by either light, and the fall of light over the ground.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Mask
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, criterion
+from ashe_live.light.explanation.explain import explained_near
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.shadow_shift import shadow_ratio
+from ashe_live.light.lamps import agreement
+from ashe_live.light.lamps.agreement import FallDirections
+from ashe_live.light.lamps.fall_off import FallOff, clear_of
+from ashe_live.light.lamps.kinds import SUN
+from ashe_live.light.lamps.sources import nearness_prior, parameters_of, shadow_middle, share_of
+from ashe_live.light.outline_fit.preset import FitPreset
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.layout import light_parameters, nearness_of
+
+NEARNESSES = (0.4, 0.6, 0.9, 1.3, 1.9, 2.7, 3.9, 5.5, 7.7)  # 1/m, of the lamps that are tried; each 1.4 times the last
+AROUND = (0.7, 1.0, 1.4)  # factors on the likeliest of them by the fall of light, to which bodies are fitted
+# Deviances of a sun by the fall of light (twice the log of a likelihood ratio) from which on bodies are fitted to
+# lamps: to refined explanations, and to rough ones.
+WORTH_FITTING, WORTH_FITTING_ROUGH = 4.0, 20.0
+# The outlines' deviance counts so much at most: another local minimum of the fit may change it by any amount.
+MOST_BY_OUTLINES = 20.0
+PARAMETER_DEVIANCE = 3.5  # of one shape parameter in the outlines' criterion: the log of their effective sample size
+# Deviances of a sun above which a light is a lamp: by both witnesses, of which the fall of light tells so much; or by
+# the fall of light alone, to which uneven ground may contribute more than its model allows.
+LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 30.0, 10.0, 60.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LampEvidence:
+    """An explanation by a lamp in the place of a sun, and by how much the sun is less likely."""
+
+    lamp: Explanation | None  # None where the fall of light asks for none
+    by_fall: float  # deviance of the sun by the fall of light, if unevenness is at its worst
+    by_outlines: float  # the same by the outlines, limited; 0 where they do not tell
+
+    @property
+    def deviance(self) -> float:
+        """Of the sun, by both."""
+        return self.by_fall + self.by_outlines
+
+    @property
+    def is_lamp(self) -> bool:
+        """Whether the light is surely no sun."""
+        both = self.by_outlines != 0 and self.by_fall > LEAST_BY_FALL and self.deviance > LAMP_DEVIANCE
+        return self.lamp is not None and (both or self.deviance > ALONE_DEVIANCE)
+
+
+@dataclass(frozen=True, eq=False)
+class LampHypotheses:
+    """The fall of light over the ground of a view, by which lamps are tried in the place of suns."""
+
+    fall_off: FallOff | None  # None where too little lit ground is seen, or lights are taken for suns: no lamp is tried
+    ground: LitGround
+
+    @staticmethod
+    def of(view: View, ground: LitGround, unlit: Mask, kind: str) -> "LampHypotheses":
+        """Of the view that `ground` was fitted to, beside what is `unlit` (h, w); kind: one of KINDS."""
+        return LampHypotheses(None if kind == SUN else FallOff.of(view, ground, clear_of(unlit)), ground)
+
+    def evidence(self, sun: Explanation, preset: FitPreset, sharpener: Sharpener) -> LampEvidence:
+        """The explanation, whose lights are at infinity and moved onto steps of light, by the likeliest lamp."""
+        nearness, deviance = self._by_fall(sun)
+        prior = nearness_prior(nearness)
+        found: list[LampEvidence] = []
+        if deviance >= WORTH_FITTING:
+            for lamp in explained_near([(sun, factor * nearness) for factor in AROUND], preset):
+                if lamp is not None:
+                    found.append(self._compared(sun, sharpener.sharpened(lamp, prior)))
+        return max(found, key=lambda each: each.deviance, default=LampEvidence(None, 0.0, 0.0))
+
+    @cached_property
+    def _directions(self) -> FallDirections | None:
+        return None if self.fall_off is None else FallDirections(self.fall_off)
+
+    def agreement(self, explanation: Explanation) -> float:
+        """Log of how much likelier a direction is than any by the fall of light; 0 where that tells of no lamp."""
+        if self._directions is None:
+            return 0.0
+        lit = explanation.alignment.placed.lit
+        near = [lit.with_first_light_near(each).lights for each in agreement.NEARNESSES]
+        return self._directions.log_ratio(np.array([light_parameters(lights)[0] for lights in near]))
+
+    def decided(self, explanation: Explanation, preset: FitPreset, sharpener: Sharpener) -> Explanation:
+        """The explanation, moved onto steps of light, by a lamp if that is sure, else by a sun."""
+        sun = explanation
+        if is_held_near(explanation):
+            (fitted,) = explained_near([(explanation, 0.0)], preset)
+            if fitted is None:
+                return explanation
+            sun = sharpener.sharpened(fitted)
+        evidence = self.evidence(sun, preset, sharpener)
+        return evidence.lamp if evidence.lamp is not None and evidence.is_lamp else sun
+
+    def likelier(self, suns: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
+        """Each rough explanation, or in its place a lamp's where the fall of light asks for one and outlines agree."""
+        by_fall = [self._by_fall(each) for each in suns]
+        near = [i for i, (_, deviance) in enumerate(by_fall) if deviance >= WORTH_FITTING_ROUGH]
+        likelier = list(suns)
+        lamps = explained_near([(suns[i], by_fall[i][0]) for i in near], preset) if near else []
+        for i, lamp in zip(near, lamps, strict=True):
+            if lamp is not None:
+                costs = [criterion(each.alignment.placed) / COST_PER_PARAMETER for each in (suns[i], lamp)]
+                if by_fall[i][1] + _limited(costs[0] - costs[1]) > 0:
+                    likelier[i] = lamp
+        return likelier
+
+    def _by_fall(self, sun: Explanation) -> tuple[float, float]:
+        """The nearness of a lamp in the direction that the body sees, by the fall of light, and a sun's deviance."""
+        if self.fall_off is None or len(sun.lights) > 1:
+            return 0.0, 0.0
+        lit = sun.alignment.placed.lit
+        costs = self._costs(sun, [lit.with_first_light_near(each).lights[0] for each in (0.0, *NEARNESSES)])
+        best = int(np.argmin(costs[1:]))
+        return NEARNESSES[best], float(costs[0] - costs[1 + best])
+
+    def _compared(self, sun: Explanation, lamp: Explanation) -> LampEvidence:
+        (as_sun,), (as_lamp,) = (self._costs(each, [each.lights[0].light]) for each in (sun, lamp))
+        return LampEvidence(lamp, float(as_sun - as_lamp), _limited(sun.criterion - lamp.criterion))
+
+    def _costs(self, explanation: Explanation, lights: Sequence[Float]) -> Float:
+        """(n,) of the fall of light in each of n lights (4,) in the place of the explanation's first one."""
+        assert self.fall_off is not None
+        share = share_of(shadow_ratio(self.ground, np.asarray(explanation.materials.shift)))
+        parameters = np.array([parameters_of(light) for light in lights])
+        return self.fall_off.worst_costs(parameters, share, shadow_middle(explanation))
+
+
+def is_held_near(explanation: Explanation) -> bool:
+    """Whether an explanation's first light is a lamp."""
+    return bool(nearness_of(explanation.lights[0].light) > 0)
+
+
+def _limited(parameters: float) -> float:
+    """The deviance of a difference of criteria, in penalties of one parameter; 0 where one was not measured."""
+    deviance = PARAMETER_DEVIANCE * parameters
+    return min(max(deviance, -MOST_BY_OUTLINES), MOST_BY_OUTLINES) if math.isfinite(deviance) else 0.0
