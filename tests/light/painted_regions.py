@@ -43,8 +43,9 @@ class PaintedRegion:
 
 
 @cache
-def painted_region(*casters: Caster, **how: Any) -> PaintedRegion:
+def painted_region(*casters: Caster, lamp_m: tuple[float, ...] | None = None, **how: Any) -> PaintedRegion:
     """The region of painted casters, as the balanced preset looks at it."""
+    how["lamp_m"] = None if lamp_m is None else np.array(lamp_m)
     scene = paint(*casters, **how)
     fine = View.of(scene.tracked, BALANCED.fine_width_px)
     coarse = fine.scaled(BALANCED.coarse_width_px)

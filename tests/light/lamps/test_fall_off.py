@@ -8,6 +8,7 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.lamps.agreement import NEARNESSES, FallDirections
 from ashe_live.light.lamps.fall_off import FallOff, log_irradiance
 from ashe_live.light.pixels.view import View
 from tests.light.painted_scenes import SHADOW_RATIO, paint
@@ -100,3 +101,28 @@ def test_too_little_lit_ground_tells_nothing() -> None:
     lit = fit_lit_ground(view.image_bgr, view.is_ground, BALANCED.ground)
     assert lit is not None
     assert FallOff.of(view, lit, np.zeros(view.is_ground.shape, np.bool_)) is None
+
+
+def test_many_lights_cost_together_what_each_costs_alone() -> None:
+    of, lights = fall_off("bricks", LAMPS["beside"]), np.random.default_rng(5).normal(size=(20, 3))
+    each = [of.pull(one[None], [SHARE], FOOT).worst_cost for one in lights]
+    np.testing.assert_allclose(of.worst_costs(lights, SHARE, FOOT), each, rtol=1e-6)
+
+
+def displacements(towards_m: tuple[float, ...]) -> Float:
+    """Of lamps in the direction that the object sees."""
+    at_foot = (np.array(towards_m[:2]) - FOOT) / towards_m[2]
+    return np.array([at_foot + k * FOOT for k in NEARNESSES])
+
+
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+def test_the_fall_of_light_tells_where_a_lamp_is_not(ground: str) -> None:
+    x, y, z = LAMPS["beside"]
+    directions = FallDirections(fall_off(ground, (x, y, z)))
+    there, opposite = (directions.log_ratio(displacements(at)) for at in ((x, y, z), (-x, -y, z)))
+    assert there > 0.5
+    assert opposite < -2
+
+
+def test_under_a_sun_the_fall_of_light_tells_no_direction() -> None:
+    assert FallDirections(fall_off("bricks")).log_ratio(displacements(LAMPS["beside"])) == 0

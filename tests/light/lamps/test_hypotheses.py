@@ -1,0 +1,60 @@
+"""Lamps in the place of suns: found from a sun's explanation, told from it, and not found where there is none."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.explanation.explain import Proposal, explained
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.labels.associate import Split
+from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
+from ashe_live.light.lamps.kinds import AUTO, SUN
+from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.layout import nearness_of
+from tests.light.painted_regions import PaintedRegion, painted_region
+from tests.light.painted_scenes import BOX, CYLINDER, Caster
+
+LAMP_M = (-0.3, -0.1, 0.45)
+
+
+def by_a_sun(here: PaintedRegion) -> tuple[Explanation, Sharpener]:
+    sharpener = Sharpener.of([View.of(here.scene.tracked, BALANCED.fine_width_px)])
+    (rough,) = explained([Proposal(here.region, here.materials, Split(here.body, here.shadow))], BALANCED.fine_fit)
+    assert rough is not None
+    return sharpener.sharpened(rough), sharpener
+
+
+def hypotheses(here: PaintedRegion, kind: str = AUTO) -> LampHypotheses:
+    return LampHypotheses.of(View.of(here.scene.tracked, BALANCED.coarse_width_px), here.ground, here.unlit, kind)
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+def test_a_lamp_is_found_from_a_suns_explanation(ground: str, caster: Caster) -> None:
+    """Outlines and the fall of light agree, and free the nearness that one object alone is said not to tell."""
+    here = painted_region(caster, ground=ground, lamp_m=LAMP_M)
+    sun, sharpener = by_a_sun(here)
+    lamp = hypotheses(here).decided(sun, BALANCED.fine_fit, sharpener)
+    assert is_held_near(lamp)
+    assert lamp.nearness is not None
+    assert abs(nearness_of(lamp.lights[0].light) * LAMP_M[2] - 1) < 0.15
+    assert np.degrees(angle_between(lamp.lights[0].to_light_marker, np.array(LAMP_M))) < 2.5
+    assert lamp.steps.shadow <= sun.steps.shadow
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+def test_a_sun_stays_one(caster: Caster) -> None:
+    here = painted_region(caster, ground="bricks")
+    sun, sharpener = by_a_sun(here)
+    tried = hypotheses(here)
+    assert tried.decided(sun, BALANCED.fine_fit, sharpener) is sun
+    assert tried.likelier([sun], BALANCED.first_fit) == [sun]
+    assert tried.agreement(sun) == 0
+
+
+def test_no_lamp_is_tried_where_lights_are_taken_for_suns() -> None:
+    here = painted_region(BOX, lamp_m=LAMP_M)
+    sun, sharpener = by_a_sun(here)
+    assert hypotheses(here, SUN).evidence(sun, BALANCED.fine_fit, sharpener).lamp is None
