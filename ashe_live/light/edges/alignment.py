@@ -20,6 +20,7 @@ from ashe_live.light.edges.outline_points import (
     are_in_view,
     derivatives_by_theta,
     evenly_spaced,
+    sizes_px,
 )
 from ashe_live.light.edges.step_costs import FEWEST_STEPS, MISSED, StepCosts, mean_costs
 from ashe_live.light.edges.steps import LightPicture, steps_across
@@ -218,16 +219,8 @@ def _measured(bodies: Sequence[LitBody], picture: LightPicture, shifts: Float, r
     outlines = _by_outline(places.points, n)[:, 0]
     sights = [Sight(sight.camera, sight.T_cam_marker, outline.mean(axis=0)) for outline in outlines]
     information = np.where(is_usable, _by_outline(steps.information, n), 0.0)
-    return _Measured(
-        bodies,
-        in_view,
-        steps.offset_px.reshape(n, -1),
-        information.reshape(n, -1),
-        should_be_seen.reshape(n, -1),
-        places,
-        sights,
-        _sizes_px(outlines),
-    )
+    offset, told, seen = steps.offset_px.reshape(n, -1), information.reshape(n, -1), should_be_seen.reshape(n, -1)
+    return _Measured(bodies, in_view, offset, told, seen, places, sights, sizes_px(outlines))
 
 
 def _by_outline(values: NDArray[Scalar], n: int) -> NDArray[Scalar]:
@@ -250,10 +243,3 @@ def _visible(places: OutlinePoints, n: int) -> Mask:
             reached -= np.einsum("nik,nik->ni", points[:, other], normals[:, other])[:, None]
             seen[:, number] &= reached.max(axis=2) > BESIDE_BODY_PX
     return seen
-
-
-def _sizes_px(outlines: Float) -> Float:
-    """(n,) square roots of the areas of closed outlines (n, p, 2)."""
-    x, y = outlines[..., 0], outlines[..., 1]
-    twice = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
-    return np.asarray(np.sqrt(0.5 * np.abs(twice)))

@@ -83,3 +83,10 @@ def derivatives_by_theta(
     return np.asarray(
         ((1 - along_edge)[:, None] * ends[0] + along_edge[:, None] * ends[1]).reshape(n, by_theta.shape[1], -1)
     )
+
+
+def sizes_px(outlines: Float) -> Float:
+    """(n,) square roots of the areas of closed outlines (n, p, 2)."""
+    x, y = outlines[..., 0], outlines[..., 1]
+    twice = (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+    return np.asarray(np.sqrt(0.5 * np.abs(twice)))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.types import Illumination, Light, TrackedFrame
+from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of
 from ashe_live.light.estimators.steps import FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.trace import Look
@@ -14,7 +14,7 @@ from ashe_live.light.explanation.explain import Proposal, explained
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import shadow_core
 from ashe_live.light.explanation.judgement.judge import Judge, best_direction, recalibrated
-from ashe_live.light.explanation.penumbra import angular_size, soft_size
+from ashe_live.light.explanation.penumbra import size_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb
 from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
@@ -81,7 +81,7 @@ def illumination_of(
     answers = zip(told.lights, ratios, strict=False)
     lights = [replace(light, shadow_rgb_ratio=ratio) for light, ratio in answers]
     if len(lights) == 1:
-        lights = [with_size(lights[0], _angular_size(told.explanation, lights[0], tracked))]
+        lights = [with_size(lights[0], size_of(told.explanation, lights[0], tracked))]
     real_object = told.explanation.real_object
     return Illumination(tuple(lights), ratios[-1], lit_rgb(ground), real_object), told.explanation
 
@@ -117,10 +117,3 @@ def _shifts_seen(best: Explanation, ground: LitGround) -> tuple[Float, ...]:
         return best.materials.shifts
     seen = shift_within(best.region.colours[shadow_core(best.region, best.predicted)], ground)
     return best.materials.shifts if seen is None else (seen,)
-
-
-def _angular_size(best: Explanation, light: Light, tracked: TrackedFrame) -> float | None:
-    soft = soft_size(best.proxy, light.homogeneous, tracked)
-    if soft is not None:
-        return soft
-    return angular_size(best.proxy, light.homogeneous, best.materials.light_lost, best.predicted, best.region.view)

@@ -10,8 +10,9 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.square import along_sides
 from ashe_live.core.transforms import project
-from ashe_live.core.types import TrackedFrame
+from ashe_live.core.types import Light, TrackedFrame
 from ashe_live.light.explanation.border_widths import border_widths
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
@@ -42,6 +43,15 @@ MARKER_PLACES = np.linspace(0.15, 0.85, 16)  # of profiles across the marker's s
 MARKER_REACH = 0.5  # of the profiles at the marker, which end on its margin and in its black frame
 LEAST_SOFT_RAD = math.radians(2.5)  # cameras' processing widens a bare sun's borders to those of up to 2 degrees
 MOST_SPREAD_OUT = 2.2  # third quartile over the first
+
+
+def size_of(explanation: Explanation, light: Light, tracked: TrackedFrame) -> float | None:
+    """The angular diameter (rad) of an explanation's only light, as it is stated; None where nothing tells it."""
+    soft = soft_size(explanation.proxy, light.homogeneous, tracked)
+    if soft is not None:
+        return soft
+    lost, seen = explanation.materials.light_lost, explanation.predicted
+    return angular_size(explanation.proxy, light.homogeneous, lost, seen, explanation.region.view)
 
 
 def soft_size(proxy: Proxy, light: Float, tracked: TrackedFrame) -> float | None:

@@ -38,7 +38,7 @@ MOST_BY_OUTLINES = 20.0
 PARAMETER_DEVIANCE = 3.5  # of one shape parameter in the outlines' criterion: the log of their effective sample size
 # Deviances of a sun above which a light is a lamp: by both witnesses, of which the fall of light tells so much; or by
 # the fall of light alone, to which uneven ground may contribute more than its model allows.
-LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 30.0, 10.0, 60.0
+LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 33.0, 13.0, 60.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

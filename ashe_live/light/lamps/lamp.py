@@ -16,7 +16,7 @@ from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.judge import probability_of_good
+from ashe_live.light.explanation.judgement.judge import fitted_judge, probability_of_good
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.borders import lamp_borders
@@ -117,14 +117,15 @@ def stated(
     is_lamp = kind == LAMP or is_held_near(explanation)
     if not is_lamp and _is_lamp(objects, place, from_sun, ratios, fall_off):
         evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.preset, scene.sharpener())
-        is_lamp = evidence.lamp is None or evidence.deviance > 0
+        # Another object is a witness of its own; one object alone has told all that it can.
+        is_lamp = evidence.is_lamp if len(objects) == 1 else evidence.lamp is None or evidence.deviance > 0
     if is_lamp:
         worth = WORTH_ALIGNING if kind == AUTO else 0.0
         aligned, at = _fitted_as_lamps(
             objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth, scene
         )
         if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0):
-            best = aligned[0].explanation
+            best, at = aligned[0].explanation, _as_wide_as_outlines(at, aligned[0])
             first, *others_lights = lights_of(best, confidence)
             return Answer(best, (_lamp(first, at, ratios[0], shadow_middle(best)), *others_lights), at)
     first, *others_lights = lights
@@ -186,6 +187,16 @@ def with_size(light: Light, angular_size_rad: float | None) -> Light:
 
 def _is_near(place: Place, sigmas: float) -> bool:
     return place.mean[2] > 0 and place.standard_errors > sigmas
+
+
+def _as_wide_as_outlines(place: Place, first: SeenObject) -> Place:
+    """The place with a nearness by steps of light as overdispersed as the directions by outlines are."""
+    if first.explanation.nearness is None:
+        return place
+    covariance = place.covariance
+    along = covariance[:, 2] / math.sqrt(covariance[2, 2])
+    wider = covariance + (fitted_judge().calibration.overdispersion - 1) * np.outer(along, along)
+    return Place(place.mean, np.asarray(np.linalg.inv(wider)))
 
 
 def _lamp(light: Light, place: Place, ratio: Float, reference: Float) -> Light:
