@@ -112,7 +112,7 @@ def test_a_light_without_inverse_distance_is_a_sun() -> None:
     assert sun.homogeneous[3] == 0
 
 
-@pytest.mark.parametrize("inverse_distance", [-1.0, np.nan, np.inf, 1e4])
+@pytest.mark.parametrize("inverse_distance", [-1.0, -0.01, np.nan, np.inf, 1e4])
 def test_a_lamp_is_neither_behind_the_plane_nor_inside_the_marker(inverse_distance: float) -> None:
     with pytest.raises(ValueError, match="inverse_distance"):
         Light(np.array([0.0, 0.0, 1.0]), inverse_distance=inverse_distance)
