@@ -1,5 +1,6 @@
 """What several views together say for or against an explanation."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import cv2
@@ -8,7 +9,14 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import of_steps_and_families
-from ashe_live.light.explanation.judgement.judge import Judge, explanation_features
+from ashe_live.light.explanation.judgement.judge import (
+    GOOD_RAD,
+    LEAST_PROBABILITY,
+    Judge,
+    best_direction,
+    explanation_features,
+    probabilities_of,
+)
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.views.joint import JointExplanation
@@ -47,6 +55,28 @@ def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
     # Labels tell of a body only as far as it is seen.
     seen = float(np.mean([share_seen(each) for each in explanation.each]))
     return judge.log_odds_of(joint_features(explanation)) + seen * support
+
+
+def no_less_sure(
+    directions: Sequence[Float], log_odds: Sequence[float], alone: Sequence[Float], alone_log_odds: Sequence[float]
+) -> list[float]:
+    """The log odds, raised until the likeliest direction is as likely as one view alone found it.
+
+    directions: (3,) each, unit vectors, towards the lights by which all views were explained, with their log odds.
+    alone: the same of the first view. Views that confirm a direction make it no less likely. As the first view is one
+    of all, the larger probability counts, and not the product of their odds (the cautious rule for evidence that is not
+    distinct: Denoeux, 2008). Where the likeliest directions differ, all views are right.
+    """
+    if not log_odds or not alone_log_odds:
+        return list(log_odds)
+    index, share = best_direction(probabilities_of(log_odds), directions)
+    first, first_share = best_direction(probabilities_of(alone_log_odds), alone)
+    near = np.array(directions) @ directions[index] > math.cos(GOOD_RAD)
+    if share >= first_share or alone[first] @ directions[index] < math.cos(GOOD_RAD):
+        return list(log_odds)
+    odds, share = np.exp(log_odds), min(first_share, 1 - LEAST_PROBABILITY)
+    raised = math.log(share / (1 - share) * (1 + odds[~near].sum()) / odds[near].sum())
+    return [each + raised * is_near for each, is_near in zip(log_odds, near.tolist(), strict=True)]
 
 
 def share_seen(explanation: Explanation) -> float:
