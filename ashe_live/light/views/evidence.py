@@ -17,6 +17,7 @@ from ashe_live.light.explanation.judgement.judge import (
     explanation_features,
     probabilities_of,
 )
+from ashe_live.light.ground.lit_ground import OFF_PLANE
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.views.joint import JointExplanation
@@ -51,7 +52,7 @@ def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
     """Log odds that the explanation is right rather than none of those tried."""
     joint = explanation.joint
     shadow = joint.predicted.shadow & ~_hidden_elsewhere(explanation)
-    support = plane_support(joint.region, joint.predicted.body, shadow, MOST_AGAINST)
+    support = _joint_support(joint.region, joint.predicted.body, shadow)
     # Labels tell of a body only as far as it is seen.
     seen = float(np.mean([share_seen(each) for each in explanation.each]))
     return judge.log_odds_of(joint_features(explanation)) + seen * support
@@ -108,19 +109,38 @@ def _hidden_elsewhere(explanation: JointExplanation) -> Mask:
     return hidden
 
 
-def plane_support(region: Region, body: Mask, shadow: Mask, most_against: float = MOST_AGAINST_ONE_VIEW) -> float:
+def plane_support(region: Region, body: Mask, shadow: Mask) -> float:
     """Log odds by which other views confirm that the shadow (h, w) lies on the plane and the body (h, w) does not.
 
-    most_against: as much as a shadow that shears, or a body that does not, counts against it at most. 0 where there are
-    no other views, or they tell nothing.
+    For labels of one view. 0 where there are no other views, or they tell nothing.
     """
+    return _support(_on_plane(region, shadow), _on_plane(region, body), MOST_AGAINST_ONE_VIEW)
+
+
+def _joint_support(region: Region, body: Mask, shadow: Mask) -> float:
+    """As `plane_support`, of an explanation by all views; shadow: without what the body hides in others.
+
+    What stands in the shadow's place, pixels that nearly all views show to shear, is not made up for by the ground
+    around it.
+    """
+    of_shadow = min(_on_plane(region, shadow), MOST_FOR) + _on_plane(region, shadow, OFF_PLANE)
+    return _support(of_shadow, _on_plane(region, body), MOST_AGAINST)
+
+
+def _support(of_shadow: float, of_body: float, most_against: float) -> float:
+    """The log odds that a shadow is on the plane, and that a body is, each within bounds, for and against.
+
+    Each for itself: an object that surely stands there makes no shadow of another object that does.
+    """
+    return float(np.clip(of_shadow, -most_against, MOST_FOR) + np.clip(-of_body, -most_against, MOST_FOR))
+
+
+def _on_plane(region: Region, mask: Mask, below: float = math.inf) -> float:
+    """Log odds by other views that the pixels of `mask` (h, w) whose own are below `below` lie on the plane."""
     if region.on_plane is None:
         return 0.0
-    of_shadow, of_body = (
-        float(region.on_plane[mask & region.is_ground].sum()) / PIXELS_PER_SAMPLE for mask in (shadow, body)
-    )
-    # Each for itself: an object that surely stands there makes no shadow of another object that does.
-    return float(np.clip(of_shadow, -most_against, MOST_FOR) + np.clip(-of_body, -most_against, MOST_FOR))
+    odds = region.on_plane[mask & region.is_ground]
+    return float(odds[odds < below].sum()) / PIXELS_PER_SAMPLE
 
 
 def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:
