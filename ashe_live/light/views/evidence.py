@@ -52,7 +52,7 @@ def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
     """Log odds that the explanation is right rather than none of those tried."""
     joint = explanation.joint
     shadow = joint.predicted.shadow & ~_hidden_elsewhere(explanation)
-    support = _joint_support(joint.region, joint.predicted.body, shadow)
+    support = joint_support(joint.region, joint.predicted.body, shadow)
     # Labels tell of a body only as far as it is seen.
     seen = float(np.mean([share_seen(each) for each in explanation.each]))
     return judge.log_odds_of(joint_features(explanation)) + seen * support
@@ -117,7 +117,7 @@ def plane_support(region: Region, body: Mask, shadow: Mask) -> float:
     return _support(_on_plane(region, shadow), _on_plane(region, body), MOST_AGAINST_ONE_VIEW)
 
 
-def _joint_support(region: Region, body: Mask, shadow: Mask) -> float:
+def joint_support(region: Region, body: Mask, shadow: Mask) -> float:
     """As `plane_support`, of an explanation by all views; shadow: without what the body hides in others.
 
     What stands in the shadow's place, pixels that nearly all views show to shear, is not made up for by the ground
