@@ -30,6 +30,9 @@ MOST_FOR, MOST_AGAINST = 0.5, 3.0
 # So much against labels of one view: what of their shadow the body hides in the others is not known.
 MOST_AGAINST_ONE_VIEW = 1.0
 LEAST_SEEN = 0.05  # of body and shadow in a view, that it counts by where it shows none of them
+# So much, beside its sum, against a shadow that pixels in it shear: parts of the object that its fitted body leaves out
+# do, too.
+MOST_AGAINST_SHEARING = 1.0
 BESIDE_PX = 1  # next to what a body hides, colours are mixed
 ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
@@ -123,7 +126,8 @@ def joint_support(region: Region, body: Mask, shadow: Mask) -> float:
     What stands in the shadow's place, pixels that nearly all views show to shear, is not made up for by the ground
     around it.
     """
-    of_shadow = min(_on_plane(region, shadow), MOST_FOR) + _on_plane(region, shadow, OFF_PLANE)
+    shearing = max(_on_plane(region, shadow, OFF_PLANE), -MOST_AGAINST_SHEARING)
+    of_shadow = min(_on_plane(region, shadow), MOST_FOR) + shearing
     return _support(of_shadow, _on_plane(region, body), MOST_AGAINST)
 
 
