@@ -1,6 +1,8 @@
 """Scenes as drawn: the same from the same seed, of the families and within the ranges that are named, and usable."""
 
 import json
+import sys
+from pathlib import Path
 from typing import Any
 
 import cv2
@@ -12,7 +14,7 @@ from scenes.drawing.layout import LIGHTS, MARGIN_PX
 from scenes.drawing.motion import FRAMES
 from scenes.geometry.poses import cast, direction, projected, share_in_frame, square
 from scenes.geometry.shapes import FAMILIES, built, placed_points
-from scenes.specify import SETS, specification
+from scenes.specify import SETS, main, specification
 
 COUNT = 60
 
@@ -33,6 +35,15 @@ def pictures(scenes: list[dict[str, Any]]) -> list[dict[str, Any]]:
 
 def object_families(scenes: list[dict[str, Any]]) -> set[str]:
     return {each["family"] for scene in scenes for each in scene["objects"] if each["role"] != "outside"}
+
+
+def test_single_scenes_of_a_set_are_those_of_the_whole(
+    training: list[dict[str, Any]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["specify", "--set", "training", "--scenes", "9", "4", "--out", str(tmp_path)])
+    main()
+    drawn = json.loads((tmp_path / "specifications.json").read_text())["scenes"]
+    assert drawn == json.loads(json.dumps([training[9], training[4]]))
 
 
 def test_a_scene_depends_on_its_set_and_index_alone(training: list[dict[str, Any]]) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
 
+from ashe_live.core.arrays import Float
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
@@ -23,6 +24,7 @@ from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.pixels.view import View
+from ashe_live.light.views.evidence import no_less_sure
 from ashe_live.light.views.seen import SceneView
 
 # Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
@@ -53,10 +55,17 @@ def looked(
             rough, *_ = _rough_explanations(view, Trace(view.coarse), _beside(steps), judge, clock)
             others_found.append((view, rough))
         together = explained_together([(views[0], candidates), *others_found], views, steps, judge)
+        alone, alone_log_odds = _directions(candidates), log_odds
         candidates, log_odds = [each for each, _ in together], [odds for _, odds in together]
+        log_odds = no_less_sure(_directions(candidates), log_odds, alone, alone_log_odds)
         clock.end("views")
     trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
     return Look(trace, views)
+
+
+def _directions(several: Sequence[Explanation]) -> list[Float]:
+    """(3,) each, towards the light, or the first of two."""
+    return [each.lights[0].to_light_marker for each in several]
 
 
 def _beside(steps: ProxySteps) -> ProxySteps:

@@ -1,5 +1,6 @@
 """What several views together say for or against an explanation."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import cv2
@@ -8,7 +9,15 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import of_steps_and_families
-from ashe_live.light.explanation.judgement.judge import Judge, explanation_features
+from ashe_live.light.explanation.judgement.judge import (
+    GOOD_RAD,
+    LEAST_PROBABILITY,
+    Judge,
+    best_direction,
+    explanation_features,
+    probabilities_of,
+)
+from ashe_live.light.ground.lit_ground import OFF_PLANE
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.views.joint import JointExplanation
@@ -21,6 +30,9 @@ MOST_FOR, MOST_AGAINST = 0.5, 3.0
 # So much against labels of one view: what of their shadow the body hides in the others is not known.
 MOST_AGAINST_ONE_VIEW = 1.0
 LEAST_SEEN = 0.05  # of body and shadow in a view, that it counts by where it shows none of them
+# So much, beside its sum, against a shadow that pixels in it shear: parts of the object that its fitted body leaves out
+# do, too.
+MOST_AGAINST_SHEARING = 1.0
 BESIDE_PX = 1  # next to what a body hides, colours are mixed
 ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
@@ -43,10 +55,32 @@ def joint_log_odds(explanation: JointExplanation, judge: Judge) -> float:
     """Log odds that the explanation is right rather than none of those tried."""
     joint = explanation.joint
     shadow = joint.predicted.shadow & ~_hidden_elsewhere(explanation)
-    support = plane_support(joint.region, joint.predicted.body, shadow, MOST_AGAINST)
+    support = joint_support(joint.region, joint.predicted.body, shadow)
     # Labels tell of a body only as far as it is seen.
     seen = float(np.mean([share_seen(each) for each in explanation.each]))
     return judge.log_odds_of(joint_features(explanation)) + seen * support
+
+
+def no_less_sure(
+    directions: Sequence[Float], log_odds: Sequence[float], alone: Sequence[Float], alone_log_odds: Sequence[float]
+) -> list[float]:
+    """The log odds, raised until the likeliest direction is as likely as one view alone found it.
+
+    directions: (3,) each, unit vectors, towards the lights by which all views were explained, with their log odds.
+    alone: the same of the first view. Views that confirm a direction make it no less likely. As the first view is one
+    of all, the larger probability counts, and not the product of their odds (the cautious rule for evidence that is not
+    distinct: Denoeux, 2008). Where the likeliest directions differ, all views are right.
+    """
+    if not log_odds or not alone_log_odds:
+        return list(log_odds)
+    index, share = best_direction(probabilities_of(log_odds), directions)
+    first, first_share = best_direction(probabilities_of(alone_log_odds), alone)
+    near = np.array(directions) @ directions[index] > math.cos(GOOD_RAD)
+    if share >= first_share or alone[first] @ directions[index] < math.cos(GOOD_RAD):
+        return list(log_odds)
+    odds, share = np.exp(log_odds), min(first_share, 1 - LEAST_PROBABILITY)
+    raised = math.log(share / (1 - share) * (1 + odds[~near].sum()) / odds[near].sum())
+    return [each + raised * is_near for each, is_near in zip(log_odds, near.tolist(), strict=True)]
 
 
 def share_seen(explanation: Explanation) -> float:
@@ -78,19 +112,39 @@ def _hidden_elsewhere(explanation: JointExplanation) -> Mask:
     return hidden
 
 
-def plane_support(region: Region, body: Mask, shadow: Mask, most_against: float = MOST_AGAINST_ONE_VIEW) -> float:
+def plane_support(region: Region, body: Mask, shadow: Mask) -> float:
     """Log odds by which other views confirm that the shadow (h, w) lies on the plane and the body (h, w) does not.
 
-    most_against: as much as a shadow that shears, or a body that does not, counts against it at most. 0 where there are
-    no other views, or they tell nothing.
+    For labels of one view. 0 where there are no other views, or they tell nothing.
     """
+    return _support(_on_plane(region, shadow), _on_plane(region, body), MOST_AGAINST_ONE_VIEW)
+
+
+def joint_support(region: Region, body: Mask, shadow: Mask) -> float:
+    """As `plane_support`, of an explanation by all views; shadow: without what the body hides in others.
+
+    What stands in the shadow's place, pixels that nearly all views show to shear, is not made up for by the ground
+    around it.
+    """
+    shearing = max(_on_plane(region, shadow, OFF_PLANE), -MOST_AGAINST_SHEARING)
+    of_shadow = min(_on_plane(region, shadow), MOST_FOR) + shearing
+    return _support(of_shadow, _on_plane(region, body), MOST_AGAINST)
+
+
+def _support(of_shadow: float, of_body: float, most_against: float) -> float:
+    """The log odds that a shadow is on the plane, and that a body is, each within bounds, for and against.
+
+    Each for itself: an object that surely stands there makes no shadow of another object that does.
+    """
+    return float(np.clip(of_shadow, -most_against, MOST_FOR) + np.clip(-of_body, -most_against, MOST_FOR))
+
+
+def _on_plane(region: Region, mask: Mask, below: float = math.inf) -> float:
+    """Log odds by other views that the pixels of `mask` (h, w) whose own are below `below` lie on the plane."""
     if region.on_plane is None:
         return 0.0
-    of_shadow, of_body = (
-        float(region.on_plane[mask & region.is_ground].sum()) / PIXELS_PER_SAMPLE for mask in (shadow, body)
-    )
-    # Each for itself: an object that surely stands there makes no shadow of another object that does.
-    return float(np.clip(of_shadow, -most_against, MOST_FOR) + np.clip(-of_body, -most_against, MOST_FOR))
+    odds = region.on_plane[mask & region.is_ground]
+    return float(odds[odds < below].sum()) / PIXELS_PER_SAMPLE
 
 
 def distinct_explanations(several: Sequence[JointExplanation]) -> list[JointExplanation]:

@@ -134,11 +134,14 @@ def _picture(rng: Rng, scene: Params, number: int, category: str, shining: list[
 def main() -> None:
     ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     ask.add_argument("--set", choices=SETS, required=True)
-    ask.add_argument("--count", type=int, required=True)
+    which = ask.add_mutually_exclusive_group(required=True)
+    which.add_argument("--count", type=int, help="the first so many scenes")
+    which.add_argument("--scenes", type=int, nargs="+", metavar="I", help="these scenes of the set, by number")
     ask.add_argument("--out", type=Path, required=True)
     asked = ask.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
-    scenes = [specification(asked.set, index) for index in range(asked.count)]
+    indices = range(asked.count) if asked.scenes is None else asked.scenes
+    scenes = [specification(asked.set, index) for index in indices]
     lines = ",\n".join(json.dumps(scene) for scene in scenes)
     content = f'{{"format": 1, "set": "{asked.set}", "seed": {SETS[asked.set].seed}, "scenes": [\n{lines}\n]}}\n'
     (asked.out / "specifications.json").write_text(content)

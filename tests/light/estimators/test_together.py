@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from ashe_live.bench.light.takes import FALL
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.proxy import ProxyEstimator
@@ -39,6 +40,19 @@ def test_several_views_give_the_light(caster: Caster, ground: str) -> None:
     assert set(estimate.views) == {0, 1, 2}
     # 45 degrees above the ground, 30 apart around it.
     assert estimate.span_rad == pytest.approx(math.acos(0.5 + 0.5 * math.cos(math.radians(30))), abs=0.02)
+
+
+@pytest.mark.parametrize(("casters", "ground"), [((BOX,), "plain"), ((CYLINDER,), "bricks"), ((BOX, STICKER), "plain")])
+def test_more_views_never_lower_the_confidence_of_a_right_answer(casters: tuple[Caster, ...], ground: str) -> None:
+    first, *others = views_of(*casters, ground=ground, headings=(90, 75, 105, 82, 98))
+    sure = 0.0
+    for count in (0, 1, 2, 4):
+        light = ProxyEstimator(FAST).estimate(first, others[:count]).light
+        confidence = 0.0 if light is None else light.confidence
+        assert confidence > sure - FALL
+        if light is not None and math.degrees(angle_between(light.to_light_marker, direction(200, 40))) < 10:
+            sure = max(sure, confidence)
+    assert sure > 0.5
 
 
 def test_a_dark_sticker_at_the_foot_is_neither_object_nor_shadow() -> None:

@@ -1,0 +1,63 @@
+"""What several views say for an explanation."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from ashe_live.light.explanation.judgement.judge import best_direction, probabilities_of
+from ashe_live.light.views.evidence import joint_support, no_less_sure
+from tests.light.painted_regions import painted_region
+from tests.light.painted_scenes import BOX
+from tests.light.synthetic_masks import direction
+
+HERE, NEARBY, ELSEWHERE = direction(200, 40), direction(203, 41), direction(80, 50)
+
+
+def share(directions: list[np.ndarray], log_odds: list[float]) -> float:
+    return best_direction(probabilities_of(log_odds), directions)[1]
+
+
+def test_a_direction_that_all_views_confirm_is_as_likely_as_by_the_first() -> None:
+    directions, alone = [HERE, NEARBY, ELSEWHERE], [NEARBY, ELSEWHERE]
+    raised = no_less_sure(directions, [0.5, -1.0, -0.5], alone, [3.0, -2.0])
+    assert share(directions, raised) == pytest.approx(share(alone, [3.0, -2.0]))
+    # What explains the same direction keeps its share of it, and what explains another its odds against none.
+    assert raised[0] - raised[1] == pytest.approx(1.5)
+    assert raised[2] == -0.5
+
+
+def test_views_that_are_surer_than_the_first_stay_so() -> None:
+    assert no_less_sure([HERE, ELSEWHERE], [4.0, -1.0], [HERE], [1.0]) == [4.0, -1.0]
+
+
+def test_views_that_contradict_the_first_are_right() -> None:
+    assert no_less_sure([HERE], [0.5], [ELSEWHERE], [5.0]) == [0.5]
+
+
+def test_the_surest_view_leaves_odds_finite() -> None:
+    assert np.isfinite(no_less_sure([HERE], [-50.0], [HERE], [50.0])).all()
+
+
+@pytest.mark.parametrize(("all_views", "first"), [([], [1.0]), ([1.0], [])])
+def test_without_explanations_nothing_changes(all_views: list[float], first: list[float]) -> None:
+    assert no_less_sure([HERE] * len(all_views), all_views, [HERE] * len(first), first) == all_views
+
+
+def test_what_shears_in_a_shadow_is_not_made_up_for_by_the_ground_around_it() -> None:
+    scene = painted_region(BOX)
+    rows = np.arange(len(scene.shadow))[:, None]
+    on_plane = np.where(scene.shadow, 1.0, np.where(scene.body, -1.0, 0.0)).astype(np.float32)
+    clear = dataclasses.replace(scene.region, on_plane=on_plane)
+    # A quarter of the shadow's pixels, at one of its ends, stand up: its sum stays that of ground on the plane.
+    end = scene.shadow & (rows < np.quantile(np.nonzero(scene.shadow)[0], 0.25))
+    standing = dataclasses.replace(clear, on_plane=np.where(end, -2.0, on_plane).astype(np.float32))
+    assert standing.on_plane[scene.shadow].sum() > 0
+    for_clear, for_standing = (joint_support(each, scene.body, scene.shadow) for each in (clear, standing))
+    assert for_clear == pytest.approx(1.0)
+    assert for_standing == pytest.approx(0.0)
+
+
+def test_one_view_alone_supports_nothing() -> None:
+    scene = painted_region(BOX)
+    assert joint_support(scene.region, scene.body, scene.shadow) == 0

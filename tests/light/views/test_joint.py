@@ -1,0 +1,38 @@
+"""One body and its lights, aligned in several views."""
+
+import dataclasses
+
+import numpy as np
+
+from ashe_live.core.transforms import angle_between
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.shape.body import LitBody
+from ashe_live.light.views.joint import JointStart, explained_in_views, own_costs, turned_from
+from tests.light.painted_scenes import BOX, paint
+from tests.light.synthetic_masks import direction
+
+
+def explained() -> Explanation:
+    _, trace = ProxyEstimator(FAST).traced(paint(BOX).tracked)
+    return trace.judged[int(np.argmax(trace.probabilities))]
+
+
+def lit_from(lit: LitBody, azimuth_deg: float, elevation_deg: float) -> LitBody:
+    return dataclasses.replace(lit, lights=np.array([[*direction(azimuth_deg, elevation_deg), 0.0]]))
+
+
+def test_a_start_that_alignment_turns_or_loses_is_kept_where_it_stood() -> None:
+    one = explained()
+    here = one.alignment.placed.lit
+    start, turned = (
+        JointStart(one, lit, [own_costs(one)]) for lit in (here, lit_from(here, azimuth_deg=225, elevation_deg=40))
+    )
+    (aligned,) = explained_in_views([start])
+    assert aligned is not None
+    assert not turned_from([start], [aligned])
+    for kept in turned_from([turned, turned], [aligned, None]):
+        towards = kept.joint.lights[0].to_light_marker
+        assert angle_between(towards, turned.lit.to_lights_marker[0]) < 1e-6
+    assert len(turned_from([turned, turned], [aligned, None])) == 2
