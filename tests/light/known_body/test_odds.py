@@ -11,8 +11,8 @@ def fit(clear: float) -> EdgeFit:
     return EdgeFit(np.array((0.0, 0.0, 1.0, 0.0)), np.eye(2), None, 0.3, 0.05, clear, 1.0)
 
 
-@pytest.mark.parametrize("confidence", [0.0, 1e-12, 0.5, 1 - 1e-9, 1.0])
-@pytest.mark.parametrize("clear", np.linspace(0, 1, 11))
+@pytest.mark.parametrize("confidence", [0.0, 1e-12, 0.5, 0.99, 1 - 1e-9, 1.0])
+@pytest.mark.parametrize("clear", np.linspace(0, 1, 41))
 def test_it_stays_a_probability(confidence: float, clear: float) -> None:
     assert 0 <= with_edges(confidence, fit(clear), step=0.5) <= 1
 
