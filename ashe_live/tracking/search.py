@@ -3,7 +3,7 @@
 Each costs more than the one before, and finds what that one lost.
 """
 
-from collections.abc import Sequence
+from collections.abc import Container, Mapping, Sequence
 
 import cv2
 import numpy as np
@@ -22,6 +22,8 @@ from ashe_live.tracking.families.markers import Marker
 
 # How far from where it is expected a marker may be that moves on as it did.
 NEAR_PX = 2.0
+# By how much larger another square must be seen to be measured in place of one of the last frame's.
+STAYS = 1.3
 # Fewer sides do not determine the pose.
 MIN_SIDES_SEEN = 3
 # The region searched: the last corners' bounding box, grown on each side by this part of its longer side.
@@ -35,6 +37,19 @@ SMALLEST_NEAR, LARGEST_NEAR = 0.6, 1.7
 THOROUGH_SIDE_PX, THOROUGH_RATIO = 8.0, 2
 # At the scale of the search, how far a marker's coarse corners may be off.
 COARSE_PX = 1.0
+
+
+def in_front(expected_px: Mapping[int, Float], last: Container[int]) -> list[int]:
+    """Which of several squares' corners (4, 2), by number, show their print, those first that are seen largest.
+
+    Of two alike one of the `last` comes first: with other faces of a folded cube its pose would be another one.
+    """
+    areas = {
+        number: cv2.contourArea(corners_px.astype(np.float32)) * (STAYS if number in last else 1.0)
+        for number, corners_px in expected_px.items()
+        if is_front_of_square(corners_px)
+    }
+    return sorted(areas, key=lambda number: -areas[number])
 
 
 def along_edges(

@@ -21,7 +21,7 @@ from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares, poses_of_square
 from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.search import along_edges, anywhere, nearby, refined
+from ashe_live.tracking.search import along_edges, anywhere, in_front, nearby, refined
 
 # After so long without the marker, its last pose says nothing about the next one.
 MEMORY_S = 0.5
@@ -30,6 +30,8 @@ BRIDGED_FRAMES = 5
 FLOW_SIGMA_PX = 1.0
 # A lost marker is searched thoroughly in the first of these frames, then in one of so many.
 THOROUGH_FRAMES, THOROUGH_EVERY = 3, 8
+# So many of a cube's faces are measured in a frame, once their folds are known: a third costs a third of all time.
+FACES_MEASURED = 2
 # How often a frame is searched for a second marker like the one that is followed.
 CENSUS_EVERY_S = 1.0
 
@@ -126,10 +128,13 @@ class MarkerTracker:
         image, samples = frame.image_bgr, self.preset.edge_samples
         squares: dict[int, FittedSquare | None] = {}
         if last is not None:
-            for number, expected_px in self._expected(camera, last, frame.time_s).items():
+            expected = self._expected(camera, last, frame.time_s)
+            most = FACES_MEASURED if self._folding is not None and not self._folding.wants_all else len(expected)
+            for number in in_front(expected, last.corners_px):
+                if sum(one is not None for one in squares.values()) == most:
+                    break
                 marker = self._members[number].marker
-                found = along_edges(marker, image, camera, expected_px, samples, last.is_predictable)
-                squares[number] = found
+                squares[number] = along_edges(marker, image, camera, expected[number], samples, last.is_predictable)
             if not any(squares.values()):
                 for number, corners_px in last.corners_px.items():
                     marker = self._members[number].marker

@@ -133,7 +133,7 @@ class Evidence:
     def _left_by_best(self, normal: _Normal) -> float:
         """Sum of squares of the map that is left by the set of lights that explains it best."""
         told = normal.information + RIDGE * self._cells * np.eye(normal.pull.shape[1])
-        best = np.linalg.solve(told, normal.pull[..., None])[..., 0].clip(0.0, 1.0)
+        best = _solved(told, normal.pull).clip(0.0, 1.0)
         return float(self._left(normal, best).min(initial=normal.squares))
 
     def _left(self, normal: _Normal, darkenings: Float) -> Float:
@@ -153,7 +153,7 @@ class Evidence:
             information = normal.information / (CELLS_A_SAMPLE * self._variance)
             information = information + told @ np.swapaxes(reached, 1, 2) + prior * np.eye(count)
             pull = normal.pull / (CELLS_A_SAMPLE * self._variance) + told @ sides.residual + prior * DARKENING
-            darkenings = np.linalg.solve(information, pull[..., None])[..., 0].clip(0.0, MOST_DARKENING)
+            darkenings = _solved(information, pull).clip(0.0, MOST_DARKENING)
             darkenings /= np.maximum(darkenings.sum(axis=1, keepdims=True) / MOST_DARKENING, 1.0)
         left = self._left(normal, darkenings) / self._cells + LEAST_NOISE**2
         by_map = -0.5 * self._cells / CELLS_A_SAMPLE * np.log(left)
@@ -161,6 +161,13 @@ class Evidence:
         by_prior = -0.5 * prior * ((darkenings - DARKENING) ** 2).sum(axis=1)
         volume = 0.5 * (count * np.log(prior) - np.linalg.slogdet(information)[1])
         return by_map + by_sides + by_prior + volume, darkenings
+
+
+def _solved(matrices: Float, vectors: Float) -> Float:
+    """(m, l) solutions of m linear systems (m, l, l), (m, l); those of one unknown without a factorisation each."""
+    if vectors.shape[1] == 1:
+        return np.asarray(vectors / matrices[:, 0])
+    return np.asarray(np.linalg.solve(matrices, vectors[..., None])[..., 0])
 
 
 @cache

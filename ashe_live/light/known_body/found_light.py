@@ -109,6 +109,8 @@ def _step_rgb(seen: Seen, one: FoundLight, own: ShadowEdges, others: Sequence[Sh
     dark, bright = seen.picture[rows, columns].astype(np.float64)[..., ::-1]
     # Of what else lights the place, the light gives so much there; a lamp's falls off from the marker's centre.
     given = np.maximum(bright / np.maximum(dark, 1e-4) - 1, 0.0)
-    x, y, _ = raycast_to_plane(seen.view.camera, seen.view.T_cam_marker, own.points_px[kept]).T
-    at_centre = np.median(given / np.maximum(fall_off(one.light, x, y), 1e-3)[:, None], axis=0)
+    if one.is_lamp:
+        x, y, _ = raycast_to_plane(seen.view.camera, seen.view.T_cam_marker, own.points_px[kept]).T
+        given = given / np.maximum(fall_off(one.light, x, y), 1e-3)[:, None]
+    at_centre = np.median(given, axis=0)
     return np.asarray(at_centre / (1 + at_centre))

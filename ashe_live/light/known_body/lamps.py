@@ -18,7 +18,7 @@ FOLDED = 0.017
 LEAST_SIGMAS = 4.0  # standard errors by which the nearness of a lamp must differ from that of a sun, 0
 LEAST_INVERSE_DISTANCE = 0.4  # 1/m: a lamp farther away is as good as a sun
 # The nearness is looked for so many standard deviations of the edges' about theirs, on grids of so many values, each
-# about what the one before has found; as long as they are no narrower than this, 1/m.
+# about what the one before has found, where that is too coarse for it; and none is narrower than this, 1/m.
 WITHIN_SIGMAS, GRID, GRIDS, LEAST_NEARNESS = 4.0, 9, 2, 1e-3
 # Of a lamp's edges, or over how far they were looked for, as a penumbra is wide; and the part of the edges that a lamp
 # may explain less than a sun.
@@ -89,6 +89,8 @@ def _nearness(seen: Seen, light: Float, covariance: Float, others: Sequence[Foun
         if number == 0:
             lamp = float(likelihood[:-1].mean()) * (high - low) / most
             sun = float(likelihood[-1]) / (float(likelihood[-1]) + lamp)
+        if variance > (grid[1] - grid[0]) ** 2:
+            break
         spread = WITHIN_SIGMAS * math.sqrt(variance)
         low, high = max(low, mean - spread), min(high, mean + spread)
     by_both = (1 - sun) * (variance + sun * mean**2)

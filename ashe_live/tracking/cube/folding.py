@@ -39,7 +39,7 @@ LEAST_INFORMATION = 0.05
 
 
 class Folding:
-    """The shape of one cube, kept as long as it is tracked."""
+    """The shape of one cube, kept as long as it is tracked; its `body` is the hull of all faces, on the table."""
 
     def __init__(self, edge_m: float) -> None:
         self._edge_m = edge_m
@@ -52,17 +52,23 @@ class Folding:
         self._numbers: tuple[int, ...] = ()  # of the faces whose pose `pose_covariance` is of
         self._pose_covariance = np.diag(1 / prior[:EACH])
         self._folds = np.zeros((len(FACES), EACH))
+        self._shape()
 
-    def corners(self, number: int, side: float = TAG_SHARE) -> Float:
-        """(4, 3) metres: the corners of a square of `side` edges in the middle of face `number`, as it lies."""
-        return self._placed(number, self._edge_m * FACES[number].corners(side))
+    def _shape(self) -> None:
+        """What follows from the folds alone, which most frames do not change."""
+        self._tags = [self._placed(number, TAG_SHARE) for number in range(len(FACES))]
+        points = np.concatenate([self._placed(number, 1.0) for number in range(len(FACES))])
+        points[:, 2] = np.maximum(points[:, 2], 0.0)
+        self.body = Proxy("box", np.column_stack([points, np.zeros((len(points), 2))]))
+
+    def corners(self, number: int) -> Float:
+        """(4, 3) metres: the corners of the tag on face `number`, as it lies."""
+        return self._tags[number]
 
     @property
-    def body(self) -> Proxy:
-        """The hull of all faces as they lie, on the table."""
-        points = np.concatenate([self.corners(number, 1.0) for number in range(len(FACES))])
-        points[:, 2] = np.maximum(points[:, 2], 0.0)
-        return Proxy("box", np.column_stack([points, np.zeros((len(points), 2))]))
+    def wants_all(self) -> bool:
+        """Whether the folds of all faces that are in view are yet to be learned."""
+        return self._frames < EVERY_ONE_OF
 
     @property
     def pose_covariance(self) -> Float:
@@ -116,6 +122,7 @@ class Folding:
             self._frames += 1
             self._covariance = self._posterior_covariance()
             self._folds = np.asarray(self._covariance @ self._vector).reshape(-1, EACH)
+            self._shape()
         self._numbers = numbers
         self._pose_covariance = pose_by_folds @ self._covariance @ pose_by_folds.T
         return is_learned
@@ -158,9 +165,12 @@ class Folding:
         by_middle[3:, :3] = _crosses((R @ (0, 0, 0.5 * self._edge_m))[None])[0] @ R
         return by_middle
 
-    def _placed(self, number: int, points: Float) -> Float:
-        centre, fold = self._edge_m * FACES[number].centre, self._folds[number]
-        return np.asarray((points - centre) @ cv2.Rodrigues(fold[:3])[0].T + centre + fold[3:])
+    def _placed(self, number: int, side: float) -> Float:
+        """(4, 3) metres: the corners of a square of `side` edges in the middle of face `number`, as it lies."""
+        face, fold = FACES[number], self._folds[number]
+        centre = self._edge_m * face.centre
+        arms = self._edge_m * face.corners(side) - centre
+        return np.asarray(arms @ cv2.Rodrigues(fold[:3])[0].T + centre + fold[3:])
 
 
 def _crosses(vectors: Float) -> Float:

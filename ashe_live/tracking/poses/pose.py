@@ -44,6 +44,27 @@ class Sighting:
     square: FittedSquare
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Corners:
+    """All corners of n squares, which see one frame."""
+
+    sightings: Sequence[Sighting]
+    points: Float  # (4 n, 3) metres
+    pixels: Float  # (4 n, 2) ideal pixels
+    noise: Float  # (8 n, 8 n) as by `corners_noise`
+    information: Float  # (8 n, 8 n) as by `corners_information`
+    largest: Sighting
+
+    @staticmethod
+    def of(sightings: Sequence[Sighting], errors: CornerErrors) -> "_Corners":
+        points = np.concatenate([one.points for one in sightings])
+        pixels = np.concatenate([one.square.corners_px for one in sightings])
+        noise = corners_noise(sightings)
+        information = corners_information(sightings, noise, errors)
+        largest = max(sightings, key=lambda one: float(side_lengths_px(one.square.corners_px).sum()))
+        return _Corners(sightings, points, pixels, noise, information, largest)
+
+
 def estimate_pose(
     corners_px: Float, camera: Camera, side_m: float, previous: MarkerPose | None = None, refines: bool = True
 ) -> MarkerPose | None:
@@ -75,58 +96,67 @@ def pose_of_squares(
     sightings = [one for one in sightings if is_front_of_square(one.square.corners_px)]
     if not sightings:
         return None
-    points = np.concatenate([one.points for one in sightings])
-    pixels = np.concatenate([one.square.corners_px for one in sightings])
-    noise = corners_noise(sightings)
-    information = corners_information(sightings, noise, errors)
-    largest = max(sightings, key=lambda one: float(side_lengths_px(one.square.corners_px).sum()))
-    starts = (solution_of(R, t, points, pixels, information, camera.K) for R, t in _ippe(largest, camera))
-    solutions = [one for one in starts if one is not None]
-    if not solutions:
+    seen = _Corners.of(sightings, errors)
+    chosen = _chosen_solution(seen, camera, previous, refines)
+    if chosen is None:
         return None
-
-    def refined(solution: Solution) -> Solution:
-        return refined_solution(solution, points, pixels, information, camera.K)
-
-    refines = refines or len(sightings) > 1
-    # With a previous pose the choice is safe before refinement, which takes most of the time.
-    if refines and previous is None:
-        solutions = [refined(one) for one in solutions]
-    solutions.sort(key=lambda solution: solution.rms_px)
-    if not _is_decisive(solutions, _unexplained_px(sightings, information)):
-        solutions.sort(key=_is_from_below if previous is None else _turn_from(previous.measured_T_cam_marker))
-    chosen, *others = solutions
-    if refines and previous is not None:
-        chosen = refined(chosen)
+    solution, other_rms_px = chosen
+    # Of several, those seen nearly edge-on have corners that are far off along what is foreshortened, and say so.
+    largest_px = seen.largest.square.corners_px
+    T_cam_marker = rigid(solution.R, solution.t)
+    off_px = _rms_px(project(camera, T_cam_marker, seen.largest.points) - largest_px)
     # With another focal length than the camera's, the right print fits badly too.
     is_known = camera.source in ("file", "flag")
-    largest_px = largest.square.corners_px
-    # Of several, those seen nearly edge-on have corners that are far off along what is foreshortened, and say so.
-    off_px = _rms_px(project(camera, rigid(chosen.R, chosen.t), largest.points) - largest_px)
     if is_known and not off_px <= max(MOST_RMS_PX, most_rms * mean_side_px(largest_px)):
         return None
-    covariances = covariances_of(chosen, points, information, camera.K, noise)
-    log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
-    # The pose leaves what it cannot explain: where that is more than was stated, what is not noise was understated.
-    freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
-    understated = (errors.weight + chosen.cost) / (errors.weight + freedom)
-    T_cam_marker = rigid(chosen.R, chosen.t)
     own = square_corners(side_m)
-    seen_whole = len(sightings) == 1 and largest.square.sides_seen == 4 and np.array_equal(points, own)
-    corners_px = pixels if seen_whole else project(camera, T_cam_marker, own)
+    is_whole = len(sightings) == 1 and seen.largest.square.sides_seen == 4 and np.array_equal(seen.points, own)
+    corners_px = seen.pixels if is_whole else project(camera, T_cam_marker, own)
     if not np.isfinite(corners_px).all():
         return None
+    covariances = covariances_of(solution, seen.points, seen.information, camera.K, seen.noise)
+    # The pose leaves what it cannot explain: where that is more than was stated, what is not noise was understated.
+    freedom = max(0, 2 * sum(one.square.sides_seen for one in sightings) - 6)
+    understated = (errors.weight + solution.cost) / (errors.weight + freedom)
+    log_focal_sigma = camera.focal_sigma_px / float(camera.K[0, 0])
     return MarkerPose(
         T_cam_marker=T_cam_marker,
         corners_px=source_from_ideal(camera, corners_px),
         side_m=side_m,
-        reprojection_rms_px=chosen.rms_px,
-        other_rms_px=others[0].rms_px if others else None,
+        reprojection_rms_px=solution.rms_px,
+        other_rms_px=other_rms_px,
         covariance=covariances.noise
         + understated * (covariances.whole - covariances.noise)
         + log_focal_sigma**2 * covariances.by_log_focal,
         noise_covariance=covariances.noise,
     )
+
+
+def _chosen_solution(
+    seen: "_Corners", camera: Camera, previous: MarkerPose | None, refines: bool
+) -> tuple[Solution, float | None] | None:
+    """The pose that is meant, and how far off, px, the other one is that explains the largest square; None for none."""
+
+    def refined(solution: Solution) -> Solution:
+        return refined_solution(solution, seen.points, seen.pixels, seen.information, camera.K)
+
+    starts = (
+        solution_of(R, t, seen.points, seen.pixels, seen.information, camera.K) for R, t in _ippe(seen.largest, camera)
+    )
+    solutions = [one for one in starts if one is not None]
+    if not solutions:
+        return None
+    refines = refines or len(seen.sightings) > 1
+    # With a previous pose the choice is safe before refinement, which takes most of the time.
+    if refines and previous is None:
+        solutions = [refined(one) for one in solutions]
+    solutions.sort(key=lambda solution: solution.rms_px)
+    if not _is_decisive(solutions, _unexplained_px(seen.sightings, seen.information)):
+        solutions.sort(key=_is_from_below if previous is None else _turn_from(previous.measured_T_cam_marker))
+    chosen, *others = solutions
+    if refines and previous is not None:
+        chosen = refined(chosen)
+    return chosen, others[0].rms_px if others else None
 
 
 def poses_of_square(sighting: Sighting, camera: Camera) -> list[Float]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.cube.scenes import lamp
+from ashe_live.bench.metrics import ELLIPSE_95, squared_sigmas
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Light
 from ashe_live.light.estimators.estimator import make_estimator
@@ -51,3 +52,18 @@ def test_a_lamp_lights_the_table_as_it_does() -> None:
 def test_a_sun_is_no_lamp(elevation_deg: float) -> None:
     for azimuth_deg in (80, 200, 320):
         assert found(sun(azimuth_deg, elevation_deg)).kind == "directional"
+
+
+@pytest.mark.parametrize(("azimuth_deg", "tilt_deg", "turn_deg"), [(200, 45, 30), (155, 60, 20), (65, 30, 300)])
+def test_a_low_lamp_whose_shadow_leaves_the_picture_is_as_unsure_as_it_is_far_off(
+    azimuth_deg: float, tilt_deg: float, turn_deg: float
+) -> None:
+    true = lamp(sun(azimuth_deg, 15, on_table=0.5, size_deg=3.0), 0.5)
+    frame = frame_of(CubeScene(CAMERA, looking(0.4, tilt_deg, turn_deg), [true]))
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame)
+    answer = make_estimator("proxy").estimate(tracked)
+    assert len(answer.lights) == 1
+    light = answer.lights[0]
+    assert light.covariance_rad2 is not None
+    assert squared_sigmas(light.to_light_marker, light.covariance_rad2, true.point[:3]) < 3 * ELLIPSE_95
+    assert angle_between(light.to_light_marker, true.point[:3]) < math.radians(8)

@@ -1,6 +1,7 @@
 """A cube is one marker: its pose comes from all faces that are seen, also where a flat marker would be edge-on."""
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,11 @@ from ashe_live.core.square import square_corners
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose
 from ashe_live.quality import BALANCED
+from ashe_live.tracking import search
+from ashe_live.tracking import tracker as tracker_module
+from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import cube_layout
+from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
 
@@ -79,3 +84,35 @@ def test_it_is_followed_from_above_to_the_table_and_back() -> None:
         marker = following.track(frame_of(CubeScene(CAMERA, T, [sun(200, 40)]), index)).marker
         assert marker is not None
         assert turn_deg(marker.measured_T_cam_marker, T) < 0.6
+
+
+def test_once_its_folds_are_known_two_faces_are_enough_and_others_stand_in_for_covered_ones(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looked_at: list[bool] = []
+
+    def along_edges(marker: Marker, *rest: Any) -> FittedSquare | None:
+        square = search.along_edges(marker, *rest)
+        looked_at.append(square is not None)
+        return square
+
+    monkeypatch.setattr(tracker_module, "along_edges", along_edges)
+    T = looking(0.35, 55, 40)
+    frame = frame_of(CubeScene(CAMERA, T, [sun(200, 40)]))
+    following = tracker()
+    found_in = []
+    for index in range(8):
+        looked_at.clear()
+        following.track(dataclasses.replace(frame, index=index, time_s=index / 30))
+        found_in.append(sum(looked_at))
+    assert max(found_in) == 3
+    assert found_in[-1] == 2
+    covered = frame.image_bgr.copy()
+    x, y = project(CAMERA, T, np.array([(0.0, 0.0, EDGE_M)]))[0].astype(int)
+    covered[y - 12 : y + 12, x - 12 : x + 12] = 90
+    looked_at.clear()
+    marker = following.track(Frame(covered, 8, 8 / 30)).marker
+    assert marker is not None
+    assert len(looked_at) == 3
+    assert sum(looked_at) == 2
+    assert turn_deg(marker.measured_T_cam_marker, T) < 0.3

@@ -17,7 +17,7 @@ from ashe_live.light.pixels.view import View
 # penumbra needs, in standard deviations, and never less than LEAST_PX.
 REACHES = (0.25, 0.16)
 MOST_ROUNDS, SPREADS, MOST_SHARE = 6, 2.6, 0.4
-DONE_PX = 0.06  # a step that moves no edge farther is the last one
+DONE_PX = 0.15  # a step that moves no edge farther is the last one: half of what a side may be off
 BLUR_PX = 0.8  # standard deviation of the picture's blur, until it is measured
 EARLY_LOSS = 2.0  # factor on the scale of Cauchy's loss in the first rounds
 FEWEST = 5  # places that show an edge, without which nothing is fitted

@@ -45,4 +45,4 @@ def with_edges(
         return HIDDEN * confidence
     most = MOST_LOG_ODDS if step > pale else 0.0
     for_it = confidence * math.exp(float(np.clip(edge_log_odds(fit), -MOST_LOG_ODDS, most)))
-    return for_it / (for_it + 1 - confidence)
+    return for_it / (for_it + (1 - confidence))  # in this order no rounding takes it beyond 1

@@ -1,0 +1,63 @@
+"""What suns and lamps give to a body's sides and to the table around it: by the cosine law and the inverse square."""
+
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.known_body.facets import Facets
+from ashe_live.light.known_body.shading import Sides, direct_light, fall_off
+from tests.painted_cubes import EDGE_M
+
+NORMALS = np.array([(0.0, 0, 1), (1, 0, 0), (0, -1, 0)])
+CENTRES = EDGE_M * np.array([(0.0, 0, 1), (0.5, 0, 0.5), (0, -0.5, 0.5)])
+LAMP = np.array((0.2, -0.3, 0.25, 1.0))
+WHITE = np.full(3, 1 / 3)
+
+
+def irradiance(light: Float, normal: Float, place: Float) -> float:
+    """By a lamp (4,) of unit intensity."""
+    way = light[:3] / light[3] - place
+    return float(max(normal @ way, 0.0) / np.linalg.norm(way) ** 3)
+
+
+def test_a_lamp_lights_facets_by_cosine_and_distance_whatever_its_scale() -> None:
+    on_ground = irradiance(LAMP, NORMALS[0], np.zeros(3))
+    expected = [irradiance(LAMP, *facet) / on_ground for facet in zip(NORMALS, CENTRES, strict=True)]
+    assert direct_light(LAMP, NORMALS, CENTRES) == pytest.approx(expected)
+    assert direct_light(3 * LAMP, NORMALS, CENTRES) == pytest.approx(expected)
+
+
+def test_a_lamp_far_away_is_a_sun() -> None:
+    far = LAMP * (1, 1, 1, 1e-6)
+    np.testing.assert_allclose(
+        direct_light(far, NORMALS, CENTRES), direct_light(LAMP * (1, 1, 1, 0), NORMALS, CENTRES), rtol=1e-5
+    )
+
+
+def test_the_table_gets_less_the_farther_it_lies_from_the_lamps_foot() -> None:
+    places = np.array([(0.0, 0, 0), (0.2, -0.3, 0), (-0.3, 0.2, 0)])
+    expected = [irradiance(LAMP, NORMALS[0], place) for place in places]
+    found = fall_off(LAMP, places[:, 0], places[:, 1])
+    assert found == pytest.approx(np.array(expected) / expected[0])
+    assert found[2] < found[0] < found[1]
+    assert (fall_off(LAMP * (1, 1, 1, 0), places[:, 0], places[:, 1]) == 1).all()
+
+
+@pytest.mark.parametrize("nearness", [0.0, 0.5, 1.0, 1.4])
+def test_the_sides_light_is_linear_in_a_lights_part_of_the_tables(nearness: float) -> None:
+    """The right side of the model, times the light's part, is what is measured over an even sky."""
+    light, part = LAMP * (1, 1, 1, nearness), 0.6
+    light_rgb = (1 - part) * 0.5 * (1 + NORMALS[:, 2]) + part * direct_light(light, NORMALS, CENTRES)
+    seen = Facets(NORMALS, np.repeat(light_rgb[:, None], 3, axis=1), CENTRES, np.zeros(3, bool), np.full(3, 90.0))
+    sides = Sides.of(seen, np.zeros((3, 3)), WHITE)
+    assert part * sides.reached(light) == pytest.approx(sides.residual)
+
+
+def test_lamps_leave_more_open_than_suns() -> None:
+    """Light changes across a facet beside a lamp, and its white is not all of it."""
+    seen = Facets(NORMALS, np.ones((3, 3)), CENTRES, np.zeros(3, bool), np.full(3, 90.0))
+    sides, part = Sides.of(seen, np.zeros((3, 3)), WHITE), np.array([[0.5]])
+    unit = LAMP / np.linalg.norm(LAMP[:3])
+    sun = (unit * (1, 1, 1, 0))[None, None]
+    reached = sides.reached(sun)
+    assert (sides.variance(unit[None, None], reached, part) > sides.variance(sun, reached, part)).all()
