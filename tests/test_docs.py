@@ -16,9 +16,9 @@ import cv2
 import pytest
 
 from ashe_live import cli
-from ashe_live.commands import view
 from ashe_live.commands.flags.options import parsed
 from ashe_live.commands.flags.settings_file import read_settings
+from ashe_live.commands.viewing import setup
 from ashe_live.errors import ExitStatus
 from ashe_live.files.resources import resource
 from ashe_live.viewer.hands.controls import BINDINGS
@@ -92,7 +92,7 @@ def test_commands_do_what_the_page_says(page: Path, inputs: Path, tmp_path: Path
     shutil.copytree(inputs, folder)
     monkeypatch.chdir(folder)
     # The light's own process waits for every other on a busy machine; `estimate` estimates here.
-    monkeypatch.setattr(view, "LightWorker", InstantWorker)
+    monkeypatch.setattr(setup, "LightWorker", InstantWorker)
     for words in commands_of(page):
         match words:
             case ["ashe-live", *arguments] if why_not_run(arguments) is None:

@@ -117,7 +117,7 @@ def _lines() -> Iterator[Guidance]:
 @contextlib.contextmanager
 def _window(source: Source) -> Iterator[Guidance]:
     """Lines where there is no display."""
-    from ashe_live.commands.view import has_display
+    from ashe_live.commands.viewing.setup import has_display
     from ashe_live.viewer.windows.calibration_window import CalibrationWindow
 
     with CalibrationWindow(source.name, source.size) if has_display() else _lines() as guidance:

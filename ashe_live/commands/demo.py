@@ -9,7 +9,9 @@ from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.capture.snapshot import write_png
 from ashe_live.commands.flags.model_choice import follow_named_marker
 from ashe_live.commands.flags.setup import make_tracker
-from ashe_live.commands.view import ViewerSetup, check_outputs, has_display, show_in_window, show_without_window
+from ashe_live.commands.viewing.headless import show_without_window
+from ashe_live.commands.viewing.setup import ViewerSetup, check_outputs, has_display
+from ashe_live.commands.viewing.window import show_in_window
 from ashe_live.core.arrays import Image
 from ashe_live.drawing.contact_sheet import contact_sheet
 from ashe_live.files.writing import unused_name

@@ -92,7 +92,7 @@ def _files() -> str:
 
 
 def _display() -> str:
-    from ashe_live.commands.view import has_display
+    from ashe_live.commands.viewing.setup import has_display
 
     if not has_display():
         raise UserError("there is none", "without it the demo writes a video; over ssh, try ssh -X")

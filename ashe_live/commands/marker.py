@@ -20,7 +20,7 @@ def run(options: argparse.Namespace) -> int:
     marker = parse_target(options.marker)
     if options.show:
         # Only here, so that printing needs neither GLFW nor OpenGL.
-        from ashe_live.commands.view import has_display
+        from ashe_live.commands.viewing.setup import has_display
         from ashe_live.viewer.windows.marker_window import show_marker
 
         if not has_display():

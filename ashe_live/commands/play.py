@@ -6,7 +6,8 @@ from ashe_live.capture.sources import open_source
 from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker_in
 from ashe_live.commands.flags.model_choice import follow_named_marker
 from ashe_live.commands.flags.setup import make_tracker
-from ashe_live.commands.view import ViewerSetup, check_outputs, show
+from ashe_live.commands.viewing.setup import ViewerSetup, check_outputs
+from ashe_live.commands.viewing.window import show
 
 
 def run(options: argparse.Namespace) -> int:

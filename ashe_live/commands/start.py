@@ -4,7 +4,7 @@ import argparse
 
 from ashe_live.capture.cameras import connected
 from ashe_live.commands import demo, webcam
-from ashe_live.commands.view import check_outputs
+from ashe_live.commands.viewing.setup import check_outputs
 from ashe_live.process.messages import tell
 
 

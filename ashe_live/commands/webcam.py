@@ -7,7 +7,8 @@ from ashe_live.capture.webcam import WebcamSource
 from ashe_live.commands.flags.marker_choice import tracker_maker
 from ashe_live.commands.flags.model_choice import follow_named_marker
 from ashe_live.commands.flags.setup import make_tracker
-from ashe_live.commands.view import ViewerSetup, check_outputs, show
+from ashe_live.commands.viewing.setup import ViewerSetup, check_outputs
+from ashe_live.commands.viewing.window import show
 from ashe_live.process.messages import tell
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 

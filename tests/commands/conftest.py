@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from ashe_live import cli
-from ashe_live.commands import view
 from ashe_live.commands.flags.option_groups import DEFAULT_ESTIMATOR
+from ashe_live.commands.viewing import setup
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.estimators import estimator
 from ashe_live.light.estimators.steps import ProxySteps
@@ -90,7 +90,7 @@ def run(capfd: pytest.CaptureFixture[str]) -> Callable[..., Outcome]:
 def instant(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every estimate is made at once and in this process."""
     monkeypatch.setitem(estimator.ESTIMATORS, DEFAULT_ESTIMATOR, lambda _preset: InstantEstimator())
-    monkeypatch.setattr(view, "LightWorker", InstantWorker)
+    monkeypatch.setattr(setup, "LightWorker", InstantWorker)
 
 
 @pytest.fixture

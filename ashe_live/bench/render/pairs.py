@@ -35,6 +35,9 @@ from ashe_live.render.scene import Scene
 
 CHANGED_LEVELS = 8  # of any channel, by which the model or its shadow has changed a photo
 SEEN_SHADOW = 0.5  # of the sun's light that is gone where a pixel counts as shadow
+DARKEST_LEVEL = 8.0  # of 255, added to brightness before its logarithm: below it there is but noise
+FINE_PX = 2.0  # standard deviation of the blur that relief is finer than
+LEAST_RELIEF_PX = 100  # pixels of ground well within the shadow, of which its relief is told
 TINY = 0.02  # a model that hides nothing, for the sheet is covered only where there is one
 
 
@@ -59,6 +62,7 @@ class PairError:
     ground_de: float  # mean CIE 1976 colour differences: in the shadow on the ground,
     paper_de: float  # in the shadow on the sheet,
     model_de: float  # and on the model
+    relief_ratio: float  # fine contrast of the ground within the shadow over the true one; NaN if too little is seen
     seam_px: int  # pixels of the ground that are a seam between shadows
     virtual_features: Float  # (n, 7) of crops that show the model, by which it might be told from the photo's,
     real_features: Float  # which are these
@@ -97,11 +101,23 @@ def pair_error(ctx: Context, pair: Pair, preset: RenderPreset) -> PairError:
         _mean(difference, shadow & ~pair.is_sheet),
         _mean(difference, shadow & pair.is_sheet),
         _mean(difference, within),
+        relief_ratio(ours, pair.expected, cv2.erode((shadow & ~pair.is_sheet).astype(np.uint8), kernel) > 0),
         seam_pixels(ours, (pair.expected, bare), cv2.erode(beside.astype(np.uint8), kernel) > 0),
         crop_features(ours, pair.is_model),
         crop_features(pair.expected, pair.is_model),
         hidden_error(ctx, pair, preset),
     )
+
+
+def relief_ratio(ours: Image, expected: Image, where: Mask) -> float:
+    """Standard deviation of the logarithm of brightness about its mean around, ours over that of the photo."""
+    if where.sum() < LEAST_RELIEF_PX:
+        return math.nan
+    found, true = (
+        float((fine - cv2.GaussianBlur(fine, (0, 0), FINE_PX))[where].std())
+        for fine in (np.log(cv2.cvtColor(image, cv2.COLOR_BGR2GRAY) + DARKEST_LEVEL) for image in (ours, expected))
+    )
+    return found / max(true, 1e-6)
 
 
 def hidden_error(ctx: Context, pair: Pair, preset: RenderPreset) -> float:

@@ -72,7 +72,7 @@ def _size(size: list[int]) -> str:
 
 
 def _pairs(rows: list[Json]) -> Table:
-    """A row a preset; medians of the borders, means of the others, scenes in which something is not told left out."""
+    """A row a preset; medians of borders and relief, means of the others, of the scenes in which each is told."""
     table = figures_table(
         "against photos of the same with the model",
         "",
@@ -82,6 +82,7 @@ def _pairs(rows: list[Json]) -> Table:
         "dE paper",
         "dE model",
         "dE hidden",
+        "relief",
         "seam px",
         "told apart",
     )
@@ -98,6 +99,7 @@ def _pairs(rows: list[Json]) -> Table:
             f"{flip:.3f}",
             f"{border:.2f}",
             *(f"{de:.1f}" for de in means),
+            f"{np.nanmedian([row['relief_ratio'] for row in own]):.2f}",
             seams,
             f"{100 * own[0]['forced_choice']:.0f} %",
         )

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.render.pairs import Pair, drawn, pair_error, read_pairs
+from ashe_live.bench.render.pairs import Pair, drawn, pair_error, read_pairs, relief_ratio
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
 from ashe_live.core.transforms import direction_from_angles, rigid
@@ -38,6 +38,17 @@ def test_no_width_is_made_up_where_there_is_no_border() -> None:
     image = np.full((80, 120, 3), 150, np.uint8)
     places = np.column_stack([np.full(40, 60.0), np.arange(20, 60.0)])
     assert np.isnan(border_widths(image, places, np.repeat([(1.0, 0.0)], 40, axis=0))).all()
+
+
+def test_relief_of_half_the_contrast_is_half_of_it_and_that_of_little_ground_is_not_told() -> None:
+    ripples = np.sin(np.arange(120)[None] * 1.5 + np.zeros((80, 1)))
+    strong, weak = (
+        np.repeat(np.round(120 * np.exp(amount * ripples))[..., None], 3, axis=2).astype(np.uint8)
+        for amount in (0.2, 0.1)
+    )
+    where = np.ones((80, 120), bool)
+    assert relief_ratio(weak, strong, where) == pytest.approx(0.5, rel=0.05)
+    assert np.isnan(relief_ratio(weak, strong, np.arange(120)[None] + 120 * np.arange(80)[:, None] < 50))
 
 
 def written_pair(tmp_path, T_cam_marker) -> Pair:

@@ -1,0 +1,1 @@
+"""What the commands share that play: a source in a window, or without one."""

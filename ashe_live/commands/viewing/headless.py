@@ -1,0 +1,98 @@
+"""The viewer without a window: every frame into a file, a report, or to whoever takes it."""
+
+import contextlib
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from ashe_live.capture.recording.recorder import Recorder
+from ashe_live.capture.recording.transparent import TransparentRecorder
+from ashe_live.commands.flags.marker_choice import others_said
+from ashe_live.commands.flags.setup import quality_of
+from ashe_live.commands.viewing.setup import ViewerSetup, opened_session, tell_of_recordings_cut_short
+from ashe_live.core.arrays import Image
+from ashe_live.errors import ExitStatus
+from ashe_live.process.messages import say, tell
+from ashe_live.process.signals import ended_by_signals
+from ashe_live.render.gl.offscreen import graphics_failures_told, offscreen_context
+from ashe_live.render.renderer import SceneRenderer
+from ashe_live.render.scene import Scene
+from ashe_live.tracking.families.in_view import markers_in_view
+from ashe_live.viewer.headless import HeadlessRun, play_headless
+from ashe_live.viewer.output.report import Report
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.status import camera_line, light_line
+
+
+def show_without_window(
+    setup: ViewerSetup, scene: Callable[[Session], Scene], *takers: Callable[[Image, float], None]
+) -> int:
+    """Every frame; `takers` get each picture (h, w, 3) uint8 BGR and its time in seconds."""
+    options = setup.options
+    tell_of_recordings_cut_short(options.out)
+    with contextlib.ExitStack() as stack:
+        end_if_asked = stack.enter_context(ended_by_signals())
+        stack.enter_context(graphics_failures_told())
+        stack.enter_context(setup.source)
+        renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
+        stack.callback(renderer.release)
+        session = stack.enter_context(opened_session(setup))
+        recorder: Recorder | TransparentRecorder | None = None
+        if options.out is not None:
+            wanted = options.out, setup.size, setup.source.fps or 1.0, options.overwrite
+            recorder = Recorder(*wanted) if options.layers is None else TransparentRecorder(*wanted)
+            stack.enter_context(recorder)
+            takers = (*takers, recorder.write)
+        report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
+
+        def next_scene(session: Session) -> Scene:
+            end_if_asked()
+            return _layers(scene(session), options.layers)
+
+        run = HeadlessRun(next_scene, options.frames, options.loop, takers, options.layers is not None)
+        play_headless(setup.source, setup.tracker, session, renderer, run, report)
+        if options.report is not None:
+            _tell_where(options.report, report.write(options.report, options.overwrite))
+    # Only now it is known what has become of the recording.
+    if recorder is not None:
+        _tell_where(options.out, recorder.path)
+        options.out = recorder.path
+    return _summed_up(setup, session, report)
+
+
+def _layers(scene: Scene, wanted: str | None) -> Scene:
+    if wanted is None:
+        return scene
+    return replace(scene, is_cut_out=True, shows_model=wanted != "shadow", casts_shadow=wanted != "model")
+
+
+def _tell_where(wanted: Path, path: Path) -> None:
+    if path != wanted:
+        tell(f"{wanted} has appeared meanwhile and stays as it is: see {path}")
+
+
+def _summed_up(setup: ViewerSetup, session: Session, report: Report) -> int:
+    found = sum(frame["found"] for frame in report.frames)
+    light = "light: not estimated" if session.estimate is None else light_line(session)
+    say(f"{setup.source.name}: marker in {found} of {len(report.frames)} frames; {light}")
+    for notice in _notices(setup, session, {frame["index"] for frame in report.frames if frame["found"]}):
+        tell(notice)
+    return ExitStatus.ANSWERED if found else ExitStatus.NO_MARKER
+
+
+def _notices(setup: ViewerSetup, session: Session, found: set[int]) -> Iterator[str]:
+    """What went otherwise than asked for; `found`: the indices of the frames with a marker."""
+    name, options = setup.source.name, setup.options
+    if setup.source.note is not None:
+        yield setup.source.note
+    if not found:
+        in_view = () if session.tracked is None else markers_in_view(session.tracked.frame.image_bgr)
+        named = others_said(in_view) if in_view else "if another one is there, name it with --marker"
+        yield f"the marker {options.marker} is not seen in {name}: {named}"
+    elif options.estimate_at not in (None, *found):
+        yield f"nothing to estimate in frame {options.estimate_at}: no marker in it, or no such frame was played"
+    elif session.last_notice is not None:
+        yield session.last_notice
+    camera = camera_line(session.tracked)
+    if camera is not None and session.tracked is not None and session.tracked.camera.source == "estimated":
+        yield camera

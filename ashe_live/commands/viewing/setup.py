@@ -1,0 +1,95 @@
+"""What there is to look at and how, and what is readied for it: with a window and without one alike."""
+
+import argparse
+import contextlib
+import os
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ashe_live.capture.recording.cut_short import rescue_recordings
+from ashe_live.capture.sources import Source
+from ashe_live.commands.flags.model_choice import chosen_models, names_of
+from ashe_live.commands.flags.setup import light_steps
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Size, drawn_size
+from ashe_live.errors import UserError
+from ashe_live.files import writing as files
+from ashe_live.light.live.worker import LightWorker
+from ashe_live.models.catalogue import model_names
+from ashe_live.models.memory import ModelMemory
+from ashe_live.process.messages import tell
+from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.tracking.tracker import MarkerTracker
+from ashe_live.viewer.cores import leave_cores_to_renderer
+from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.table.shelf import Shelf
+
+
+@dataclass(frozen=True, slots=True)
+class ViewerSetup:
+    """A source, and how it is to be looked at."""
+
+    source: Source
+    tracker: MarkerTracker
+    options: argparse.Namespace
+    true_to_light_marker: Float | None = None  # (3,) unit, where it is known
+    shows_light: bool = False
+    # By another marker's spec, or another field of view in degrees; None: there is no other.
+    tracker_for: Callable[[str | None, float | None], MarkerTracker] | None = None
+
+    @property
+    def size(self) -> Size:
+        size: Size = self.options.size or drawn_size(self.source.size)
+        return size
+
+
+def check_outputs(options: argparse.Namespace) -> None:
+    """Raises UserError before anything is opened when a file must not or cannot be written."""
+    models = (Path(name) for name in names_of(options) if name not in model_names())
+    inputs = (getattr(options, "file", None), options.camera_file, *models)
+    files.check_outputs((options.out, options.report), inputs, options.overwrite)
+    if options.headless and options.loop and options.frames is None:
+        raise UserError("--loop without a window never ends", "give --frames N too")
+    if options.layers is not None and (not options.headless or options.out is None):
+        raise UserError(
+            "--layers are written without a window", "give --headless --out FILE.mov too; Shift+S saves one"
+        )
+    if options.report is not None and not options.headless:
+        raise UserError("--report is written without a window only", "give --headless too")
+
+
+def has_display() -> bool:
+    """Whether a window can be hoped for; only X11 and Wayland name their display in the environment."""
+    return not sys.platform.startswith("linux") or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+@contextlib.contextmanager
+def opened_session(setup: ViewerSetup) -> Iterator[Session]:
+    """The session of `setup` with its light process, which ends with it."""
+    options = setup.options
+    leave_cores_to_renderer()
+    policy = EstimatePolicy(not setup.source.is_live, options.estimate_at, options.auto)
+    steadiness = Steadiness(1) if setup.source.is_photo else Steadiness()
+    first, *others = chosen_models(options)
+    side_m, names = setup.tracker.side_m, [other.name for other in others]
+    shelf = Shelf(first.name, side_m, options.up, ModelMemory(), names)
+    with LightWorker(options.estimator) as worker:
+        session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)
+        session.show_light = setup.shows_light
+        session.hides_marker = options.hide_marker
+        session.is_mirrored = options.mirror
+        session.watch.preset = light_steps(options)
+        if options.headless:
+            for line in shelf.take_words():
+                tell(line)
+        yield session
+
+
+def tell_of_recordings_cut_short(out: Path | None) -> None:
+    """Of a program that was killed, at the next one's start."""
+    for folder in {Path.cwd(), *([] if out is None else [out.absolute().parent])}:
+        for path in rescue_recordings(folder):
+            tell(f"a recording that was cut short is now {path}")

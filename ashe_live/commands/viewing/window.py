@@ -1,0 +1,54 @@
+"""The viewer in a window, until it is closed."""
+
+import contextlib
+
+from ashe_live.commands.flags.setup import quality_of
+from ashe_live.commands.viewing.headless import show_without_window
+from ashe_live.commands.viewing.setup import ViewerSetup, has_display, opened_session, tell_of_recordings_cut_short
+from ashe_live.core.camera import drawn_size
+from ashe_live.errors import ExitStatus, UserError
+from ashe_live.process.signals import ended_by_signals
+from ashe_live.render.gl.offscreen import graphics_failures_told
+from ashe_live.render.renderer import SceneRenderer
+from ashe_live.viewer.display import bare_scene
+
+
+def show(setup: ViewerSetup) -> int:
+    """Runs the viewer as the options want it; returns the exit status."""
+    return show_without_window(setup, bare_scene) if setup.options.headless else show_in_window(setup)
+
+
+def show_in_window(setup: ViewerSetup) -> int:
+    """Until it is closed."""
+    # Only here, so that playing without a display does without GLFW.
+    from ashe_live.commands.flags.opening import LaterSources
+    from ashe_live.viewer.live import LiveViewer
+    from ashe_live.viewer.output.recording import Recording
+    from ashe_live.viewer.sources.pipeline import Pipeline
+    from ashe_live.viewer.windows.glfw_window import GlfwWindow
+
+    options = setup.options
+    if not has_display():
+        raise UserError("there is no display for a window", "give --headless --out VIDEO.mp4")
+    tell_of_recordings_cut_short(options.out)
+    with contextlib.ExitStack() as stack:
+        end_if_asked = stack.enter_context(ended_by_signals())
+        stack.enter_context(graphics_failures_told())
+        # First, as its process starts while the window opens, and a model that cannot be read opens none.
+        session = stack.enter_context(opened_session(setup))
+        window = stack.enter_context(GlfwWindow(f"ashe-live: {setup.source.name}", setup.size))
+        pipeline = Pipeline(setup.source, setup.tracker, options.loop, setup.tracker_for)
+        stack.callback(pipeline.close)
+        pipeline.start()
+        preset = quality_of(options).render
+        renderer = SceneRenderer(window.context, preset, window.framebuffer_size, switches_at_once=False)
+        recording = None
+        if options.out is not None:
+            recording = Recording(options.out, drawn_size(setup.source.size), pipeline.fps, options.overwrite)
+
+        viewer = LiveViewer(
+            window, renderer, pipeline, session, options.quality, recording, options.loop, LaterSources(options)
+        )
+        viewer.followed.takes_any_marker = options.takes_any_marker
+        viewer.run(options.frames, end_if_asked)
+    return ExitStatus.ANSWERED
