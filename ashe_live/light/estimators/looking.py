@@ -2,18 +2,18 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.refining import refined_and_others
-from ashe_live.light.estimators.scene_views import scene_views
+from ashe_live.light.estimators.scene_views import fine_and_coarse, scene_views
 from ashe_live.light.estimators.steps import FAST, ProxySteps
 from ashe_live.light.estimators.together import explained_together
 from ashe_live.light.estimators.trace import Look, Trace
-from ashe_live.light.explanation.explain import Proposal, explained
+from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company, company_features
 from ashe_live.light.explanation.judgement.judge import Judge, explanation_features, probabilities_of
@@ -23,7 +23,6 @@ from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
 from ashe_live.light.ground.regions import unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts
 from ashe_live.light.lamps.hypotheses import LampHypotheses
-from ashe_live.light.pixels.view import View
 from ashe_live.light.views.evidence import no_less_sure
 from ashe_live.light.views.seen import SceneView
 
@@ -40,8 +39,7 @@ def looked(
     tracked: TrackedFrame, others: Sequence[TrackedFrame], steps: ProxySteps, judge: Judge, clock: StageClock
 ) -> Look:
     """One look at the picture of `tracked`, which must have a marker, and at the others, which show the same scene."""
-    fine = View.of(tracked, steps.fine_width_px)
-    coarse = fine.scaled(steps.coarse_width_px)
+    fine, coarse = fine_and_coarse(tracked, steps)
     trace = Trace(coarse)
     views = scene_views(tracked, fine, coarse, others, steps)
     clock.end("segment")
@@ -117,7 +115,9 @@ def _rough_explanations(
     trace.proposals = selected_for_fit(proposals, steps.tried, judge)
     suns = [each for each in explained(trace.proposals, steps.first_fit) if each] if proposals else []
     lamps = LampHypotheses.of(coarse, ground, unlit, steps.light)
-    trace.rough = rough = Sharpener.of([fine]).measured(lamps.likelier(suns, steps.first_fit))
+    trace.rough = rough = Sharpener.of([fine]).measured(
+        lamps.likelier(suns, partial(explained_near, preset=steps.first_fit))
+    )
     to_glint = None if glint is None else glint.to_light_marker
     alone = cache(explanation_features)
 

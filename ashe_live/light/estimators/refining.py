@@ -1,10 +1,11 @@
 """The explanations that are judged: the likeliest refined and moved onto the steps of light, the others as they are."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.steps import ProxySteps
-from ashe_live.light.explanation.explain import are_alike, different, refined, refined_by_tangents
+from ashe_live.light.explanation.explain import are_alike, different, explained_near, refined, refined_by_tangents
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
@@ -39,7 +40,8 @@ def refined_and_others(
     others = different(each for each in ranked if not any(each is one for one in chosen))
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
-    return [lamps.decided(sharpener.sharpened(each), steps.fine_fit, sharpener) for each in found] + others
+    fit = partial(explained_near, preset=steps.fine_fit)
+    return [lamps.decided(sharpener.sharpened(each), fit, sharpener) for each in found] + others
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:

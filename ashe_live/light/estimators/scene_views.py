@@ -22,6 +22,12 @@ COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
 GROUND_OF_OTHERS = GroundSteps(12, 8, 1)  # how finely the ground is modelled in views in which nothing is looked for
 
 
+def fine_and_coarse(tracked: TrackedFrame, steps: ProxySteps) -> tuple[View, View]:
+    """The picture at the two sizes that the estimator works at; it must have a marker."""
+    fine = View.of(tracked, steps.fine_width_px)
+    return fine, fine.scaled(steps.coarse_width_px)
+
+
 def scene_views(
     tracked: TrackedFrame, fine: View, coarse: View, others: Sequence[TrackedFrame], steps: ProxySteps
 ) -> list[SceneView]:

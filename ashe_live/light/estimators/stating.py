@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.light.estimators.proposals import proposals_of
 from ashe_live.light.estimators.steps import FIRST_FIT, ProxySteps
 from ashe_live.light.estimators.trace import Look
-from ashe_live.light.explanation.explain import Proposal, explained
+from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import shadow_core
 from ashe_live.light.explanation.judgement.judge import Judge, best_direction, recalibrated
@@ -72,7 +73,7 @@ def illumination_of(
             trace.unlit,
             lambda: _other_objects(choice, judge),
             lambda: Sharpener.of([look.views[0].fine]),
-            steps.fine_fit,
+            partial(explained_near, preset=steps.fine_fit),
         ),
         # A hull's shadow has been compared with all of the plane: there is no body's border left to tell of a lamp.
         SUN if best.hull is not None and steps.light == AUTO else steps.light,

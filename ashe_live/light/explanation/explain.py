@@ -1,6 +1,6 @@
 """Explanations: from a split of a region's pixels into object and shadow to a body and lights that fit the picture."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -42,6 +42,10 @@ BORDERS_PER_SAMPLE, MODEL_ERROR_SHARE = 2.3, 0.007
 END_IN_VIEW = 0.5  # fraction of a shadow's far end that must be in the picture for its length to be known
 # Fraction of its pixels in which an explanation must differ from a likelier one for it to be refined too.
 DIFFERING_SHARE = 0.04
+
+
+# Fits explanations anew, each with its first light held at a nearness: `explained_near` with some preset.
+NearFit = Callable[[Sequence[tuple["Explanation", float]]], list["Explanation | None"]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

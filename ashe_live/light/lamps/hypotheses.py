@@ -14,7 +14,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, criterion
-from ashe_live.light.explanation.explain import explained_near
+from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
@@ -24,7 +24,6 @@ from ashe_live.light.lamps.agreement import FallDirections
 from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.lamps.sources import nearness_prior, parameters_of, shadow_middle, share_of
-from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 
@@ -73,13 +72,13 @@ class LampHypotheses:
         """Of the view that `ground` was fitted to, beside what is `unlit` (h, w); kind: one of KINDS."""
         return LampHypotheses(None if kind == SUN else FallOff.of(view, ground, clear_of(unlit)), ground)
 
-    def evidence(self, sun: Explanation, preset: FitPreset, sharpener: Sharpener) -> LampEvidence:
+    def evidence(self, sun: Explanation, fit: NearFit, sharpener: Sharpener) -> LampEvidence:
         """The explanation, whose lights are at infinity and moved onto steps of light, by the likeliest lamp."""
         nearness, deviance = self._by_fall(sun)
         prior = nearness_prior(nearness)
         found: list[LampEvidence] = []
         if deviance >= WORTH_FITTING:
-            for lamp in explained_near([(sun, factor * nearness) for factor in AROUND], preset):
+            for lamp in fit([(sun, factor * nearness) for factor in AROUND]):
                 if lamp is not None:
                     found.append(self._compared(sun, sharpener.sharpened(lamp, prior)))
         return max(found, key=lambda each: each.deviance, default=LampEvidence(None, 0.0, 0.0))
@@ -96,23 +95,23 @@ class LampHypotheses:
         near = [lit.with_first_light_near(each).lights for each in agreement.NEARNESSES]
         return self._directions.log_ratio(np.array([light_parameters(lights)[0] for lights in near]))
 
-    def decided(self, explanation: Explanation, preset: FitPreset, sharpener: Sharpener) -> Explanation:
+    def decided(self, explanation: Explanation, fit: NearFit, sharpener: Sharpener) -> Explanation:
         """The explanation, moved onto steps of light, by a lamp if that is sure, else by a sun."""
         sun = explanation
         if is_held_near(explanation):
-            (fitted,) = explained_near([(explanation, 0.0)], preset)
+            (fitted,) = fit([(explanation, 0.0)])
             if fitted is None:
                 return explanation
             sun = sharpener.sharpened(fitted)
-        evidence = self.evidence(sun, preset, sharpener)
+        evidence = self.evidence(sun, fit, sharpener)
         return evidence.lamp if evidence.lamp is not None and evidence.is_lamp else sun
 
-    def likelier(self, suns: Sequence[Explanation], preset: FitPreset) -> list[Explanation]:
+    def likelier(self, suns: Sequence[Explanation], fit: NearFit) -> list[Explanation]:
         """Each rough explanation, or in its place a lamp's where the fall of light asks for one and outlines agree."""
         by_fall = [self._by_fall(each) for each in suns]
         near = [i for i, (_, deviance) in enumerate(by_fall) if deviance >= WORTH_FITTING_ROUGH]
         likelier = list(suns)
-        lamps = explained_near([(suns[i], by_fall[i][0]) for i in near], preset) if near else []
+        lamps = fit([(suns[i], by_fall[i][0]) for i in near]) if near else []
         for i, lamp in zip(near, lamps, strict=True):
             if lamp is not None:
                 costs = [criterion(each.alignment.placed) / COST_PER_PARAMETER for each in (suns[i], lamp)]

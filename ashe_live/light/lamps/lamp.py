@@ -15,6 +15,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light
+from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import fitted_judge, probability_of_good
 from ashe_live.light.explanation.sharpen import Sharpener
@@ -34,7 +35,6 @@ from ashe_live.light.lamps.sources import (
     place_seen_from_a_sun,
     shadow_middle,
 )
-from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.directions import direction_by_displacement
 from ashe_live.light.shape.layout import light_parameters
@@ -74,7 +74,7 @@ class Scene:
     # Explanations of other objects with their log odds: looked for where a sun is not certain.
     others: Callable[[], Sequence[tuple[Explanation, float]]]
     sharpener: Callable[[], Sharpener]  # of the view at full resolution: asked for where lights are aligned as lamps
-    preset: FitPreset  # of fits with a lamp
+    fit: NearFit  # of one view
 
 
 def stated(
@@ -116,7 +116,7 @@ def stated(
             )
     is_lamp = kind == LAMP or is_held_near(explanation)
     if not is_lamp and _is_lamp(objects, place, from_sun, ratios, fall_off):
-        evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.preset, scene.sharpener())
+        evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.fit, scene.sharpener())
         # Another object is a witness of its own; one object alone has told all that it can.
         is_lamp = evidence.is_lamp if len(objects) == 1 else evidence.lamp is None or evidence.deviance > 0
     if is_lamp:
@@ -160,7 +160,7 @@ def _fitted_as_lamps(
                 # What was free to find its nearness is where it belongs.
                 each.explanation
                 if each.explanation.nearness is not None
-                else fitted_as_lamp(each.explanation, nearness, scene.preset, sharpener),
+                else fitted_as_lamp(each.explanation, nearness, scene.fit, sharpener),
                 each.probability,
             )
             for each in objects

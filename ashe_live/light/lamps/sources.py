@@ -8,13 +8,12 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.edges.nearness import NearnessPrior
-from ashe_live.light.explanation.explain import explained_near
+from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.fall_off import FallOff, Pull
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
-from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
@@ -46,17 +45,15 @@ class SeenObject:
         return place_by_borders(fitted, lamp_borders(self.explanation)[0])
 
 
-def fitted_as_lamp(
-    explanation: Explanation, nearness: float, preset: FitPreset, sharpener: Sharpener
-) -> Explanation | None:
+def fitted_as_lamp(explanation: Explanation, nearness: float, fit: NearFit, sharpener: Sharpener) -> Explanation | None:
     """The explanation fitted again in all of its views with its first light at a nearness w / z (1/m).
 
     Steps of light in a single view move the nearness too. None where the object or a shadow is then not in view.
-    preset: of one view's fit. sharpener: of the view that is answered.
+    fit: of one view. sharpener: of the view that is answered.
     """
     alignment = explanation.alignment
     if not alignment.elsewhere:
-        (again,) = explained_near([(explanation, nearness)], preset)
+        (again,) = fit([(explanation, nearness)])
         if again is None or len(again.lights) > 1:
             return None if again is None else sharpener.sharpened(again)
         return sharpener.sharpened(again, nearness_prior(nearness))

@@ -1,11 +1,13 @@
 """Lamps in the place of suns: found from a sun's explanation, told from it, and not found where there is none."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.explanation.explain import Proposal, explained
+from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.labels.associate import Split
@@ -16,6 +18,7 @@ from ashe_live.light.shape.layout import nearness_of
 from tests.light.painted_regions import PaintedRegion, painted_region
 from tests.light.painted_scenes import BOX, CYLINDER, Caster
 
+FIT = partial(explained_near, preset=BALANCED.fine_fit)
 LAMP_M = (-0.3, -0.1, 0.45)
 
 
@@ -36,7 +39,7 @@ def test_a_lamp_is_found_from_a_suns_explanation(ground: str, caster: Caster) ->
     """Outlines and the fall of light agree, and free the nearness that one object alone is said not to tell."""
     here = painted_region(caster, ground=ground, lamp_m=LAMP_M)
     sun, sharpener = by_a_sun(here)
-    lamp = hypotheses(here).decided(sun, BALANCED.fine_fit, sharpener)
+    lamp = hypotheses(here).decided(sun, FIT, sharpener)
     assert is_held_near(lamp)
     assert lamp.nearness is not None
     assert abs(nearness_of(lamp.lights[0].light) * LAMP_M[2] - 1) < 0.15
@@ -49,12 +52,12 @@ def test_a_sun_stays_one(caster: Caster) -> None:
     here = painted_region(caster, ground="bricks")
     sun, sharpener = by_a_sun(here)
     tried = hypotheses(here)
-    assert tried.decided(sun, BALANCED.fine_fit, sharpener) is sun
-    assert tried.likelier([sun], BALANCED.first_fit) == [sun]
+    assert tried.decided(sun, FIT, sharpener) is sun
+    assert tried.likelier([sun], FIT) == [sun]
     assert tried.agreement(sun) == 0
 
 
 def test_no_lamp_is_tried_where_lights_are_taken_for_suns() -> None:
     here = painted_region(BOX, lamp_m=LAMP_M)
     sun, sharpener = by_a_sun(here)
-    assert hypotheses(here, SUN).evidence(sun, BALANCED.fine_fit, sharpener).lamp is None
+    assert hypotheses(here, SUN).evidence(sun, FIT, sharpener).lamp is None
