@@ -27,9 +27,9 @@ from ashe_live.light.shape.directions import (
     with_hemisphere_prior,
 )
 from ashe_live.light.shape.layout import nearness_of
+from ashe_live.light.shape.outlines.silhouettes import observe_outlines
 from ashe_live.light.shape.predicted import predicted
 from ashe_live.light.shape.sight import Sight
-from ashe_live.light.shape.silhouettes import observe_outlines
 
 EDGE_SIGMA_PX = 0.7  # standard deviation of the masks' edges from the truth
 DIRECTIONS = 16  # in which outlines are observed when only their tangents are needed

@@ -12,8 +12,8 @@ from ashe_live.light.edges.steps import steps_across
 from ashe_live.light.hull.labelled import Labelled
 from ashe_live.light.hull.supports import Planes, ShadowLines, SupportFunction, planes_of_lines, shadow_lines
 from ashe_live.light.pixels.areas import areas_by_size, grown, majority, shrunk
+from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
 from ashe_live.light.shape.predicted import Predicted
-from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 
 DIRECTIONS = 24  # of tangents in each view
 EDGE_SIGMA_PX = 0.7  # standard deviation of a mask's edge

@@ -10,8 +10,8 @@ from ashe_live.core.caster import Caster
 from ashe_live.core.transforms import camera_centre
 from ashe_live.light.shape.body import BodyFrame
 from ashe_live.light.shape.layout import Layout
+from ashe_live.light.shape.outlines.silhouettes import Outlines
 from ashe_live.light.shape.sight import Sight
-from ashe_live.light.shape.silhouettes import Outlines
 
 SLENDEREST, FLATTEST = 8.0, 0.3  # height over radius
 HIGHEST = 0.85  # guessed height as a fraction of that at which a slab's far edge would be at the outline's top

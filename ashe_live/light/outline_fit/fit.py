@@ -16,14 +16,14 @@ from ashe_live.light.outline_fit.preset import BALANCED, FitPreset
 from ashe_live.light.outline_fit.residuals import Observations
 from ashe_live.light.outline_fit.search import Problem, Solution, search
 from ashe_live.light.shape.body import Body, LitBody
-from ashe_live.light.shape.contours import AnyMask
 from ashe_live.light.shape.families import FAMILIES
 from ashe_live.light.shape.family import Family
 from ashe_live.light.shape.known import family_of, resized_family_of
 from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.light_points import held_near
+from ashe_live.light.shape.outlines.contours import AnyMask
+from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
 from ashe_live.light.shape.sight import Sight
-from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
 
 # Errors in neighbouring directions are correlated: their number over the effective sample size.
 DIRECTIONS_PER_SAMPLE = 4.0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.shape.family import Family, parts_of
-from ashe_live.light.shape.silhouettes import Outlines
+from ashe_live.light.shape.outlines.silhouettes import Outlines
 from ashe_live.light.shape.supports import outline_supports
 
 Indices = NDArray[np.intp]

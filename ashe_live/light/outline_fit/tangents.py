@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.light.shape.layout import Layout, light_parameters, nearness_of
-from ashe_live.light.shape.silhouettes import Outlines, Silhouette
+from ashe_live.light.shape.outlines.silhouettes import Outlines, Silhouette
 
 NARROWEST = 0.05  # least distance from an outline to the vanishing point, relative to that from the origin
 TANGENT_SIGMAS = 1.5  # sigma of a tangent's position, in sigmas of an edge

@@ -11,7 +11,7 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.outline_fit.tangents import lights_refined_by_tangents, tangent_gaps
 from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.light_points import at_infinity
-from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
+from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
 from tests.light.synthetic_masks import MaskedScene, ball, camera_towards, direction, render
 
 VIEW = camera_towards((0.08, 0.0), 0.4, 40.0)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.contours import contour_of
-from ashe_live.light.shape.silhouettes import Outlines, observe_outlines
+from ashe_live.light.shape.outlines.contours import contour_of
+from ashe_live.light.shape.outlines.silhouettes import Outlines, observe_outlines
 
 
 def disc(x: float, y: float, radius: float, shape: tuple[int, int] = (120, 160)) -> Mask:

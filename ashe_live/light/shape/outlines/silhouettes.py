@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.shape.contours import AnyMask, Contour, are_beside, contour_of, truncation_mask, values_at
+from ashe_live.light.shape.outlines.contours import AnyMask, Contour, are_beside, contour_of, truncation_mask, values_at
 
 # A shadow's outline this near to the object may continue behind it.
 CONTACT_PX, CONTACT_SHARE, CONTACT_SIGMAS = 2.0, 0.03, 3.0

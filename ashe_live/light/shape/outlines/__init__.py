@@ -1,0 +1,1 @@
+"""Outlines of masks, as what a body is fitted to."""
