@@ -39,11 +39,9 @@ TABLES = "judge.json"
 # The first round has no tables yet: every feature counts one unit of log odds over these ranges.
 FIRST_RANGES = {
     "misfit": (-5.0, -3.5),
-    "body steps": (0.0, 2.0),
-    "shadow steps": (0.0, 2.0),
+    "steps": (0.0, 2.0),
     "family": (0.0, 0.3),
     "uneven": (0.1, 0.4),
-    "clear body": (0.0, 1.0),
     "clear shadow": (0.0, 1.0),
     "flat": (0.0, 1.0),
     "contrast": (-0.5, 0.5),
@@ -52,7 +50,6 @@ FIRST_RANGES = {
     "brightness": (0.0, 0.3),
     "short": (0.0, 2.0),
     "long": (0.0, 1.0),
-    "lit side": (-0.5, 0.9),
     "missed": (-3.0, -1.0),
     "shaded": (2.0, 16.0),
     "in shadow": (0.0, 0.5),
@@ -60,10 +57,11 @@ FIRST_RANGES = {
     "edge": (0.0, 1.0),
     "border": (0.0, 1.0),
     "second": (0.0, 1.0),
+    "grazing": (0.0, 0.2),
     "constrained": (-2.0, 0.0),
     "agreeing": (0.0, 1.0),
 }
-OF_SPLITS = ("hue", "brightness", "short", "long", "lit side", "missed", "shaded", "edge", "border", "second")
+OF_SPLITS = ("hue", "brightness", "short", "long", "missed", "shaded", "edge", "border", "second")
 LOOKS = tuple(dict.fromkeys(of_one_view(look) for steps in PRESETS.values() for look in steps.looks))
 WEIGHT = 1 / len(LOOKS)  # all look at the same pictures, which are to count once
 # The first round explains every so many-th picture by so many of its splits, of which it learns which to fit.

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float32, Mask
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.shading import Shading, shading_of
@@ -27,18 +27,17 @@ FLAT = 0.7  # log of breadth over height above which a body counts as flat
 # A strongly lit object may show no shading in the picture: where it is overexposed, translucent or painted.
 LEAST_CONTRAST = -0.5
 LEAST_STEP_COST = 0.1  # of outlines better than which none are told apart
-LEAST_SPREAD = 1e-3  # least standard deviation of values that have a meaningful correlation
+# Sine of a light's height, below which level ground receives so little of it that a clear shadow is hardly its.
+LOW_SINE = 0.3
 FAMILIES = 4  # the likeliest by the labels' outlines, whose lights are compared
 FEWEST_SHADED = 15  # pixels inside a shadow, of which evenness is told
 
 # The features, and the sign with which physics lets each count for an explanation (docs/maths.md, "Evidence").
 SIGNS: Mapping[str, int] = {
     "misfit": -1,
-    "body steps": -1,
-    "shadow steps": -1,
+    "steps": -1,
     "family": -1,
     "uneven": -1,
-    "clear body": 1,
     "clear shadow": 1,
     "flat": -1,
     "contrast": 1,
@@ -47,7 +46,6 @@ SIGNS: Mapping[str, int] = {
     "brightness": -1,
     "short": -1,
     "long": -1,
-    "lit side": 1,
     "missed": -1,
     "shaded": 1,
     "in shadow": -1,
@@ -55,6 +53,7 @@ SIGNS: Mapping[str, int] = {
     "edge": 1,
     "border": -1,
     "second": -1,
+    "grazing": -1,
     "constrained": 1,
     "agreeing": 1,
 }
@@ -67,7 +66,7 @@ def evidence(explanation: Explanation) -> dict[str, float]:
         "misfit": math.log(max(alignment.misfit_px, 0.05) / alignment.placed.object_px),
         **of_steps_and_families(explanation),
         "uneven": _unevenness(explanation),
-        "clear body": alignment.clear_body,
+        "grazing": max(LOW_SINE - float(explanation.lights[0].to_light_marker[2]), 0.0),
         "clear shadow": alignment.clear_shadow,
         "flat": _flatness(explanation),
         "contrast": max(shading.contrast, LEAST_CONTRAST),
@@ -79,13 +78,12 @@ def evidence(explanation: Explanation) -> dict[str, float]:
 
 
 def of_steps_and_families(explanation: Explanation) -> dict[str, float]:
-    """How far the outlines lie from the steps of light; and by how much the light depends on the body's family, rad."""
+    """How far the worse of both outlines lies from steps of light; by how much the light depends on the family, rad."""
     steps, foot = explanation.steps, explanation.alignment.placed.lit.body.frame.origin_marker
     light = towards(explanation.lights[0].light, np.array([*foot, 0.0]))
     others = [angle_between(light, body.to_lights_marker[0]) for body in explanation.bodies[:FAMILIES]]
     return {
-        "body steps": math.log(max(steps.body, LEAST_STEP_COST)),
-        "shadow steps": math.log(max(steps.shadow, LEAST_STEP_COST)),
+        "steps": math.log(max(steps.body, steps.shadow, LEAST_STEP_COST)),
         "family": float(np.median(others)) if others else 0.0,
     }
 
@@ -123,7 +121,6 @@ def appearance(region: Region, materials: Materials, masks: Predicted) -> dict[s
         "brightness": max(brightness + 0.5, 0.0),
         "short": max(-longer - 1.0, 0.0),
         "long": max(longer, 0.0),
-        "lit side": _lit_side(region, masks),
         "missed": math.log(0.02 + _pixels(unlit & ~masks.whole) / size),
         "shaded": _mean((materials.lit - materials.shaded)[masks.shadow]),
         "edge": min(_sharpness(region, materials, masks), 1.0),
@@ -165,31 +162,6 @@ def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
     inner = shadow & clear & (within > low) & (within <= high)
     outer = clear & (without > low) & (without <= high) & grown(shadow, int(high))
     return _median(fraction[inner]) - _median(fraction[outer])
-
-
-def _lit_side(region: Region, masks: Predicted) -> float:
-    """Correlation over the object of brightness with the position along the axis from the shadow's centre to its own.
-
-    Positive where the object is brighter on the side away from its shadow; 0 where too little of either is seen.
-    """
-    core = shrunk(masks.body, 1) & region.is_ground
-    places, shaded = _places(core), _places(masks.shadow)
-    if places.shape[1] <= 30 or shaded.shape[1] <= 5:
-        return 0.0
-    along = (places.mean(axis=1) - shaded.mean(axis=1)) @ places
-    return _correlation(along, region.colours[..., 0][core])
-
-
-def _correlation(one: Float | Float32, other: Float | Float32) -> float:
-    """Pearson's correlation of two samples (n,); 0 where either hardly varies."""
-    a, b = (values - values.mean(dtype=np.float64) for values in (one, other))
-    variances = float(a @ a) / len(a), float(b @ b) / len(b)
-    return float(a @ b) / len(a) / math.sqrt(variances[0] * variances[1]) if min(variances) >= LEAST_SPREAD**2 else 0.0
-
-
-def _places(mask: Mask) -> Float:
-    """(2, n) rows and columns of the pixels of `mask`."""
-    return np.array(np.divmod(np.flatnonzero(mask), mask.shape[1]), dtype=np.float64)
 
 
 def _median(values: Float32) -> float:
