@@ -171,6 +171,7 @@ class FakeShelf:
 
     progress = None
     moves = False
+    marker_side_m = 0.08
 
     def __init__(self) -> None:
         self.names = ["cube", "lantern", "mug", "tree"]
