@@ -74,6 +74,7 @@ def illumination_of(
             lambda: _other_objects(choice, judge),
             lambda: Sharpener.of([look.views[0].fine]),
             partial(explained_near, preset=steps.fine_fit),
+            judge.calibration.overdispersion,
         ),
         # A hull's shadow has been compared with all of the plane: there is no body's border left to tell of a lamp.
         SUN if best.hull is not None and steps.light == AUTO else steps.light,

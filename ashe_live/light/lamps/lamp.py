@@ -17,7 +17,7 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light
 from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.judge import fitted_judge, probability_of_good
+from ashe_live.light.explanation.judgement.judge import probability_of_good
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.borders import lamp_borders
@@ -75,6 +75,7 @@ class Scene:
     others: Callable[[], Sequence[tuple[Explanation, float]]]
     sharpener: Callable[[], Sharpener]  # of the view at full resolution: asked for where lights are aligned as lamps
     fit: NearFit  # of one view
+    overdispersion: float  # of the judge that answers: factor on the covariance by outlines
 
 
 def stated(
@@ -125,7 +126,7 @@ def stated(
             objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth, scene
         )
         if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0):
-            best, at = aligned[0].explanation, _as_wide_as_outlines(at, aligned[0])
+            best, at = aligned[0].explanation, _as_wide_as_outlines(at, aligned[0], scene.overdispersion)
             first, *others_lights = lights_of(best, confidence)
             return Answer(best, (_lamp(first, at, ratios[0], shadow_middle(best)), *others_lights), at)
     first, *others_lights = lights
@@ -189,13 +190,13 @@ def _is_near(place: Place, sigmas: float) -> bool:
     return place.mean[2] > 0 and place.standard_errors > sigmas
 
 
-def _as_wide_as_outlines(place: Place, first: SeenObject) -> Place:
+def _as_wide_as_outlines(place: Place, first: SeenObject, overdispersion: float) -> Place:
     """The place with a nearness by steps of light as overdispersed as the directions by outlines are."""
     if first.explanation.nearness is None:
         return place
     covariance = place.covariance
     along = covariance[:, 2] / math.sqrt(covariance[2, 2])
-    wider = covariance + (fitted_judge().calibration.overdispersion - 1) * np.outer(along, along)
+    wider = covariance + (overdispersion - 1) * np.outer(along, along)
     return Place(place.mean, np.asarray(np.linalg.inv(wider)))
 
 
