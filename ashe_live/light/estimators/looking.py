@@ -50,7 +50,8 @@ def looked(
     if len(views) > 1:
         others_found = []
         for view in views[1:][: steps.companions]:
-            rough, *_ = _rough_explanations(view, Trace(view.coarse), _beside(steps), judge, clock)
+            seen = Sharpener.of([view.fine])
+            rough, *_ = _rough_explanations(view, seen, Trace(view.coarse), _beside(steps), judge, clock)
             others_found.append((view, rough))
         together = explained_together([(views[0], candidates), *others_found], views, steps, judge)
         alone, alone_log_odds = _directions(candidates), log_odds
@@ -79,10 +80,10 @@ def _explanations(
 
     trace: of the view, filled in on the way.
     """
-    rough, log_odds_among, lamps = _rough_explanations(view, trace, steps, judge, clock)
+    sharpener = Sharpener.of([view.fine])
+    rough, log_odds_among, lamps = _rough_explanations(view, sharpener, trace, steps, judge, clock)
     if not rough:
         return [], []
-    sharpener = Sharpener.of([view.fine])
     log_odds_of = log_odds_among(rough)
     found = refined_and_others(rough, sharpener, view.fine, view.coarse, view.ground, steps, log_odds_of, lamps)
     clock.end("fit")
@@ -92,10 +93,10 @@ def _explanations(
 
 
 def _rough_explanations(
-    view: SceneView, trace: Trace, steps: ProxySteps, judge: Judge, clock: StageClock
+    view: SceneView, sharpener: Sharpener, trace: Trace, steps: ProxySteps, judge: Judge, clock: StageClock
 ) -> tuple[list[Explanation], LogOddsAmong, LampHypotheses]:
     """What one view may show, as the fits to the likeliest splits say, how these are judged among several, and what
-    the view's ground tells of lamps.
+    the view's ground tells of lamps. sharpener: of that view at full resolution.
     """
     fine, coarse, ground = view.fine, view.coarse, view.ground
     unlit = unlit_mask(ground, coarse.is_ground, round(LEAST_SHARE * coarse.is_ground.size))
@@ -115,9 +116,8 @@ def _rough_explanations(
     trace.proposals = selected_for_fit(proposals, steps.tried, judge)
     suns = [each for each in explained(trace.proposals, steps.first_fit) if each] if proposals else []
     lamps = LampHypotheses.of(coarse, ground, unlit, steps.light)
-    trace.rough = rough = Sharpener.of([fine]).measured(
-        lamps.likelier(suns, partial(explained_near, preset=steps.first_fit))
-    )
+    likelier = lamps.likelier(suns, partial(explained_near, preset=steps.first_fit))
+    trace.rough = rough = sharpener.measured(likelier)
     to_glint = None if glint is None else glint.to_light_marker
     alone = cache(explanation_features)
 
