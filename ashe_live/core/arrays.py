@@ -46,3 +46,9 @@ def set_frozen(instance: object, **fields: object) -> None:
     """Sets fields of a frozen dataclass; for use in its __post_init__ only."""
     for name, value in fields.items():
         object.__setattr__(instance, name, value)
+
+
+def upper_median(values: Float | Float32) -> float:
+    """The median of values (n,), or the upper of the two middle ones; many times as fast as NumPy's for few values."""
+    middle = len(values) // 2
+    return float(np.partition(values, middle)[middle])

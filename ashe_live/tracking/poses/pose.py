@@ -133,7 +133,7 @@ def pose_of_squares(
 
 
 def _chosen_solution(
-    seen: "_Corners", camera: Camera, previous: MarkerPose | None, refines: bool
+    seen: _Corners, camera: Camera, previous: MarkerPose | None, refines: bool
 ) -> tuple[Solution, float | None] | None:
     """The pose that is meant, and how far off, px, the other one is that explains the largest square; None for none."""
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ashe_live.core.arrays import Float32, Mask
+from ashe_live.core.arrays import Float32, Mask, upper_median
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.shading import Shading, shading_of
@@ -165,9 +165,8 @@ def _sharpness(region: Region, materials: Materials, masks: Predicted) -> float:
 
 
 def _median(values: Float32) -> float:
-    """The median, or the upper of the two middle values; 0 of five values or fewer."""
-    middle = len(values) // 2
-    return float(np.partition(values, middle)[middle]) if len(values) > 5 else 0.0
+    """The upper median; 0 of five values or fewer."""
+    return upper_median(values) if len(values) > 5 else 0.0
 
 
 def _mean(values: Float32) -> float:

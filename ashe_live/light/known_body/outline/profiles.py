@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, upper_median
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.room import Room
 
@@ -92,7 +92,7 @@ class Profiles:
             determinant = (one + 1e-12) * (xx + 1e-12) - x * x
             blur, squared = ((xx + 1e-12) * y - x * xy) / determinant, ((one + 1e-12) * xy - x * y) / determinant
             rest = np.abs(variance - blur - squared * spreads)
-            scale = 1.48 * _middle(rest) + 1e-3
+            scale = 1.48 * upper_median(rest) + 1e-3
             w = full / (1 + (rest / (2 * scale)) ** 2)
         error = scale * math.sqrt(POINTS_A_SAMPLE * abs((one + 1e-12) / determinant))
         blur = min(max(blur, 0.3), 9.0)
@@ -100,9 +100,3 @@ class Profiles:
         if squared <= 3 * error or squared * widest < 0.5 * blur:
             return blur, 0.0
         return blur, min(math.sqrt(squared), LARGEST_RAD)
-
-
-def _middle(values: Float) -> float:
-    """The upper median, many times as fast as NumPy's."""
-    middle = len(values) // 2
-    return float(np.partition(values, middle)[middle])
