@@ -1,5 +1,6 @@
-"""Checks that the arrays in value types are what their field's line says, and makes them read-only."""
+"""Arrays: their types, the checks that keep those of value types as their fields say, and what is asked of many."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -52,3 +53,14 @@ def upper_median(values: Float | Float32) -> float:
     """The median of values (n,), or the upper of the two middle ones; many times as fast as NumPy's for few values."""
     middle = len(values) // 2
     return float(np.partition(values, middle)[middle])
+
+
+def directions_on_spiral(count: int, first_z: float = 1.0, last_z: float = -1.0) -> Float:
+    """(count, 3) unit vectors, evenly spread over the sphere's zone between two z, the whole sphere unless told.
+
+    A golden-angle spiral from the first to the last (Vogel, "A better way to construct the sunflower head", 1979).
+    """
+    z = first_z + (last_z - first_z) * (np.arange(count) + 0.5) / count
+    azimuth = np.arange(count) * (math.pi * (3 - math.sqrt(5)))
+    flat = np.sqrt(1 - z**2)
+    return np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), z])

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.core.caster import Caster, parsed_caster
 from ashe_live.models.loading import SUFFIXES, load_model_file
-from ashe_live.models.placement import PlacedModel, all_around
+from ashe_live.models.placement import PlacedModel
 from ashe_live.models.reading import read_apart
 
 # In so many directions a hull may reach less far than the model by this part of its extent: a third of what sizes that
@@ -30,7 +30,7 @@ def _few_points(path: str) -> Float:
     """(n, 3) as few points of a model as reach nearly as far as it does, those that are missed most first."""
     model = load_model_file(Path(path))
     points = PlacedModel(model, model.bounds).outline
-    reaches = all_around(DIRECTIONS) @ points.T
+    reaches = directions_on_spiral(DIRECTIONS) @ points.T
     farthest, whole = reaches.argmax(axis=1), reaches.max(axis=1)
     chosen, reached = [], np.full(DIRECTIONS, -np.inf)
     while (whole - reached).max() > MOST_MISSED * np.ptp(points, axis=0).max():

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.core.arrays import Float, frozen_floats, set_frozen
+from ashe_live.core.arrays import Float, directions_on_spiral, frozen_floats, set_frozen
 from ashe_live.core.ranges import SCALE, SHIFT, TURN
 from ashe_live.models.mesh import Float32, Model
 
@@ -107,7 +107,7 @@ def _outline(model: Model) -> Float:
     # Across the extents, so that a flat model is looked at as closely as a ball.
     extents = np.ptp(points, axis=0).astype(np.float64)
     extents = np.maximum(extents, max(1e-6 * extents.max(), 1e-30))
-    directions = (all_around(MAX_OUTLINE_POINTS) / extents).astype(np.float32)
+    directions = (directions_on_spiral(MAX_OUTLINE_POINTS) / extents).astype(np.float32)
     reach = np.full(len(directions), -np.inf, np.float32)
     extreme = np.zeros(len(directions), np.int64)
     order, bounds = _in_cells(points, extents)
@@ -138,11 +138,3 @@ def _in_cells(points: Float32, extents: Float) -> tuple[NDArray[np.int64], NDArr
     order = np.argsort(cells, kind="stable")
     begins = np.flatnonzero(np.diff(cells[order], prepend=-1))
     return order, np.append(begins, len(points))
-
-
-def all_around(count: int) -> Float:
-    """(count, 3) unit vectors, evenly spread on a golden-angle spiral."""
-    z = 1 - (2 * np.arange(count) + 1) / count
-    azimuth = np.arange(count) * (math.pi * (3 - math.sqrt(5)))
-    flat = np.sqrt(1 - z**2)
-    return np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), z])

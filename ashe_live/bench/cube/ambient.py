@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ashe_live.bench.cube.painter import CubeScene, level_of
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.core.types import Illumination
 
 NORMALS = 400  # of the ball, evenly spread
@@ -28,8 +28,6 @@ def ambient_errors(scene: CubeScene, found: Illumination) -> tuple[float, float]
 
 def _irradiance(sky: Float, slope: Float, table: Float) -> Float:
     """(n, 3) over pi and over that of all light on level ground, of facets turned every way."""
-    z = 1 - 2 * (np.arange(NORMALS) + 0.5) / NORMALS
-    azimuth = np.arange(NORMALS) * (math.pi * (3 - math.sqrt(5)))
-    across = np.sqrt(1 - z * z)[:, None] * np.column_stack([np.cos(azimuth), np.sin(azimuth)])
-    up = z[:, None]
+    normals = directions_on_spiral(NORMALS)
+    across, up = normals[:, :2], normals[:, 2:]
     return np.asarray(np.maximum(sky * (1 + up) / 2 + across @ slope, 0.0) + table * (1 - up) / 2)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Mask, directions_on_spiral
 from ashe_live.core.proxy import Mesh, Proxy
 from ashe_live.core.transforms import view_direction
 from ashe_live.light.explanation.explanation import Explanation
@@ -93,14 +93,6 @@ def _proxy_of(hull: Carved, seen: InLight) -> Proxy | None:
     points, triangles = surface_of(occupied.reshape(hull.box.shape), hull.box.low, hull.box.voxel_m)
     if not len(points):
         return None
-    farthest = np.unique((points @ _evenly_spread(CORNERS).T).argmax(axis=0))
+    farthest = np.unique((points @ directions_on_spiral(CORNERS).T).argmax(axis=0))
     corners = np.column_stack([points[farthest], np.zeros((len(farthest), 2))])
     return Proxy("silhouettes", corners, Mesh(points, triangles))
-
-
-def _evenly_spread(count: int) -> Float:
-    """(count, 3) unit vectors, along a spiral of the golden angle."""
-    z = 1 - (2 * np.arange(count) + 1) / count
-    angle = np.pi * (3 - np.sqrt(5)) * np.arange(count)
-    flat = np.sqrt(1 - z**2)
-    return np.column_stack([flat * np.cos(angle), flat * np.sin(angle), z])

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.light.lamps.fall_off import FallOff
 
 NEARNESSES = (0.6, 1.3, 2.7, 5.5)  # 1/m, equally likely of a lamp
@@ -41,11 +41,8 @@ class FallDirections:
     @cached_property
     def _anywhere(self) -> Float:
         """(n,) costs of lamps all over the hemisphere."""
-        turn = math.pi * (3 - math.sqrt(5))  # of a spiral of evenly spread points (Vogel, 1979)
-        z = LOWEST_Z + (1 - LOWEST_Z) * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
-        across = np.sqrt(1 - z**2) / z
-        angles = turn * np.arange(DIRECTIONS)
-        displacements = np.column_stack([across * np.cos(angles), across * np.sin(angles)])
+        x, y, z = directions_on_spiral(DIRECTIONS, LOWEST_Z, 1.0).T
+        displacements = np.column_stack([x / z, y / z])
         seen_there = self.fall_off.places.mean(axis=0)
         return self._costs(np.array([[*(s + k * seen_there), k] for s in displacements for k in NEARNESSES]))
 

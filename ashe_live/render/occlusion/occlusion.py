@@ -6,14 +6,12 @@ a direction at a time; of a model that moves each in another pose, so that it is
 model alone: it is moved, turned and scaled with it.
 """
 
-import math
 from collections.abc import Generator
 from dataclasses import replace
 
 import moderngl
-import numpy as np
 
-from ashe_live.core.arrays import Float
+from ashe_live.core.arrays import directions_on_spiral
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.preset import FAST
 from ashe_live.render.gl.programs import Programs
@@ -46,7 +44,7 @@ def occlusion_steps(
         duration_s = model.placed.model.duration_s
         # The mean of a cosine over all directions, where it is positive, is a quarter.
         share = 4.0 / DIRECTIONS
-        for number, direction in enumerate(directions_around(DIRECTIONS)):
+        for number, direction in enumerate(directions_on_spiral(DIRECTIONS)):
             # Not in the order of the directions, which go from above to below.
             moment_s = duration_s * (number * GOLDEN_SHARE % 1.0)
             caster.pose(moment_s)
@@ -67,11 +65,3 @@ def occlusion_steps(
         if on_model is not None:
             on_model.release()
         depth_map.release()
-
-
-def directions_around(count: int) -> Float:
-    """(count, 3) unit vectors, evenly spread over the sphere from above to below; a golden-angle spiral."""
-    z = 1 - (2 * np.arange(count) + 1) / count
-    azimuth = np.arange(count) * (math.pi * (3 - math.sqrt(5)))
-    flat = np.sqrt(1 - z**2)
-    return np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), z])

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import directions_on_spiral
 from ashe_live.core.types import Illumination
 from ashe_live.models.material import Material
 from ashe_live.models.mesh import Mesh, Motion
@@ -15,7 +16,7 @@ from ashe_live.quality import FAST
 from ashe_live.render.gl.geometry import GpuModel, GpuPart
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.occlusion.contact import ContactPatch
-from ashe_live.render.occlusion.occlusion import directions_around, occlusion_steps
+from ashe_live.render.occlusion.occlusion import occlusion_steps
 from ashe_live.render.occlusion.stand_in import CELLS, MOST_TRIANGLES, stand_in_for
 from ashe_live.render.occlusion.surface_samples import samples_on
 from ashe_live.render.scene import Scene
@@ -105,7 +106,7 @@ def test_of_a_model_that_moves_it_is_the_mean(openness: Find) -> None:
 
 
 def test_directions_are_spread_evenly() -> None:
-    directions = directions_around(80)
+    directions = directions_on_spiral(80)
     np.testing.assert_allclose(np.linalg.norm(directions, axis=1), 1.0)
     np.testing.assert_allclose(directions.mean(axis=0), 0.0, atol=0.02)
     np.testing.assert_allclose(directions.T @ directions / 80, np.eye(3) / 3, atol=0.02)
