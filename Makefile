@@ -9,8 +9,9 @@ DIST ?= dist
 demo: $(VENV)/demo.stamp
 	$(BIN)/ashe-live demo
 
+# A file's tests stay in one process, as they share films and windows. More processes than four share no more work.
 test: $(VENV)/test.stamp check
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto --maxprocesses 4 --dist loadfile
 
 check: $(VENV)/test.stamp
 	$(BIN)/ruff check .

@@ -1,4 +1,6 @@
-"""`ashe-live` whose paper estimator works on small pictures: the same way, in a tenth of a second.
+"""`ashe-live` whose paper estimator works on small pictures and stops early: the same way, in half a second.
+
+On a painted picture, whose noise is all that differs within an area, GrabCut's 25 iterations would take seconds.
 
 Its process has the viewer's priority, as at the lowest one a crowded machine lets it wait for minutes.
 """
@@ -12,7 +14,7 @@ from ashe_live.light.paper.estimator import PaperEstimator, PaperSteps
 
 
 def quick(preset: ProxySteps) -> PaperEstimator:  # noqa: ARG001
-    return PaperEstimator(PaperSteps(size=(160, 120)))
+    return PaperEstimator(PaperSteps(size=(160, 120), grabcut_iterations=2))
 
 
 # At import, so that the light worker's process, which imports this file too, has it as well.

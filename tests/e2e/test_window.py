@@ -10,6 +10,7 @@ import PIL.Image
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
+from tests.e2e.conftest import await_that
 from tests.painted_cubes import CAMERA, CubeScene, looking, painted, sun
 
 pytestmark = pytest.mark.window
@@ -25,13 +26,6 @@ STILL_S = 0.7
 def difference(a: np.ndarray, b: np.ndarray) -> float:
     """Mean absolute, in grey levels; pictures of different sizes are as different as can be."""
     return 255.0 if a.shape != b.shape else float(np.abs(a - b).mean())
-
-
-def await_that(condition, what: str, patience_s: float = 60.0) -> None:
-    deadline = time.monotonic() + patience_s
-    while not condition():
-        assert time.monotonic() < deadline, f"waited in vain for {what}"
-        time.sleep(0.02)
 
 
 def await_part(viewer, part, was: np.ndarray, differs: bool = True) -> None:
@@ -77,7 +71,9 @@ def shared(play):
 @pytest.fixture
 def estimated(shared):
     """A viewer that plays and whose light is known. Tests that do not end it leave it as they found it."""
-    return shared()
+    viewer = shared()
+    yield viewer
+    print(viewer.output)  # shown where the test fails
 
 
 def test_it_plays_estimates_and_ends_with_status_0(estimated):
