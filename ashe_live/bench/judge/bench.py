@@ -1,7 +1,7 @@
 """`ashe-live bench fit-judge`: fits the tables of the judge to sets of pictures whose lights are known."""
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,6 +12,7 @@ from rich.progress import track
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.cases import Case, read_cases
 from ashe_live.bench.judge.calibration import fitted_calibration
+from ashe_live.bench.judge.confidence import as_stated, fitted_average, least_confidence, with_open_directions
 from ashe_live.bench.judge.logit import fitted_score
 from ashe_live.bench.judge.samples import Sample, of_one_view, sample_of
 from ashe_live.bench.judge.tables import calibration_table, error_of, families_table, risk_table, score_table
@@ -19,9 +20,7 @@ from ashe_live.bench.judge.validation import (
     Judged,
     Pictures,
     by_families_left_out,
-    fitted_average,
     judged,
-    least_confidence,
     looks_by,
     risk_curve,
     scores_by_others,
@@ -32,7 +31,7 @@ from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import Judge
-from ashe_live.light.explanation.judgement.judge_tables import Curve, Score, Tables
+from ashe_live.light.explanation.judgement.judge_tables import Average, Curve, Score, Tables
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 
 TABLES = "judge.json"
@@ -138,18 +137,37 @@ class JudgeBench(Bench):
         """The answers by fits to other scenes, by preset; and the tables, of which confidences are fitted to these."""
         explanation = explanation_score(pictures)
         scores = scores_by_others(pictures, explanation_score)
-        averages, answers = {}, {}
-        for looks in sorted({len(steps.looks) for steps in PRESETS.values()}):
-            alike = {preset: steps for preset, steps in PRESETS.items() if len(steps.looks) == looks}
-            averages[looks] = fitted_average(pictures, scores, list(alike.values()), looks)
-            for preset, steps in alike.items():
-                answers[preset] = [
-                    judged(score, looks_by(picture, steps), averages[looks])
+        looks_of = {preset: len(steps.looks) for preset, steps in PRESETS.items()}
+
+        def answers_by(averages: Mapping[int, Average]) -> dict[str, list[Judged]]:
+            return {
+                preset: [
+                    judged(score, looks_by(picture, steps), averages[looks_of[preset]])
                     for picture, score in zip(pictures, scores, strict=True)
                 ]
+                for preset, steps in PRESETS.items()
+            }
+
+        averages = {
+            looks: fitted_average(
+                pictures, scores, [steps for preset, steps in PRESETS.items() if looks_of[preset] == looks], looks
+            )
+            for looks in sorted(set(looks_of.values()))
+        }
+        answers = answers_by(averages)
+        calibration = _calibration([each for several in answers.values() for each in several])
+        good_if_open, averages = with_open_directions(
+            {
+                looks: [each for preset in PRESETS if looks_of[preset] == looks for each in answers[preset]]
+                for looks in averages
+            },
+            averages,
+            calibration,
+        )
+        answers = {
+            preset: as_stated(several, calibration, good_if_open) for preset, several in answers_by(averages).items()
+        }
         every = [each for several in answers.values() for each in several]
-        least = least_confidence(every)
-        given = [each.answer for each in every if each.confidence >= least]
         origin = {
             "command": self._command(),
             "scenes": [folder.resolve().name for folder in self.scenes],
@@ -157,8 +175,15 @@ class JudgeBench(Bench):
             "categories": dict(sorted(Counter(case.category for case in cases).items())),
             "date": datetime.now(UTC).date().isoformat(),
         }
-        calibration = fitted_calibration([each for each in given if each is not None])
-        return answers, Tables(splits, explanation, averages, least, calibration, origin)
+        least = least_confidence(every)
+        return answers, Tables(splits, explanation, averages, least, _calibration(every), origin, good_if_open)
+
+
+def _calibration(answers: Sequence[Judged]) -> Calibration:
+    """Of those that are sure enough to be given."""
+    least = least_confidence(answers)
+    given = [each.answer for each in answers if each.confidence >= least]
+    return fitted_calibration([each for each in given if each is not None])
 
 
 def explanation_score(pictures: Pictures) -> Score:

@@ -12,7 +12,11 @@ import numpy as np
 
 from ashe_live.bench.metrics import ELLIPSE_68, ELLIPSE_95
 from ashe_live.core.arrays import Float
-from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines
+from ashe_live.light.explanation.judgement.uncertainty import (
+    Calibration,
+    covariance_of_outlines,
+    overdispersed,
+)
 
 # Where the search begins, its factors on each parameter from coarse to fine, and the ranges that make sense.
 START = Calibration(1.0, math.radians(20.0), 2.0)
@@ -30,6 +34,7 @@ class Answer:
     confidence: float
     error_by_axis: Float  # (2,) rad on the light's tangent basis
     covariance_rad2: Float  # (2, 2)
+    unseen_end: float = 0.0  # share of the elevation's variance by a shadow's end out of view
 
 
 def fitted_calibration(answers: Sequence[Answer]) -> Calibration:
@@ -55,7 +60,9 @@ def squared_distances(calibration: Calibration, answers: Sequence[Answer]) -> Fl
     errors = np.array([answer.error_by_axis for answer in answers])
     outlines = np.array([answer.covariance_rad2 for answer in answers])
     doubt = calibration.doubt_rad * (1 - confidence) ** calibration.doubt_power
-    total = covariance_of_outlines(calibration.overdispersion * outlines) + (doubt**2)[:, None, None] * np.eye(2)
+    unseen_ends = np.array([answer.unseen_end for answer in answers])
+    by_outlines = covariance_of_outlines(overdispersed(outlines, unseen_ends, calibration.overdispersion))
+    total = by_outlines + (doubt**2)[:, None, None] * np.eye(2)
     return np.asarray((errors * np.linalg.solve(total, errors[..., None])[..., 0]).sum(axis=1))
 
 

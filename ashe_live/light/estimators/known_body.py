@@ -72,10 +72,11 @@ def _illumination(seen: Seen, found: Sequence[FoundLight], tracked: TrackedFrame
 def _light(found: FoundLight, taken: Float, tracked: TrackedFrame) -> Light:
     """The light as stated; taken: (3,) part of the table's light that it gives, R, G, B."""
     by_edges = found.fitted
-    to_light = by_edges.to_light_marker
-    covariance = CALIBRATION.covariance(by_edges.covariance_rad2, to_light, found.confidence, tracked)
+    covariance = CALIBRATION.covariance(by_edges, found.confidence, tracked)
     left = np.clip(1 - taken, 1e-3, 1.0)
-    light = Light(to_light, covariance, radius_of_68_percent(covariance), found.confidence, shadow_rgb_ratio=left)
+    light = Light(
+        by_edges.to_light_marker, covariance, radius_of_68_percent(covariance), found.confidence, shadow_rgb_ratio=left
+    )
     if found.light[3] > 0:
         place = Place(found.light[[0, 1, 3]], np.asarray(np.linalg.inv(found.covariance), dtype=np.float64))
         lamp_covariance = place.lamp_covariance

@@ -48,7 +48,7 @@ def chosen(looks: Sequence[Look], judge: Judge) -> Choice | None:
     probabilities = np.array([probability for *_, probability in several])
     index, share = best_direction(probabilities, [each.to_light_from_body for _, each, _ in several])
     look, best, _ = several[index]
-    return Choice(look, best, recalibrated(share, average))
+    return Choice(look, best, recalibrated(share, average) * judge.probability_if_right(best))
 
 
 def illumination_of(

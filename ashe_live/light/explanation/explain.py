@@ -146,7 +146,8 @@ def refined_by_tangents(explanation: Explanation) -> Explanation:
         P, outlines, in_body_frame, information_on_displacement(light), EDGE_SIGMA_PX, spheroids
     )
     lights, covariance = sharp
-    return replace(explanation, lights=fitted_lights(body.frame.lights_marker(lights), covariance))
+    (refined_light,) = fitted_lights(body.frame.lights_marker(lights), covariance)
+    return replace(explanation, lights=(replace(refined_light, unseen_end=light.unseen_end),))
 
 
 def tempered(information: Float, alignment: Alignment) -> Float:

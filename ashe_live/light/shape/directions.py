@@ -22,6 +22,8 @@ class FittedLight:
 
     light: Float  # (4,) homogeneous point, marker frame, scaled to a unit vector (x, y, z)
     covariance_rad2: Float  # (2, 2) on the tangent basis: larger azimuth, larger elevation
+    # Of the elevation's variance, the share that comes from a shadow's end out of view: errors of outlines are no part.
+    unseen_end: float = 0.0
 
     def __post_init__(self) -> None:
         light = frozen_floats(self.light, (4,), "light")
@@ -86,8 +88,11 @@ def corrected_for_cut_shadow(light: FittedLight, visible_fraction: float) -> Fit
     lowered = math.cos(down) * light.to_light_marker - math.sin(down) * tangent_basis(light.to_light_marker)[1]
     # The azimuth keeps its uncertainty as an angle, which is a longer arc at a lower elevation.
     wider = max(1.0, math.cos(height - down) / max(math.cos(height), math.sqrt(light.covariance_rad2[0, 0])))
-    change = np.array([wider, visible_fraction + (1 - visible_fraction) * math.sqrt(variance) / deviation])
-    return FittedLight(np.append(lowered, light.light[3]), light.covariance_rad2 * np.outer(change, change))
+    by_outlines, by_unseen_end = visible_fraction, (1 - visible_fraction) * math.sqrt(variance) / deviation
+    change = np.array([wider, by_outlines + by_unseen_end])
+    unseen_end = 1 - (by_outlines / (by_outlines + by_unseen_end)) ** 2
+    covariance = light.covariance_rad2 * np.outer(change, change)
+    return FittedLight(np.append(lowered, light.light[3]), covariance, unseen_end)
 
 
 def direction_by_displacement(displacement: Float) -> Float:

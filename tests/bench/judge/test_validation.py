@@ -6,17 +6,21 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from ashe_live.bench.judge.confidence import (
+    LEAST_GOOD,
+    as_stated,
+    fitted_average,
+    fitted_confidence,
+    least_confidence,
+    with_open_directions,
+)
 from ashe_live.bench.judge.samples import Candidate, Sample, of_one_view
 from ashe_live.bench.judge.validation import (
     FOLDS,
-    LEAST_GOOD,
     Judged,
     Pictures,
     by_families_left_out,
-    fitted_average,
-    fitted_confidence,
     judged,
-    least_confidence,
     looks_by,
     mean_risk,
     risk_curve,
@@ -26,6 +30,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.light.estimators import steps
 from ashe_live.light.explanation.judgement.judge import recalibrated
 from ashe_live.light.explanation.judgement.judge_tables import Average, Curve, Score
+from ashe_live.light.explanation.judgement.uncertainty import Calibration
 
 FAST = of_one_view(steps.FAST)
 OTHER = of_one_view(steps.BALANCED)
@@ -94,6 +99,25 @@ def test_looks_that_agree_are_surer_than_looks_that_do_not() -> None:
     assert judged(score, [here, here], TWO).confidence == pytest.approx(once)
     assert judged(score, [here, elsewhere], TWO).confidence == pytest.approx(0.6 * once)
     assert judged(score, [nothing, here], TWO).confidence == pytest.approx(0.4 * once)
+
+
+def test_what_outlines_leave_open_is_good_as_often_as_is_found() -> None:
+    """Half of the answers leave the direction open, and 40 % of the right ones among these are good."""
+    rng = np.random.default_rng(5)
+    open_rad2, calibration = np.diag([1e-4, 4.0]), Calibration(1.0, 0.5, 2.0)
+    answers = []
+    for right in rng.uniform(0.5, 1.0, 4000):
+        is_open = rng.random() < 0.5
+        is_good = rng.random() < right * (0.4 if is_open else 1.0)
+        each = answer(float(right), 1.0 if is_good else 90.0)
+        best = dataclasses.replace(candidate(1.0 if is_good else 90.0), covariance_rad2=1e-4 * np.eye(2))
+        best = dataclasses.replace(best, covariance_rad2=open_rad2) if is_open else best
+        answers.append(dataclasses.replace(each, best=best))
+    good_if_open, averages = with_open_directions({1: answers}, {1: ONE}, calibration)
+    assert good_if_open == pytest.approx(0.4, abs=0.06)
+    assert (averages[1].offset, averages[1].slope) == pytest.approx((0.0, 1.0), abs=0.15)
+    stated = as_stated(answers, calibration, good_if_open)
+    assert fitted_confidence(stated) == pytest.approx((0.0, 1.0), abs=0.15)
 
 
 def test_recalibrated_answers_are_right_as_often_as_they_say() -> None:

@@ -67,6 +67,15 @@ def test_with_half_of_the_end_in_view_a_quarter_of_the_way_down_and_half_of_the_
     assert deviations_deg(half)[1] == pytest.approx((3 + deviations_deg(none)[1]) / 2)
 
 
+def test_what_an_end_out_of_view_leaves_open_is_told_from_errors_of_outlines() -> None:
+    here = light(40, 24, 3)
+    assert corrected_for_cut_shadow(here, 1.0).unseen_end == pytest.approx(0)
+    assert corrected_for_cut_shadow(here, 0.0).unseen_end == pytest.approx(1)
+    half = corrected_for_cut_shadow(here, 0.5)
+    by_outlines = math.sqrt(1 - half.unseen_end) * deviations_deg(half)[1]
+    assert by_outlines == pytest.approx(3 / 2)
+
+
 @pytest.mark.parametrize("elevation_deg", [5.0, 40.0, 85.0])
 def test_displacements_say_of_a_light_what_it_says_of_them(elevation_deg: float) -> None:
     here = light(130, elevation_deg, 3)

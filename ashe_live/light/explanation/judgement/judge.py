@@ -67,16 +67,26 @@ class Judge:
         """How the probabilities of so many looks at a picture become a confidence."""
         return self.tables.averages.get(looks) or Average((1 / looks,) * looks)
 
+    def probability_if_right(self, explanation: Explanation) -> float:
+        """Probability that the first light is within GOOD_RAD of the truth if the outlines are the object's and its
+        shadow's: they may leave open how high it is.
+        """
+        by_outlines = self._calibration_of(explanation).of_outlines(explanation.lights[0])
+        return good_if_right(by_outlines, self.tables.good_if_open)
+
     def lights_of(self, explanation: Explanation, confidence: float, tracked: TrackedFrame) -> tuple[Light, ...]:
         """The lights of an explanation with covariance, sigma and confidence, the strongest first as in its shifts."""
-        # A hull's light is a posterior mean over all that pixels and tangents allow: its covariance holds as it is.
-        calibration = self.calibration if explanation.hull is None else replace(self.calibration, overdispersion=1.0)
+        calibration = self._calibration_of(explanation)
         lights = []
         for fitted in explanation.lights:
-            covariance = calibration.covariance(fitted.covariance_rad2, fitted.to_light_marker, confidence, tracked)
+            covariance = calibration.covariance(fitted, confidence, tracked)
             sigma_rad = radius_of_68_percent(covariance)
             lights.append(Light(fitted.to_light_marker, covariance, sigma_rad, confidence))
         return tuple(lights)
+
+    def _calibration_of(self, explanation: Explanation) -> Calibration:
+        # A hull's light is a posterior mean over all that pixels and tangents allow: its covariance holds as it is.
+        return self.calibration if explanation.hull is None else replace(self.calibration, overdispersion=1.0)
 
 
 def recalibrated(probability: float, average: Average) -> float:
@@ -123,6 +133,12 @@ def explanation_features(explanation: Explanation, company: Company = ALONE) -> 
 def probability_of_good(covariance_rad2: Float) -> float:
     """Probability that a direction of this covariance (2, 2) is within GOOD_RAD of the truth."""
     return -math.expm1(RAYLEIGH_68 * (GOOD_RAD / max(radius_of_68_percent(covariance_rad2), 1e-9)) ** 2)
+
+
+def good_if_right(covariance_rad2: Float, good_if_open: float) -> float:
+    """As `probability_of_good`, where `good_if_open` of what this covariance leaves open is good nevertheless."""
+    determined = probability_of_good(covariance_rad2)
+    return determined + (1 - determined) * good_if_open
 
 
 @cache

@@ -60,12 +60,15 @@ class Tables:
     least_confidence: float
     calibration: Calibration
     origin: Mapping[str, Any]  # sets, seeds, counts, date, scores
+    # Probability that a direction is good which outlines, although the right ones, leave open.
+    good_if_open: float = 0.0
 
     def as_json(self) -> dict[str, Any]:
         return {
             "origin": dict(self.origin),
             "averages": {str(looks): asdict(average) for looks, average in self.averages.items()},
             "least_confidence": self.least_confidence,
+            "good_if_open": self.good_if_open,
             "calibration": {name: getattr(self.calibration, name) for name in Calibration.__slots__},
             "split": _score_json(self.split),
             "explanation": _score_json(self.explanation),
@@ -82,6 +85,7 @@ def read_tables(text: str) -> Tables:
         float(content["least_confidence"]),
         Calibration(**content["calibration"]),
         MappingProxyType(content["origin"]),
+        float(content["good_if_open"]),
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import tangent_basis
 from ashe_live.core.types import TrackedFrame
+from ashe_live.light.shape.directions import FittedLight
 
 FLOOR_RAD = math.radians(0.4)  # sigma along each axis of systematic errors: corner bias, a curled sheet, the lens
 
@@ -15,6 +16,18 @@ FLOOR_RAD = math.radians(0.4)  # sigma along each axis of systematic errors: cor
 def covariance_of_outlines(covariance_rad2: Float) -> Float:
     """(2, 2) rad^2: a direction's covariance from that of its outlines alone, with the floor of systematic errors."""
     return np.asarray(covariance_rad2 + FLOOR_RAD**2 * np.eye(2))
+
+
+def overdispersed(covariance_rad2: Float, unseen_end: Float | float, factor: float) -> Float:
+    """(..., 2, 2) covariances of directions with the part of outlines `factor` times as large.
+
+    unseen_end: (...) the share of the elevations' variances that comes from shadows' ends out of view, and stays.
+    """
+    by_outlines = np.sqrt(1 - np.asarray(unseen_end))
+    axes = np.stack([np.ones_like(by_outlines), by_outlines], axis=-1)
+    total = factor * covariance_rad2 * axes[..., :, None] * axes[..., None, :]
+    total[..., 1, 1] += unseen_end * covariance_rad2[..., 1, 1]
+    return np.asarray(total)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,17 +38,17 @@ class Calibration:
     doubt_rad: float  # sigma along each axis added to an answer of confidence 0
     doubt_power: float  # of the doubt 1 - confidence, by which that sigma falls
 
-    def covariance(
-        self, covariance_rad2: Float, to_light_marker: Float, confidence: float, tracked: TrackedFrame
-    ) -> Float:
+    def covariance(self, fitted: FittedLight, confidence: float, tracked: TrackedFrame) -> Float:
         """(2, 2) rad^2 on the direction's tangent basis, of all causes: outlines, pose, focal length, and doubt.
 
-        covariance_rad2: (2, 2) of the outlines alone. confidence: the probability that these are the object's and its
-        shadow's.
+        confidence: the probability that the outlines are the object's and its shadow's.
         """
         doubt = (self.doubt_rad * (1 - confidence) ** self.doubt_power) ** 2 * np.eye(2)
-        of_outlines = covariance_of_outlines(self.overdispersion * covariance_rad2)
-        return np.asarray(of_outlines + _covariance_of_pose(to_light_marker, tracked) + doubt)
+        return np.asarray(self.of_outlines(fitted) + _covariance_of_pose(fitted.to_light_marker, tracked) + doubt)
+
+    def of_outlines(self, fitted: FittedLight) -> Float:
+        """(2, 2) rad^2 on the direction's tangent basis, where the outlines are the object's and its shadow's."""
+        return covariance_of_outlines(overdispersed(fitted.covariance_rad2, fitted.unseen_end, self.overdispersion))
 
 
 def _covariance_of_pose(to_light_marker: Float, tracked: TrackedFrame) -> Float:

@@ -74,6 +74,17 @@ def test_odds_fall_as_the_direction_is_less_certain() -> None:
     assert odds[-1] < odds[0]
 
 
+def test_no_answer_is_surer_than_its_outlines_determine_it() -> None:
+    """Of a normal distribution of 30 degrees along one axis about a quarter lies within ten degrees."""
+    judge = fitted_judge()
+    sharp, open_height = explanation(), explanation(covariance_rad2=covariance(30.0, 0.7))
+    assert judge.probability_if_right(sharp) > 0.99
+    assert judge.probability_if_right(open_height) < 0.3
+    (light,) = open_height.lights
+    known = dataclasses.replace(open_height, lights=(dataclasses.replace(light, covariance_rad2=covariance(5.0, 0.7)),))
+    assert judge.probability_if_right(open_height) < judge.probability_if_right(known)
+
+
 def test_odds_fall_as_other_families_would_have_it_elsewhere() -> None:
     here = painted_region(BOX)
     body = body_of(here, BOX)

@@ -5,7 +5,8 @@ import pytest
 
 from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import TrackedFrame
-from ashe_live.light.explanation.judgement.uncertainty import Calibration
+from ashe_live.light.explanation.judgement.uncertainty import Calibration, overdispersed
+from ashe_live.light.shape.directions import FittedLight
 from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import direction
 
@@ -42,10 +43,8 @@ def test_no_spread_has_no_radius() -> None:
 
 def test_the_less_confident_an_answer_is_the_wider_it_is(tracked: TrackedFrame) -> None:
     calibration = Calibration(1.0, 0.5, 2.0)
-    spreads = [
-        calibration.covariance(np.diag([1e-4, 4e-4]), TO_LIGHT, confidence, tracked)
-        for confidence in np.linspace(0, 1, 11)
-    ]
+    fitted = FittedLight(np.append(TO_LIGHT, 0.0), np.diag([1e-4, 4e-4]))
+    spreads = [calibration.covariance(fitted, confidence, tracked) for confidence in np.linspace(0, 1, 11)]
     assert np.all(np.diff([radius_of_68_percent(each) for each in spreads]) < 0)
     doubt = spreads[3] - spreads[-1]
     np.testing.assert_allclose(doubt, (0.5 * 0.7**2) ** 2 * np.eye(2), atol=1e-12)
@@ -55,8 +54,17 @@ def test_the_less_confident_an_answer_is_the_wider_it_is(tracked: TrackedFrame) 
 def test_overdispersion_widens_what_the_outlines_state_and_nothing_else(
     overdispersion: float, tracked: TrackedFrame
 ) -> None:
-    stated = np.diag([1e-4, 4e-4])
-    none, some = (
-        Calibration(factor, 0.5, 2.0).covariance(stated, TO_LIGHT, 1.0, tracked) for factor in (0.0, overdispersion)
-    )
+    stated = np.array([[1e-4, 1e-4], [1e-4, 4e-4]])
+    fitted = FittedLight(np.append(TO_LIGHT, 0.0), stated)
+    none, some = (Calibration(factor, 0.5, 2.0).covariance(fitted, 1.0, tracked) for factor in (0.0, overdispersion))
     np.testing.assert_allclose(some - none, overdispersion * stated)
+
+
+@pytest.mark.parametrize("unseen_end", [0.0, 0.4, 1.0])
+def test_what_an_end_out_of_view_leaves_open_is_no_error_of_outlines(unseen_end: float) -> None:
+    stated = np.array([[1e-4, 1e-4], [1e-4, 4e-4]])
+    wider = overdispersed(stated, unseen_end, 9.0)
+    assert wider[0, 0] == pytest.approx(9e-4)
+    assert wider[1, 1] == pytest.approx(4e-4 * (9 * (1 - unseen_end) + unseen_end))
+    assert np.linalg.det(wider) > 0
+    assert overdispersed(stated, unseen_end, 1.0)[1, 1] == pytest.approx(4e-4)

@@ -1,0 +1,138 @@
+"""How sure answers are: looks averaged, confidences recalibrated, and the least one at which an answer is given."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ashe_live.bench.judge.validation import Judged, Pictures, judged, looks_by, mean_risk
+from ashe_live.core.arrays import Float
+from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.explanation.judgement.judge import LEAST_PROBABILITY, good_if_right
+from ashe_live.light.explanation.judgement.judge_tables import Average, Score
+from ashe_live.light.explanation.judgement.uncertainty import Calibration, covariance_of_outlines, overdispersed
+
+# The share of good answers at a confidence below which none is given. Their stated sigma is tens of degrees then.
+LEAST_GOOD = 0.4
+NEWTON_STEPS = 30  # in fitting the recalibration
+LEAST_SLOPE = 0.1  # of the log odds of being right over those of the confidence: less tells nothing
+# Prior information on how confidence is recalibrated: as much as so many answers of even odds have.
+PRIOR_ANSWERS = 4.0
+# Probabilities of a good direction where outlines leave it open, of which the likeliest is taken.
+OPEN_TRIED = tuple(i / 20 for i in range(20))
+# By the number of looks, the weights that are tried.
+WEIGHTS: Mapping[int, Sequence[tuple[float, ...]]] = {1: [(1.0,)], 2: [(0.5, 0.5), (0.6, 0.4), (0.7, 0.3), (0.8, 0.2)]}
+
+
+def fitted_average(pictures: Pictures, scores: Sequence[Score], several: Sequence[ProxySteps], looks: int) -> Average:
+    """The average of so many looks with the least risk over all coverages, recalibrated.
+
+    several: steps with so many looks each, by whose answers it is chosen. scores: of each picture.
+    """
+
+    def answers(average: Average) -> list[Judged]:
+        return [
+            judged(score, looks_by(picture, steps), average)
+            for steps in several
+            for picture, score in zip(pictures, scores, strict=True)
+        ]
+
+    tried = [Average(weights) for weights in WEIGHTS[looks]]
+    best = min(tried, key=lambda average: mean_risk(answers(average)))
+    offset, slope = fitted_confidence(answers(best))
+    return Average(best.weights, offset, slope)
+
+
+def with_open_directions(
+    answers: Mapping[int, Sequence[Judged]], averages: Mapping[int, Average], calibration: Calibration
+) -> tuple[float, dict[int, Average]]:
+    """The tables' `good_if_open` that makes the answers likeliest, and the averages recalibrated beside it.
+
+    answers: by the number of looks, as recalibrated by `averages`.
+    """
+
+    def refitted(open_: float) -> dict[int, tuple[Float, tuple[float, float]]]:
+        factors = {looks: _good_if_right(several, calibration, open_) for looks, several in answers.items()}
+        return {looks: (each, fitted_confidence(answers[looks], each)) for looks, each in factors.items()}
+
+    def cost(open_: float) -> float:
+        return sum(_cost(answers[looks], *fitted) for looks, fitted in refitted(open_).items())
+
+    best = min(OPEN_TRIED, key=cost)
+    refits = {looks: fitted for looks, (_, fitted) in refitted(best).items()}
+    return best, {looks: _recalibrated_again(averages[looks], *refits[looks]) for looks in averages}
+
+
+def as_stated(answers: Sequence[Judged], calibration: Calibration, good_if_open: float) -> list[Judged]:
+    """The recalibrated answers with the confidences that the estimator states."""
+    factors = _good_if_right(answers, calibration, good_if_open)
+    return [
+        replace(each, confidence=each.confidence * float(factor)) for each, factor in zip(answers, factors, strict=True)
+    ]
+
+
+def _good_if_right(answers: Sequence[Judged], calibration: Calibration, open_: float) -> Float:
+    """(n,) `judge.good_if_right` of each answer; 1 where nothing was tried."""
+    return np.array(
+        [
+            1.0
+            if each.best is None
+            else good_if_right(
+                covariance_of_outlines(
+                    overdispersed(each.best.covariance_rad2, each.best.unseen_end, calibration.overdispersion)
+                ),
+                open_,
+            )
+            for each in answers
+        ]
+    )
+
+
+def _cost(answers: Sequence[Judged], factors: Float, fitted: tuple[float, float]) -> float:
+    """Minus the log of the likelihood of which answers are good."""
+    offset, slope = fitted
+    probability = factors / (1 + np.exp(-offset - slope * _log_odds_of(answers)))
+    probability = np.clip(probability, LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
+    good = np.array([each.is_good for each in answers])
+    return -float(np.log(np.where(good, probability, 1 - probability)).sum())
+
+
+def _recalibrated_again(average: Average, offset: float, slope: float) -> Average:
+    return Average(average.weights, round(offset + slope * average.offset, 3), round(slope * average.slope, 3))
+
+
+def _log_odds_of(answers: Sequence[Judged]) -> Float:
+    """(n,) of the answers' confidences."""
+    inside = np.clip([each.confidence for each in answers], LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
+    return np.asarray(np.log(inside / (1 - inside)))
+
+
+def fitted_confidence(answers: Sequence[Judged], factors: Float | float = 1.0) -> tuple[float, float]:
+    """Offset and slope of `judge.recalibrated` by which the answers are right as often as their confidences say.
+
+    Logistic regression with a prior about no change, by Fisher's scoring (Platt, 1999). factors: (n,) by which the
+    confidences are multiplied then.
+    """
+    design = np.column_stack([np.ones(len(answers)), _log_odds_of(answers)])
+    good = np.array([each.is_good for each in answers], dtype=np.float64)
+    prior = np.array([0.0, 1.0])
+    values = prior.copy()
+    for _ in range(NEWTON_STEPS):
+        right = 1 / (1 + np.exp(-design @ values))
+        probability = np.clip(factors * right, LEAST_PROBABILITY, 1 - LEAST_PROBABILITY)
+        slopes = factors * right * (1 - right)
+        variance = probability * (1 - probability)
+        gradient = design.T @ (slopes * (good - probability) / variance) - PRIOR_ANSWERS / 4 * (values - prior)
+        information = (design.T * (slopes**2 / variance)) @ design + PRIOR_ANSWERS / 4 * np.eye(2)
+        values = values + np.linalg.solve(information, gradient)
+    return round(float(values[0]), 3), round(float(max(values[1], 0.0)), 3)
+
+
+def least_confidence(answers: Sequence[Judged]) -> float:
+    """The confidence, to two decimals, at which LEAST_GOOD of the answers are good, by logistic regression."""
+    offset, slope = fitted_confidence(answers)
+    return round(float(1 / (1 + np.exp((offset - _log_odds(LEAST_GOOD)) / max(slope, LEAST_SLOPE)))), 2)
+
+
+def _log_odds(probability: float) -> float:
+    return float(np.log(probability / (1 - probability)))
