@@ -7,12 +7,14 @@ import numpy as np
 
 from ashe_live.core.arrays import frozen_view
 from ashe_live.core.camera import Size
-from ashe_live.core.types import LightEstimate, TrackedFrame
+from ashe_live.core.transforms import transform_points
+from ashe_live.core.types import TrackedFrame
 from ashe_live.models.placement import PlacedModel
+from ashe_live.render.gl.framing import box_corners, framing, letterbox
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
 from ashe_live.viewer.before_after import SHADOW_ALONE, SPLIT, VIDEO_ALONE, WHOLE
-from ashe_live.viewer.drawn.estimate_inset import inset_overlays
+from ashe_live.viewer.drawn.estimate_inset import EstimateInset, Span
 from ashe_live.viewer.drawn.time_bar import Moment, TimeBar, bar_at
 from ashe_live.viewer.hands.controls import help_rows
 from ashe_live.viewer.session import Session
@@ -51,7 +53,7 @@ class Display:
     def __init__(self) -> None:
         self._hud = Hud()
         self._time_bar = TimeBar()
-        self._inset: tuple[LightEstimate, Size, tuple[Overlay, ...]] | None = None
+        self._inset = EstimateInset()
         self.drawn_models: tuple[PlacedModel, ...] = ()  # in the picture before; none: nobody says
         self._name = ""  # of the one in hand, as drawn
         self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
@@ -79,6 +81,7 @@ class Display:
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))
         if not session.show_hud:
             text = HudText()
+        models = _span_of_models(session, size) if session.show_masks else None
         bar: tuple[Overlay, ...] = ()
         if moment is not None and session.show_hud:
             bar = self._time_bar.overlays(moment, size, content_scale)
@@ -86,7 +89,7 @@ class Display:
         if session.parts_shown == SPLIT:
             line = max(1, round(LINE_PT * content_scale))
             bar = Overlay(SPLIT_LINE, (size[0] - line) // 2, 0, (line, size[1])), *bar
-        masks = self._masks(session, size)
+        masks = self._masks(session, size, models)
         free_width = min((mask.left_px for mask in masks), default=size[0])
         overlays = (*masks, *self._hud.overlays(text, size, content_scale, free_width), *bar)
         return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
@@ -101,13 +104,27 @@ class Display:
             self._readings, self._read_s = (fps, tracked), now_s
         return self._readings
 
-    def _masks(self, session: Session, size: Size) -> tuple[Overlay, ...]:
+    def _masks(self, session: Session, size: Size, models: Span | None) -> tuple[Overlay, ...]:
         estimate, frozen = session.estimate, session.estimated_from
         if not session.show_masks or estimate is None or frozen is None:
             return ()
-        if self._inset is None or self._inset[0] is not estimate or self._inset[1] != size:
-            self._inset = estimate, size, inset_overlays(estimate, frozen, size, session.steps_bgr)
-        return self._inset[2]
+        return self._inset.overlays(estimate, frozen, size, session.steps_bgr, models)
+
+
+def _span_of_models(session: Session, framebuffer: Size) -> Span | None:
+    """Where they are seen, lens aside; None where nothing of them is."""
+    tracked = session.tracked
+    models = [(model, placement) for _, model, placement in session.arrangement.models(tracked) if placement]
+    if tracked is None or tracked.marker is None or not models:
+        return None
+    boxes = [transform_points(placement.marker_from_placed, box_corners(model.bounds)) for model, placement in models]
+    viewport = letterbox(tracked.frame.size, framebuffer)
+    seen = framing(tracked.camera, tracked.marker.T_cam_marker, np.concatenate(boxes), viewport)
+    if seen is None:
+        return None
+    left, bottom, width, height = seen.region
+    left = framebuffer[0] - left - width if session.is_mirrored else left
+    return Span(left, framebuffer[1] - bottom - height, left + width, framebuffer[1] - bottom)
 
 
 def _has_marker(tracked: TrackedFrame | None) -> bool | None:

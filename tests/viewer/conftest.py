@@ -14,11 +14,15 @@ from ashe_live.core.types import Frame, Illumination, Light, LightEstimate, Mark
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import Outcome
 from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
+from ashe_live.models.mesh import Model
+from ashe_live.models.placement import PlacedModel, placed_on_marker
+from ashe_live.models.primitives import box
 from ashe_live.tracking.families.markers import parse_marker
 
 SIZE = (64, 48)
 SIDE_M = 0.08
 CAMERA = Camera.from_hfov(SIZE, 60)
+MODEL = placed_on_marker(Model("box", (box((1, 1, 1)),)), SIDE_M)
 
 
 def pose(tilt_deg: float = 0.0) -> MarkerPose:
@@ -204,8 +208,8 @@ class FakeShelf:
     def step(self, by: int) -> None:
         self.at = (self.at + by) % len(self.names)
 
-    def model(self) -> None:
-        return None
+    def model(self) -> PlacedModel:
+        return MODEL
 
     def turn_up(self) -> str:
         self.turned += 1

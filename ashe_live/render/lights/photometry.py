@@ -3,12 +3,15 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2, unexplained_border_px
 from ashe_live.render.camera.video_look import VideoLook, look_of
 from ashe_live.render.camera.white import white_of
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.lighting import Lighting, lighting_of
+from ashe_live.render.lights.open_sky import open_sky
 from ashe_live.render.lights.shadow_colour import steadied
 from ashe_live.render.lights.shadow_maps import same_objects
 
@@ -31,11 +34,13 @@ class Photometry:
         known = (*of.lights, of.ambient_rgb_ratio, of.sky_slope_rgb, of.ground_rgb, of.seen_in, of.real_object)
         if self._lighting is None or not same_objects(self._lighting[0], known):
             lights = tuple(steadied(light, of.ground_rgb) for light in of.lights)
-            albedo = None
+            albedo, ambient = None, of.ambient_rgb_ratio
             if of.ground_rgb is not None and of.seen_in is not None:
-                lighting = lighting_of(lights, of.ambient_rgb_ratio)
-                albedo = of.ground_rgb / white_of(of.seen_in, lighting, of.real_object)
-            self._lighting = known, lighting_of(lights, of.ambient_rgb_ratio, albedo, of.sky_slope_rgb)
+                white_rgb = np.array(white_of(of.seen_in, lighting_of(lights, ambient), of.real_object))
+                albedo = of.ground_rgb / white_rgb
+                if of.real_object is not None and _was_seen_in_shadow(of):
+                    ambient = open_sky(of.seen_in, of.real_object, lighting_of(lights, ambient, albedo), white_rgb)
+            self._lighting = known, lighting_of(lights, ambient, albedo, of.sky_slope_rgb)
         return self._lighting[1]
 
     def border_share(self, of: Illumination) -> float:
@@ -78,3 +83,14 @@ class Photometry:
             return None
         is_fresh = abs(tracked.frame.time_s - self._chroma[0].frame.time_s) < CHROMA_HELD_S
         return self._chroma[1] if is_fresh else None
+
+
+def _was_seen_in_shadow(of: Illumination) -> bool:
+    """Whether the sky's share was read in the shadow of the real object, in one light.
+
+    A known body's answer is that of the open sky.
+    """
+    assert of.seen_in is not None
+    assert of.seen_in.marker is not None
+    is_read = [light.shadow_rgb_ratio is not None and light.to_light_marker[2] > 0 for light in of.lights]
+    return is_read == [True] and of.seen_in.marker.body is None

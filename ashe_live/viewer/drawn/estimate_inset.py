@@ -1,4 +1,7 @@
-"""An estimate, shown at the bottom right: the frozen frame with masks and fitted body, the light rose; or its steps."""
+"""An estimate, shown beside the model: the frozen frame with masks and fitted body, the light rose; or its steps."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -11,43 +14,122 @@ from ashe_live.render.scene import Overlay
 
 WIDTH = 0.32  # of the window's
 STEPS_WIDTH = 0.45  # of the window's, at most
+SCALES = (1.0, 0.8, 0.6)  # of these, the largest at which no model is covered
 MARGIN_PX = 8
 # Sets the inset apart from the video around it.
 BORDER_PX = 2
 BORDER_BGR = (242, 246, 246)
 
 
+class Span(NamedTuple):
+    """Pixels of the framebuffer, from its left and top edges."""
+
+    left: int
+    top: int
+    right: int
+    bottom: int
+
+
+class Corner(NamedTuple):
+    """Where an inset stands at the right edge, and how large it is."""
+
+    is_at_top: bool = False
+    scale: float = 1.0
+
+
+CORNERS = tuple(Corner(is_at_top, scale) for scale in SCALES for is_at_top in (False, True))
+
+
+class EstimateInset:
+    """The inset of the last estimate: the same objects until it has to move out of the model's way."""
+
+    def __init__(self) -> None:
+        self._drawn: tuple[LightEstimate, Size, Corner, tuple[Overlay, ...]] | None = None
+        self._full_sizes: list[Size] = []  # of the parts at full scale
+
+    def overlays(
+        self,
+        estimate: LightEstimate,
+        frozen: TrackedFrame,
+        size: Size,
+        steps_bgr: Image | None,
+        models: Span | None,
+    ) -> tuple[Overlay, ...]:
+        """As `inset_overlays`, in the first of CORNERS where no model is covered; if in none, as small as any."""
+        if self._drawn is None or self._drawn[0] is not estimate or self._drawn[1] != size:
+            self._draw(estimate, frozen, size, steps_bgr, Corner())
+            self._full_sizes = [overlay.shown_size for overlay in self.shown]
+        assert self._drawn is not None
+        at = self._drawn[2]
+        if models is not None and self._covers(models, size, at):
+            free = (corner for corner in CORNERS if not self._covers(models, size, corner))
+            corner = next(free, Corner(scale=SCALES[-1]))
+            if corner != at:
+                self._draw(estimate, frozen, size, steps_bgr, corner)
+        return self.shown
+
+    @property
+    def shown(self) -> tuple[Overlay, ...]:
+        return () if self._drawn is None else self._drawn[3]
+
+    def _draw(
+        self, estimate: LightEstimate, frozen: TrackedFrame, size: Size, steps_bgr: Image | None, corner: Corner
+    ) -> None:
+        self._drawn = estimate, size, corner, inset_overlays(estimate, frozen, size, steps_bgr, corner)
+
+    def _covers(self, models: Span, size: Size, corner: Corner) -> bool:
+        sizes = [(round(corner.scale * width), round(corner.scale * height)) for width, height in self._full_sizes]
+        return any(
+            models.left < x + width and x < models.right and models.top < y + height and y < models.bottom
+            for (width, height), (x, y) in zip(sizes, _stacked(sizes, size, corner.is_at_top), strict=True)
+        )
+
+
 def inset_overlays(
-    estimate: LightEstimate, frozen: TrackedFrame, size: Size, steps_bgr: Image | None = None
+    estimate: LightEstimate,
+    frozen: TrackedFrame,
+    size: Size,
+    steps_bgr: Image | None = None,
+    corner: Corner = CORNERS[0],
 ) -> tuple[Overlay, ...]:
     """For a framebuffer of `size`; `frozen` is the frame, with a marker, that `estimate` was made from.
 
-    With the sheet of the steps that led to the answer, this sheet; else the answer alone, and the light rose over it.
+    With the sheet of the steps that led to the answer, this sheet; else the answer alone, and the light rose beside it.
     """
     if steps_bgr is not None:
-        return (_at_bottom_right(_fitted(steps_bgr, size), size, 0),)
-    picture = answer_picture(estimate, frozen, max(1, round(WIDTH * size[0])))
-    inset = _at_bottom_right(picture, size, 0)
+        return _in_corner([_fitted(steps_bgr, size, corner.scale)], size, corner)
+    picture = answer_picture(estimate, frozen, max(1, round(WIDTH * corner.scale * size[0])))
     if not estimate.lights:
-        return (inset,)
-    rose = rose_picture(estimate, frozen, picture.shape[0])
-    above = _at_bottom_right(rose, size, inset.shown_size[1] + MARGIN_PX)
-    return (inset, above) if above.top_px >= MARGIN_PX else (inset,)  # a flat window has no room for it
+        return _in_corner([picture], size, corner)
+    both = _in_corner([picture, rose_picture(estimate, frozen, picture.shape[0])], size, corner)
+    is_whole = all(0 <= part.top_px - MARGIN_PX <= size[1] - part.shown_size[1] - 2 * MARGIN_PX for part in both)
+    return both if is_whole else _in_corner([picture], size, corner)  # a flat window has no room for the rose
 
 
-def _fitted(sheet_bgr: Image, size: Size) -> Image:
+def _fitted(sheet_bgr: Image, size: Size, most: float) -> Image:
     """The sheet as large as there is room for."""
     height, width = sheet_bgr.shape[:2]
     around = 2 * (MARGIN_PX + BORDER_PX)
-    scale = max(0.0, min(STEPS_WIDTH * size[0] / width, (size[1] - around) / height))
+    scale = most * max(0.0, min(STEPS_WIDTH * size[0] / width, (size[1] - around) / height))
     fitted = max(1, round(scale * width)), max(1, round(scale * height))
     return np.asarray(cv2.resize(sheet_bgr, fitted, interpolation=cv2.INTER_AREA), np.uint8)
 
 
-def _at_bottom_right(picture_bgr: Image, size: Size, above_px: int) -> Overlay:
-    """Framed, `above_px` higher than the corner's margin."""
+def _in_corner(pictures_bgr: Sequence[Image], size: Size, corner: Corner) -> tuple[Overlay, ...]:
+    """Framed, the first in the corner and the others in a column with it."""
     edge = BORDER_PX
-    framed = cv2.copyMakeBorder(picture_bgr, edge, edge, edge, edge, cv2.BORDER_CONSTANT, value=BORDER_BGR)
-    rgba = np.asarray(cv2.cvtColor(framed, cv2.COLOR_BGR2RGBA), np.uint8)
-    height, width = rgba.shape[:2]
-    return Overlay(rgba, size[0] - width - MARGIN_PX, size[1] - height - MARGIN_PX - above_px)
+    framed = []
+    for picture in pictures_bgr:
+        bgr = cv2.copyMakeBorder(picture, edge, edge, edge, edge, cv2.BORDER_CONSTANT, value=BORDER_BGR)
+        framed.append(np.asarray(cv2.cvtColor(bgr, cv2.COLOR_BGR2RGBA), np.uint8))
+    places = _stacked([(rgba.shape[1], rgba.shape[0]) for rgba in framed], size, corner.is_at_top)
+    return tuple(Overlay(rgba, left, top) for rgba, (left, top) in zip(framed, places, strict=True))
+
+
+def _stacked(sizes: Sequence[Size], size: Size, is_at_top: bool) -> list[tuple[int, int]]:
+    """Left and top of parts of such sizes at the right edge, from the corner on."""
+    places, used = [], MARGIN_PX
+    for width, height in sizes:
+        places.append((size[0] - width - MARGIN_PX, used if is_at_top else size[1] - height - used))
+        used += height + MARGIN_PX
+    return places

@@ -13,7 +13,7 @@ from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.estimators.trace import Trace
 from ashe_live.light.ground.lit_ground import fit_lit_ground
 from ashe_live.light.pixels.view import View
-from ashe_live.viewer.drawn.estimate_inset import inset_overlays
+from ashe_live.viewer.drawn.estimate_inset import EstimateInset, Span, inset_overlays
 
 SIZE = (640, 480)
 # A flat disc 10 cm above the marker plane, beside the optical axis; the camera looks straight down from 40 cm.
@@ -78,3 +78,40 @@ def test_without_a_light_there_is_only_the_picture(fakes):
     none = LightEstimate("fake", 0, Illumination(), "no shadow found")
     (inset,) = inset_overlays(none, fakes.tracked(), SIZE)
     assert not drawn(inset, OBJECT_BGR).any()
+
+
+def covers(overlays, span: Span) -> bool:
+    return any(
+        overlay.left_px < span.right
+        and span.left < overlay.left_px + overlay.shown_size[0]
+        and overlay.top_px < span.bottom
+        and span.top < overlay.top_px + overlay.shown_size[1]
+        for overlay in overlays
+    )
+
+
+@pytest.mark.parametrize(
+    "model", [Span(440, 330, 560, 470), Span(440, 20, 560, 160), Span(300, 120, 470, 360), Span(480, 205, 520, 260)]
+)
+def test_the_inset_leaves_the_model_uncovered(fakes, estimate, model):
+    """In the corner, above it, so near that only a smaller one has room, and between the corners."""
+    inset = EstimateInset()
+    shown = inset.overlays(estimate, fakes.tracked(), SIZE, None, model)
+    assert len(shown) == 2
+    assert not covers(shown, model)
+    assert inset.overlays(estimate, fakes.tracked(), SIZE, None, model) is shown
+
+
+def test_an_inset_that_covers_nothing_stays(fakes, estimate):
+    inset = EstimateInset()
+    first = inset.overlays(estimate, fakes.tracked(), SIZE, None, None)
+    assert inset.overlays(estimate, fakes.tracked(), SIZE, None, Span(0, 0, 100, 480)) is first
+    moved = inset.overlays(estimate, fakes.tracked(), SIZE, None, Span(440, 330, 560, 470))
+    assert moved is not first
+    assert inset.overlays(estimate, fakes.tracked(), SIZE, None, None) is moved
+
+
+def test_a_model_that_fills_the_window_leaves_the_smallest_inset(fakes, estimate):
+    full = inset_overlays(estimate, fakes.tracked(), SIZE)
+    shown = EstimateInset().overlays(estimate, fakes.tracked(), SIZE, None, Span(0, 0, *SIZE))
+    assert shown[0].shown_size[0] < 0.7 * full[0].shown_size[0]

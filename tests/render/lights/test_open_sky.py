@@ -1,0 +1,84 @@
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.arrays import Float, Image
+from ashe_live.core.camera import Camera
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import square_corners
+from ashe_live.core.transforms import direction_from_angles, project, rigid
+from ashe_live.core.types import Frame, Illumination, Light, MarkerPose, TrackedFrame
+from ashe_live.quality import FAST
+from ashe_live.render.lights.cast_shadows import is_inside, shadow_hull_of_point
+from ashe_live.render.lights.lighting import lighting_of
+from ashe_live.render.lights.open_sky import open_sky
+from ashe_live.render.lights.photometry import Photometry
+
+SIDE_M = 0.08
+CAMERA = Camera((320, 240), np.array([[400.0, 0, 159.5], [0, 400, 119.5], [0, 0, 1]]), np.zeros(5), "file")
+# From the front and above, so that box and shadow stand side by side.
+POSE = rigid([[1, 0, 0], [0, -0.6, -0.8], [0, 0.8, -0.6]], [0.0, 0.0, 0.6])
+CORNERS = [(x, y, z, 0.0, 0.0) for x in (-0.03, 0.03) for y in (-0.02, 0.02) for z in (0.0, 0.1)]
+BOX = Proxy("box", np.array(CORNERS))
+TO_LIGHT = direction_from_angles(math.radians(10), math.radians(40))
+RATIO = np.array([0.2, 0.3, 0.4])
+WHITE = np.full(3, 0.9)
+GROUND = np.full(3, 0.3)
+
+
+def seen(object_level: int) -> TrackedFrame:
+    """A box of one colour on grey ground; its shadow is not painted, as the light says what it is."""
+    image: Image = np.full((240, 320, 3), 120, np.uint8)
+    outline = cv2.convexHull(project(CAMERA, POSE, BOX.points_marker()).astype(np.float32))
+    cv2.fillConvexPoly(image, np.round(outline).astype(np.int32), (object_level,) * 3)
+    corners = project(CAMERA, POSE, square_corners(SIDE_M))
+    return TrackedFrame(Frame(image, 0, 0.0), CAMERA, MarkerPose(POSE, corners, SIDE_M, 0.0, None))
+
+
+def found(object_level: int, body: Proxy = BOX) -> Float:
+    lighting = lighting_of((Light(TO_LIGHT, shadow_rgb_ratio=RATIO),), None, GROUND)
+    return open_sky(seen(object_level), body, lighting, WHITE)
+
+
+def test_a_black_object_only_hides_the_sky() -> None:
+    random = np.random.default_rng(3)
+    shadow = shadow_hull_of_point(BOX.points_marker(), np.append(TO_LIGHT, 0.0))
+    foot = shadow_hull_of_point(BOX.points_marker(), np.array([0.0, 0.0, 1.0, 0.0]))
+    places = random.uniform(shadow.min(axis=0), shadow.max(axis=0), (2000, 2))
+    places = places[is_inside(shadow, places) & ~is_inside(foot, places)]
+    squared, azimuth = random.uniform(size=1000), random.uniform(0, math.tau, 1000)
+    flat = np.sqrt(squared)
+    sky = np.column_stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sqrt(1 - squared), 0 * flat])
+    hidden = np.mean([is_inside(shadow_hull_of_point(BOX.points_marker(), way), places) for way in sky], axis=0)
+    assert np.median(hidden) > 0.05
+    assert found(0) == pytest.approx(RATIO / (1 - np.median(hidden)), rel=0.06)
+
+
+def test_what_an_object_sends_back_is_not_missing() -> None:
+    black, grey, white = (found(level) for level in (0, 120, 200))
+    assert (black > grey).all()
+    assert (grey > white).all()
+
+
+def test_without_object_or_shadow_in_view_nothing_is_known() -> None:
+    aside = Proxy("box", BOX.spheroids_marker + np.array([5.0, 0, 0, 0, 0]))
+    assert found(0, aside) == pytest.approx(RATIO)
+    assert found(0, Proxy("point", np.zeros((1, 5)))) == pytest.approx(RATIO)
+
+
+def test_the_sky_is_that_of_the_open_where_its_share_was_seen_in_a_shadow() -> None:
+    tracked = seen(0)
+    light = Light(TO_LIGHT, shadow_rgb_ratio=RATIO)
+    lit = Illumination((light,), real_object=BOX, ground_rgb=GROUND, seen_in=tracked)
+    photometry = Photometry(FAST.render)
+    assert (np.array(photometry.lighting(lit).sky) > 1.05 * RATIO).all()
+    without = Illumination((light,), ground_rgb=GROUND, seen_in=tracked)
+    assert photometry.lighting(without).sky == pytest.approx(tuple(RATIO), rel=0.01)
+
+
+def test_shares_of_sky_and_light_are_all_of_the_light() -> None:
+    lit = Illumination((Light(TO_LIGHT, shadow_rgb_ratio=RATIO),), real_object=BOX, ground_rgb=GROUND, seen_in=seen(0))
+    lighting = Photometry(FAST.render).lighting(lit)
+    assert np.array(lighting.sky) + lighting.ground_shares.sum(axis=0) == pytest.approx(np.ones(3))
