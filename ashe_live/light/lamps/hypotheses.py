@@ -29,7 +29,8 @@ from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 
 NEARNESSES = (0.4, 0.6, 0.9, 1.3, 1.9, 2.7, 3.9, 5.5, 7.7)  # 1/m, of the lamps that are tried; each 1.4 times the last
-AROUND = (0.7, 1.0, 1.4)  # factors on the likeliest of them by the fall of light, to which bodies are fitted
+# Factors on the likeliest of them by the fall of light, to which bodies are fitted; in several views all lead to one.
+AROUND, AROUND_IN_VIEWS = (0.7, 1.0, 1.4), (1.0,)
 # Deviances of a sun by the fall of light (twice the log of a likelihood ratio) from which on bodies are fitted to
 # lamps: to refined explanations, and to rough ones.
 WORTH_FITTING, WORTH_FITTING_ROUGH = 4.0, 20.0
@@ -38,10 +39,11 @@ WORTH_FITTING, WORTH_FITTING_ROUGH = 4.0, 20.0
 MOST_BY_OUTLINES, MOST_IN_VIEWS = 20.0, 40.0
 PARAMETER_DEVIANCE = 3.5  # of one shape parameter in the outlines' criterion: the log of their effective sample size
 # Deviances of a sun above which a light is a lamp: by both witnesses, of which the fall of light tells so much; or by
-# the fall of light alone, to which uneven ground may contribute more than its model allows. In several views outlines
-# are the surer witness.
+# the fall of light alone, to which uneven ground may contribute more than its model allows.
 LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 33.0, 13.0, 60.0
-LEAST_IN_VIEWS = WORTH_FITTING  # of the fall of light
+# The same by both in several views, whose outlines' deviance is scaled by their dispersion: of the suns in 27 takes the
+# surest has 15. The fall of light need only not speak for the sun.
+DEVIANCE_IN_VIEWS, LEAST_IN_VIEWS = 20.0, 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,8 +63,8 @@ class LampEvidence:
     @property
     def is_lamp(self) -> bool:
         """Whether the light is surely no sun."""
-        least = LEAST_IN_VIEWS if self.in_views else LEAST_BY_FALL
-        both = self.by_outlines != 0 and self.by_fall > least and self.deviance > LAMP_DEVIANCE
+        least, sure = (LEAST_IN_VIEWS, DEVIANCE_IN_VIEWS) if self.in_views else (LEAST_BY_FALL, LAMP_DEVIANCE)
+        both = self.by_outlines != 0 and self.by_fall > least and self.deviance > sure
         return self.lamp is not None and (both or self.deviance > ALONE_DEVIANCE)
 
 
@@ -86,8 +88,9 @@ class LampHypotheses:
         nearness, deviance = self._by_fall(sun)
         prior = nearness_prior(nearness)
         found: list[LampEvidence] = []
-        if deviance >= WORTH_FITTING:
-            tried = [factor * nearness for factor in AROUND]
+        worth, around = (LEAST_IN_VIEWS, AROUND_IN_VIEWS) if _is_in_views(sun) else (WORTH_FITTING, AROUND)
+        if nearness > 0 and deviance >= worth:
+            tried = [factor * nearness for factor in around]
             for held, again in zip(tried, fit([(sun, each) for each in tried]), strict=True):
                 lamp = in_all_views(sun, again, held, prior, sharpener)
                 if lamp is not None:
