@@ -44,6 +44,7 @@ class Case:
     tags: Mapping[str, str] = field(default_factory=dict)  # the families that the picture belongs to, by kind: KINDS
     marker_spec: str | None = None  # as `parse_marker` reads it; None: not stated, or of a pattern file
     lamp_m: Float | None = None  # (3,) place of the strongest light, marker frame; None for a sun
+    lamp_radius_m: float | None = None  # of that lamp; None: not stated
     foot_m: Float | None = None  # (2,) where the object that casts the shadow stands; None: not stated
 
     def __post_init__(self) -> None:
@@ -126,8 +127,7 @@ def _scenes(folder: Path, scenes: list[dict[str, Any]]) -> Iterator[Case]:
             {name: folder / file for name, file in scene.get("masks", {}).items()},
             {kind: str(tags[kind]) for kind in KINDS if kind in tags},
             _marker_spec(marker),
-            _lamp_m(scene),
-            (scene.get("caster") or {}).get("base_xy_m"),
+            *lamp_and_foot(scene),
         )
 
 
@@ -160,10 +160,15 @@ def to_lights_marker(scene: Mapping[str, Any]) -> Float | None:
     return np.array([light["dir_to_light"] for light in _by_strength(scene)], dtype=np.float64).reshape(-1, 3)
 
 
-def _lamp_m(scene: Mapping[str, Any]) -> Float | None:
-    """(3,) where the strongest light is, if it is a lamp."""
-    strongest = next(iter(_by_strength(scene)), {})
-    return np.array(strongest["lamp"]["position_m"], dtype=np.float64) if "lamp" in strongest else None
+def lamp_and_foot(scene: Mapping[str, Any]) -> tuple[Float | None, float | None, Float | None]:
+    """`lamp_m`, `lamp_radius_m` and `foot_m` of a Case, as far as the scene states them."""
+    lamp = next(iter(_by_strength(scene)), {}).get("lamp", {})
+    foot_m = (scene.get("caster") or {}).get("base_xy_m")
+    return (
+        np.array(lamp["position_m"], dtype=np.float64) if lamp else None,
+        lamp.get("radius_m"),
+        None if foot_m is None else np.array(foot_m, dtype=np.float64),
+    )
 
 
 def _by_strength(scene: Mapping[str, Any]) -> list[dict[str, Any]]:

@@ -52,7 +52,7 @@ def sample_of(case: Case, estimator: ProxyEstimator) -> Sample:
     _, trace = estimator.traced(case.followed())
     truths = case.to_lights_marker
     assert truths is not None
-    company = Company(trace.judged, None if trace.glint is None else trace.glint.to_light_marker)
+    company = Company(trace.judged, trace.glint)
     judged = [_candidate(each, explanation_features(each, company), truths) for each in trace.judged]
     splits = [_candidate(each, split_features(each.region, each.materials, each.split), truths) for each in trace.rough]
     return Sample(f"{case.folder}/{case.id}", case.tags, len(truths), judged, splits)

@@ -24,6 +24,7 @@ class LampFigures:
     beside_deg: float | None  # mean error of the direction at four points BESIDE_M from the object, along x and y
     distance_error: float | None  # of a lamp stated as such: error of its distance over that distance
     sigmas: float | None  # of the same: error of its inverse distance, in standard deviations
+    radius_error: float | None  # of the same, where its radius is told: error of that over the true one
 
 
 def lamp_figures(light: Light | None, case: Case) -> LampFigures | None:
@@ -33,15 +34,19 @@ def lamp_figures(light: Light | None, case: Case) -> LampFigures | None:
     lamp_m = case.lamp_m
     distance_m = None if lamp_m is None else float(np.linalg.norm(lamp_m))
     if light is None:
-        return LampFigures(distance_m, False, None, None, None)
+        return LampFigures(distance_m, False, None, None, None, None)
     true = np.append(case.to_lights_marker[0], 0.0 if distance_m is None else 1 / distance_m)
     beside = None if case.foot_m is None else _beside_deg(light.homogeneous, true, case.foot_m)
     if light.inverse_distance == 0 or distance_m is None:
-        return LampFigures(distance_m, light.inverse_distance > 0, beside, None, None)
+        return LampFigures(distance_m, light.inverse_distance > 0, beside, None, None, None)
     sigmas = None
     if light.lamp_covariance is not None:
         sigmas = (light.inverse_distance - 1 / distance_m) / math.sqrt(light.lamp_covariance[2, 2])
-    return LampFigures(distance_m, True, beside, abs(1 / light.inverse_distance / distance_m - 1), sigmas)
+    radius_error = None
+    if light.radius_m is not None and case.lamp_radius_m is not None:
+        radius_error = abs(light.radius_m / case.lamp_radius_m - 1)
+    distance_error = abs(1 / light.inverse_distance / distance_m - 1)
+    return LampFigures(distance_m, True, beside, distance_error, sigmas, radius_error)
 
 
 def _beside_deg(answer: Float, truth: Float, foot_m: Float) -> float:
@@ -63,6 +68,8 @@ class LampSummary:
     beside_deg: float | None  # medians
     distance_error: float | None
     within_1_sigma: float | None  # of the inverse distances of those stated
+    radius_told: float | None  # of those stated, fraction with a radius
+    radius_error: float | None  # median
 
 
 def summarise_lamps(figures: Sequence[LampFigures], answered: Sequence[bool]) -> LampSummary:
@@ -76,6 +83,8 @@ def summarise_lamps(figures: Sequence[LampFigures], answered: Sequence[bool]) ->
         _median([each.beside_deg for each in given]),
         _median([each.distance_error for each in given]),
         share([abs(each) <= 1 for each in sigmas]),
+        share([each.radius_error is not None for each in given if each.distance_error is not None]),
+        _median([each.radius_error for each in given]),
     )
 
 

@@ -1,7 +1,7 @@
 """The tables of `ashe-live bench light` that compare sets, presets and takes, or are of clips and lamps."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from rich.console import Console
@@ -22,6 +22,7 @@ DISTANCES = {
     "farther": (FAR_M, FARTHEST_M),
     "all lamps": (0.0, FARTHEST_M),
 }
+WIDE_DEG = 12.0  # span of a take from which its views are expected to tell a lamp's place
 COVERAGES = (0.5, 0.6, 0.7, 0.8, 0.9)
 
 
@@ -74,12 +75,29 @@ def print_takes(console: Console, results: Sequence[TakeResult]) -> None:
 
 
 def print_lamps(console: Console, results: Sequence[CaseResult]) -> None:
-    """Prints how lamps and suns were told apart, set by set, if there is a lamp in any."""
-    alone = [(result, result.lamp) for result in results if result.lamp is not None]
-    if not any(lamp.true_distance_m for _, lamp in alone):
+    """Prints how lamps and suns were told apart in single pictures, set by set, if there is a lamp in any."""
+    groups: dict[str, list[CaseResult]] = {}
+    for result in results:
+        groups.setdefault(f"{result.folder}, {result.preset}", []).append(result)
+    _print_by_distance(console, "one light, by its distance: error of the direction at the marker, and beside", groups)
+
+
+def print_lamp_takes(console: Console, results: Sequence[TakeResult]) -> None:
+    """Prints the same of takes by the number of views, of all and of those that turn far enough, if any has a lamp."""
+    for least_deg, which in ((0.0, "takes"), (WIDE_DEG, f"takes of {WIDE_DEG:.0f}° and more")):
+        groups: dict[str, list[CaseResult]] = {}
+        for each in sorted(results, key=lambda each: each.views):
+            if each.span_deg >= least_deg:
+                groups.setdefault(f"{each.result.preset}, {each.views} views", []).append(each.result)
+        _print_by_distance(console, f"{which}, by the light's distance", groups)
+
+
+def _print_by_distance(console: Console, title: str, groups: Mapping[str, Sequence[CaseResult]]) -> None:
+    """Prints for each named group how its answers stand to the places of lights, by their distance; if it has lamps."""
+    if not any(each.lamp and each.lamp.true_distance_m for results in groups.values() for each in results):
         return
     columns = (
-        "pictures",
+        "lit",
         "answered",
         "as a lamp",
         "median",
@@ -87,20 +105,21 @@ def print_lamps(console: Console, results: Sequence[CaseResult]) -> None:
         "beside the object",
         "distance off",
         "q within 1 σ",
+        "radius told",
+        "radius off",
     )
-    title = "one light, by its distance: error of the direction at the marker, and beside"
-    table = figures_table(title, ("set", ""), *columns)
-    for folder, preset in dict.fromkeys((result.folder, result.preset) for result, _ in alone):
-        of_set = [pair for pair in alone if (pair[0].folder, pair[0].preset) == (folder, preset)]
+    table = figures_table(title, ("", "light"), *columns)
+    for name, results in groups.items():
+        alone = [(result, result.lamp) for result in results if result.lamp is not None]
         for kind, (least_m, most_m) in DISTANCES.items():
-            members = [pair for pair in of_set if least_m < (pair[1].true_distance_m or math.inf) <= most_m]
+            members = [pair for pair in alone if least_m < (pair[1].true_distance_m or math.inf) <= most_m]
             if not members:
                 continue
             summary = summarise_lamps([lamp for _, lamp in members], [result.is_answered for result, _ in members])
             errors = [result.error_deg for result, _ in members if result.error_deg is not None]
             at_marker = [degrees(float(np.percentile(errors, part)) if errors else None) for part in (50, 90)]
             table.add_row(
-                f"{folder}, {preset}",
+                name,
                 kind,
                 str(summary.attempted),
                 percent(summary.answered),
@@ -109,6 +128,8 @@ def print_lamps(console: Console, results: Sequence[CaseResult]) -> None:
                 degrees(summary.beside_deg),
                 percent(summary.distance_error),
                 percent(summary.within_1_sigma),
+                percent(summary.radius_told),
+                percent(summary.radius_error),
             )
     console.print(table)
 

@@ -9,7 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from ashe_live.bench.cases import EXACT_PX, GROUND_TRUTH, MOST_TRUTH_BYTES, Case, reprojection_rms_px, to_lights_marker
+from ashe_live.bench.cases import (
+    EXACT_PX,
+    GROUND_TRUTH,
+    MOST_TRUTH_BYTES,
+    Case,
+    lamp_and_foot,
+    reprojection_rms_px,
+    to_lights_marker,
+)
 from ashe_live.bench.light.results import CaseResult, case_result
 from ashe_live.capture.clips.clip import ClipSource
 from ashe_live.core.camera import Camera
@@ -143,6 +151,9 @@ def _take(folder: Path, take: dict[str, Any]) -> Take | None:
         next(iter(poses.values())),
         to_lights_marker(take),
         {},
+        {},
+        None,
+        *lamp_and_foot(take),
     )
     return Take(case, float(take["span_deg"]), poses)
 

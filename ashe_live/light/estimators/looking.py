@@ -46,14 +46,14 @@ def looked(
     if not views:
         return Look(trace, views)
     trace.ground = views[0].ground
-    candidates, log_odds = _explanations(views[0], trace, steps, judge, clock)
+    candidates, log_odds, lamps = _explanations(views[0], trace, steps, judge, clock)
     if len(views) > 1:
         others_found = []
         for view in views[1:][: steps.companions]:
             seen = Sharpener.of([view.fine])
             rough, *_ = _rough_explanations(view, seen, Trace(view.coarse), _beside(steps), judge, clock)
             others_found.append((view, rough))
-        together = explained_together([(views[0], candidates), *others_found], views, steps, judge)
+        together = explained_together([(views[0], candidates), *others_found], views, steps, judge, lamps)
         alone, alone_log_odds = _directions(candidates), log_odds
         candidates, log_odds = [each for each, _ in together], [odds for _, odds in together]
         log_odds = no_less_sure(_directions(candidates), log_odds, alone, alone_log_odds)
@@ -75,21 +75,22 @@ def _beside(steps: ProxySteps) -> ProxySteps:
 
 def _explanations(
     view: SceneView, trace: Trace, steps: ProxySteps, judge: Judge, clock: StageClock
-) -> tuple[list[Explanation], list[float]]:
-    """What one view may show, the likeliest refined, and its log odds; nothing where nothing stands out.
+) -> tuple[list[Explanation], list[float], LampHypotheses]:
+    """What one view may show, the likeliest refined, its log odds, and what the view's ground tells of lamps; no
+    explanations where nothing stands out.
 
     trace: of the view, filled in on the way.
     """
     sharpener = Sharpener.of([view.fine])
     rough, log_odds_among, lamps = _rough_explanations(view, sharpener, trace, steps, judge, clock)
     if not rough:
-        return [], []
+        return [], [], lamps
     log_odds_of = log_odds_among(rough)
     found = refined_and_others(rough, sharpener, view.fine, view.coarse, view.ground, steps, log_odds_of, lamps)
     clock.end("fit")
     log_odds = list(map(log_odds_among(found), found))
     clock.end("judge")
-    return found, log_odds
+    return found, log_odds, lamps
 
 
 def _rough_explanations(
@@ -118,11 +119,10 @@ def _rough_explanations(
     lamps = LampHypotheses.of(coarse, ground, unlit, steps.light)
     likelier = lamps.likelier(suns, partial(explained_near, preset=steps.first_fit))
     trace.rough = rough = sharpener.measured(likelier)
-    to_glint = None if glint is None else glint.to_light_marker
     alone = cache(explanation_features)
 
     def log_odds_among(several: Sequence[Explanation]) -> Callable[[Explanation], float]:
-        company = Company(several, to_glint)
+        company = Company(several, glint)
 
         def log_odds(each: Explanation) -> float:
             return judge.log_odds_of({**alone(each), **company_features(each, company)}) + lamps.agreement(each)

@@ -17,6 +17,7 @@ from ashe_live.light.explanation.judgement.evidence import shadow_core
 from ashe_live.light.explanation.judgement.judge import Judge, best_direction, recalibrated
 from ashe_live.light.explanation.penumbra import size_of
 from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import LitGround, lit_rgb
 from ashe_live.light.ground.shadow_shift import shadow_ratio, shift_within
 from ashe_live.light.labels.associate import distinct
@@ -72,8 +73,9 @@ def illumination_of(
             ground,
             trace.unlit,
             lambda: _other_objects(choice, judge),
-            lambda: Sharpener.of([look.views[0].fine]),
+            lambda: Sharpener.of([view.fine for view in look.views]),
             partial(explained_near, preset=steps.fine_fit),
+            [glint for view in look.views if (glint := glint_in(view.coarse, view.ground)) is not None],
             judge.calibration.overdispersion,
         ),
         # A hull's shadow has been compared with all of the plane: there is no body's border left to tell of a lamp.

@@ -1,19 +1,22 @@
 """Explanations of several views together: each view's candidates, placed and aligned in all of them."""
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, partial
 from operator import itemgetter
 
 from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.explanation.explain import explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.hull.explained import with_hull
+from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.evidence import distinct_explanations, joint_log_odds, plane_support
 from ashe_live.light.views.joint import (
     JointExplanation,
     JointStart,
     explained_in_views,
+    in_each_view,
     lit_body_of,
     own_costs,
     refined_by_all_tangents,
@@ -37,10 +40,11 @@ def explained_together(
     views: Sequence[SceneView],
     steps: ProxySteps,
     judge: Judge,
+    lamps: LampHypotheses,
 ) -> list[tuple[Explanation, float]]:
     """The likeliest different candidates of some of the views, aligned in all, and their log odds; the likeliest first.
 
-    found: views with their explanations. views: all, that of the answer first.
+    found: views with their explanations. views: all, that of the answer first. lamps: what that one's ground tells.
     """
     candidates = [(view, each) for view, several in found for each in several]
 
@@ -75,10 +79,17 @@ def explained_together(
         likely = distinct_explanations(_aligned_or_as_started(starts))
     sharpener = Sharpener.of([view.fine for view in views])
     likely = sorted(with_steps(likely, sharpener), key=log_odds, reverse=True)
-    sharp = [sharpened_in_views(refined_by_all_tangents(each), sharpener) for each in likely[:REFITTED]]
+    fit = partial(explained_near, preset=steps.fine_fit)
+    moved = [sharpened_in_views(refined_by_all_tangents(each), sharpener) for each in likely[:REFITTED]]
+    sharp = [_decided(each, lamps.decided(each.joint, fit, sharpener)) for each in moved]
     # A known caster is no body of any shape.
     likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
     return sorted(((each.joint, log_odds(each)) for each in likely), key=itemgetter(1), reverse=True)
+
+
+def _decided(explanation: JointExplanation, decided: Explanation) -> JointExplanation:
+    """The explanation, or in each view what it was decided to be instead: a lamp's, or a sun's."""
+    return explanation if decided is explanation.joint else in_each_view(decided)
 
 
 def _aligned_or_as_started(starts: Sequence[JointStart]) -> list[JointExplanation]:

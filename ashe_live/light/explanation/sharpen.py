@@ -67,9 +67,9 @@ class Sharpener:
         )
         return refined_by_tangents(found)
 
-    def best_fit(self, explanation: Explanation) -> EdgeFit | None:
-        """The explanation's own body with its lights, moved; None where no steps are seen."""
-        return next(iter(self._fits([explanation.alignment.placed.lit], explanation)), None)
+    def best_fit(self, explanation: Explanation, near: NearnessPrior | None = None) -> EdgeFit | None:
+        """The explanation's own body with its lights, moved; None where no steps are seen. near: as in `sharpened`."""
+        return next(iter(self._fits([explanation.alignment.placed.lit], explanation, near)), None)
 
     def _fits(
         self, bodies: Sequence[LitBody], explanation: Explanation, near: NearnessPrior | None = None

@@ -34,6 +34,7 @@ class Glint:
 
     halo: Mask  # (h, w) of the view: ground that is brightened by it
     to_light_marker: Float  # (3,) unit, marker frame, as seen from the ground there
+    place_marker: Float  # (2,) metres, where on the plane that is
 
 
 def glint_in(view: View, ground: LitGround) -> Glint | None:
@@ -52,7 +53,7 @@ def glint_in(view: View, ground: LitGround) -> Glint | None:
     if float(np.percentile(_steepness(brightness)[half_way], MOST)) > STEEPEST * peak:
         return None
     rows, columns = np.nonzero(cores[0])
-    return Glint(halo, _mirrored(view, columns.mean(), rows.mean()))
+    return Glint(halo, *_mirrored(view, columns.mean(), rows.mean()))
 
 
 def _brightest(ground: LitGround) -> float:
@@ -67,7 +68,9 @@ def _steepness(brightness: Float32) -> Float32:
     return np.asarray(cv2.magnitude(*slopes), dtype=np.float32)
 
 
-def _mirrored(view: View, x_px: float, y_px: float) -> Float:
-    """(3,) the ray through a pixel as the ground's plane reflects it, unit, marker frame."""
-    ray = view.T_cam_marker[:3, :3].T @ np.linalg.solve(view.camera.K, np.array([x_px, y_px, 1.0]))
-    return np.asarray(ray * (1, 1, -1) / np.linalg.norm(ray))
+def _mirrored(view: View, x_px: float, y_px: float) -> tuple[Float, Float]:
+    """(3,) the ray through a pixel as the ground's plane reflects it, unit, marker frame; (2,) where it does so."""
+    turned = view.T_cam_marker[:3, :3].T
+    ray = turned @ np.linalg.solve(view.camera.K, np.array([x_px, y_px, 1.0]))
+    eye = -turned @ view.T_cam_marker[:3, 3]
+    return np.asarray(ray * (1, 1, -1) / np.linalg.norm(ray)), np.asarray(eye[:2] - ray[:2] * eye[2] / ray[2])

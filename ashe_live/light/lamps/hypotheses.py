@@ -23,21 +23,27 @@ from ashe_live.light.lamps import agreement
 from ashe_live.light.lamps.agreement import FallDirections
 from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.kinds import SUN
-from ashe_live.light.lamps.sources import nearness_prior, parameters_of, shadow_middle, share_of
+from ashe_live.light.lamps.near_fits import fitted_near, in_all_views, nearness_prior
+from ashe_live.light.lamps.sources import parameters_of, shadow_middle, share_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 
 NEARNESSES = (0.4, 0.6, 0.9, 1.3, 1.9, 2.7, 3.9, 5.5, 7.7)  # 1/m, of the lamps that are tried; each 1.4 times the last
-AROUND = (0.7, 1.0, 1.4)  # factors on the likeliest of them by the fall of light, to which bodies are fitted
+# Factors on the likeliest of them by the fall of light, to which bodies are fitted; in several views all lead to one.
+AROUND, AROUND_IN_VIEWS = (0.7, 1.0, 1.4), (1.0,)
 # Deviances of a sun by the fall of light (twice the log of a likelihood ratio) from which on bodies are fitted to
 # lamps: to refined explanations, and to rough ones.
 WORTH_FITTING, WORTH_FITTING_ROUGH = 4.0, 20.0
-# The outlines' deviance counts so much at most: another local minimum of the fit may change it by any amount.
-MOST_BY_OUTLINES = 20.0
+# The outlines' deviance counts so much at most: another local minimum of the fit may change it by any amount. Several
+# views show a shadow's parallax, by which no other body in a sun's light passes for a lamp's.
+MOST_BY_OUTLINES, MOST_IN_VIEWS = 20.0, 40.0
 PARAMETER_DEVIANCE = 3.5  # of one shape parameter in the outlines' criterion: the log of their effective sample size
 # Deviances of a sun above which a light is a lamp: by both witnesses, of which the fall of light tells so much; or by
 # the fall of light alone, to which uneven ground may contribute more than its model allows.
 LAMP_DEVIANCE, LEAST_BY_FALL, ALONE_DEVIANCE = 33.0, 13.0, 60.0
+# The same by both in several views, whose outlines' deviance is scaled by their dispersion: of the suns in 27 takes the
+# surest has 15. The fall of light need only not speak for the sun.
+DEVIANCE_IN_VIEWS, LEAST_IN_VIEWS = 20.0, 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,6 +53,7 @@ class LampEvidence:
     lamp: Explanation | None  # None where the fall of light asks for none
     by_fall: float  # deviance of the sun by the fall of light, if unevenness is at its worst
     by_outlines: float  # the same by the outlines, limited; 0 where they do not tell
+    in_views: bool = False  # whether outlines are those of several views
 
     @property
     def deviance(self) -> float:
@@ -56,7 +63,8 @@ class LampEvidence:
     @property
     def is_lamp(self) -> bool:
         """Whether the light is surely no sun."""
-        both = self.by_outlines != 0 and self.by_fall > LEAST_BY_FALL and self.deviance > LAMP_DEVIANCE
+        least, sure = (LEAST_IN_VIEWS, DEVIANCE_IN_VIEWS) if self.in_views else (LEAST_BY_FALL, LAMP_DEVIANCE)
+        both = self.by_outlines != 0 and self.by_fall > least and self.deviance > sure
         return self.lamp is not None and (both or self.deviance > ALONE_DEVIANCE)
 
 
@@ -73,14 +81,20 @@ class LampHypotheses:
         return LampHypotheses(None if kind == SUN else FallOff.of(view, ground, clear_of(unlit)), ground)
 
     def evidence(self, sun: Explanation, fit: NearFit, sharpener: Sharpener) -> LampEvidence:
-        """The explanation, whose lights are at infinity and moved onto steps of light, by the likeliest lamp."""
+        """The explanation, whose lights are at infinity and moved onto steps of light, by the likeliest lamp.
+
+        fit: of one view. sharpener: of all views that are explained, that of the answer first.
+        """
         nearness, deviance = self._by_fall(sun)
         prior = nearness_prior(nearness)
         found: list[LampEvidence] = []
-        if deviance >= WORTH_FITTING:
-            for lamp in fit([(sun, factor * nearness) for factor in AROUND]):
+        worth, around = (LEAST_IN_VIEWS, AROUND_IN_VIEWS) if _is_in_views(sun) else (WORTH_FITTING, AROUND)
+        if nearness > 0 and deviance >= worth:
+            tried = [factor * nearness for factor in around]
+            for held, again in zip(tried, fit([(sun, each) for each in tried]), strict=True):
+                lamp = in_all_views(sun, again, held, prior, sharpener)
                 if lamp is not None:
-                    found.append(self._compared(sun, sharpener.sharpened(lamp, prior)))
+                    found.append(self._compared(sun, lamp))
         return max(found, key=lambda each: each.deviance, default=LampEvidence(None, 0.0, 0.0))
 
     @cached_property
@@ -99,10 +113,10 @@ class LampHypotheses:
         """The explanation, moved onto steps of light, by a lamp if that is sure, else by a sun."""
         sun = explanation
         if is_held_near(explanation):
-            (fitted,) = fit([(explanation, 0.0)])
+            fitted = fitted_near(explanation, 0.0, fit, sharpener)
             if fitted is None:
                 return explanation
-            sun = sharpener.sharpened(fitted)
+            sun = fitted
         evidence = self.evidence(sun, fit, sharpener)
         return evidence.lamp if evidence.lamp is not None and evidence.is_lamp else sun
 
@@ -130,7 +144,7 @@ class LampHypotheses:
 
     def _compared(self, sun: Explanation, lamp: Explanation) -> LampEvidence:
         (as_sun,), (as_lamp,) = (self._costs(each, [each.lights[0].light]) for each in (sun, lamp))
-        return LampEvidence(lamp, float(as_sun - as_lamp), _limited(sun.criterion - lamp.criterion))
+        return LampEvidence(lamp, float(as_sun - as_lamp), _by_outlines(sun, lamp), _is_in_views(lamp))
 
     def _costs(self, explanation: Explanation, lights: Sequence[Float]) -> Float:
         """(n,) of the fall of light in each of n lights (4,) in the place of the explanation's first one."""
@@ -145,7 +159,23 @@ def is_held_near(explanation: Explanation) -> bool:
     return bool(nearness_of(explanation.lights[0].light) > 0)
 
 
-def _limited(parameters: float) -> float:
+def _by_outlines(sun: Explanation, lamp: Explanation) -> float:
+    """The deviance of the sun by the outlines; 0 where one was not measured.
+
+    What a lamp's body misses of the steps of light in all views is its model's error, by which any two bodies differ:
+    there the deviance is scaled by that dispersion.
+    """
+    if not _is_in_views(lamp):
+        return _limited(sun.criterion - lamp.criterion)
+    dispersion = max(lamp.steps.body, lamp.steps.shadow, 1.0)
+    return _limited((sun.criterion - lamp.criterion) / dispersion, MOST_IN_VIEWS)
+
+
+def _is_in_views(explanation: Explanation) -> bool:
+    return bool(explanation.alignment.elsewhere)
+
+
+def _limited(parameters: float, most: float = MOST_BY_OUTLINES) -> float:
     """The deviance of a difference of criteria, in penalties of one parameter; 0 where one was not measured."""
     deviance = PARAMETER_DEVIANCE * parameters
-    return min(max(deviance, -MOST_BY_OUTLINES), MOST_BY_OUTLINES) if math.isfinite(deviance) else 0.0
+    return min(max(deviance, -most), most) if math.isfinite(deviance) else 0.0

@@ -19,18 +19,20 @@ from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import probability_of_good
 from ashe_live.light.explanation.sharpen import Sharpener
+from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
-from ashe_live.light.lamps.place import Place
+from ashe_live.light.lamps.near_fits import fitted_near
+from ashe_live.light.lamps.place import Place, places_by_glints
 from ashe_live.light.lamps.sources import (
     NEAREST,
     SeenObject,
+    Witnesses,
     deviance_of_sun,
-    fitted_as_lamp,
     place_by_all,
     place_seen_from_a_sun,
     shadow_middle,
@@ -73,8 +75,9 @@ class Scene:
     unlit: Mask  # (h, w) of `view`: what the lit ground does not explain
     # Explanations of other objects with their log odds: looked for where a sun is not certain.
     others: Callable[[], Sequence[tuple[Explanation, float]]]
-    sharpener: Callable[[], Sharpener]  # of the view at full resolution: asked for where lights are aligned as lamps
+    sharpener: Callable[[], Sharpener]  # of all views at full resolution: asked for where lights are aligned as lamps
     fit: NearFit  # of one view
+    glints: Sequence[Glint]  # mirror images of lights in the ground: one in each view that shows one
     overdispersion: float  # of the judge that answers: factor on the covariance by outlines
 
 
@@ -92,64 +95,56 @@ def stated(
     shadow ratio, linear RGB. kind: one of KINDS.
     """
     lights = lights_of(explanation, confidence)
-    seen = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, scene.view).whole
-    fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | seen))
+    whole = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, scene.view).whole
+    fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | whole))
 
     def covariance_of(one: Explanation, probability: float) -> Float:
         covariance = lights_of(one, probability)[0].covariance_rad2
         assert covariance is not None
         return covariance
 
-    def place_of(several: Sequence[SeenObject]) -> Place:
-        return place_by_all(several, ratios, fall_off)
-
-    objects = [SeenObject(explanation, confidence, covariance_of(explanation, confidence))]
-    place, from_sun = place_of(objects), place_seen_from_a_sun(objects, ratios, fall_off)
+    first = SeenObject(explanation, confidence, covariance_of(explanation, confidence))
+    seen = Witnesses([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
+    place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
     if kind == SUN:
         return Answer(explanation, lights, place)
     if kind == LAMP or _may_be_near(place):
-        others = companions(objects[0], place, scene.others(), covariance_of, scene.view)
+        others = companions(first, place, scene.others(), covariance_of, scene.view)
         if others:
-            objects += others
-            place = place_of(objects)
-            from_sun = max(
-                from_sun, place_seen_from_a_sun(objects, ratios, fall_off), key=attrgetter("standard_errors")
-            )
+            seen = replace(seen, objects=[first, *others])
+            place = place_by_all(seen)
+            from_sun = max(from_sun, place_seen_from_a_sun(seen), key=attrgetter("standard_errors"))
     is_lamp = kind == LAMP or is_held_near(explanation)
-    if not is_lamp and _is_lamp(objects, place, from_sun, ratios, fall_off):
+    if not is_lamp and _is_lamp(seen, place, from_sun):
         evidence = LampHypotheses(fall_off, scene.ground).evidence(explanation, scene.fit, scene.sharpener())
         # Another object is a witness of its own; one object alone has told all that it can.
-        is_lamp = evidence.is_lamp if len(objects) == 1 else evidence.lamp is None or evidence.deviance > 0
+        is_lamp = evidence.is_lamp if len(seen.objects) == 1 else evidence.lamp is None or evidence.deviance > 0
     if is_lamp:
         worth = WORTH_ALIGNING if kind == AUTO else 0.0
-        aligned, at = _fitted_as_lamps(
-            objects, place, lambda now: place_by_all(now, ratios, fall_off), covariance_of, worth, scene
-        )
+        seen, at = _fitted_as_lamps(seen, place, covariance_of, worth, scene)
         if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0):
-            best, at = aligned[0].explanation, _as_wide_as_outlines(at, aligned[0], scene.overdispersion)
-            first, *others_lights = lights_of(best, confidence)
-            return Answer(best, (_lamp(first, at, ratios[0], shadow_middle(best)), *others_lights), at)
-    first, *others_lights = lights
-    return Answer(explanation, (_with_doubt(first, explanation, from_sun), *others_lights), place)
+            aligned = seen.objects[0]
+            best, at = aligned.explanation, _as_wide_as_outlines(at, aligned, scene.overdispersion)
+            alone, *others_lights = lights_of(best, confidence)
+            return Answer(best, (_lamp(alone, at, ratios[0], shadow_middle(best)), *others_lights), at)
+    alone, *others_lights = lights
+    return Answer(explanation, (_with_doubt(alone, explanation, from_sun), *others_lights), place)
 
 
-def _is_lamp(
-    objects: Sequence[SeenObject], place: Place, from_sun: Place, ratios: Sequence[Float], fall_off: FallOff | None
-) -> bool:
+def _is_lamp(seen: Witnesses, place: Place, from_sun: Place) -> bool:
     """Whether the light is surely no sun: by the slope of its nearness, seen from a sun, and by a sun's deviance."""
-    deviance = deviance_of_sun(objects, place, ratios, fall_off)
-    needed = ALONE_SIGMAS if len(objects) == 1 else LEAST_SIGMAS
+    deviance = deviance_of_sun(seen, place)
+    needed = ALONE_SIGMAS if len(seen.objects) == 1 else LEAST_SIGMAS
     return deviance >= SURE_DEVIANCE or (from_sun.standard_errors > needed and deviance > needed**2)
 
 
 def _fitted_as_lamps(
-    objects: Sequence[SeenObject],
+    seen: Witnesses,
     place: Place,
-    place_of: Callable[[Sequence[SeenObject]], Place],
     covariance_of: Callable[[Explanation, float], Float],
     worth_sigmas: float,
     scene: Scene,
-) -> tuple[Sequence[SeenObject], Place]:
+) -> tuple[Witnesses, Place]:
     """The objects fitted again with the lamp's nearness held, and its place by them, as long as that is worth it."""
     sharpener = scene.sharpener()
     for _ in range(ALIGNMENTS):
@@ -161,16 +156,17 @@ def _fitted_as_lamps(
                 # What was free to find its nearness is where it belongs.
                 each.explanation
                 if each.explanation.nearness is not None
-                else fitted_as_lamp(each.explanation, nearness, scene.fit, sharpener),
+                else fitted_near(each.explanation, nearness, scene.fit, sharpener),
                 each.probability,
             )
-            for each in objects
+            for each in seen.objects
         ]
         if again[0][0] is None:
             break
         objects = [SeenObject(one, sure, covariance_of(one, sure)) for one, sure in again if one is not None]
-        place = place_of(objects)
-    return objects, place
+        seen = replace(seen, objects=objects)
+        place = place_by_all(seen)
+    return seen, place
 
 
 def _may_be_near(place: Place) -> bool:

@@ -7,17 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.edges.nearness import NearnessPrior
-from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.fall_off import FallOff, Pull
 from ashe_live.light.lamps.place import Place, combined, place_by_borders
 from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.light_points import cast_on_ground
-from ashe_live.light.views.joint import JointStart, explained_in_views
 
 MOST_SHARE, LEAST_SHARE = 0.98, 0.02  # of all light on the plane that is a light's
 NEAREST = 20.0  # 1/m, nearness of a lamp 5 cm above the plane: a nearer one is taken to be there
@@ -45,77 +41,66 @@ class SeenObject:
         return place_by_borders(fitted, lamp_borders(self.explanation)[0])
 
 
-def fitted_as_lamp(explanation: Explanation, nearness: float, fit: NearFit, sharpener: Sharpener) -> Explanation | None:
-    """The explanation fitted again in all of its views with its first light at a nearness w / z (1/m).
+@dataclass(frozen=True, slots=True, eq=False)
+class Witnesses:
+    """All that tells where the first light of the first object is."""
 
-    Steps of light in a single view move the nearness too. None where the object or a shadow is then not in view.
-    fit: of one view. sharpener: of the view that is answered.
-    """
-    alignment = explanation.alignment
-    if not alignment.elsewhere:
-        (again,) = fit([(explanation, nearness)])
-        if again is None or len(again.lights) > 1:
-            return None if again is None else sharpener.sharpened(again)
-        return sharpener.sharpened(again, nearness_prior(nearness))
-    lit = alignment.placed.lit.with_first_light_near(nearness)
-    costs = [one.costs for one in (alignment.placed, *alignment.elsewhere)]
-    (found,) = explained_in_views([JointStart(explanation, lit, costs)])
-    return None if found is None else found.joint
+    objects: Sequence[SeenObject]
+    ratios: Sequence[Float]  # (3,) the shadow ratio of each light of the first object, linear RGB
+    fall_off: FallOff | None
+    glints: Sequence[Place] = ()  # what that light's mirror images tell
+
+    @property
+    def by_borders(self) -> Place:
+        """What the objects' borders tell together, and mirror images: all but the fall of light."""
+        return combined([*(each.place for each in self.objects), *self.glints])
 
 
-def nearness_prior(by_fall: float) -> NearnessPrior:
-    """What is known of a lamp's nearness, which is that by the fall of light (1/m), before outlines are seen."""
-    return NearnessPrior(by_fall, FALL_ERROR_SHARE * by_fall)
-
-
-def place_by_all(objects: Sequence[SeenObject], ratios: Sequence[Float], fall_off: FallOff | None) -> Place:
-    """Where the first light of the first object is.
-
-    ratios: (3,) the shadow ratio of each light of the first object, linear RGB.
-    """
-    by_borders = combined([each.place for each in objects])
-    if fall_off is None:
+def place_by_all(seen: Witnesses) -> Place:
+    """Where the light is."""
+    by_borders = seen.by_borders
+    if seen.fall_off is None:
         return by_borders
-    first = objects[0].explanation
-    return _with_fall_off(by_borders, fall_off, *_beside(first, ratios), shadow_middle(first))
+    first = seen.objects[0].explanation
+    return _with_fall_off(by_borders, seen.fall_off, *_beside(first, seen.ratios), shadow_middle(first))
 
 
-def place_seen_from_a_sun(objects: Sequence[SeenObject], ratios: Sequence[Float], fall_off: FallOff | None) -> Place:
+def place_seen_from_a_sun(seen: Witnesses) -> Place:
     """As `place_by_all`, to first order about a light at infinity: its nearness has the variance that a sun's has.
 
     About a near lamp the fall of light is steep, and seems to tell a nearness that unevenness alone may have suggested;
     so whether there is a lamp at all is asked here (Rao's score test).
     """
-    by_borders = combined([each.place for each in objects])
+    by_borders = seen.by_borders
     line = by_borders.covariance[:, 2] / by_borders.covariance[2, 2]
     as_sun = by_borders.mean - line * by_borders.mean[2]
     gradient, information = by_borders.information @ (by_borders.mean - as_sun), by_borders.information
-    if fall_off is not None:
-        others, shares = _beside(objects[0].explanation, ratios)
-        pull = fall_off.pull(np.vstack([as_sun, others]), shares, shadow_middle(objects[0].explanation))
+    if seen.fall_off is not None:
+        first = seen.objects[0].explanation
+        others, shares = _beside(first, seen.ratios)
+        pull = seen.fall_off.pull(np.vstack([as_sun, others]), shares, shadow_middle(first))
         gradient, information = gradient + pull.gradient, information + pull.information
     return Place(as_sun + np.linalg.solve(information, gradient), information)
 
 
-def deviance_of_sun(
-    objects: Sequence[SeenObject], place: Place, ratios: Sequence[Float], fall_off: FallOff | None
-) -> float:
+def deviance_of_sun(seen: Witnesses, place: Place) -> float:
     """By how much a sun costs more than the light at `place`, if unevenness is at its worst.
 
     Twice the log of a likelihood ratio. Straight below a lamp its light falls by the distance's square alone, which is
     not seen about a light at infinity (`place_seen_from_a_sun`).
     """
-    by_borders = combined([each.place for each in objects])
+    by_borders = seen.by_borders
     line = by_borders.covariance[:, 2] / by_borders.covariance[2, 2]
     as_sun = by_borders.mean - line * by_borders.mean[2]
-    others, shares = _beside(objects[0].explanation, ratios)
+    first = seen.objects[0].explanation
+    others, shares = _beside(first, seen.ratios)
     costs = []
     for at in (as_sun, place.mean):
         offset = at - by_borders.mean
         costs.append(float(offset @ by_borders.information @ offset))
-        if fall_off is not None:
+        if seen.fall_off is not None:
             lights = np.vstack([at, others])
-            costs[-1] += fall_off.pull(lights, shares, shadow_middle(objects[0].explanation)).worst_cost
+            costs[-1] += seen.fall_off.pull(lights, shares, shadow_middle(first)).worst_cost
     return costs[0] - costs[1]
 
 

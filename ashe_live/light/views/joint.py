@@ -12,7 +12,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, project
+from ashe_live.light.edges.nearness import NearnessPrior
 from ashe_live.light.explanation.alignment import (
+    COST_PER_PARAMETER,
     SEARCH_RANGES,
     Alignment,
     PlacedBody,
@@ -69,6 +71,11 @@ def own_costs(explanation: Explanation) -> Costs:
     return Costs(explanation.region, explanation.materials, explanation.as_object)
 
 
+def costs_of_views(explanation: Explanation) -> list[Costs]:
+    """What the pixels cost in each view that an explanation was aligned in, the first one first."""
+    return [one.costs for one in (explanation.alignment.placed, *explanation.alignment.elsewhere)]
+
+
 def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation | None]:
     """Each body aligned with the borders in all its views; None where it is not in the first view."""
     found: list[JointExplanation | None] = [None] * len(several)
@@ -78,6 +85,13 @@ def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation |
         for i, lit in zip(members, _aligned([several[i] for i in members]), strict=True):
             found[i] = _explained(replace(several[i], lit=lit))
     return found
+
+
+def in_each_view(joint: Explanation) -> JointExplanation:
+    """An explanation of several views, with what it is in each of them."""
+    found = _explained(JointStart(joint, joint.alignment.placed.lit, costs_of_views(joint)))
+    assert found is not None  # as it was aligned where it stands
+    return replace(found, joint=joint)
 
 
 def turned_from(several: Sequence[JointStart], found: Sequence[JointExplanation | None]) -> list[JointExplanation]:
@@ -128,21 +142,32 @@ def with_steps(several: Sequence[JointExplanation], sharpener: Sharpener) -> lis
     return [replace(each, joint=joint) for each, joint in zip(several, measured_ones, strict=True)]
 
 
-def sharpened_in_views(explanation: JointExplanation, sharpener: Sharpener) -> JointExplanation:
+def sharpened_in_views(
+    explanation: JointExplanation, sharpener: Sharpener, near: NearnessPrior | None = None
+) -> JointExplanation:
     """The explanation moved onto the steps of light in all views; as it is where they show none.
 
-    sharpener: of all views at full resolution, that of the answer first.
+    sharpener: of all views at full resolution, that of the answer first. near: of its only light's nearness, where that
+    is not held.
     """
-    best = sharpener.best_fit(explanation.joint)
+    best = sharpener.best_fit(explanation.joint, near)
     if best is None:
         return explanation
     costs = [own_costs(each) for each in explanation.each]
     moved = _explained(JointStart(explanation.origin, best.lit, costs))
     if moved is None:
         return explanation
-    lights = lights_by_steps(best, moved.joint.alignment, 1 + SHARED * (len(sharpener.pictures) - 1))
-    before = explanation.joint
-    joint = replace(moved.joint, split=before.split, lights=lights, steps=best.mean_costs, bodies=before.bodies)
+    as_one, before = views_as_one(len(sharpener.pictures)), explanation.joint
+    pixels_cost = _cost([each.alignment.placed for each in moved.each])
+    joint = replace(
+        moved.joint,
+        split=before.split,
+        lights=lights_by_steps(best, moved.joint.alignment, as_one),
+        steps=best.mean_costs,
+        bodies=before.bodies,
+        criterion=(best.criterion + pixels_cost / COST_PER_PARAMETER) / as_one,
+        nearness=None if best.nearness is None else best.nearness.over(as_one),
+    )
     return replace(moved, joint=joint)
 
 
@@ -209,6 +234,11 @@ def _summed(normals: Float, lit: LitBody) -> Float:
     return np.asarray(total)
 
 
+def views_as_one(count: int) -> float:
+    """How many of so many views tell as much as one that shares no errors with the others."""
+    return 1 + SHARED * (count - 1)
+
+
 def _explained(start: JointStart) -> JointExplanation | None:
     placed = placed_in([(start.lit, _sight(start.lit, costs), costs) for costs in start.costs])
     if not placed[0].is_in_view:
@@ -238,8 +268,7 @@ def _together(alignments: Sequence[Alignment]) -> Alignment:
     ends = np.max([one.ends_in_view for one in alignments], axis=0)
     return replace(
         first,
-        normal=_summed(np.array([one.normal for one in alignments]), first.placed.lit)
-        / (1 + SHARED * (len(alignments) - 1)),
+        normal=_summed(np.array([one.normal for one in alignments]), first.placed.lit) / views_as_one(len(alignments)),
         misfit_px=math.sqrt(float(np.mean(relative))) * first.placed.object_px,
         clear_body=float(np.mean([one.clear_body for one in alignments])),
         clear_shadow=float(np.mean([one.clear_shadow for one in alignments])),

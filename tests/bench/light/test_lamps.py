@@ -16,7 +16,20 @@ POSE = MarkerPose(rigid(np.diag((1.0, -1.0, -1.0)), (0, 0, 1)), np.zeros((4, 2))
 CAMERA = Camera.from_hfov((64, 48), 60)
 LAMP_M = np.array([0.0, 0.0, 0.5])
 NEAR = Case(
-    "a", "set", "near", "box", Path("a.png"), CAMERA, POSE, np.array([[0, 0, 1.0]]), {}, {}, None, LAMP_M, np.zeros(2)
+    "a",
+    "set",
+    "near",
+    "box",
+    Path("a.png"),
+    CAMERA,
+    POSE,
+    np.array([[0, 0, 1.0]]),
+    {},
+    {},
+    None,
+    LAMP_M,
+    0.02,
+    np.zeros(2),
 )
 SUN = replace(NEAR, lamp_m=None)
 
@@ -47,6 +60,16 @@ def test_an_error_of_the_distance_is_relative_and_counted_in_sigmas_of_its_inver
     assert figures is not None
     assert figures.distance_error == pytest.approx(0.2)
     assert figures.sigmas == pytest.approx(2.5)
+
+
+def test_an_error_of_the_radius_is_relative_where_it_is_told() -> None:
+    told, untold = (lamp_figures(light, NEAR) for light in (replace(lamp(2.0), radius_m=0.03), lamp(2.0)))
+    assert told is not None
+    assert untold is not None
+    assert told.radius_error == pytest.approx(0.5)
+    assert untold.radius_error is None
+    summary = summarise_lamps([told, untold], [True, True])
+    assert (summary.radius_told, summary.radius_error) == pytest.approx((0.5, 0.5))
 
 
 def test_several_lights_are_not_counted() -> None:

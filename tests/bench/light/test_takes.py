@@ -55,7 +55,8 @@ def folder(tmp_path: Path) -> Path:
         "span_deg": 14.0,
         "K": painted[0].camera.K.tolist(),
         "marker": {"side_m": 0.08},
-        "lights": [{"dir_to_light": [0.0, 0.6, 0.8]}],
+        "lights": [{"dir_to_light": [0.0, 0.6, 0.8], "lamp": {"position_m": [0.0, 0.3, 0.4], "radius_m": 0.02}}],
+        "caster": {"type": "box", "base_xy_m": [0.12, 0.0]},
         "frames": [
             {
                 "frame": index,
@@ -77,6 +78,16 @@ def test_a_take_has_its_frames_with_their_poses(folder: Path) -> None:
     assert [tracked.frame.index for tracked in frames] == [0, 1, 2, 4]
     assert frames[0].marker is not None
     assert frames[0].marker.reprojection_rms_px == pytest.approx(0, abs=0.01)
+
+
+def test_a_takes_lamp_and_its_objects_place_are_those_of_its_answers(folder: Path) -> None:
+    (take,) = read_takes(folder)
+    results = [each.result.lamp for each in take_results(take, {"balanced": Counting()})]
+    for figures in results:
+        assert figures is not None
+        assert figures.true_distance_m == pytest.approx(0.5)
+        assert not figures.is_stated
+        assert figures.beside_deg is not None
 
 
 def test_a_take_whose_marker_is_never_seen_is_left_out(folder: Path) -> None:

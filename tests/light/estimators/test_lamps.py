@@ -122,17 +122,30 @@ def test_two_objects_tell_the_distance() -> None:
     assert both.lamp_covariance[2, 2] < alone.lamp_covariance[2, 2]
 
 
-def test_several_views_of_a_lamp_are_answered_together() -> None:
-    lamp_m = at(200.0, 50.0, 0.5)
+def estimated_in_views(lamp_m: Float, ground: str = "plain") -> LightEstimate:
     frames = [
-        paint(CYLINDER, lamp_m=lamp_m, T_cam_marker=camera_towards((0.08, 0.0), 0.55, 45.0, heading)).tracked
+        paint(CYLINDER, ground=ground, lamp_m=lamp_m, T_cam_marker=camera_towards((0.08, 0.0), 0.55, 45.0, heading))
         for heading in (90.0, 70.0, 110.0)
     ]
-    estimate = ProxyEstimator().estimate(
-        frames[0], [replace(each, frame=replace(each.frame, index=i)) for i, each in enumerate(frames[1:], 8)]
+    first, *others = (
+        replace(each.tracked, frame=replace(each.tracked.frame, index=i)) for i, each in enumerate(frames)
     )
-    light = stated(estimate)
+    estimate = ProxyEstimator().estimate(first, others)
     assert len(estimate.views) == 3
+    return estimate
+
+
+@pytest.mark.parametrize("ground", ["plain", "bricks"])
+@pytest.mark.parametrize("distance_m", [0.5, 1.0])
+def test_several_views_of_a_lamp_tell_its_place_by_the_shadows_parallax(distance_m: float, ground: str) -> None:
+    lamp_m = at(200.0, 50.0, distance_m)
+    light = stated(estimated_in_views(lamp_m, ground))
     assert light.kind == "lamp"
-    assert math.degrees(angle_between(light.to_light_marker, lamp_m)) < 2.6
-    assert abs(light.inverse_distance * 0.5 - 1) < 0.15
+    assert math.degrees(angle_between(light.to_light_marker, lamp_m)) < 1.0
+    assert abs(light.inverse_distance * distance_m - 1) < 0.08
+
+
+def test_several_views_of_what_is_far_away_tell_no_lamp() -> None:
+    light = stated(estimated_in_views(at(200.0, 40.0, 20.0), "bricks"))
+    assert light.kind == "directional"
+    assert math.degrees(angle_between(light.to_light_marker, direction(200.0, 40.0))) < 1.0

@@ -59,6 +59,8 @@ def test_a_glint_tells_where_the_light_is(aside_deg: float, elevation_deg: float
     glint = found(image)
     assert glint is not None
     assert np.degrees(angle_between(glint.to_light_marker, to_light)) < 1.5
+    on_ground = EYE + to_light * (1, 1, -1) * (EYE[2] / to_light[2])
+    np.testing.assert_allclose(glint.place_marker, on_ground[:2], atol=0.02)
     assert glint.halo[(away < 10) & view_of(image).is_ground].all()
     assert not glint.halo[away > 70].any()
 

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import angles_from_direction
+from ashe_live.core.transforms import angles_from_direction, normalised
 from ashe_live.core.types import Light
+from ashe_live.light.ground.glint import Glint
 from ashe_live.light.lamps.borders import LampBorders
-from ashe_live.light.lamps.place import Place, combined, place_by_borders
+from ashe_live.light.lamps.place import Place, combined, place_by_borders, place_by_glint, places_by_glints
 from ashe_live.light.shape.directions import FittedLight
 
 LAMP = np.array([0.3, -0.2, 0.5])
@@ -31,6 +32,36 @@ def test_two_objects_tell_where_a_lamp_is() -> None:
     np.testing.assert_allclose(both.mean, TRUE, rtol=1e-3)
     np.testing.assert_allclose(both.light[:3] / both.light[3], LAMP, rtol=1e-3)
     assert both.nearness_sigma < 0.1 < 50 < one.nearness_sigma
+
+
+def glint_at(place_m: tuple[float, float], lamp_m: Float = LAMP) -> Glint:
+    return Glint(np.zeros((2, 2), np.bool_), normalised(lamp_m - (*place_m, 0.0)), np.array(place_m))
+
+
+def test_a_glint_tells_a_lamp_beside_an_object_and_two_glints_alone() -> None:
+    beside = combined([seen_at(np.array([0.15, 0.0])), place_by_glint(glint_at((-0.2, 0.1)))])
+    np.testing.assert_allclose(beside.mean, TRUE, rtol=1e-3)
+    alone = combined([place_by_glint(glint_at(place_m)) for place_m in ((0.1, 0.1), (-0.2, 0.1))])
+    np.testing.assert_allclose(alone.mean, TRUE, rtol=1e-6)
+    assert beside.nearness_sigma < 0.3
+
+
+def test_a_lamp_anywhere_on_its_glints_ray_agrees_with_it() -> None:
+    glint = glint_at((-0.2, 0.1))
+    place = place_by_glint(glint)
+    for way_m in (0.1, 1.0, 100.0):
+        x, y, z = np.append(glint.place_marker, 0.0) + way_m * glint.to_light_marker
+        offset = np.array([x / z, y / z, 1 / z]) - place.mean
+        assert offset @ place.information @ offset == pytest.approx(0, abs=1e-6)
+
+
+def test_mirror_images_of_other_lights_are_left_out() -> None:
+    light = combined([seen_at(np.array([0.15, 0.0])), seen_at(np.array([-0.1, 0.12]))])
+    own, other = glint_at((0.0, 0.2)), glint_at((0.0, 0.2), np.array([-0.5, -0.5, 0.5]))
+    (kept,) = places_by_glints([own, other], light)
+    np.testing.assert_array_equal(kept.mean, place_by_glint(own).mean)
+    first, second = places_by_glints([own, own], light)
+    assert np.trace(first.information + second.information) < 2 * np.trace(kept.information)
 
 
 def test_one_object_tells_the_direction_at_itself_whatever_the_nearness() -> None:

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.ground.glint import Glint
+from ashe_live.light.shape.light_points import towards
 
 AGREEING_RAD = math.radians(10)
 
@@ -23,8 +24,7 @@ class Company:
     """What an explanation is judged beside."""
 
     others: Sequence[Explanation] = ()  # all that were tried on the picture, itself among them or not
-    # (3,) unit vector, marker frame: towards the light whose mirror image the ground shows; None: it shows none.
-    to_glint_marker: Float | None = None
+    glint: Glint | None = None  # the mirror image of a light that the ground shows
 
 
 ALONE = Company()
@@ -32,15 +32,18 @@ ALONE = Company()
 
 def company_features(explanation: Explanation, company: Company) -> dict[str, float]:
     """The features of an explanation that depend on the others (docs/maths.md, "Evidence")."""
-    towards = explanation.lights[0].to_light_marker
+    first = explanation.lights[0]
     agreeing = [
         min(other.alignment.clear_body, other.alignment.clear_shadow)
         for other in company.others
-        if angle_between(towards, other.lights[0].to_light_marker) < AGREEING_RAD
+        if angle_between(first.to_light_marker, other.lights[0].to_light_marker) < AGREEING_RAD
         and _are_apart(explanation.proxy, other.proxy)
     ]
-    if company.to_glint_marker is not None and angle_between(towards, company.to_glint_marker) < AGREEING_RAD:
-        agreeing.append(1.0)
+    if company.glint is not None:
+        # A lamp is elsewhere as seen from the glint than from the marker.
+        there = towards(first.light, np.append(company.glint.place_marker, 0.0))
+        if angle_between(there, company.glint.to_light_marker) < AGREEING_RAD:
+            agreeing.append(1.0)
     return {"agreeing": max(agreeing, default=0.0)}
 
 

@@ -6,8 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
+from ashe_live.core.transforms import normalised
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import AGREEING_RAD, ALONE, Company, company_features
+from ashe_live.light.ground.glint import Glint
 from ashe_live.light.shape.body import LitBody
 from tests.light.explanation.judgement.test_judge import explanation
 from tests.light.synthetic_masks import direction
@@ -21,6 +24,10 @@ def elsewhere(one: Explanation, by_m: float) -> Explanation:
     frame = replace(placed.lit.body.frame, origin_marker=placed.lit.body.frame.origin_marker + np.array([by_m, 0.0]))
     moved = LitBody(replace(placed.lit.body, frame=frame), placed.lit.lights)
     return replace(one, alignment=replace(one.alignment, placed=replace(placed, lit=moved)))
+
+
+def glint_towards(to_light: Float, place_m: tuple[float, float] = (0.0, 0.0)) -> Glint:
+    return Glint(np.zeros((2, 2), np.bool_), to_light, np.array(place_m))
 
 
 def agreeing(one: Explanation, company: Company) -> float:
@@ -42,6 +49,15 @@ def test_the_same_body_does_not_nor_one_in_another_light() -> None:
 
 def test_a_glint_agrees_as_far_as_an_answer_is_good() -> None:
     one = explanation()
-    assert agreeing(one, Company([one], NEAR)) == 1
-    assert agreeing(one, Company([one], FAR)) == 0
+    assert agreeing(one, Company([one], glint_towards(NEAR))) == 1
+    assert agreeing(one, Company([one], glint_towards(FAR))) == 0
     assert math.degrees(AGREEING_RAD) == pytest.approx(10)
+
+
+def test_a_glint_of_a_lamp_agrees_as_the_lamp_is_seen_from_there() -> None:
+    (sun,) = (one := explanation()).lights
+    lamp_m, place_m = 0.5 * sun.to_light_marker, (0.3, -0.2)
+    lamp = replace(one, lights=(replace(sun, light=np.append(sun.to_light_marker, 2.0)),))
+    there = normalised(lamp_m - (*place_m, 0.0))
+    assert agreeing(lamp, Company([lamp], glint_towards(there, place_m))) == 1
+    assert agreeing(one, Company([one], glint_towards(there, place_m))) == 0
