@@ -50,13 +50,24 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
         return none(TOO_LITTLE_GROUND)
     found = lights_of(seen)
     clock.end("fit")
-    likely = [each for each in found.lights if each.confidence >= LEAST_CONFIDENCE] if found is not None else []
+    likely = _likely(found.lights) if found is not None else []
     if found is None or not likely:
         return none(_why_none(seen, found))
     illumination = _illumination(found.seen, likely, tracked)
     masks = masks_of(seen, likely)
     clock.end("judge")
     return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms())
+
+
+def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
+    """The lights to be stated.
+
+    One whose shadow is hidden is stated beside others for its share of the light, be its direction uncertain.
+    """
+    is_likely = [each.confidence >= LEAST_CONFIDENCE for each in found]
+    if not any(is_likely):
+        return []
+    return [each for each, likely in zip(found, is_likely, strict=True) if likely or each.exists is not None]
 
 
 def _illumination(seen: Seen, found: Sequence[FoundLight], tracked: TrackedFrame) -> Illumination:

@@ -87,7 +87,7 @@ def refined(
         if fit is not None:
             yield FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
         else:
-            mean, spread, darkening = _mean_near(directions, score, beside.everywhere.darkenings[:, -1], template)
+            mean, spread, darkening = mean_near(directions, score, beside.everywhere.darkenings[:, -1], template)
             yield FoundLight(mean, spread, None, darkening)
 
 
@@ -130,7 +130,7 @@ def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float
     return lights[best], float(scan.darkenings[best, -1])
 
 
-def _mean_near(directions: Directions, score: Float, darkenings: Float, light: Float) -> tuple[Float, Float, float]:
+def mean_near(directions: Directions, score: Float, darkenings: Float, light: Float) -> tuple[Float, Float, float]:
     """The mean light (4,) of the directions near one (4,), each as likely as its score says; the covariance (2, 2) of
     its displacement; and its part of the table's light.
     """

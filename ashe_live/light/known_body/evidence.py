@@ -24,7 +24,9 @@ VARIED = 7  # what else varies on a table: slow terms, and the sky that the body
 # Before the picture is seen: the part of the table's light that a light gives, and its standard deviation.
 DARKENING, DARKENING_SIGMA = 0.35, 0.35
 MOST_DARKENING = 0.97  # by all lights together: some light always comes from elsewhere
-HIDDEN_SIGMA = 0.2  # of the sky that the body hides, over what it hides of an even sky
+# Of the sky's light that the body hides, over what it would hide of an even sky that gave all of the table's: a sky
+# that gives half of it and hides a fifth more or less. Painted cubes' skies are off by half of this.
+HIDDEN_SIGMA = 0.1
 ROUNDS = 2  # of the sides' variances, which depend on how bright the lights are
 
 

@@ -32,6 +32,7 @@ class FoundLight:
     fit: EdgeFit | None  # None where the shadow's edges are hidden: the direction is then that which map and sides say
     darkening: float  # part of the table's light that it gives
     confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
+    exists: float | None = None  # of a light whose shadow is hidden beside others: probability that there is one
 
     @property
     def size_rad(self) -> float:

@@ -8,11 +8,11 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.candidates import APART_RAD, Directions, refined
+from ashe_live.light.known_body.candidates import APART_RAD, Directions, mean_near, refined
 from ashe_live.light.known_body.evidence import Evidence, Scan
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
-from ashe_live.light.known_body.outline.fit import fitted
+from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, edge_log_odds, with_edges
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
@@ -27,6 +27,10 @@ LEAST_SCORE, LEAST_MORE = -1.5, 4.5
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
 # It must take that part of the table's light; and if its edges are what tells it, so many must be steps, and so near.
 LEAST_DARKENING, LEAST_CLEAR, MOST_MISFIT_PX = 0.06, 0.75, 0.7
+# Beside one sun whose edges are seen the body may hide another light's shadow: the weight of "there is none" before the
+# picture is seen, where all directions have 1; and the probability from which on there is one. Of painted pictures
+# with one light, one in 400 has a second one by this.
+LOG_NONE_FURTHER, LEAST_EXISTS = -1.0, 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +38,7 @@ class Found:
     """What a picture of a known body says of its lights."""
 
     seen: Seen  # the picture as these lights explain it
-    lights: tuple[FoundLight, ...]  # the strongest first
+    lights: tuple[FoundLight, ...]  # the strongest first, but those whose shadow is hidden last
     is_dark_elsewhere: bool  # the table is darkened as if by a shadow, of whatever
 
 
@@ -59,7 +63,7 @@ def lights_of(seen: Seen) -> Found | None:
             break  # what was taken for another shadow is the rest of one that is known
         found, seen = both, _in_light_of(seen, both)
     found = [_with_confidence(seen, directions, each, found, alone) for each in found]
-    found.sort(key=lambda each: -each.darkening)
+    found.sort(key=lambda each: (each.exists is not None, -each.darkening))
     return Found(seen, tuple(found), likelihood > DARK_ELSEWHERE)
 
 
@@ -88,32 +92,34 @@ def _with_confidence(
     alone: the picture without lights that are known.
     """
     others = [other for other in among if other is not one]
-    beside, palest, pale = alone, PALEST, PALE
+    beside, palest, pale, log_none = alone, PALEST, PALE, LOG_NONE
     if others:
         beside = seen.beside(_points(others), directions.lit)
         palest = pale = LEAST_DARKENING
+        log_none = LOG_NONE if one.exists is None else LOG_NONE_FURTHER
     own = beside.scanned(seen.lit(one.light[None]))
     lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
-    near = _posterior_near(directions, beside.everywhere, one.sun_alike(height_of(seen.body)), lamp)
+    near = _posterior_near(directions, beside.everywhere, one.sun_alike(height_of(seen.body)), lamp, log_none)
     # Beside the foot the hidden sky's gradient looks like a step, and map and sides know better.
     by_all = float(own.darkenings[0, -1])
     step = min(by_all, float(darkenings_rgb(seen, [one, *others])[0].mean()))
     return replace(one, confidence=with_edges(near, one.fit, step, palest, pale))
 
 
-def _posterior_near(directions: Directions, scan: Scan, to_sun: Float, lamp: float) -> float:
+def _posterior_near(directions: Directions, scan: Scan, to_sun: Float, lamp: float, log_none: float) -> float:
     """Posterior probability, before any edge is looked at, of the directions within NEAR_RAD of one (3,).
 
-    lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none.
+    lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none. log_none:
+    weight of no light before the picture is seen.
     """
     by_light = scan.log_likelihood + np.log(directions.solid_angle)
     by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
-    most = max(float(by_light.max()), by_lamp, LOG_NONE)
+    most = max(float(by_light.max()), by_lamp, log_none)
     posterior = np.exp(by_light - most)
     is_near = directions.lights[:, :3] @ to_sun > math.cos(NEAR_RAD)
     near, elsewhere = float(posterior[is_near].sum()), float(posterior[~is_near].sum())
     near = max(near, math.exp(by_lamp - most))
-    return near / (near + elsewhere + math.exp(LOG_NONE - most))
+    return near / (near + elsewhere + math.exp(log_none - most))
 
 
 def are_apart(found: Sequence[FoundLight], height: float) -> bool:
@@ -133,13 +139,40 @@ def _further(seen: Seen, directions: Directions, known: Sequence[FoundLight]) ->
         return None
     best, likeliest = LEAST_MORE, None
     for one in refined(seen, directions, score, beside, room_beside(seen, known), LEAST_MORE - WORTH):
+        if one.fit is None or one.darkening < LEAST_DARKENING:
+            continue
         more = _log_likelihood(seen, one, beside)
-        by_edges = edge_log_odds(one.fit)
-        is_clear = one.fit is None or (one.fit.clear > LEAST_CLEAR and one.fit.misfit_px < MOST_MISFIT_PX)
-        is_clear = is_clear or more - by_edges > LEAST_MORE
-        if is_clear and one.darkening > LEAST_DARKENING and more > best:
+        by_table = more - edge_log_odds(one.fit)
+        # Edges alone do not do against map and sides: beside the foot the hidden sky's gradient looks like a step.
+        is_told = by_table > LEAST_MORE or (by_table > 0 and _is_clear(one.fit))
+        if is_told and more > best:
             best, likeliest = more, one
+    # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
+    if likeliest is None and len(known) == 1 and known[0].fit is not None and not known[0].is_lamp:
+        return _hidden(directions, score, beside)
     return likeliest
+
+
+def _is_clear(fit: EdgeFit) -> bool:
+    """Whether its edges are steps, and where they are predicted."""
+    return fit.clear > LEAST_CLEAR and fit.misfit_px < MOST_MISFIT_PX
+
+
+def _hidden(directions: Directions, score: Float, beside: Evidence) -> FoundLight | None:
+    """The light whose shadow the body hides, if map and sides say that there is one, averaged over where it may be.
+
+    score: (m,) log likelihood of each of the directions; -inf where none is looked for. By the ratio of the marginal
+    likelihoods with and without it, so that directions that explain little pay for those that explain much.
+    """
+    odds = float(directions.solid_angle @ np.exp(score)) / math.exp(LOG_NONE_FURTHER)
+    exists = odds / (1 + odds)
+    if exists < LEAST_EXISTS:
+        return None
+    best = directions.lights[int(score.argmax())]
+    mean, spread, darkening = mean_near(directions, score, beside.everywhere.darkenings[:, -1], best)
+    if darkening < LEAST_DARKENING:
+        return None
+    return FoundLight(mean, spread, None, darkening, exists=exists)
 
 
 def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:

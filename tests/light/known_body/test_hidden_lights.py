@@ -54,3 +54,23 @@ def test_it_beside_one_whose_shadow_is_seen() -> None:
 def test_a_leaning_sky_is_no_sun(slope: tuple[float, float]) -> None:
     answer = estimate(sky_slope=np.array([*slope, 0.0]), sky_rgb=np.full(3, 0.5))
     assert not [light for light in answer.lights if light.confidence is None or light.confidence > 0.5]
+
+
+def test_a_second_light_too_weak_to_be_told_by_any_one_direction_is_told_by_all_together() -> None:
+    seen, hidden = sun(FROM_DEG + 75, 38, on_table=0.3), sun(FROM_DEG + 10, 58, on_table=0.4)
+    answer = estimate(seen, hidden)
+    assert len(answer.lights) == 2
+    # The one whose shadow is seen comes first, though it is the weaker one.
+    first, second = answer.lights
+    assert angle_between(first.to_light_marker, seen.point[:3]) < math.radians(0.5)
+    error = angle_between(second.to_light_marker, hidden.point[:3])
+    assert second.sigma_rad is not None
+    assert error < 2 * second.sigma_rad
+    assert second.confidence is not None
+    assert second.confidence < 0.9  # it says that nothing tells its direction well
+
+
+@pytest.mark.parametrize("slope", [(0.0, 0.0), (0.3, 0.0), (0.0, -0.3), (-0.2, -0.2)])
+def test_a_leaning_sky_beside_a_sun_is_no_second_light(slope: tuple[float, float]) -> None:
+    answer = estimate(sun(FROM_DEG + 100, 40, on_table=0.5), sky_slope=np.array([*slope, 0.0]))
+    assert len(answer.lights) == 1
