@@ -12,8 +12,10 @@ from ashe_live.light.known_body.candidates import APART_RAD, Directions, mean_ne
 from ashe_live.light.known_body.evidence import Evidence, Scan
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
+from ashe_live.light.known_body.outline.edges import shadow_edges
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, edge_log_odds, with_edges
+from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 
@@ -28,9 +30,9 @@ WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of ma
 # It must take that part of the table's light; and if its edges are what tells it, so many must be steps, and so near.
 LEAST_DARKENING, LEAST_CLEAR, MOST_MISFIT_PX = 0.06, 0.75, 0.7
 # Beside one sun whose edges are seen the body may hide another light's shadow: the weight of "there is none" before the
-# picture is seen, where all directions have 1; and the probability from which on there is one. Of painted pictures
-# with one light, one in 400 has a second one by this.
-LOG_NONE_FURTHER, LEAST_EXISTS = -1.0, 0.5
+# picture is seen, where all directions have 1; the probability from which on there is one; and the part of a shadow's
+# outline that is in view, from which on it is not hidden, and its edges would have told it.
+LOG_NONE_FURTHER, LEAST_EXISTS, MOST_IN_VIEW = -1.0, 0.5, 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,7 +151,7 @@ def _further(seen: Seen, directions: Directions, known: Sequence[FoundLight]) ->
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
     if likeliest is None and len(known) == 1 and known[0].fit is not None and not known[0].is_lamp:
-        return _hidden(directions, score, beside)
+        return _hidden(seen, directions, score, beside)
     return likeliest
 
 
@@ -158,7 +160,7 @@ def _is_clear(fit: EdgeFit) -> bool:
     return fit.clear > LEAST_CLEAR and fit.misfit_px < MOST_MISFIT_PX
 
 
-def _hidden(directions: Directions, score: Float, beside: Evidence) -> FoundLight | None:
+def _hidden(seen: Seen, directions: Directions, score: Float, beside: Evidence) -> FoundLight | None:
     """The light whose shadow the body hides, if map and sides say that there is one, averaged over where it may be.
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. By the ratio of the marginal
@@ -170,7 +172,9 @@ def _hidden(directions: Directions, score: Float, beside: Evidence) -> FoundLigh
         return None
     best = directions.lights[int(score.argmax())]
     mean, spread, darkening = mean_near(directions, score, beside.everywhere.darkenings[:, -1], best)
-    if darkening < LEAST_DARKENING:
+    edges = shadow_edges(seen.body, mean, seen.view)
+    in_view = 0.0 if edges is None else float((seen.room.around(edges.points_px) >= LEAST_PX).mean())
+    if darkening < LEAST_DARKENING or in_view > MOST_IN_VIEW:
         return None
     return FoundLight(mean, spread, None, darkening, exists=exists)
 
