@@ -175,7 +175,8 @@ class Light:
 class Illumination:
     """What lights a scene, whether it was estimated, set by hand or made up by a program."""
 
-    lights: tuple[Light, ...] = ()  # strongest first; none: the sky alone, and no shadow is cast
+    # Strongest first, one whose shadow a known body hides last; none: the sky alone, and no shadow is cast.
+    lights: tuple[Light, ...] = ()
     ambient_rgb_ratio: Float | None = None  # (3,) linear RGB, ground that no light of `lights` reaches over lit ground
     ground_rgb: Float | None = None  # (3,) linear RGB, the lit ground's mean colour in the video
     real_object: Proxy | None = None  # casts shadows beside the virtual model, and hides what is behind it
