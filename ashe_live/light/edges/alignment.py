@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.edges.nearness import NearnessBySteps, NearnessPrior
+from ashe_live.light.edges.nearness import NearnessBySteps
 from ashe_live.light.edges.outline_points import (
     POINTS_PER_OUTLINE,
     OutlinePoints,
@@ -25,7 +25,7 @@ from ashe_live.light.edges.outline_points import (
 from ashe_live.light.edges.step_costs import FEWEST_STEPS, MISSED, StepCosts, mean_costs
 from ashe_live.light.edges.steps import LightPicture, steps_across
 from ashe_live.light.outline_fit.search import damped_steps, information_on_lights, offset_of_lights, prior_information
-from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.body import LitBody, NearnessPrior
 from ashe_live.light.shape.family import padded
 from ashe_live.light.shape.layout import Layout
 from ashe_live.light.shape.predicted import lit_outlines

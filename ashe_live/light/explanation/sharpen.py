@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ashe_live.light.edges.alignment import EdgeFit, aligned_with_steps, step_costs
-from ashe_live.light.edges.nearness import NearnessPrior
 from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, measured, placed_in
@@ -14,7 +13,7 @@ from ashe_live.light.explanation.explain import refined_by_tangents
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.body import LitBody, NearnessPrior
 from ashe_live.light.shape.directions import (
     FittedLight,
     corrected_for_cut_shadow,

@@ -2,11 +2,11 @@
 
 from dataclasses import replace
 
-from ashe_live.light.edges.nearness import NearnessPrior
 from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.lamps.sources import FALL_ERROR_SHARE
+from ashe_live.light.shape.body import NearnessPrior
 from ashe_live.light.views.joint import (
     JointStart,
     costs_of_views,

@@ -1,5 +1,6 @@
 """Bodies on the ground and the lights that they stand in: geometry in the marker frame, independent of any camera."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -113,3 +114,18 @@ class LitBody:
             highest = 2 * HIGHEST_NEARNESS / max(float((body.spheroids[:, 2] + body.spheroids[:, 4]).max()), 1e-9)
             lights[:, 3] = np.clip(lights[:, 3], 0.0, highest)
         return replace(self, lights=self.body.frame.lights_marker(lights), body=body)
+
+
+@dataclass(frozen=True, slots=True)
+class NearnessPrior:
+    """A normal distribution of a light's nearness w / z (1/m), before outlines are seen."""
+
+    mean: float
+    sigma: float
+
+    def applied(self, bodies: Sequence[LitBody]) -> tuple[Float, Float]:
+        """(n,) information on the first light's nearness in each body's frame; (n,) the gradient towards the mean."""
+        unit_m = np.array([one.body.frame.unit_m for one in bodies])
+        here = np.array([float(nearness_of(one.lights)[0]) for one in bodies])
+        information = 1 / (self.sigma * unit_m) ** 2
+        return information, information * (self.mean - here) * unit_m

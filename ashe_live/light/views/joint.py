@@ -12,7 +12,6 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, project
-from ashe_live.light.edges.nearness import NearnessPrior
 from ashe_live.light.explanation.alignment import (
     COST_PER_PARAMETER,
     SEARCH_RANGES,
@@ -32,7 +31,7 @@ from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.relabel import relabelled
 from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.outline_fit.search import damped_steps, prior_information
-from ashe_live.light.shape.body import LitBody
+from ashe_live.light.shape.body import LitBody, NearnessPrior
 from ashe_live.light.shape.sight import Sight
 
 EARLY_LOSS_FACTOR = 3.0  # times the scale of Cauchy's loss, in all rounds but the last
