@@ -42,7 +42,7 @@ ROOMS: dict[str, set[str]] = {
         "core", "light.pixels", "light.shape", "light.edges", "light.labels", "light.explanation", "light.views",
     },
     "light.lamps": {
-        "core", "light.pixels", "light.ground", "light.shape", "light.edges", "light.explanation", "light.views",
+        "core", "light.pixels", "light.ground", "light.shape", "light.explanation", "light.views",
     },
     "light.paper": {"core"},
     "light.known_body": {"core", "light.pixels", "light.shape"},
