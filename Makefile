@@ -9,9 +9,9 @@ DIST ?= dist
 demo: $(VENV)/demo.stamp
 	$(BIN)/ashe-live demo
 
-# A file's tests stay in one process, as they share films and windows. More processes than four share no more work.
+# tests/conftest.py parts the tests between two processes.
 test: $(VENV)/test.stamp check
-	$(BIN)/pytest -n auto --maxprocesses 4 --dist loadfile
+	$(BIN)/pytest -n 2 --dist loadgroup
 
 check: $(VENV)/test.stamp
 	$(BIN)/ruff check .

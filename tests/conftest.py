@@ -15,6 +15,7 @@ from ashe_live.core.camera import Camera
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.transforms import direction_from_angles, project, rigid
 from ashe_live.tracking.families.markers import parse_marker
+from tests.checkout import CHECKOUT
 
 SIDE_M = 0.08
 FPS = 30.0
@@ -24,6 +25,8 @@ BOX_TOP_BGR = (60, 150, 220)
 SKY, BOUNCED = 0.1, 0.3  # of the light on level ground, as in the shadow; and what the ground sends back of it
 SUPERSAMPLING = 2
 MARKER_PX = 400
+# Folders whose tests take as long together as all others.
+OF_ESTIMATES = ("bench", "core", "e2e", "files", "light", "packaging", "process", "sources")
 
 
 @dataclass(frozen=True)
@@ -137,6 +140,16 @@ def shoot_film() -> Callable[[Path, tuple[int, int], int], Film]:
 def film(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Film]:
     """Twelve small frames: enough for the marker to be steady."""
     return shoot(tmp_path_factory.mktemp("film"), (320, 240), 12)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """With pytest-xdist: two processes that take about as long, each in the order that a single one would have.
+
+    Tests of a file share films and windows; those that draw share a graphics driver, and stay together.
+    """
+    for item in items:
+        folder = item.path.relative_to(CHECKOUT / "tests").parts[0]
+        item.add_marker(pytest.mark.xdist_group("estimates" if folder in OF_ESTIMATES else "pictures"))
 
 
 @pytest.fixture(scope="session", autouse=True)
