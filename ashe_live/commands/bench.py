@@ -80,4 +80,4 @@ def _cube(options: argparse.Namespace) -> None:
 def _fit_judge(options: argparse.Namespace) -> None:
     from ashe_live.bench.judge.bench import JudgeBench
 
-    JudgeBench(options.scenes, options.limit, options.every).run(options.out, options.overwrite)
+    JudgeBench(options.scenes, options.limit, options.every, options.jobs).run(options.out, options.overwrite)

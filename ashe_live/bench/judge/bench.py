@@ -1,9 +1,13 @@
 """`ashe-live bench fit-judge`: fits the tables of the judge to sets of pictures whose lights are known."""
 
+import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import cache, partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import ClassVar
 
@@ -31,7 +35,7 @@ from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import PRESETS, ProxySteps
 from ashe_live.light.explanation.judgement.evidence import SIGNS
 from ashe_live.light.explanation.judgement.judge import Judge
-from ashe_live.light.explanation.judgement.judge_tables import Average, Curve, Score, Tables
+from ashe_live.light.explanation.judgement.judge_tables import Average, Curve, Score, Tables, read_tables
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 
 TABLES = "judge.json"
@@ -81,6 +85,7 @@ class JudgeBench(Bench):
     scenes: Sequence[Path]
     limit: int | None = None  # number of pictures of each folder, the first ones; None: all
     every: int = 1  # of these, only every so many-th
+    jobs: int = 1  # number of processes that look at pictures
 
     def parts(self) -> Iterator[Json]:
         cases = [case for folder in self.scenes for case in read_cases(folder)[: self.limit : self.every]]
@@ -125,11 +130,10 @@ class JudgeBench(Bench):
         self, cases: Sequence[Case], judge: Judge, what: str, tried: int | None = None
     ) -> list[dict[ProxySteps, Sample]]:
         """The pictures by every look; with `tried` splits fitted instead of each look's own number."""
-        estimators = {steps: ProxyEstimator(replace(steps, tried=tried or steps.tried), judge) for steps in LOOKS}
-        return [
-            {steps: sample_of(case, estimator) for steps, estimator in estimators.items()}
-            for case in track(cases, what, console=self.console, transient=True)
-        ]
+        looked = partial(_looked_at, json.dumps(judge.tables.as_json()), tried)
+        with ProcessPoolExecutor(self.jobs, get_context("spawn")) as pool:
+            found = pool.map(looked, cases)
+            return list(track(found, what, len(cases), console=self.console, transient=True))
 
     def _fitted(
         self, cases: Sequence[Case], pictures: Pictures, splits: Score
@@ -177,6 +181,18 @@ class JudgeBench(Bench):
         }
         least = least_confidence(every)
         return answers, Tables(splits, explanation, averages, least, _calibration(every), origin, good_if_open)
+
+
+@cache
+def _estimators(tables: str, tried: int | None) -> Mapping[ProxySteps, ProxyEstimator]:
+    """One for each look, with a judge by the text of its tables."""
+    judge = Judge(read_tables(tables))
+    return {steps: ProxyEstimator(replace(steps, tried=tried or steps.tried), judge) for steps in LOOKS}
+
+
+def _looked_at(tables: str, tried: int | None, case: Case) -> dict[ProxySteps, Sample]:
+    """A picture by every look, in a process of its own."""
+    return {steps: sample_of(case, estimator) for steps, estimator in _estimators(tables, tried).items()}
 
 
 def _calibration(answers: Sequence[Judged]) -> Calibration:

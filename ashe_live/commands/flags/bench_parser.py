@@ -50,6 +50,9 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
     _add_results_folder(judge)
     judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
     judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
+    judge.add_argument(
+        "--jobs", type=values.count, default=1, metavar="N", help="processes beside each other (default 1)"
+    )
 
     cube = benches.add_parser("cube", help="the paper cube's pose and light, on painted pictures with known truth")
     cube.add_argument("--count", type=values.count, default=40, metavar="N", help="pictures of each set (default 40)")

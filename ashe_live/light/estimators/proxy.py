@@ -25,6 +25,7 @@ from ashe_live.light.explanation.no_answer import (
     NOTHING_THERE,
     OTHER_SIZE,
     TOO_LITTLE_GROUND,
+    fault_of_distance,
     fault_of_exposure,
     fault_of_scene,
 )
@@ -84,6 +85,9 @@ class ProxyEstimator:
         elif choice is not None:
             found, explanation = illumination_of(choice, tracked, judge, steps)
             trace = choice.look.trace
+            if (found.lights[0].confidence or 0.0) < judge.least_confidence:
+                # The direction from the object is known, but that from the marker is not, as far as it may be a lamp.
+                found, reason = Illumination(), fault_of_distance(choice.explanation)
             clock.end("judge")
         body, shadow = (None, None) if explanation is None else _masks_of(explanation)
         indices = tuple(view.index for view in views)

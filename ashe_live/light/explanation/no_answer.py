@@ -13,6 +13,7 @@ NOTHING_THERE = "nothing stands on the ground: put something that casts a shadow
 NO_SHADOW = "no shadow found: the light may be diffuse, or the shadow out of view"
 DOES_NOT_FIT = "what stands out from the ground does not fit an object and its shadow in one directional light"
 OTHER_SIZE = "the object does not look like the given caster: measure it again, stand it upright, or give none"
+NEAR_OR_FAR = "how far away the light is stays open, and so its direction at the marker: move the object to the marker"
 CUT_OFF = "the shadow seems to leave the picture: show its far end"
 TOO_DARK = "the picture is too dark to tell shadow from light: more light, or a longer exposure"
 BLACK_GROUND = "the ground is too dark to show a shadow: a lighter table, or less print around the marker"
@@ -51,8 +52,16 @@ def _is_paper_light(view: View) -> bool:
 
 def fault_of_scene(explanation: Explanation, confidence: float) -> str:
     """Why the likeliest explanation of a scene, of some `confidence`, is not likely enough, for the user."""
+    return CUT_OFF if confidence >= LEAST_CUT_OFF and _is_cut_off(explanation) else DOES_NOT_FIT
+
+
+def fault_of_distance(explanation: Explanation) -> str:
+    """Why it stays open from where an explanation's light reaches the marker, for the user."""
+    return CUT_OFF if _is_cut_off(explanation) else NEAR_OR_FAR
+
+
+def _is_cut_off(explanation: Explanation) -> bool:
+    """Whether the shadow goes on beyond the picture's border."""
     out_of_view = min(explanation.alignment.ends_in_view) < END_IN_VIEW
     shadow = explanation.region.in_frame(explanation.predicted.shadow)
-    leaves_the_picture = shadow[[0, -1]].any() or shadow[:, [0, -1]].any()
-    is_shadow = confidence >= LEAST_CUT_OFF
-    return CUT_OFF if is_shadow and out_of_view and leaves_the_picture else DOES_NOT_FIT
+    return bool(out_of_view and (shadow[[0, -1]].any() or shadow[:, [0, -1]].any()))

@@ -14,12 +14,12 @@ from ashe_live.light.explanation.judgement.judge_tables import read_tables
 def written(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     scenes = resource("assets", "scenes")
     folders = [tmp_path_factory.mktemp(name) / "out" for name in ("one", "other")]
-    for folder in folders:
-        JudgeBench([scenes], limit=4).run(folder)
+    for jobs, folder in enumerate(folders, start=1):
+        JudgeBench([scenes], limit=4, jobs=jobs).run(folder)
     return [folder / TABLES for folder in folders]
 
 
-def test_the_same_pictures_give_the_same_tables(written: list[Path]) -> None:
+def test_the_same_pictures_give_the_same_tables_in_any_number_of_processes(written: list[Path]) -> None:
     one, other = (path.read_text(encoding="utf-8") for path in written)
     assert one == other
 

@@ -15,9 +15,12 @@ from ashe_live.bench.cases import read_cases
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, rigid
-from ashe_live.core.types import Light, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.core.types import Illumination, Light, LightEstimate, MarkerPose, TrackedFrame
+from ashe_live.light.estimators import proxy
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import ACCURATE, BALANCED, FAST
+from ashe_live.light.explanation.judgement.judge import fitted_judge
+from ashe_live.light.explanation.no_answer import NEAR_OR_FAR
 from tests.light import painted_scenes
 from tests.light.painted_scenes import (
     BOX,
@@ -97,7 +100,7 @@ def check_answer_or_reason(estimate: LightEstimate) -> None:
     assert light.shadow_rgb_ratio is not None
     assert (np.linalg.eigvalsh(light.covariance_rad2) >= 0).all()
     assert 0 <= light.sigma_rad < math.inf
-    assert 0 <= light.confidence <= 1
+    assert fitted_judge().least_confidence <= light.confidence <= 1
     assert ((light.shadow_rgb_ratio > 0) & (light.shadow_rgb_ratio <= 1)).all()
 
 
@@ -350,6 +353,20 @@ def test_a_shadow_that_leaves_the_picture_is_told_or_its_height_is_unsure(
         assert "leave the picture" in estimate.reason
         assert estimate.shadow_mask is not None
         assert estimate.shadow_mask[[0, -1]].any() or estimate.shadow_mask[:, [0, -1]].any()
+
+
+def test_a_direction_that_a_lamps_distance_leaves_open_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    stated = proxy.illumination_of
+
+    def doubtful(*how: Any) -> tuple[Illumination, Any]:
+        found, explanation = stated(*how)
+        return replace(found, lights=(replace(found.lights[0], confidence=0.1),)), explanation
+
+    monkeypatch.setattr(proxy, "illumination_of", doubtful)
+    estimate = estimated(paint(BOX).tracked)
+    assert estimate.light is None
+    assert estimate.reason == NEAR_OR_FAR
+    assert estimate.shadow_mask is not None
 
 
 @pytest.mark.parametrize("image", NOTHING_TO_SEE.values(), ids=NOTHING_TO_SEE)
