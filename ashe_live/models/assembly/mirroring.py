@@ -15,29 +15,26 @@ from ashe_live.models.mesh import Mesh
 WORDS = "its polished metal mirrors ground and sky, and not the model's other parts"
 POLISHED = 0.6  # roughness, above which what is mirrored is a mere tone
 CELLS = 48  # along the longest side
-POINTS, RAYS = 20_000, 300  # on the surface; of these so many are looked at
+POINTS, LOOKED_AT = 20_000, 1_000  # on the surface; of these so many are looked at
 LOOKED_FROM_RAD, WAYS = np.radians(35.0), 6  # as people look at a table, from all around
 LEAST_FACING = 0.1  # cosine to the view
 CLEAR = 1.5  # cells from a surface, to be free of it
-LEAST_SHARE = 0.05  # of the surface that would mirror the model: about what is seen at a glance
+LEAST_SHARE = 0.05  # of the surface that is seen: about what is noticed at a glance
 # Steps of the plastic number's sequence in two dimensions, which fills a square evenly (Roberts 2018).
 STEP_U, STEP_V = 0.7548776662, 0.5698402910
 
 
 def mirrors_itself(parts: Sequence[Mesh]) -> bool:
-    """Whether more than LEAST_SHARE of the surface is metal that, seen from above, mirrors the model itself."""
+    """Whether more than LEAST_SHARE of what is seen of the surface is metal in which the model itself is to be seen."""
     polished = np.array([_is_polished(part) for part in parts])
     if not polished.any():
         return False
     part, places, normals = _points_on(parts)
-    there = np.flatnonzero(polished[part])
-    some = there[:: max(1, len(there) // RAYS)]
-    if len(some) == 0:
-        return False
     cells = _Cells(places)
-    places, normals = places[some], normals[some]
-    both_sides = np.array([each.material.double_sided for each in parts])[part[some]]
-    seen = hidden = 0
+    some = slice(None, None, max(1, len(part) // LOOKED_AT))
+    part, places, normals = part[some], places[some], normals[some]
+    both_sides = np.array([each.material.double_sided for each in parts])[part]
+    seen = mirroring = 0
     for turn in range(WAYS):
         azimuth = 2 * np.pi * turn / WAYS
         flat = np.cos(LOOKED_FROM_RAD)
@@ -45,12 +42,12 @@ def mirrors_itself(parts: Sequence[Mesh]) -> bool:
         facing = np.where((normals @ view < 0)[:, None] & both_sides[:, None], -normals, normals)
         starts = places + CLEAR * cells.size * facing
         ahead = facing @ view > LEAST_FACING
-        starts, facing = starts[ahead], facing[ahead]
+        starts, facing, mirrors = starts[ahead], facing[ahead], polished[part[ahead]]
         is_seen = ~cells.filled_along(starts, np.broadcast_to(view, starts.shape))
-        starts, facing = starts[is_seen], facing[is_seen]
-        seen += len(starts)
-        hidden += int(cells.filled_along(starts, 2 * (facing @ view)[:, None] * facing - view).sum())
-    return hidden / max(seen, 1) * len(there) / len(part) > LEAST_SHARE
+        seen += int(is_seen.sum())
+        starts, facing = starts[is_seen & mirrors], facing[is_seen & mirrors]
+        mirroring += int(cells.filled_along(starts, 2 * (facing @ view)[:, None] * facing - view).sum())
+    return mirroring > LEAST_SHARE * seen
 
 
 def _is_polished(part: Mesh) -> bool:

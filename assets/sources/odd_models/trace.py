@@ -1,6 +1,6 @@
 """Path-traces some of make.py's models on the marker, on the clip's table and under its light, for compare_pictures.py.
 
-    python trace.py DIR [--count 60]        needs bpy (the extra `scenes`)
+    python trace.py DIR [--count 60] [--width 160]        needs bpy (the extra `scenes`)
 
 Writes bare.png and, for the first models that stand still, NNN.png and NNN_mask.png (where it is seen), and
 pictures.json. What glTF can say of a material is traced as Blender has it; of other formats what Blender reads from the
@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import clip_scene as content
 import render_reference as reference
 
-SIZE, HFOV = (160, 120), math.radians(26)
+HFOV = math.radians(26)
 AZIMUTH, ELEVATION, DISTANCE_M = math.radians(-110), math.radians(35), 0.42
 LOOKED_AT_M = (0.0, 0.0, 0.035)
 # Of what files without materials and normals look like, as ashe_live/models/material.py and docs/models.md have it.
@@ -165,7 +165,7 @@ def prepare(scene: bpy.types.Scene, samples: int) -> None:
     scene.cycles.use_denoising, scene.cycles.denoiser = True, "OPENIMAGEDENOISE"
     scene.cycles.max_bounces, scene.cycles.diffuse_bounces, scene.cycles.glossy_bounces = 4, 2, 2
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
-    scene.render.resolution_x, scene.render.resolution_y = reference.SIZE = SIZE
+    scene.render.resolution_x, scene.render.resolution_y = reference.SIZE
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "PNG", "16"
     scene.view_settings.view_transform = "Raw"
     scene.view_settings.exposure = -math.log2(reference.PNG_WHITE)
@@ -173,10 +173,11 @@ def prepare(scene: bpy.types.Scene, samples: int) -> None:
 
 def record() -> dict:
     view = reference.View(84, math.degrees(content.SUN_AZIMUTH), math.degrees(content.SUN_ELEVATION), ())
-    k = (SIZE[0] / 2) / math.tan(HFOV / 2)
+    width, height = reference.SIZE
+    k = (width / 2) / math.tan(HFOV / 2)
     rotation, translation = camera_pose()
     known = reference.view_record("odd", view)
-    known |= {"size": SIZE, "K": [[k, 0, (SIZE[0] - 1) / 2], [0, k, (SIZE[1] - 1) / 2], [0, 0, 1]]}
+    known |= {"size": reference.SIZE, "K": [[k, 0, (width - 1) / 2], [0, k, (height - 1) / 2], [0, 0, 1]]}
     return known | {"R": rotation.tolist(), "t": translation.tolist()}
 
 
@@ -185,8 +186,10 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--count", type=int, default=60)
     parser.add_argument("--samples", type=int, default=32)
+    parser.add_argument("--width", type=int, default=160, help="pixels; of models with detail below one: 320")
     options = parser.parse_args()
     folder, samples = options.folder, options.samples
+    reference.SIZE = options.width, options.width * 3 // 4
     if not (folder / "bare.png").exists():
         bpy.ops.wm.read_factory_settings(use_empty=True)
         traced(folder, "bare", 4 * samples)
