@@ -15,10 +15,18 @@ vec3 fresnel(vec3 f0, float v_h) {
     return f0 + (1.0 - f0) * (side2 * side2 * side);
 }
 
-// The specular reflectance for uniform light from all around is f0 * x + y: Karis, "Physically based shading on
-// mobile", 2014.
-vec2 mirrored_share(float roughness, float n_v) {
-    vec4 r = roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
-    float a004 = min(r.x * r.x, exp2(-9.28 * n_v)) * r.x + r.y;
-    return vec2(-1.04, 1.04) * a004 + r.zw;
+uniform sampler2D mirrored_shares;  // of render/gl/reflectance.py
+
+// Of uniform light from all around f0 * x + y is mirrored at once; z is the mean of x + y over all directions.
+vec3 mirrored_share(float roughness, float n_v) {
+    vec2 knots = vec2(textureSize(mirrored_shares, 0));
+    return textureLod(mirrored_shares, (vec2(n_v, roughness) * (knots - 1.0) + 0.5) / knots, 0.0).rgb;
+}
+
+// By how much light that is thrown on from facet to facet adds to what is mirrored: Kulla and Conty, "Revisiting
+// physically based shading at Imageworks", 2017. Each time the mean of Schlick's term is left of it.
+vec3 thrown_on(vec3 f0, vec3 share) {
+    vec3 mean = f0 + (1.0 - f0) / 21.0;
+    vec3 leaves = mean * share.z / (1.0 - mean * (1.0 - share.z));
+    return 1.0 + leaves * (1.0 / (share.x + share.y) - 1.0);
 }

@@ -16,6 +16,8 @@ uniform vec3 sun[LIGHTS];  // irradiance over pi across the light's direction
 #endif
 uniform float metallic;
 uniform float roughness;
+uniform float coat;  // share of the surface that lies under a clear coat
+uniform float coat_roughness;
 uniform float normal_scale;
 uniform float occlusion_strength;
 uniform vec3 emissive;
@@ -54,8 +56,12 @@ uniform sampler2D emissive_map;
 layout(location = 0) out vec4 added_light;  // premultiplied by the coverage, which is its alpha
 layout(location = 1) out vec4 removed;  // fraction of the light behind it
 
+vec3 smooth_normal() {
+    return normalize(gl_FrontFacing ? normal : -normal);
+}
+
 vec3 surface_normal() {
-    vec3 n = normalize(gl_FrontFacing ? normal : -normal);
+    vec3 n = smooth_normal();
 #ifdef NORMAL_MAP
     // The tangent frame from the screen-space derivatives of the coordinates: Schueler, "Followup: normal mapping
     // without precomputed tangents", 2013.
@@ -95,6 +101,33 @@ vec3 ambient(vec3 direction, vec2 open) {
     return max(from_sky, 0.0) * open.x + ground * ((1.0 - upward) * open.y);
 }
 
+#ifdef GLOSSY
+#ifdef MIRRORS
+#define AROUND(towards, rough) surrounding_radiance(position, towards, (rough) * (rough))
+#else
+#define AROUND(towards, rough) ambient(towards, vec2(1.0))
+#endif
+
+// The direction that is mirrored. Where an interpolated or mapped normal would mirror what is below the surface, whose
+// triangle faces `facing`, the lowest that is not, and the normal that mirrors it.
+vec3 mirrored_direction(vec3 to_eye, vec3 facing, inout vec3 n) {
+    vec3 mirror = reflect(-to_eye, n);
+    float above = dot(mirror, facing);
+    if (above < 0.0) {
+        mirror = normalize(mirror - above * facing);
+        n = normalize(to_eye + mirror);
+    }
+    return mirror;
+}
+
+// Share of the lobe around the mirrored direction that is open: Lagarde and de Rousiers, "Moving Frostbite to PBR", 2014.
+float open_lobe(vec2 open, vec3 mirror, float rough, float n_v) {
+    float ahead = mix(open.y, open.x, 0.5 + 0.5 * mirror.z);
+    return clamp(pow(n_v + ahead, exp2(-16.0 * rough - 1.0)) - 1.0 + ahead, 0.0, 1.0);
+}
+#endif
+
+const float GLASS = 0.04;  // what plastic, glass and clear coats mirror straight on
 const float ANYHOW = 0.25;  // mean over all directions of a cosine where it is positive
 const float MOST_ALBEDO = 0.9;  // beyond which nothing throws light back
 
@@ -130,17 +163,31 @@ void main() {
     rough *= mapped.y;
 #endif
     rough = max(rough, MIN_ROUGHNESS);
-    vec3 f0 = mix(vec3(0.04), base.rgb, metal);
+    vec3 f0 = mix(vec3(GLASS), base.rgb, metal);
     albedo *= 1.0 - metal;
     vec3 to_eye = normalize(eye - position);
-    float n_v = max(dot(n, to_eye), 1e-3);
-    vec2 share = mirrored_share(rough, n_v);
-    // Multiple scattering between microfacets: Turquin, "Practical multiple scattering compensation", 2019.
-    vec3 again = 1.0 + f0 * (1.0 / (share.x + share.y) - 1.0);
-    vec3 mirror = reflect(-to_eye, n);
+    vec3 facing = cross(dFdx(position), dFdy(position));
+    float size2 = dot(facing, facing);
+    // A triangle that is seen edge-on has no side.
+    facing = size2 > 0.0 && size2 < 1e30 ? faceforward(facing, -to_eye, facing) * inversesqrt(size2) : n;
+    vec3 shine_n = n;
+    vec3 mirror = mirrored_direction(to_eye, facing, shine_n);
+    float n_v = max(dot(shine_n, to_eye), 1e-3);
+    vec3 share = mirrored_share(rough, n_v);
+    vec3 again = thrown_on(f0, share);
     // What is mirrored does not get in.
     vec3 reflectance = (f0 * share.x + share.y) * again;
     albedo *= 1.0 - max(reflectance.r, max(reflectance.g, reflectance.b));
+#endif
+#ifdef COATED
+    // KHR_materials_clearcoat: a layer of glass, which the relief below does not reach.
+    vec3 coat_n = smooth_normal();
+    vec3 coat_mirror = mirrored_direction(to_eye, facing, coat_n);
+    float coat_rough = max(coat_roughness, MIN_ROUGHNESS);
+    float coat_n_v = max(dot(coat_n, to_eye), 1e-3);
+    vec3 coat_share = mirrored_share(coat_rough, coat_n_v);
+    float coat_reflectance = GLASS * coat_share.x + coat_share.y;
+    vec3 in_coat = vec3(0.0);
 #endif
 #if LIGHTS > 0
     for (int light = 0; light < LIGHTS; ++light) {
@@ -148,13 +195,26 @@ void main() {
         vec3 to_light = towards_light(light, position, falloff);
         from_suns += sun[light] * falloff;
         float cosine = dot(n, to_light);
+#ifdef COATED
+        float coat_cosine = max(dot(coat_n, to_light), 0.0);
+        if (max(cosine, coat_cosine) <= 0.0) continue;
+        cosine = max(cosine, 0.0);
+#else
         if (cosine <= 0.0) continue;
-        vec3 direct = sun[light] * (falloff * cosine * shadow(light, position, n, to_light));
+#endif
+        vec3 arrives = sun[light] * (falloff * shadow(light, position, n, to_light));
+        vec3 direct = arrives * cosine;
         diffuse += direct;
 #ifdef GLOSSY
         vec3 between = normalize(to_eye + to_light);
         float v_h = max(dot(to_eye, between), 0.0);
-        mirrored += direct * again * ggx(max(dot(n, between), 0.0), n_v, cosine, rough * rough) * fresnel(f0, v_h);
+        float n_l = max(dot(shine_n, to_light), 1e-3);
+        vec3 shine = ggx(max(dot(shine_n, between), 0.0), n_v, n_l, rough * rough) * fresnel(f0, v_h);
+        mirrored += arrives * n_l * again * shine;
+#ifdef COATED
+        float coat_shine = ggx(max(dot(coat_n, between), 0.0), coat_n_v, coat_cosine, coat_rough * coat_rough);
+        in_coat += arrives * coat_cosine * coat_shine * fresnel(vec3(GLASS), v_h);
+#endif
 #endif
     }
 #endif
@@ -166,15 +226,14 @@ void main() {
     vec3 on_parts = (from_around + ANYHOW * open.x * from_suns) / (1.0 - thrown);
     diffuse += thrown * on_parts;
 #ifdef GLOSSY
-#ifdef MIRRORS
-    vec3 around = surrounding_radiance(position, mirror, rough * rough);
-#else
-    vec3 around = ambient(mirror, vec2(1.0));
+    mirrored += mix(base.rgb * on_parts, AROUND(mirror, rough), open_lobe(open, mirror, rough, n_v)) * reflectance;
 #endif
-    // Share of the lobe that is open: Lagarde and de Rousiers, "Moving Frostbite to PBR", 2014.
-    float ahead = mix(open.y, open.x, 0.5 + 0.5 * mirror.z);
-    float open_lobe = clamp(pow(n_v + ahead, exp2(-16.0 * rough - 1.0)) - 1.0 + ahead, 0.0, 1.0);
-    mirrored += mix(base.rgb * on_parts, around, open_lobe) * reflectance;
+#ifdef COATED
+    float coat_open = open_lobe(open, coat_mirror, coat_rough, coat_n_v);
+    in_coat += mix(base.rgb * on_parts, AROUND(coat_mirror, coat_rough), coat_open) * coat_reflectance;
+    float below_coat = 1.0 - coat * coat_reflectance;
+    diffuse *= below_coat;
+    mirrored = mirrored * below_coat + in_coat * coat;
 #endif
     vec3 glow = mirrored;
 #ifdef EMITS
@@ -190,6 +249,9 @@ void main() {
     // What is reflected does not come through.
     vec3 reflected = f0 * share.x + share.y;
     cover += (1.0 - cover) * min(max(reflected.r, max(reflected.g, reflected.b)), 1.0);
+#endif
+#ifdef COATED
+    cover += (1.0 - cover) * coat * coat_reflectance;
 #endif
     added_light = vec4((albedo * diffuse * base.a + glow) * exposure, cover);
 #else

@@ -10,6 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes
+from ashe_live.models.assembly import mirroring, overlaps
 from ashe_live.models.assembly.geometry import RawMesh, placed_mesh
 from ashe_live.models.assembly.merging import merged
 from ashe_live.models.assembly.up import Y_UP, guessed_up, z_up_from
@@ -86,11 +87,15 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
     check_surfaces(path, len(parts))
     if any(mesh.uvs is None and mesh.material.maps for _, mesh in meshes):
         notes.add(WITHOUT_COORDINATES)
-    model = Model(path.stem, parts, notes.lines)
+    model = Model(path.stem, parts)
     lower, upper = model.bounds
     if not (np.isfinite(upper - lower).all() and (upper - lower).max() > 0):
         raise UserError(f"the model file {path} has no extent", "export a model that is larger than a point")
-    return model
+    if overlaps.overlap_visibly(parts):
+        notes.add(overlaps.WORDS)
+    if mirroring.mirrors_itself(parts):
+        notes.add(mirroring.WORDS)
+    return replace(model, notes=notes.lines)
 
 
 def _extremes(T: Float, mesh: RawMesh) -> Float:

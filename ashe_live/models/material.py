@@ -66,6 +66,8 @@ class Material:
     metallic: float = 0.0  # 0: plastic, wood, paper; 1: bare metal
     roughness: float = 1.0  # perceptual; 0: polished, 1: matt
     metallic_roughness_map: Image | None = None  # linear; green: roughness, blue: metallic
+    coat: float = 0.0  # share of the surface under a layer of glass, by its factor alone
+    coat_roughness: float = 0.0  # of that layer
     normal_map: Image | None = None  # linear; tangent space, x right, y up, z outwards, from [-1, 1]
     normal_scale: float = 1.0  # of the map's x and y
     occlusion_map: Image | None = None  # linear; red: the share of ambient light that arrives
@@ -86,7 +88,8 @@ class Material:
                 raise ValueError(f"{name} is (h, w, 4) uint8, not {texels.shape} {texels.dtype}")
             set_frozen(self, **{name: frozen_view(np.ascontiguousarray(texels))})
         set_frozen(self, layouts={name: self.layouts[name] for name in MAPS if name in self.layouts})
-        numbers = (*self.base_colour, self.metallic, self.roughness, self.normal_scale, *self.emissive)
+        numbers = [*self.base_colour, self.metallic, self.roughness, self.normal_scale, *self.emissive]
+        numbers += [self.coat, self.coat_roughness]
         laid_out = (value for layout in self.layouts.values() for value in layout.matrix)
         if not np.isfinite([*numbers, *laid_out, self.occlusion_strength, self.alpha_cutoff]).all():
             raise ValueError("a material's factor is not finite")
@@ -108,12 +111,14 @@ class Material:
     @property
     def is_matt(self) -> bool:
         """Its own shading is all there is to see of it."""
-        return self.metallic == 0 and self.roughness >= MATT_ROUGHNESS and self.metallic_roughness_map is None
+        is_rough = self.roughness >= MATT_ROUGHNESS and self.metallic_roughness_map is None
+        return is_rough and self.metallic == 0 and self.coat == 0
 
     @property
     def is_mirror(self) -> bool:
         """What surrounds it is seen in it."""
-        return self.metallic > 0 or self.roughness < MIRROR_ROUGHNESS or self.metallic_roughness_map is not None
+        smoothest = min(self.roughness, self.coat_roughness) if self.coat > 0 else self.roughness
+        return self.metallic > 0 or smoothest < MIRROR_ROUGHNESS or self.metallic_roughness_map is not None
 
     def without_maps(self) -> "Material":
         """For a mesh without texture coordinates: in the one colour that `in_one_place` says."""

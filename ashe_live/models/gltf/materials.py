@@ -77,7 +77,7 @@ class Materials:
         # Without its map all of the surface would glow.
         surface |= {"emissive": BLACK if is_lost else emissive, "alpha": ALPHAS[given.get("alphaMode", "OPAQUE")]}
         surface = in_one_place(surface, maps.unplaced)
-        surface |= self._see_through(extensions, surface)
+        surface |= self._see_through(extensions, surface) | _coat(extensions)
         if "KHR_materials_unlit" in extensions:
             surface |= _shining(surface, maps)
         if maps.lacks_coordinates:
@@ -225,6 +225,14 @@ class _Maps:
         self.layouts[name] = layout.for_set(self.sets.index(layout.uv_set))
 
 
+def _coat(extensions: dict[str, Any]) -> dict[str, Any]:
+    """None where a map says how much of it there is, which is not drawn."""
+    given = extensions.get("KHR_materials_clearcoat", {})
+    if "clearcoatTexture" in given:
+        return {}
+    return {"coat": given.get("clearcoatFactor", 0.0), "coat_roughness": given.get("clearcoatRoughnessFactor", 0.0)}
+
+
 def _from_top_left(moved: dict[str, Any]) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """KHR_texture_transform, whose origin is a picture's top left corner, for coordinates from its bottom left."""
     (x, y), (scale_x, scale_y) = moved.get("offset", (0.0, 0.0)), moved.get("scale", (1.0, 1.0))
@@ -242,4 +250,5 @@ def _shining(surface: dict[str, Any], maps: _Maps) -> dict[str, Any]:
         maps.layouts.pop(name, None)
     if texels is not None:
         maps.texels["emissive_map"], maps.layouts["emissive_map"] = texels, maps.layouts["base_map"]
-    return {"emissive": base[:3], "base_colour": (0.0, 0.0, 0.0, base[3]), "metallic": 0.0, "roughness": 1.0}
+    shines = {"emissive": base[:3], "base_colour": (0.0, 0.0, 0.0, base[3])}
+    return shines | {"metallic": 0.0, "roughness": 1.0, "coat": 0.0}

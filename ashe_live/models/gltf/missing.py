@@ -6,7 +6,6 @@ from typing import Any
 from ashe_live.models.parsing.notes import Notes, listed
 
 PLAIN = {
-    "KHR_materials_clearcoat": "clear coats",
     "KHR_materials_sheen": "sheen",
     "KHR_materials_iridescence": "iridescence",
     "KHR_materials_anisotropy": "anisotropy",
@@ -35,6 +34,13 @@ def _shines_otherwise(extensions: dict[str, Any]) -> bool:
     return is_mapped or abs(share - 1) > VISIBLE_SHARE or any(abs(each - 1) > VISIBLE_TINT for each in tints)
 
 
+def _coat_has(extensions: dict[str, Any], *maps: str) -> bool:
+    given = extensions.get("KHR_materials_clearcoat")
+    if not isinstance(given, dict) or _number(extensions, "KHR_materials_clearcoat", "clearcoatFactor", 0.0) <= 0:
+        return False
+    return any(name in given for name in maps)
+
+
 def _number(extensions: dict[str, Any], name: str, key: str, usual: float) -> float:
     given = extensions.get(name)
     value = given.get(key, usual) if isinstance(given, dict) else usual
@@ -43,6 +49,8 @@ def _number(extensions: dict[str, Any], name: str, key: str, usual: float) -> fl
 
 # Exporters write these for every material, mostly with values that change nothing.
 SEEN_BY_VALUE: Mapping[str, Callable[[dict[str, Any]], bool]] = {
+    "clear coats that a map limits": lambda each: _coat_has(each, "clearcoatTexture"),
+    "the relief of clear coats": lambda each: _coat_has(each, "clearcoatNormalTexture", "clearcoatRoughnessTexture"),
     "refractive indices": _refracts_otherwise,
     "specular factors": _shines_otherwise,
     "the thickness of glass": lambda each: _number(each, "KHR_materials_volume", "thicknessFactor", 0.0) > 0,

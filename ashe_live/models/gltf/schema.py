@@ -85,6 +85,9 @@ _MATERIAL = object_of(
         "doubleSided": flag,
         "extensions": object_of(
             {
+                "KHR_materials_clearcoat": object_of(
+                    {"clearcoatFactor": share, "clearcoatRoughnessFactor": share, "clearcoatTexture": _TEXTURE}
+                ),
                 "KHR_materials_emissive_strength": object_of({"emissiveStrength": number}),
                 "KHR_materials_pbrSpecularGlossiness": object_of(
                     {

@@ -18,6 +18,7 @@ UNIT_OF = {
     "ground_shadows": 7,
     "ground_map": 8,
     "sky_map": 9,
+    "mirrored_shares": 14,
     "contact": 10,
     "video": 11,
     "cover": 15,

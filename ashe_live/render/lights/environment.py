@@ -1,4 +1,4 @@
-"""The environment maps that polished surfaces mirror, as textures."""
+"""The environment maps that polished surfaces mirror, and how much of it they do, as textures."""
 
 import moderngl
 import numpy as np
@@ -6,6 +6,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.types import Illumination, TrackedFrame
 from ashe_live.render.gl.programs import set_uniforms
+from ashe_live.render.gl.reflectance import share_texture
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import GROUND_ALBEDO, RGB
 from ashe_live.render.lights.shadow_maps import same_objects
@@ -24,6 +25,7 @@ class Environment:
     def __init__(self, ctx: moderngl.Context, size: int) -> None:
         self._size = size
         self._ground, self._sky = (_blank(ctx, size) for _ in range(2))
+        self._shares = share_texture(ctx)
         self._half_radius_m = 1.0
         self._shown: tuple[TrackedFrame | None, Float | None, RGB | None, bytes] | None = None
 
@@ -48,9 +50,10 @@ class Environment:
         self._shown = wanted
 
     def bind(self, program: moderngl.Program) -> None:
-        """Gives `program` what environment.glsl reads."""
+        """Gives `program` what environment.glsl and brdf.glsl read."""
         self._ground.use(UNIT_OF["ground_map"])
         self._sky.use(UNIT_OF["sky_map"])
+        self._shares.use(UNIT_OF["mirrored_shares"])
         set_uniforms(
             program,
             half_radius_m=self._half_radius_m,
@@ -61,6 +64,7 @@ class Environment:
         self._shown = None
         self._ground.release()
         self._sky.release()
+        self._shares.release()
 
 
 def _blank(ctx: moderngl.Context, size: int) -> moderngl.Texture:

@@ -101,6 +101,8 @@ class ModelPass:
             base_colour=material.base_colour,
             metallic=material.metallic,
             roughness=material.roughness,
+            coat=material.coat,
+            coat_roughness=material.coat_roughness,
             normal_scale=material.normal_scale,
             occlusion_strength=material.occlusion_strength,
             emissive=material.emissive,
@@ -149,6 +151,8 @@ def shading_constants(part: GpuPart) -> dict[str, int]:
         found["glossy"] = 1
     if material.is_mirror:
         found["mirrors"] = 1
+    if material.coat > 0:
+        found["coated"] = 1
     if part.maps:
         found |= {"has_maps": 1, **layout_constants(part)}
     return found

@@ -1,10 +1,12 @@
 """Path-traces some of make.py's models on the marker, on the clip's table and under its light, for compare_pictures.py.
 
-    python trace.py DIR [--count 60]        needs bpy (the extra `scenes`)
+    python trace.py DIR [--count 60] [--width 160]        needs bpy (the extra `scenes`)
 
 Writes bare.png and, for the first models that stand still, NNN.png and NNN_mask.png (where it is seen), and
 pictures.json. What glTF can say of a material is traced as Blender has it; of other formats what Blender reads from the
-file, and matt plastic, white or in the vertices' colours, where that says nothing.
+file, and matt plastic, white or in the vertices' colours, where that says nothing. Two things are mended, as the path
+tracer is off there: of faces that lie in one place one is kept, since rays that leave one meet the other by chance; and
+textures are decoded before they are interpolated, as glTF asks and Cycles does not.
 """
 
 import argparse
@@ -13,7 +15,10 @@ import math
 import sys
 from pathlib import Path
 
-import bpy
+import bpy  # before what it brings along
+
+# isort: split
+import bmesh
 import numpy as np
 from make import FAR_M, build, truth
 from mathutils import Matrix, Vector
@@ -22,11 +27,12 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import clip_scene as content
 import render_reference as reference
 
-SIZE, HFOV = (160, 120), math.radians(26)
+HFOV = math.radians(26)
 AZIMUTH, ELEVATION, DISTANCE_M = math.radians(-110), math.radians(35), 0.42
 LOOKED_AT_M = (0.0, 0.0, 0.035)
 # Of what files without materials and normals look like, as ashe_live/models/material.py and docs/models.md have it.
 UNKNOWN_ROUGHNESS, SHARP = 0.7, math.radians(40)
+IN_ONE_PLACE, FLAT = 1e-5, 1e-3  # of the mesh's size; radians
 
 
 def camera_pose() -> tuple[np.ndarray, np.ndarray]:
@@ -99,6 +105,44 @@ def read(path: Path, up: str) -> None:
             thing.data.materials.append(plain)
 
 
+def without_doubles() -> None:
+    """Of faces with the same corners one is left."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    for thing in [each for each in bpy.data.objects if each.type == "MESH"]:
+        evaluated = thing.evaluated_get(graph)
+        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=graph)
+        shape = bmesh.new()
+        shape.from_mesh(mesh)
+        near = IN_ONE_PLACE * max(thing.dimensions) / max(max(thing.scale), 1e-9)
+        # Files may have cut two faces in one place along different diagonals.
+        bmesh.ops.join_triangles(shape, faces=shape.faces, angle_face_threshold=FLAT, angle_shape_threshold=math.pi)
+        places = bmesh.ops.find_doubles(shape, verts=shape.verts, dist=near)["targetmap"]
+        kept, doubles = set(), []
+        for face in shape.faces:
+            corners = frozenset(places.get(corner, corner) for corner in face.verts)
+            doubles += [face] if corners in kept else []
+            kept.add(corners)
+        if doubles:
+            bmesh.ops.delete(shape, geom=doubles, context="FACES_ONLY")
+            shape.to_mesh(mesh)
+            thing.modifiers.clear()
+            thing.data = mesh
+        shape.free()
+
+
+def decoded_pictures() -> None:
+    """Textures of encoded bytes become ones of linear numbers, as which they are interpolated."""
+    for image in [each for each in bpy.data.images if each.colorspace_settings.name == "sRGB" and not each.is_float]:
+        texels = np.array(image.pixels[:]).reshape(-1, 4)
+        colours = texels[:, :3]
+        texels[:, :3] = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
+        linear = bpy.data.images.new(image.name, *image.size, alpha=True, float_buffer=True)
+        linear.colorspace_settings.name = "Non-Color"
+        linear.pixels.foreach_set(texels.astype(np.float32).ravel())
+        linear.pack()
+        image.user_remap(linear)
+
+
 def traced(folder: Path, name: str, samples: int) -> None:
     virtual = [thing for thing in bpy.data.objects if thing.type == "MESH"]
     scene = stage()
@@ -121,7 +165,7 @@ def prepare(scene: bpy.types.Scene, samples: int) -> None:
     scene.cycles.use_denoising, scene.cycles.denoiser = True, "OPENIMAGEDENOISE"
     scene.cycles.max_bounces, scene.cycles.diffuse_bounces, scene.cycles.glossy_bounces = 4, 2, 2
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
-    scene.render.resolution_x, scene.render.resolution_y = reference.SIZE = SIZE
+    scene.render.resolution_x, scene.render.resolution_y = reference.SIZE
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "PNG", "16"
     scene.view_settings.view_transform = "Raw"
     scene.view_settings.exposure = -math.log2(reference.PNG_WHITE)
@@ -129,10 +173,11 @@ def prepare(scene: bpy.types.Scene, samples: int) -> None:
 
 def record() -> dict:
     view = reference.View(84, math.degrees(content.SUN_AZIMUTH), math.degrees(content.SUN_ELEVATION), ())
-    k = (SIZE[0] / 2) / math.tan(HFOV / 2)
+    width, height = reference.SIZE
+    k = (width / 2) / math.tan(HFOV / 2)
     rotation, translation = camera_pose()
     known = reference.view_record("odd", view)
-    known |= {"size": SIZE, "K": [[k, 0, (SIZE[0] - 1) / 2], [0, k, (SIZE[1] - 1) / 2], [0, 0, 1]]}
+    known |= {"size": reference.SIZE, "K": [[k, 0, (width - 1) / 2], [0, k, (height - 1) / 2], [0, 0, 1]]}
     return known | {"R": rotation.tolist(), "t": translation.tolist()}
 
 
@@ -141,8 +186,10 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--count", type=int, default=60)
     parser.add_argument("--samples", type=int, default=32)
+    parser.add_argument("--width", type=int, default=160, help="pixels; of models with detail below one: 320")
     options = parser.parse_args()
     folder, samples = options.folder, options.samples
+    reference.SIZE = options.width, options.width * 3 // 4
     if not (folder / "bare.png").exists():
         bpy.ops.wm.read_factory_settings(use_empty=True)
         traced(folder, "bare", 4 * samples)
@@ -161,6 +208,8 @@ def main() -> None:
         if moves or np.abs(np.load(known)["places"]).max() > FAR_M / 2:
             continue
         if not (folder / f"{known.stem}_mask.png").exists():
+            without_doubles()
+            decoded_pictures()
             put_on_marker()
             traced(folder, known.stem, samples)
         count += 1

@@ -184,11 +184,32 @@ def test_glass_lets_through_and_says_how_it_is_drawn(tmp_path: Path) -> None:
 
 
 def test_what_is_drawn_without_is_said_once(tmp_path: Path) -> None:
-    plain = {"KHR_materials_clearcoat": {"clearcoatFactor": 1}, "KHR_materials_sheen": {}, "KHR_materials_ior": {}}
+    plain = {"KHR_materials_iridescence": {}, "KHR_materials_sheen": {}, "KHR_materials_ior": {}}
     document = Document()
     document.quad(material={"extensions": plain})
-    model = quad_of(tmp_path, {"extensions": plain}, document, extensionsRequired=["KHR_materials_clearcoat"])
-    assert model.notes == ("it is drawn without clear coats and sheen",)
+    model = quad_of(tmp_path, {"extensions": plain}, document, extensionsRequired=["KHR_materials_sheen"])
+    assert model.notes == ("it is drawn without sheen and iridescence",)
+
+
+@pytest.mark.parametrize(
+    ("maps", "coat", "notes"),
+    [
+        ((), 0.8, ()),
+        (("clearcoatTexture",), 0.0, ("it is drawn without clear coats that a map limits",)),
+        (("clearcoatNormalTexture",), 0.8, ("it is drawn without the relief of clear coats",)),
+    ],
+)
+def test_clear_coats_are_read_and_what_maps_say_of_them_is_told(
+    tmp_path: Path, maps: tuple[str, ...], coat: float, notes: tuple[str, ...]
+) -> None:
+    document = Document()
+    given = {"clearcoatFactor": 0.8, "clearcoatRoughnessFactor": 0.3}
+    given |= {name: document.embedded(png(RED)) for name in maps}
+    model = quad_of(tmp_path, {"extensions": {"KHR_materials_clearcoat": given}}, document)
+    material = model.parts[0].material
+    assert material.coat == coat
+    assert coat == 0 or material.coat_roughness == 0.3
+    assert model.notes == notes
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,100 @@
+"""Does polished metal mirror the model's own parts? Only ground and sky are drawn in it, so that this is worth a word.
+
+The model is a grid of cells, a point on its surface in each that it fills; rays are looked up in it in steps.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ashe_live.core.arrays import Float
+from ashe_live.models.assembly.shading_normals import unit_rows
+from ashe_live.models.mesh import Mesh
+
+WORDS = "its polished metal mirrors ground and sky, and not the model's other parts"
+POLISHED = 0.6  # roughness, above which what is mirrored is a mere tone
+CELLS = 48  # along the longest side
+POINTS, LOOKED_AT = 20_000, 1_000  # on the surface; of these so many are looked at
+LOOKED_FROM_RAD, WAYS = np.radians(35.0), 6  # as people look at a table, from all around
+LEAST_FACING = 0.1  # cosine to the view
+CLEAR = 1.5  # cells from a surface, to be free of it
+LEAST_SHARE = 0.05  # of the surface that is seen: about what is noticed at a glance
+# Steps of the plastic number's sequence in two dimensions, which fills a square evenly (Roberts 2018).
+STEP_U, STEP_V = 0.7548776662, 0.5698402910
+
+
+def mirrors_itself(parts: Sequence[Mesh]) -> bool:
+    """Whether more than LEAST_SHARE of what is seen of the surface is metal in which the model itself is to be seen."""
+    polished = np.array([_is_polished(part) for part in parts])
+    if not polished.any():
+        return False
+    part, places, normals = _points_on(parts)
+    cells = _Cells(places)
+    some = slice(None, None, max(1, len(part) // LOOKED_AT))
+    part, places, normals = part[some], places[some], normals[some]
+    both_sides = np.array([each.material.double_sided for each in parts])[part]
+    seen = mirroring = 0
+    for turn in range(WAYS):
+        azimuth = 2 * np.pi * turn / WAYS
+        flat = np.cos(LOOKED_FROM_RAD)
+        view = np.array((flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(LOOKED_FROM_RAD)))
+        facing = np.where((normals @ view < 0)[:, None] & both_sides[:, None], -normals, normals)
+        starts = places + CLEAR * cells.size * facing
+        ahead = facing @ view > LEAST_FACING
+        starts, facing, mirrors = starts[ahead], facing[ahead], polished[part[ahead]]
+        is_seen = ~cells.filled_along(starts, np.broadcast_to(view, starts.shape))
+        seen += int(is_seen.sum())
+        starts, facing = starts[is_seen & mirrors], facing[is_seen & mirrors]
+        mirroring += int(cells.filled_along(starts, 2 * (facing @ view)[:, None] * facing - view).sum())
+    return mirroring > LEAST_SHARE * seen
+
+
+def _is_polished(part: Mesh) -> bool:
+    metal, roughness = part.material.metallic, part.material.roughness
+    texels = part.material.metallic_roughness_map
+    if texels is not None:
+        roughness *= float(texels[..., 1].mean()) / 255
+        metal *= float(texels[..., 2].mean()) / 255
+    return metal > 0.5 and roughness < POLISHED
+
+
+def _points_on(parts: Sequence[Mesh]) -> tuple[NDArray[np.int64], Float, Float]:
+    """Of points spread over the surface by area: (n,) their parts, (n, 3) their places and unit normals."""
+    areas = [part.areas for part in parts]
+    before, total = 0.0, sum(float(each.sum()) for each in areas)
+    numbers, places, normals = [], [], []
+    for number, (part, each) in enumerate(zip(parts, areas, strict=True)):
+        reached = np.floor((before + np.concatenate([[0.0], np.cumsum(each)])) / total * POINTS).astype(int)
+        before += float(each.sum())
+        triangle = np.repeat(np.arange(len(each)), np.diff(reached))
+        count = np.arange(len(triangle))
+        u, v = (count * STEP_U) % 1.0, (count * STEP_V) % 1.0
+        folded = u + v > 1
+        u, v = np.where(folded, 1 - u, u), np.where(folded, 1 - v, v)
+        shares = np.column_stack([1 - u - v, u, v])
+        corners = part.triangles[triangle]
+        numbers.append(np.full(len(triangle), number))
+        places.append(np.einsum("ij,ijk->ik", shares, part.vertices[corners]))
+        normals.append(unit_rows(np.einsum("ij,ijk->ik", shares, part.normals[corners])))
+    return np.concatenate(numbers), np.concatenate(places), np.concatenate(normals)
+
+
+class _Cells:
+    """The box around all places (n, 3), in cubes that hold some of them or none."""
+
+    def __init__(self, places: Float) -> None:
+        self._lower = places.min(axis=0)
+        self.size = max(float(np.ptp(places, axis=0).max()) / CELLS, 1e-30)
+        self._filled = np.zeros((CELLS + 1,) * 3, np.bool_)
+        self._filled[tuple(((places - self._lower) / self.size).astype(int).T)] = True
+
+    def filled_along(self, starts: Float, directions: Float) -> NDArray[np.bool_]:
+        """(n,) whether the ray from a place along a unit direction comes through a cell that is filled."""
+        found = np.zeros(len(starts), np.bool_)
+        at, step = (starts - self._lower) / self.size, directions / 2
+        for number in range(2, round(2 * CELLS * 3**0.5)):
+            cells = np.floor(at + number * step).astype(int)
+            inside = ((cells >= 0) & (cells <= CELLS)).all(axis=1)
+            found |= inside & self._filled[tuple(np.clip(cells, 0, CELLS).T)]
+        return found

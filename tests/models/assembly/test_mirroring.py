@@ -1,0 +1,54 @@
+"""Polished metal is worth a word where it would mirror the model, as geometry has it, and nowhere else."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ashe_live.models.assembly.mirroring import mirrors_itself
+from ashe_live.models.material import Material
+from ashe_live.models.mesh import Mesh
+from ashe_live.models.primitives import revolved
+
+METAL, PLASTIC = Material(metallic=1.0, roughness=0.2), Material(roughness=0.2)
+
+
+def _turned(radii: np.ndarray, heights: np.ndarray, material: Material) -> Mesh:
+    turned = revolved(np.column_stack([radii, heights]), 64)
+    return replace(turned, uvs=turned.vertices[:, :2], material=material)
+
+
+def _ball(material: Material) -> Mesh:
+    polar = np.linspace(0, math.pi, 33)
+    return _turned(np.sin(polar), 1.05 - np.cos(polar), material)
+
+
+def _tray(material: Material) -> Mesh:
+    return _turned(np.linspace(2.0, 0.0, 20), np.zeros(20), material)
+
+
+def test_what_bulges_everywhere_mirrors_nothing_of_itself() -> None:
+    assert not mirrors_itself([_ball(METAL)])
+    assert not mirrors_itself([_turned(np.array([0, 1, 1, 0]), np.array([0, 0, 2, 2]), METAL)])
+    assert not mirrors_itself([_tray(METAL)])
+
+
+def test_the_inside_of_a_bowl_mirrors_the_bowl_and_of_a_closed_one_nobody_sees_it() -> None:
+    polar = np.linspace(0, math.pi / 2, 33)
+    bowl = _turned(np.sin(polar), 1 - np.cos(polar), METAL)
+    assert mirrors_itself([bowl])
+    assert not mirrors_itself([bowl, _turned(np.linspace(1, 0, 20), np.ones(20), PLASTIC)])
+
+
+def test_a_tray_mirrors_what_stands_on_it_if_it_is_polished_metal() -> None:
+    assert mirrors_itself([_tray(METAL), _ball(PLASTIC)])
+    for other in (PLASTIC, Material(metallic=1.0, roughness=0.9)):
+        assert not mirrors_itself([_tray(other), _ball(PLASTIC)])
+
+
+@pytest.mark.parametrize(("metal", "told"), [(255, True), (20, False)])
+def test_a_map_says_what_is_metal(metal: int, told: bool) -> None:
+    texels = np.full((2, 2, 4), (0, 60, metal, 255), np.uint8)
+    tray = _tray(Material(metallic=1.0, roughness=1.0, metallic_roughness_map=texels))
+    assert mirrors_itself([tray, _ball(PLASTIC)]) is told
