@@ -32,8 +32,8 @@ CALIBRATION = Calibration(1.0, np.radians(10.0).item(), 1.0)
 SHADED = 0.6
 
 
-def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: str) -> LightEstimate:
-    """The lights that cast the shadows of `body` (marker frame); the frame must have a marker.
+def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: str) -> tuple[LightEstimate, View]:
+    """The lights that cast the shadows of `body` (marker frame), and the view of the frame, which must have a marker.
 
     width_px: of the frame at the resolution that is used. name: of the estimator.
     """
@@ -42,9 +42,9 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     seen = Seen.of(view, body)
     clock.end("segment")
 
-    def none(reason: str) -> LightEstimate:
+    def none(reason: str) -> tuple[LightEstimate, View]:
         reason = fault_of_exposure(view) or reason
-        return LightEstimate(name, tracked.frame.index, Illumination(), reason, timing_ms=clock.timing_ms())
+        return LightEstimate(name, tracked.frame.index, Illumination(), reason, timing_ms=clock.timing_ms()), view
 
     if seen is None:
         return none(TOO_LITTLE_GROUND)
@@ -53,10 +53,11 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     likely = _likely(found.lights) if found is not None else []
     if found is None or not likely:
         return none(_why_none(seen, found))
-    illumination = _illumination(found.seen, likely, tracked)
+    dark = found.dark_rgb if len(likely) == len(found.lights) else darkenings_rgb(found.seen, likely)
+    illumination = _illumination(found.seen, likely, dark, tracked)
     masks = masks_of(seen, likely)
     clock.end("judge")
-    return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms())
+    return LightEstimate(name, tracked.frame.index, illumination, None, *masks, clock.timing_ms()), view
 
 
 def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
@@ -70,9 +71,11 @@ def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
     return [each for each, likely in zip(found, is_likely, strict=True) if likely or each.exists is not None]
 
 
-def _illumination(seen: Seen, found: Sequence[FoundLight], tracked: TrackedFrame) -> Illumination:
-    """The lights with their uncertainty, and the sky: how much of the table's light it gives, and how it leans."""
-    dark = darkenings_rgb(seen, found)
+def _illumination(seen: Seen, found: Sequence[FoundLight], dark: Float, tracked: TrackedFrame) -> Illumination:
+    """The lights with their uncertainty, and the sky: how much of the table's light it gives, and how it leans.
+
+    dark: (l, 3) part of the table's light that each light gives, R, G, B.
+    """
     lights = [_light(each, taken, tracked) for each, taken in zip(found, dark, strict=True)]
     sky = open_sky_rgb(seen, found, dark)
     slope = sky_slope_rgb(seen, found, dark, sky)

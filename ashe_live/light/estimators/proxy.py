@@ -29,7 +29,6 @@ from ashe_live.light.explanation.no_answer import (
     fault_of_exposure,
     fault_of_scene,
 )
-from ashe_live.light.pixels.view import View
 
 
 class ProxyEstimator:
@@ -53,8 +52,8 @@ class ProxyEstimator:
             raise ValueError("a frame without a marker has no marker frame to answer in")
         if tracked.marker.body is not None:
             # What the marker is printed on casts a shadow itself, and is known.
-            estimate = estimate_by_body(tracked, tracked.marker.body, self._steps.fine_width_px, self.name)
-            return estimate, Trace(View.of(tracked, self._steps.coarse_width_px))
+            estimate, view = estimate_by_body(tracked, tracked.marker.body, self._steps.fine_width_px, self.name)
+            return estimate, Trace(view)
         clock = StageClock()
         estimate, trace = self._traced(tracked, others, clock)
         if len(estimate.views) > 1:

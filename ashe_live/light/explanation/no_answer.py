@@ -31,12 +31,13 @@ LEAST_CUT_OFF = 0.1
 
 def fault_of_exposure(view: View) -> str | None:
     """What is wrong with the picture's brightness, as the ground shows it; None if nothing is."""
-    brightest = view.image_bgr[view.is_ground].max(axis=-1)
-    if not len(brightest):
-        return None
-    if np.median(brightest) < DARK:
+    blue, green, red = cv2.split(view.image_bgr)
+    brightest = cv2.max(cv2.max(blue, green), red)
+    counts = cv2.calcHist([brightest], [0], view.is_ground.view(np.uint8), [256], [0, 256])
+    total = float(counts.sum())
+    if counts[:DARK].sum() > 0.5 * total:
         return BLACK_GROUND if _is_paper_light(view) else TOO_DARK
-    return TOO_BRIGHT if np.mean(brightest >= CLIPPED) > MOST_CLIPPED else None
+    return TOO_BRIGHT if counts[CLIPPED:].sum() > MOST_CLIPPED * total else None
 
 
 def _is_paper_light(view: View) -> bool:

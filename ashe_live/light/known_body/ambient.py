@@ -9,7 +9,6 @@ from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.shading import LOWEST_Z, NOISE, OF_LIGHT, SLOPE, TURN_RAD, direct_light
 from ashe_live.light.known_body.shadows import shadows_of
-from ashe_live.light.known_body.templates import templates_of
 
 # Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is right to 3 % from
 # here on, and half of what it is where a facet is five pixels wide.
@@ -24,8 +23,8 @@ def open_sky_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float) -> F
     """
     in_shadow = np.clip(1 - dark_rgb.sum(axis=0), 1e-3, 1.0)
     shadows = shadows_of(seen.body, np.array([each.light for each in lights])).whole().max(axis=0)
-    cells = (shadows * seen.table.seen).reshape(-1)
-    hidden = float((templates_of(seen.body).hidden_sky * cells).sum() / max(float(cells.sum()), 1e-6))
+    cells = (shadows * seen.measured.table.seen).reshape(-1)
+    hidden = float((seen.templates.hidden_sky * cells).sum() / max(float(cells.sum()), 1e-6))
     # Where a part h of the sky s is hidden, on both sides of a shadow's edge, s (1 - h) / (1 - s h) is left in it.
     return np.asarray(in_shadow / (1 - hidden * (1 - in_shadow)))
 
@@ -39,7 +38,7 @@ def sky_slope_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float, sky
 
     dark_rgb: (l, 3) part of the table's light that each light gives. sky_rgb: (3,) the sky's.
     """
-    facets = seen.facets
+    facets = seen.measured.facets
     is_told = (facets.width_px >= LEAST_PX) & ~facets.is_clipped
     is_level = facets.normals[:, 2] > 0.99
     level = np.flatnonzero(is_told & is_level)
@@ -57,7 +56,7 @@ def sky_slope_rgb(seen: Seen, lights: Sequence[FoundLight], dark_rgb: Float, sky
     for number in np.flatnonzero(is_told & ~is_level):
         normal, relative = facets.normals[number], facets.light_rgb[number] / white
         direct = given[:, number] @ dark_rgb
-        from_table = seen.from_table[number] / white
+        from_table = seen.measured.from_table[number] / white
         left = relative - 0.5 * sky_rgb - direct - from_table
         by_turns = _change_by_turn(to_lights, across, normal) ** 2 + (relative * turned_level) ** 2
         weight = 1 / (NOISE**2 + (OF_LIGHT * direct) ** 2 + TURN_RAD**2 * by_turns)

@@ -2,13 +2,12 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.core.transforms import camera_centre, normalised
-from ashe_live.light.known_body.evidence import Evidence, Lit
+from ashe_live.core.transforms import normalised
+from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.outline.edges import shadow_edges
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, widest_reach_px
@@ -17,7 +16,7 @@ from ashe_live.light.known_body.outline.profiles import Profiles
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
-from ashe_live.light.known_body.templates import templates_of
+from ashe_live.light.known_body.templates import Templates
 from ashe_live.light.shape.light_points import at_infinity
 
 TRIED, APART_RAD, TRIED_WITHIN = 3, math.radians(12), 12.0  # starts of a fit; within so much log likelihood of the best
@@ -25,70 +24,52 @@ MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found othe
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
 # Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
 LEAST_CLEAR, CLEAR = 0.5, 0.8
-LEAST_DARKENING = 0.1  # part of the table's light: what is no third as deep as this is no step
+# Part of the table's light: what takes less is no light; and what is no third as deep as this is no step.
+LEAST_DARKENING, DEEP = 0.06, 0.1
 # Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then
 # along it alone and finer, as the scan hardly tells the lengths of shadows that leave the picture.
 AROUND = 0.05 * np.array([(along, across) for along in (-2, -1, 0, 1, 2) for across in (-1, 0, 1)])
 ALONG = 0.035 * np.array([(along, 0) for along in range(-8, 4)])
 TEMPLATES_APART = 0.1  # in s = (x, y) / z, over 1 + |s|, roughly
-# Lights behind the camera, whose shadow the body hides: parts of the displacement at which the camera would cast it,
-# and how far beside it, over 1 + |s|.
-BEHIND, BEHIND_ASIDE = np.arange(0.15, 1.2, 0.1), np.array([-0.09, -0.03, 0.03, 0.09])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Directions:
-    """Everywhere that a light is looked for."""
-
-    lights: Float  # (m, 4) at infinity, unit (x, y, z)
-    solid_angle: Float  # (m,) share of the upper hemisphere that each stands for
-    lit: Lit
-
-    @staticmethod
-    def of(seen: Seen) -> "Directions":
-        """The templates, and between them more of those whose shadow the body hides from the camera."""
-        templates = templates_of(seen.body)
-        lights, solid_angle, shadows = templates.lights, templates.solid_angle, templates.shadows
-        eye = camera_centre(seen.view.T_cam_marker) - seen.body.foot_marker
-        if eye[2] > 0:
-            s = eye[:2] / eye[2]
-            length = max(float(np.hypot(*s)), 1e-9)
-            grid = BEHIND[:, None, None] * s + (1 + length) * BEHIND_ASIDE[:, None] * np.array([-s[1], s[0]]) / length
-            further = np.column_stack([grid.reshape(-1, 2), np.ones(grid.size // 2)])
-            lengths = np.linalg.norm(further, axis=1)
-            further = at_infinity(further / lengths[:, None])
-            cell = length * (BEHIND[1] - BEHIND[0]) * (1 + length) * (BEHIND_ASIDE[1] - BEHIND_ASIDE[0])
-            lights = np.concatenate([lights, further])
-            solid_angle = np.concatenate([solid_angle, cell / lengths**3 / (2 * math.pi)])
-            shadows = shadows.joined(seen.lit(further).shadows)
-        return Directions(lights, solid_angle, Lit(lights, shadows))
 
 
 def refined(
-    seen: Seen, directions: Directions, score: Float, beside: Evidence, room: Room, least: float = -math.inf
+    seen: Seen, score: Float, beside: Evidence, room: Room, least: float = -math.inf, told: float = -math.inf
 ) -> Iterator[FoundLight]:
     """The likeliest different directions, each moved onto its shadow's edges where these are seen.
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
-    lights that are known. room: table on which edges may be seen. least: likelihood below which edges must be seen.
+    lights that are known. room: table on which edges may be seen. least: likelihood below which edges must be seen, as
+    the scan has it; told: that below which no edge is looked for, of the likeliest around.
     """
-    chosen: list[Float] = []
-    for index in np.argsort(-score, kind="stable"):
-        if score[index] < score.max() - TRIED_WITHIN or len(chosen) == TRIED:
+    lights, left, worst = seen.templates.lights, score.copy(), score.max() - TRIED_WITHIN
+    clear: list[FoundLight] = []
+    for _ in range(TRIED):
+        index = int(left.argmax())
+        if not left[index] >= worst:
             break
-        template, darkening = directions.lights[index], float(beside.everywhere.darkenings[index, -1])
-        if any(template[:3] @ other > math.cos(APART_RAD) for other in chosen):
-            continue
-        chosen.append(template[:3])
+        template, darkening = lights[index], float(beside.everywhere.darkenings[index, -1])
+        left[lights[:, :3] @ template[:3] > math.cos(APART_RAD)] = -np.inf
         if score[index] < least and not _shows_edges(seen, template, darkening, room):
             continue
-        start, darkening = _nearby(seen, template, beside)
+        start, darkening, likelihood = _nearby(seen, template, beside)
+        if darkening < LEAST_DARKENING or likelihood < told:
+            continue
+        if any(_finds_again(seen, start, other) for other in clear):
+            continue
         fit = _moved_onto_edges(seen, start, darkening, room)
         if fit is not None:
-            yield FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
+            one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
+            clear += [one] if fit.clear > CLEAR else []
+            yield one
         else:
-            mean, spread, darkening = mean_near(directions, score, beside.everywhere.darkenings[:, -1], template)
+            mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], template)
             yield FoundLight(mean, spread, None, darkening)
+
+
+def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
+    """Whether a fit from a light (4,) would end at one that was found, whose edges are clear."""
+    return bool(normalised(start[:3]) @ found.sun_alike(height_of(seen.body)) > math.cos(APART_RAD))
 
 
 def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) -> EdgeFit | None:
@@ -114,11 +95,11 @@ def _shows_edges(seen: Seen, light: Float, darkening: float, room: Room) -> bool
         return False
     reach_px = np.full(len(edges.points_px), widest_reach_px(seen.body, seen.view))
     profiles = Profiles.of(edges, reach_px, seen.light, room)
-    return bool(profiles.visible.any()) and profiles.clear(max(darkening, LEAST_DARKENING)) > LEAST_CLEAR
+    return bool(profiles.visible.any()) and profiles.clear(max(darkening, DEEP)) > LEAST_CLEAR
 
 
-def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float]:
-    """The likeliest light (4,) around a template (4,), and its part of the table's light."""
+def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float, float]:
+    """The likeliest light (4,) around a template (4,), its part of the table's light, and its log likelihood."""
     s = template[:2] / template[2]
     for offsets in (AROUND, ALONG):
         length = max(float(np.hypot(*s)), 1e-9)
@@ -127,20 +108,20 @@ def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float
         scan = beside.scanned(seen.lit(lights))
         best = int(scan.log_likelihood.argmax())
         s = around[best]
-    return lights[best], float(scan.darkenings[best, -1])
+    return lights[best], float(scan.darkenings[best, -1]), float(scan.log_likelihood[best])
 
 
-def mean_near(directions: Directions, score: Float, darkenings: Float, light: Float) -> tuple[Float, Float, float]:
+def mean_near(templates: Templates, score: Float, darkenings: Float, light: Float) -> tuple[Float, Float, float]:
     """The mean light (4,) of the directions near one (4,), each as likely as its score says; the covariance (2, 2) of
     its displacement; and its part of the table's light.
     """
-    near = directions.lights[:, :3] @ normalised(light[:3]) > math.cos(2 * APART_RAD)
-    weight = directions.solid_angle[near] * np.exp(score[near] - score[near].max())
+    near = templates.lights[:, :3] @ normalised(light[:3]) > math.cos(2 * APART_RAD)
+    weight = templates.solid_angle[near] * np.exp(score[near] - score[near].max())
     weight /= weight.sum()
     # Directions are averaged, as displacements are long-tailed towards the horizon.
-    mean = normalised(weight @ directions.lights[near, :3])
+    mean = normalised(weight @ templates.lights[near, :3])
     mean = np.append(mean / mean[2], 0.0)
-    away = directions.lights[near, :2] / directions.lights[near, 2:3] - mean[:2]
+    away = templates.lights[near, :2] / templates.lights[near, 2:3] - mean[:2]
     # No finer than the templates lie.
     apart = TEMPLATES_APART * (1 + float(np.hypot(*mean[:2])))
     return mean, (weight[:, None] * away).T @ away + apart**2 * np.eye(2), float(weight @ darkenings[near])

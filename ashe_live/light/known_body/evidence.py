@@ -20,7 +20,7 @@ from ashe_live.light.known_body.table import SIDE
 CELLS_A_SAMPLE = 13.0
 LEAST_NOISE, USUAL_NOISE = 0.02, 0.06  # standard deviation of relative light: what every map has, and what most have
 RIDGE = 1e-6
-VARIED = 7  # what else varies on a table: slow terms, and the sky that the body hides
+VARIED, HIDDEN = 7, 6  # what else varies on a table: slow terms, and as the last of them the sky that the body hides
 # Before the picture is seen: the part of the table's light that a light gives, and its standard deviation.
 DARKENING, DARKENING_SIGMA = 0.35, 0.35
 MOST_DARKENING = 0.97  # by all lights together: some light always comes from elsewhere
@@ -39,16 +39,6 @@ class Scan:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Normal:
-    """Normal equations of the map for m sets of lights, without what else varies."""
-
-    lights: Float  # (m, l, 4) unit (x, y, z)
-    information: Float  # (m, l, l)
-    pull: Float  # (m, l)
-    squares: float  # sum of what is left if no light is there
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Lit:
     """Lights and the shadows of a body in them."""
 
@@ -63,113 +53,174 @@ class Lit:
         return np.asarray(hidden_sky - 1 + lit.reshape(-1, SIDE * SIDE), dtype=np.float32)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Expected:
+    """What each of m lights would do to map and sides, one at a time, the map's part without what else varies."""
+
+    lit: Lit
+    varied: Float  # (m, VARIED) products of its part of the map with what else varies
+    explained: Float  # (m, VARIED) how much of it varies with what
+    squares: Float  # (m,)
+    pull: Float  # (m,) products with the map's light
+    reached: Float  # (k, m) of the sides: as by Sides.reached
+    spread: Float  # (k, m) as by Sides.spread
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Normal:
+    """Normal equations of m sets of l lights; sets come last, as all are solved at once and each is small."""
+
+    information: Float  # (l, l, m) of the map, without what else varies
+    pull: Float  # (l, m)
+    reached: Float  # (l, k, m)
+    spread: Float  # (l, k, m)
+
+
+class Observed:
+    """The map and the sides of one picture, or of one of its colour channels, whatever lights are known."""
+
+    def __init__(self, values: Float32, weight: Float32, hidden_sky: Float32, sides: Sides, everywhere: Lit) -> None:
+        """values: (n, n) relative light of the table's cells, with their weights. hidden_sky: as in Templates.
+        everywhere: lights in all directions in which further ones are looked for.
+        """
+        self.sides, self.hidden_sky, self.weight = sides, hidden_sky, weight.reshape(-1)
+        self.cells = float(self.weight.sum())
+        # All of the sky's light is taken for granted, and lights take from it.
+        base = np.concatenate([_slow(), hidden_sky[None], values.reshape(1, -1) + hidden_sky])
+        weighted = base * self.weight
+        moments = (weighted @ base.T).astype(np.float64)
+        self._of_hidden = moments[HIDDEN].copy()
+        moments[HIDDEN, HIDDEN] += CELLS_A_SAMPLE * (USUAL_NOISE / HIDDEN_SIGMA) ** 2
+        self._columns = np.ascontiguousarray(weighted.T).reshape(SIDE, SIDE, -1)
+        self._without_varied, light = np.linalg.inv(moments[:VARIED, :VARIED]), moments[:VARIED, VARIED]
+        self._of_light = light
+        # Sum of squares of what is left if no light is there.
+        self.squares = float(moments[VARIED, VARIED] - light @ self._without_varied @ light)
+        self.everywhere = self.expected(everywhere)
+
+    def expected(self, lit: Lit) -> _Expected:
+        """What these lights would do."""
+        if lit.falls is not None:
+            taken = lit.taken(self.hidden_sky)
+            mixed = (taken @ self._columns.reshape(SIDE * SIDE, -1)).astype(np.float64)
+            squares = (taken * taken @ self.weight).astype(np.float64)
+        else:  # nearly everywhere it is the sky's hidden light alone
+            sums = lit.shadows.sums(self._columns)
+            mixed = self._of_hidden - sums
+            squares = mixed[:, HIDDEN] - sums[:, HIDDEN] + lit.shadows.squares(self.weight.reshape(SIDE, SIDE))
+        varied = mixed[:, :VARIED]
+        explained = varied @ self._without_varied
+        squares -= (explained * varied).sum(axis=1)
+        pull = mixed[:, VARIED] - explained @ self._of_light
+        reached = self.sides.reached(lit.lights)
+        spread = np.ascontiguousarray(self.sides.spread(lit.lights, reached).T)
+        return _Expected(lit, varied, explained, squares, pull, np.ascontiguousarray(reached.T), spread)
+
+
 class Evidence:
-    """The map and the sides of one picture, or of one of its colour channels, beside lights that are known."""
+    """What a picture, or one of its colour channels, says of lights beside those that are known."""
 
     everywhere: Scan  # of a further light in all directions
 
-    def __init__(
-        self, values: Float32, weight: Float32, hidden_sky: Float32, sides: Sides, known: Lit, everywhere: Lit
-    ) -> None:
-        """values: (n, n) relative light of the table's cells, with their weights. hidden_sky: as in Templates.
-        everywhere: lights in all directions. What the best of these leaves of the map is its noise.
-        """
-        self._sides, self._known_lights = sides, known.lights
-        weight = weight.reshape(-1)
-        self._cells = float(weight.sum())
-        # All of the sky's light is taken for granted, and lights take from it.
-        self._hidden_sky = hidden_sky
-        base = np.concatenate([_slow(), hidden_sky[None], known.taken(hidden_sky), values.reshape(1, -1) + hidden_sky])
-        weighted = base * weight
-        moments = (weighted @ base.T).astype(np.float64)
-        self._of_hidden = moments[VARIED - 1].copy()
-        moments[:VARIED, :VARIED] += RIDGE * np.trace(moments[:VARIED, :VARIED]) * np.eye(VARIED)
-        moments[VARIED - 1, VARIED - 1] += CELLS_A_SAMPLE * (USUAL_NOISE / HIDDEN_SIGMA) ** 2
-        self._columns = np.concatenate([weighted, weight[None]]).T.reshape(SIDE, SIDE, -1)
-        self._without_varied = np.linalg.inv(moments[:VARIED, :VARIED])
-        self._varied = self._without_varied @ moments[:VARIED, VARIED:]
-        rest = moments[VARIED:, VARIED:] - moments[VARIED:, :VARIED] @ self._varied
-        self._known = _Normal(known.lights[None], rest[None, :-1, :-1], rest[None, :-1, -1], float(rest[-1, -1]))
-        beside = self._with(everywhere)
-        self._variance = min(self._left_by_best(beside), self._left_by_best(self._known)) / self._cells + LEAST_NOISE**2
-        self._none, self._darkenings = self._explained(self._known)
+    def __init__(self, observed: Observed, known: Lit) -> None:
+        """What the best of all directions leaves of the map is its noise."""
+        self._observed = observed
+        self._known = expected = observed.expected(known)
+        taken = known.taken(observed.hidden_sky)
+        self._taken = taken * observed.weight
+        self._columns = np.ascontiguousarray(self._taken.T).reshape(SIDE, SIDE, -1)
+        information = self._taken @ taken.T - expected.explained @ expected.varied.T
+        self._without = _Normal(
+            information[..., None], expected.pull[:, None], expected.reached.T[..., None], expected.spread.T[..., None]
+        )
+        beside = self._with(observed.everywhere)
+        left = min(self._left_by_best(beside), self._left_by_best(self._without))
+        self._variance = left / observed.cells + LEAST_NOISE**2
+        self._none, self._darkenings = self._explained(self._without)
         self.everywhere = self._scan(beside)
 
     def scanned(self, lights: Lit) -> Scan:
         """How well further lights explain the picture, one at a time."""
-        return self._scan(self._with(lights))
+        return self._scan(self._with(self._observed.expected(lights)))
 
     @property
     def darkenings(self) -> Float:
         """(l,) part of the table's light that each known light gives."""
-        return np.asarray(self._darkenings[0])
+        return np.asarray(self._darkenings[:, 0])
 
     def _scan(self, beside: _Normal) -> Scan:
         log_likelihood, darkenings = self._explained(beside)
-        return Scan(log_likelihood - self._none, darkenings)
+        return Scan(log_likelihood - self._none, darkenings.T)
 
-    def _with(self, new: Lit) -> _Normal:
+    def _with(self, new: _Expected) -> _Normal:
         """The known lights and each of the new ones."""
-        m, count = new.shadows.count, len(self._known_lights) + 1
-        mixed, squares = self._products(new)
-        varied, crossed = mixed[:, :VARIED], mixed[:, VARIED:] - mixed[:, :VARIED] @ self._varied
-        information = np.empty((m, count, count))
-        information[:, :-1, :-1] = self._known.information
-        information[:, -1, :-1] = information[:, :-1, -1] = crossed[:, :-1]
-        information[:, -1, -1] = squares - ((varied @ self._without_varied) * varied).sum(axis=1)
-        pull = np.column_stack([np.broadcast_to(self._known.pull, (m, count - 1)), crossed[:, -1]])
-        known = np.broadcast_to(self._known_lights, (m, count - 1, 4))
-        all_lights = np.concatenate([known, new.lights[:, None]], axis=1)
-        return _Normal(all_lights, information, pull, self._known.squares)
+        known, without = self._known, self._without
+        m, count = len(new.squares), len(known.squares)
+        information = np.empty((count + 1, count + 1, m))
+        information[:-1, :-1], information[-1, -1] = without.information, new.squares
+        if count:
+            information[-1, :-1] = information[:-1, -1] = self._overlaps(new) - known.varied @ new.explained.T
+        pull = np.empty((count + 1, m))
+        pull[:-1], pull[-1] = without.pull, new.pull
+        sides = np.empty((2, count + 1, len(new.reached), m))
+        sides[0, :-1], sides[0, -1] = without.reached, new.reached
+        sides[1, :-1], sides[1, -1] = without.spread, new.spread
+        return _Normal(information, pull, *sides)
 
-    def _products(self, new: Lit) -> tuple[Float, Float]:
-        """(m, .) of what each new light adds with all that is known and the map, and (m,) with itself."""
-        if new.falls is not None:
-            taken, columns = new.taken(self._hidden_sky), self._columns.reshape(SIDE * SIDE, -1)
-            return (taken @ columns[:, :-1]).astype(np.float64), (taken * taken @ columns[:, -1]).astype(np.float64)
-        # Nearly everywhere it is the sky's hidden light alone.
-        sums = new.shadows.sums(self._columns)
-        mixed = self._of_hidden - sums[:, :-1]
-        return mixed, mixed[:, VARIED - 1] - sums[:, VARIED - 1] + sums[:, -1] * new.shadows.filled
+    def _overlaps(self, new: _Expected) -> Float:
+        """(l, m) products of the new lights' parts of the map with those of the known ones."""
+        if new.lit.falls is not None:
+            return (self._taken @ new.lit.taken(self._observed.hidden_sky).T).astype(np.float64)
+        return np.asarray((self._known.varied[:, HIDDEN] - new.lit.shadows.sums(self._columns)).T)
 
     def _left_by_best(self, normal: _Normal) -> float:
         """Sum of squares of the map that is left by the set of lights that explains it best."""
-        told = normal.information + RIDGE * self._cells * np.eye(normal.pull.shape[1])
-        best = _solved(told, normal.pull).clip(0.0, 1.0)
-        return float(self._left(normal, best).min(initial=normal.squares))
+        ridge = RIDGE * self._observed.cells * np.eye(len(normal.pull))[..., None]
+        best, _ = _solved(normal.information + ridge, normal.pull)
+        return float(self._left(normal, best.clip(0.0, 1.0)).min(initial=self._observed.squares))
 
     def _left(self, normal: _Normal, darkenings: Float) -> Float:
-        """(m,) sum of squares of the map that is left by lights of darkenings (m, l)."""
-        explained = 2 * normal.pull - np.einsum("mij,mj->mi", normal.information, darkenings)
-        return np.asarray(np.maximum(normal.squares - (explained * darkenings).sum(axis=1), 0.0))
+        """(m,) sum of squares of the map that is left by lights of darkenings (l, m)."""
+        explained = 2 * normal.pull - (normal.information * darkenings).sum(axis=1)
+        return np.asarray(np.maximum(self._observed.squares - (explained * darkenings).sum(axis=0), 0.0))
 
     def _explained(self, normal: _Normal) -> tuple[Float, Float]:
-        """(m,) log likelihood of map and sides, with each set of lights, and (m, l) their darkenings."""
-        sides, prior = self._sides, 1 / DARKENING_SIGMA**2
-        count = normal.pull.shape[1]
-        reached = sides.reached(normal.lights)
+        """(m,) log likelihood of map and sides, with each set of lights, and (l, m) their darkenings."""
+        sides, cells, prior = self._observed.sides, self._observed.cells, 1 / DARKENING_SIGMA**2
+        count, reached = len(normal.pull), normal.reached
+        by_map = normal.information / (CELLS_A_SAMPLE * self._variance) + prior * np.eye(count)[..., None]
+        pull_of_map = normal.pull / (CELLS_A_SAMPLE * self._variance) + prior * DARKENING
         darkenings = np.full(normal.pull.shape, DARKENING)
         for _ in range(ROUNDS):
-            spread = sides.variance(normal.lights, reached, darkenings)
-            told = reached / spread[:, None] * ~sides.is_clipped
-            information = normal.information / (CELLS_A_SAMPLE * self._variance)
-            information = information + told @ np.swapaxes(reached, 1, 2) + prior * np.eye(count)
-            pull = normal.pull / (CELLS_A_SAMPLE * self._variance) + told @ sides.residual + prior * DARKENING
-            darkenings = _solved(information, pull).clip(0.0, MOST_DARKENING)
-            darkenings /= np.maximum(darkenings.sum(axis=1, keepdims=True) / MOST_DARKENING, 1.0)
-        left = self._left(normal, darkenings) / self._cells + LEAST_NOISE**2
-        by_map = -0.5 * self._cells / CELLS_A_SAMPLE * np.log(left)
-        by_sides = sides.log_likelihood(reached, darkenings, sides.variance(normal.lights, reached, darkenings))
-        by_prior = -0.5 * prior * ((darkenings - DARKENING) ** 2).sum(axis=1)
-        volume = 0.5 * (count * np.log(prior) - np.linalg.slogdet(information)[1])
-        return by_map + by_sides + by_prior + volume, darkenings
+            told = reached * (~sides.is_clipped[:, None] / sides.variance(normal.spread, darkenings))
+            information = by_map + (told[:, None] * reached).sum(axis=2)
+            pull = pull_of_map + (told * sides.residual[:, None]).sum(axis=1)
+            darkenings, log_determinant = _solved(information, pull)
+            darkenings = darkenings.clip(0.0, MOST_DARKENING)
+            darkenings /= np.maximum(darkenings.sum(axis=0) / MOST_DARKENING, 1.0)
+        left = self._left(normal, darkenings) / cells + LEAST_NOISE**2
+        by_map_left = -0.5 * cells / CELLS_A_SAMPLE * np.log(left)
+        by_sides = sides.log_likelihood(reached, darkenings, sides.variance(normal.spread, darkenings))
+        by_prior = -0.5 * prior * ((darkenings - DARKENING) ** 2).sum(axis=0)
+        volume = 0.5 * (count * np.log(prior) - log_determinant)
+        return by_map_left + by_sides + by_prior + volume, darkenings
 
 
-def _solved(matrices: Float, vectors: Float) -> Float:
-    """(m, l) solutions of m linear systems (m, l, l), (m, l); those of one unknown without a factorisation each."""
-    if vectors.shape[1] == 1:
-        return np.asarray(vectors / matrices[:, 0])
-    return np.asarray(np.linalg.solve(matrices, vectors[..., None])[..., 0])
+def _solved(matrices: Float, vectors: Float) -> tuple[Float, Float]:
+    """(l, m) solutions of m positive definite systems (l, l, m), (l, m), and (m,) the logs of their determinants.
+
+    By Gaussian elimination, of all at once: each is far too small for a call of its own.
+    """
+    count = len(vectors)
+    rows = np.concatenate([matrices, vectors[:, None]], axis=1)
+    log_determinant = np.zeros(vectors.shape[1])
+    for at in range(count):
+        log_determinant += np.log(rows[at, at])
+        rows[at, at + 1 :] /= rows[at, at]
+        for other in range(count):
+            if other != at:
+                rows[other, at + 1 :] -= rows[other, at] * rows[at, at + 1 :]
+    return rows[:, count], log_determinant
 
 
 @cache

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, upper_quantile
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre, project
 from ashe_live.light.pixels.view import View
@@ -13,8 +13,9 @@ from ashe_live.light.pixels.view import View
 NORMALS: Float = np.array([(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)], dtype=np.float64)
 NORMALS.flags.writeable = False
 # A print leaves half of a facet white: what is brighter than most of it, without what gloss or noise makes brightest.
-WHITE = (90.0, 98.0)  # percentiles
+WHITE = (0.9, 0.98)  # quantiles
 RIM_PX, LEAST_PX = 2, 30
+ENOUGH = 2000  # pixels of a facet, by which the limits are told to less than a hundredth of all
 CLIPPED = 0.95  # linear light, from which on it may be any
 BITS = 4
 FOLDED = 0.08  # of the body's extent: how deep a facet is that was folded by hand
@@ -48,7 +49,8 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
         if len(seen) < LEAST_PX:
             continue
         brightness = seen @ np.full(3, 1 / 3, np.float32)
-        least, most = np.percentile(brightness, WHITE)
+        some = brightness[:: max(1, len(brightness) // ENOUGH)]
+        least, most = (upper_quantile(some, share) for share in WHITE)
         white = seen[(brightness >= least) & (brightness <= most)].mean(axis=0)[::-1].astype(np.float64)
         width_px = min(cv2.minAreaRect(hull)[1])
         found.append((normal, white, centre, bool(white.max() > CLIPPED), width_px))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.arrays import Float, Mask, upper_quantile
 from ashe_live.core.transforms import normalised, raycast_to_plane
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit
@@ -70,7 +70,7 @@ def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:
     for other in others:
         edges = shadow_edges(seen.body, other.light, seen.view)
         if edges is not None:
-            penumbra_px = other.size_rad * float(np.percentile(edges.by_size, 90))
+            penumbra_px = other.size_rad * upper_quantile(edges.by_size, 0.9)
             room = room.without(edges.corners_px, OTHER_EDGE_PX + OTHER_PENUMBRA * penumbra_px)
     return room
 

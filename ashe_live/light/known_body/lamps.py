@@ -25,16 +25,21 @@ WITHIN_SIGMAS, GRID, GRIDS, LEAST_NEARNESS = 4.0, 9, 2, 1e-3
 MOST_MISFIT_PX, MOST_MISFIT_SHARE, LESS_CLEAR = 0.7, 0.08, 0.05
 
 
-def as_lamps(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
-    """The lights, those as lamps whose distance is told; others as uncertain as they are if they may be lamps."""
-    return [_as_lamp(seen, one, [other for other in found if other is not one]) for one in found]
+def as_lamps(seen: Seen, found: Sequence[FoundLight], told: int = 0) -> list[FoundLight]:
+    """The lights, those as lamps whose distance is told; others as uncertain as they are if they may be lamps.
+
+    told: the first so many lights have been told from lamps before, without some of the others.
+    """
+    others = ([other for other in found if other is not one] for one in found)
+    return [_as_lamp(seen, *each, number < told) for number, each in enumerate(zip(found, others, strict=True))]
 
 
-def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight]) -> FoundLight:
+def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told: bool) -> FoundLight:
     if one.fit is None:
         return one
     room = room_beside(seen, others)
-    fit = fitted(seen.body, one.light, one.darkening, seen.light, room, seen.view, with_nearness=True)
+    near = one.size_rad if is_told else None
+    fit = fitted(seen.body, one.light, one.darkening, seen.light, room, seen.view, with_nearness=True, size_rad=near)
     if fit is None or fit.clear < one.fit.clear - LESS_CLEAR or not _is_near(fit, one.fit):
         # What was fitted as a lamp from the beginning is no sun with the same displacement.
         if len(one.fit.covariance) < 3:
@@ -72,7 +77,7 @@ def _nearness(seen: Seen, light: Float, covariance: Float, others: Sequence[Foun
     """
     by_nearness, sigma = covariance[:, 2] / covariance[2, 2], math.sqrt(covariance[2, 2])
     points = np.array([each.light for each in others]).reshape(-1, 4)
-    beside = seen.beside(points, seen.lit(np.zeros((0, 4))))
+    beside = seen.beside(points)
     most = NEAREST / height_of(seen.body)
     low, high = (float(np.clip(light[3] + sign * WITHIN_SIGMAS * sigma, 0.0, most)) for sign in (-1, 1))
     mean, variance, sun = float(np.clip(light[3], 0.0, most)), sigma**2, 0.5

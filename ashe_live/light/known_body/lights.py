@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.candidates import APART_RAD, Directions, mean_near, refined
+from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, mean_near, refined
 from ashe_live.light.known_body.evidence import Evidence, Scan
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
@@ -18,17 +18,18 @@ from ashe_live.light.known_body.outline.odds import PALE, PALEST, edge_log_odds,
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
+from ashe_live.light.known_body.templates import Templates
 
 NEAR_RAD = math.radians(10)  # of an answer, within which it counts as right
 # Weight before the picture is seen of "no light casts a shadow", where all directions together have 1.
 LOG_NONE = math.log(0.5)
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
 MOST_LIGHTS = 3
-# A further light: what map and sides say for it before it is fitted, and together with its edges afterwards.
-LEAST_SCORE, LEAST_MORE = -1.5, 4.5
+# A further light: what map and sides say for it before it is fitted, and afterwards; and together with its edges, where
+# these are what tells it.
+LEAST_SCORE, LEAST_MORE, LEAST_BY_EDGES = -1.5, 4.5, 6.5
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
-# It must take that part of the table's light; and if its edges are what tells it, so many must be steps, and so near.
-LEAST_DARKENING, LEAST_CLEAR, MOST_MISFIT_PX = 0.06, 0.75, 0.7
+LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if they are what tells it: so many are steps, and so near
 # Beside one sun whose edges are seen the body may hide another light's shadow: the weight of "there is none" before the
 # picture is seen, where all directions have 1; the probability from which on there is one; and the part of a shadow's
 # outline that is in view, from which on it is not hidden, and its edges would have told it.
@@ -41,14 +42,14 @@ class Found:
 
     seen: Seen  # the picture as these lights explain it
     lights: tuple[FoundLight, ...]  # the strongest first, but those whose shadow is hidden last
+    dark_rgb: Float  # (l, 3) part of the table's light that each gives, R, G, B
     is_dark_elsewhere: bool  # the table is darkened as if by a shadow, of whatever
 
 
 def lights_of(seen: Seen) -> Found | None:
     """None where nothing says that there is a light."""
-    directions = Directions.of(seen)
-    alone = seen.beside(np.zeros((0, 4)), directions.lit)
-    candidates = refined(seen, directions, alone.everywhere.log_likelihood, alone, seen.room)
+    alone = seen.beside(np.zeros((0, 4)))
+    candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room)
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     if not scored:
         return None
@@ -57,16 +58,17 @@ def lights_of(seen: Seen) -> Found | None:
     found = as_lamps(seen, [first])
     seen = _in_light_of(seen, found)
     while len(found) < MOST_LIGHTS:
-        further = _further(seen, directions, found)
+        further = _further(seen, found)
         if further is None:
             break
-        both = as_lamps(seen, _refitted(seen, [*found, further]))
+        both = as_lamps(seen, _refitted(seen, [*found, further]), len(found))
         if not are_apart(both, height_of(seen.body)):
             break  # what was taken for another shadow is the rest of one that is known
         found, seen = both, _in_light_of(seen, both)
-    found = [_with_confidence(seen, directions, each, found, alone) for each in found]
     found.sort(key=lambda each: (each.exists is not None, -each.darkening))
-    return Found(seen, tuple(found), likelihood > DARK_ELSEWHERE)
+    dark = darkenings_rgb(seen, found)
+    found = [_with_confidence(seen, *each, found, alone) for each in zip(found, dark, strict=True)]
+    return Found(seen, tuple(found), dark, likelihood > DARK_ELSEWHERE)
 
 
 def _in_light_of(seen: Seen, found: Sequence[FoundLight]) -> Seen:
@@ -87,38 +89,38 @@ def _log_likelihood(seen: Seen, one: FoundLight, beside: Evidence) -> float:
 
 
 def _with_confidence(
-    seen: Seen, directions: Directions, one: FoundLight, among: Sequence[FoundLight], alone: Evidence
+    seen: Seen, one: FoundLight, dark_rgb: Float, among: Sequence[FoundLight], alone: Evidence
 ) -> FoundLight:
     """`one` of the lights `among` which it is, with the posterior of the directions near it, and what its edges say.
 
-    alone: the picture without lights that are known.
+    dark_rgb: (3,) part of the table's light that it gives. alone: the picture without lights that are known.
     """
     others = [other for other in among if other is not one]
     beside, palest, pale, log_none = alone, PALEST, PALE, LOG_NONE
     if others:
-        beside = seen.beside(_points(others), directions.lit)
+        beside = seen.beside(_points(others))
         palest = pale = LEAST_DARKENING
         log_none = LOG_NONE if one.exists is None else LOG_NONE_FURTHER
     own = beside.scanned(seen.lit(one.light[None]))
     lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
-    near = _posterior_near(directions, beside.everywhere, one.sun_alike(height_of(seen.body)), lamp, log_none)
+    near = _posterior_near(seen.templates, beside.everywhere, one.sun_alike(height_of(seen.body)), lamp, log_none)
     # Beside the foot the hidden sky's gradient looks like a step, and map and sides know better.
     by_all = float(own.darkenings[0, -1])
-    step = min(by_all, float(darkenings_rgb(seen, [one, *others])[0].mean()))
+    step = min(by_all, float(dark_rgb.mean()))
     return replace(one, confidence=with_edges(near, one.fit, step, palest, pale))
 
 
-def _posterior_near(directions: Directions, scan: Scan, to_sun: Float, lamp: float, log_none: float) -> float:
+def _posterior_near(templates: Templates, scan: Scan, to_sun: Float, lamp: float, log_none: float) -> float:
     """Posterior probability, before any edge is looked at, of the directions within NEAR_RAD of one (3,).
 
     lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none. log_none:
     weight of no light before the picture is seen.
     """
-    by_light = scan.log_likelihood + np.log(directions.solid_angle)
+    by_light = scan.log_likelihood + np.log(templates.solid_angle)
     by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
     most = max(float(by_light.max()), by_lamp, log_none)
     posterior = np.exp(by_light - most)
-    is_near = directions.lights[:, :3] @ to_sun > math.cos(NEAR_RAD)
+    is_near = templates.lights[:, :3] @ to_sun > math.cos(NEAR_RAD)
     near, elsewhere = float(posterior[is_near].sum()), float(posterior[~is_near].sum())
     near = max(near, math.exp(by_lamp - most))
     return near / (near + elsewhere + math.exp(log_none - most))
@@ -130,28 +132,28 @@ def are_apart(found: Sequence[FoundLight], height: float) -> bool:
     return bool((to_suns @ to_suns.T - 2 * np.eye(len(found)) < math.cos(APART_RAD)).all())
 
 
-def _further(seen: Seen, directions: Directions, known: Sequence[FoundLight]) -> FoundLight | None:
+def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     """Another light, which map and sides show beside those that are known."""
-    beside = seen.beside(_points(known), directions.lit)
+    beside = seen.beside(_points(known))
     score = beside.everywhere.log_likelihood
     for each in known:
         to_sun = each.sun_alike(height_of(seen.body))
-        score = np.where(directions.lights[:, :3] @ to_sun > math.cos(APART_RAD), -np.inf, score)
+        score = np.where(seen.templates.lights[:, :3] @ to_sun > math.cos(APART_RAD), -np.inf, score)
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    for one in refined(seen, directions, score, beside, room_beside(seen, known), LEAST_MORE - WORTH):
-        if one.fit is None or one.darkening < LEAST_DARKENING:
+    for one in refined(seen, score, beside, room_beside(seen, known), LEAST_MORE - WORTH, 0.0):
+        if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)
         by_table = more - edge_log_odds(one.fit)
         # Edges alone do not do against map and sides: beside the foot the hidden sky's gradient looks like a step.
-        is_told = by_table > LEAST_MORE or (by_table > 0 and _is_clear(one.fit))
+        is_told = by_table > LEAST_MORE or (by_table > 0 and more > LEAST_BY_EDGES and _is_clear(one.fit))
         if is_told and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
     if likeliest is None and len(known) == 1 and known[0].fit is not None and not known[0].is_lamp:
-        return _hidden(seen, directions, score, beside)
+        return _hidden(seen, score, beside)
     return likeliest
 
 
@@ -160,18 +162,18 @@ def _is_clear(fit: EdgeFit) -> bool:
     return fit.clear > LEAST_CLEAR and fit.misfit_px < MOST_MISFIT_PX
 
 
-def _hidden(seen: Seen, directions: Directions, score: Float, beside: Evidence) -> FoundLight | None:
+def _hidden(seen: Seen, score: Float, beside: Evidence) -> FoundLight | None:
     """The light whose shadow the body hides, if map and sides say that there is one, averaged over where it may be.
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. By the ratio of the marginal
     likelihoods with and without it, so that directions that explain little pay for those that explain much.
     """
-    odds = float(directions.solid_angle @ np.exp(score)) / math.exp(LOG_NONE_FURTHER)
+    odds = float(seen.templates.solid_angle @ np.exp(score)) / math.exp(LOG_NONE_FURTHER)
     exists = odds / (1 + odds)
     if exists < LEAST_EXISTS:
         return None
-    best = directions.lights[int(score.argmax())]
-    mean, spread, darkening = mean_near(directions, score, beside.everywhere.darkenings[:, -1], best)
+    best = seen.templates.lights[int(score.argmax())]
+    mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], best)
     edges = shadow_edges(seen.body, mean, seen.view)
     in_view = 0.0 if edges is None else float((seen.room.around(edges.points_px) >= LEAST_PX).mean())
     if darkening < LEAST_DARKENING or in_view > MOST_IN_VIEW:
@@ -187,7 +189,7 @@ def _refitted(seen: Seen, found: Sequence[FoundLight]) -> list[FoundLight]:
         room = room_beside(seen, [*found[:number], *found[number + 1 :]])
         fit = None
         if one.fit is not None and not one.is_lamp:  # lamps are fitted as such afterwards
-            fit = fitted(seen.body, one.light, float(darkening), seen.light, room, seen.view)
+            fit = fitted(seen.body, one.light, float(darkening), seen.light, room, seen.view, size_rad=one.size_rad)
         if fit is None or normalised(fit.light[:3]) @ normalised(one.light[:3]) < math.cos(APART_RAD):
             fitted_again.append(replace(one, darkening=float(darkening)))
         else:

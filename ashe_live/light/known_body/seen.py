@@ -1,13 +1,14 @@
 """A picture of a known body, prepared once for all that looks at it, and what it says of lights as a whole."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.evidence import Evidence, Lit
+from ashe_live.core.transforms import camera_centre
+from ashe_live.light.known_body.evidence import Evidence, Lit, Observed
 from ashe_live.light.known_body.facets import Facets, facets_of
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.shading import PAPER, Sides, fall_off
@@ -24,10 +25,28 @@ from ashe_live.light.known_body.table import (
     sent_by_table,
     table_around,
 )
-from ashe_live.light.known_body.templates import templates_of
+from ashe_live.light.known_body.templates import Templates, templates_of
 from ashe_live.light.pixels.view import View
 
+MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """The light of the table and of the body's facets, R, G, B."""
+
+    table: Table
+    relative: Float32  # (n, n, 3) the table's light over the lit table's
+    facets: Facets
+    from_table: Float  # (k, 3) what the table sends to each facet, in the picture's linear light
+
+    def observed(self, channels: Float, templates: Templates, everywhere: Lit) -> Observed:
+        """By a sum of the channels with weights (3,), to look for further lights `everywhere`."""
+        values = self.relative @ channels.astype(np.float32)
+        weight = (self.table.seen & (values < BRIGHTEST)).astype(np.float32)
+        sides = Sides.of(self.facets, self.from_table, channels)
+        return Observed(values, weight, templates.hidden_sky, sides, everywhere)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,13 +57,13 @@ class Seen:
     body: Proxy
     picture: Float32  # (h, w, 3) linear light, B, G, R
     light: Float32  # (h, w) its mean over the channels
-    table: Table
-    relative: Float32  # (n, n, 3) R, G, B: the table's light over the lit table's
     lit_rgb: Float  # (3,) linear light of the lit table, R, G, B; where lamps are known, at the body's foot
     is_table: Mask  # (n, n) cells that are seen and no brighter than a table in the light of suns
     room: Room
-    facets: Facets
-    from_table: Float  # (k, 3) R, G, B: what the table sends to each facet, in the picture's linear light
+    templates: Templates  # everywhere that a light is looked for
+    measured: Measured
+    observed: Observed  # by the mean of the channels
+    _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)  # what was asked for, by the known lights
 
     @staticmethod
     def of(view: View, body: Proxy) -> "Seen | None":
@@ -54,37 +73,38 @@ class Seen:
         if table is None:
             return None
         light = np.asarray(cv2.transform(picture, np.full((1, 3), 1 / 3)), dtype=np.float32)
-        relative = relative_light(table)
-        is_table = table.seen & (relative.mean(axis=2) < BRIGHTEST)
-        seen = table.light_rgb[table.seen] / np.maximum(relative[table.seen], 1e-6)
-        lit_rgb = np.asarray(np.median(seen, axis=0), dtype=np.float64)
+        relative, lit_rgb = relative_light(table)
         facets = facets_of(view, body, picture)
         sent = sent_by_table(body, table, relative, facets.normals, facets.centres)
-        room, from_table = Room.of(view, body), PAPER * lit_rgb * sent
-        return Seen(view, body, picture, light, table, relative, lit_rgb, is_table, room, facets, from_table)
+        measured = Measured(table, relative, facets, PAPER * lit_rgb * sent)
+        templates = templates_of(body).and_behind(camera_centre(view.T_cam_marker), body)
+        observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
+        is_table, room = observed.weight.reshape(SIDE, SIDE) > 0, Room.of(view, body)
+        return Seen(view, body, picture, light, lit_rgb, is_table, room, templates, measured, observed)
 
     def in_light_of(self, lights: Float, darkenings: Float) -> "Seen":
         """The same with the lit table at the body's foot as the measure, which in a lamp's light is as bright nowhere.
 
         lights: (l, 4) all that are known, darkenings: (l,) part of the table's light that each gives at the foot.
         """
-        lit = self.lit(lights)
+        lit, templates = self.lit(lights), self.templates
         if lit.falls is None:
             return self
         expected = 1 + np.tensordot(darkenings, lit.falls - 1, 1)
         open_table = self.is_table & (lit.shadows.whole().max(axis=0) == 0)
         if np.count_nonzero(open_table) < LEAST_CELLS:
             return self
-        at_foot = np.median(self.relative[open_table] / expected[open_table, None], axis=0)
-        relative = (self.relative / at_foot).astype(np.float32)
-        return replace(self, relative=relative, lit_rgb=self.lit_rgb * at_foot)
+        at_foot = np.median(self.measured.relative[open_table] / expected[open_table, None], axis=0)
+        measured = replace(self.measured, relative=(self.measured.relative / at_foot).astype(np.float32))
+        observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
+        return replace(self, lit_rgb=self.lit_rgb * at_foot, measured=measured, observed=observed)
 
     @property
     def beside_body(self) -> float:
         """The brightest of the table near the body over the open table's light."""
         middle, reach = SIDE // 2, round(BESIDE_HEIGHTS * CELLS_A_HEIGHT)
         near = np.s_[middle - reach : middle + reach + 1, middle - reach : middle + reach + 1]
-        values = self.relative[near][self.table.seen[near]]
+        values = self.measured.relative[near][self.measured.table.seen[near]]
         return float(np.percentile(values.mean(axis=1), 90)) if len(values) else 1.0
 
     def lit(self, lights: Float) -> Lit:
@@ -92,23 +112,19 @@ class Seen:
         falls = None
         if lights[:, 3].any():
             along, (x, y, _) = places(self.body), self.body.foot_marker
-            falls = np.array([fall_off(light, along + x, along[:, None] + y) for light in lights], np.float32)
+            falls = fall_off(lights[:, None, None], along + x, along[:, None] + y).astype(np.float32)
         unit = lights / np.linalg.norm(lights[:, :3], axis=1, keepdims=True)
         return Lit(unit, shadows_of(self.body, lights), falls)
 
-    def beside(self, known: Float, everywhere: Lit) -> Evidence:
+    def beside(self, known: Float) -> Evidence:
         """What the picture says of further lights, beside `known` ones (l, 4)."""
-        return self._evidence(self.lit(known), everywhere, np.full(3, 1 / 3))
+        key = np.ascontiguousarray(known).tobytes()
+        if key not in self._beside:
+            self._beside[key] = Evidence(self.observed, self.lit(known))
+        return self._beside[key]
 
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""
         known, nothing = self.lit(lights), self.lit(lights[:0])
-        return np.stack([self._evidence(known, nothing, channel).darkenings for channel in np.eye(3)], axis=1)
-
-    def _evidence(self, known: Lit, everywhere: Lit, channels: Float) -> Evidence:
-        """channels: (3,) weights of R, G, B."""
-        values = self.relative @ channels.astype(np.float32)
-        sides = Sides.of(self.facets, self.from_table, channels)
-        weight = (self.table.seen & (values < BRIGHTEST)).astype(np.float32)
-        hidden_sky = templates_of(self.body).hidden_sky
-        return Evidence(values, weight, hidden_sky, sides, known, everywhere)
+        channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
+        return np.stack([Evidence(channel, known).darkenings for channel in channels], axis=1)

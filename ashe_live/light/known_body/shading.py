@@ -72,26 +72,36 @@ class Sides:
         level = direct_light(lights, np.array([(0.0, 0.0, 1.0)]), self.level_centre[None])
         return np.asarray(direct - even - (self.residual + even) * (level - 1))
 
-    def variance(self, lights: Float, reached: Float, darkenings: Float) -> Float:
-        """(m, k) of the residuals in l lights (m, l, 4) of `darkenings` (m, l); reached: (m, l, k) as by `reached`."""
+    def spread(self, lights: Float, reached: Float) -> Float:
+        """(..., k) variance that lights (..., 4) add to the residuals, over their squared darkenings; reached: as by
+        `reached`.
+        """
         to_lights = lights[..., :3]
-        cosines = np.maximum(to_lights @ self.normals.T, 0.0)
-        across = (darkenings / np.maximum(to_lights[..., 2], LOWEST_Z))[..., None]
-        direct = (reached + 0.5 * (1 + self.normals[:, 2])) * darkenings[..., None]
-        turned = np.where(cosines > 0, across**2 * (1 - cosines**2), 0.0)
-        turned_level = (across * self.relative) ** 2 * (1 - to_lights[..., 2:] ** 2)
+        across = 1 / np.maximum(to_lights[..., 2:], LOWEST_Z) ** 2
+        cosines = to_lights @ self.normals.T
+        turned = np.where(cosines > 0, across * (1 - cosines**2), 0.0)
+        turned_level = across * (1 - to_lights[..., 2:] ** 2) * self.relative**2
         uneven = (ACROSS_FACET_M * lights[..., 3:]) ** 2
-        on_level = (darkenings[..., None] * self.relative) ** 2 * uneven
-        by_lights = (OF_LIGHT**2 + uneven) * direct**2 + on_level + TURN_RAD**2 * (turned + turned_level)
-        sky = np.maximum(1 - darkenings.sum(axis=1, keepdims=True), 0.0)
-        return np.asarray(self.noise**2 + by_lights.sum(axis=1) + (SLOPE * sky) ** 2)
+        direct = (reached + 0.5 * (1 + self.normals[:, 2])) ** 2
+        by_lamps = uneven * (direct + self.relative**2)
+        return np.asarray(OF_LIGHT**2 * direct + by_lamps + TURN_RAD**2 * (turned + turned_level))
+
+    def variance(self, spread: Float, darkenings: Float) -> Float:
+        """(k, m) of the residuals in m sets of l lights of `darkenings` (l, m); spread: (l, k, m) as by `spread`."""
+        sky = np.maximum(1 - darkenings.sum(axis=0), 0.0)
+        by_lights = (spread * (darkenings**2)[:, None]).sum(axis=0)
+        return np.asarray(self.noise[:, None] ** 2 + by_lights + (SLOPE * sky) ** 2)
 
     def log_likelihood(self, reached: Float, darkenings: Float, variance: Float) -> Float:
-        """(m,) of the sides' light in l lights of `darkenings` (m, l), with residuals of `variance` (m, k)."""
-        away = self.residual - (reached * darkenings[..., None]).sum(axis=1)
-        away = np.where(self.is_clipped, np.maximum(away, 0.0), away)  # it may be brighter than it looks
-        sigmas = np.minimum(np.abs(away) / np.sqrt(variance), MOST_SIGMAS)
-        return np.asarray(-0.5 * (sigmas**2 + np.log(variance)).sum(axis=1))
+        """(m,) of the sides' light in l lights of `darkenings` (l, m), with residuals of `variance` (k, m).
+
+        reached: (l, k, m) as by `reached`.
+        """
+        away = self.residual[:, None] - (reached * darkenings[:, None]).sum(axis=0)
+        if self.is_clipped.any():  # it may be brighter than it looks
+            away = np.where(self.is_clipped[:, None], np.maximum(away, 0.0), away)
+        sigmas_squared = np.minimum(away**2 / variance, MOST_SIGMAS**2)
+        return np.asarray(-0.5 * (sigmas_squared + np.log(variance)).sum(axis=0))
 
 
 def direct_light(lights: Float, normals: Float, centres: Float) -> Float:
@@ -109,11 +119,11 @@ def direct_light(lights: Float, normals: Float, centres: Float) -> Float:
     return np.asarray(cosines / np.maximum(np.linalg.norm(ways, axis=-1), NEAREST) ** 3 / up)
 
 
-def fall_off(light: Float, x: Float, y: Float) -> Float:
-    """What a light (4,) gives to level ground at places x, y, metres, over that at the marker's centre: 1 of a sun."""
-    if light[3] == 0:
-        return np.ones(np.broadcast_shapes(x.shape, y.shape))
-    length = float(np.linalg.norm(light[:3]))
-    lx, ly, lz, w = light / length
-    squared = (lx - w * x) ** 2 + (ly - w * y) ** 2 + lz**2
-    return np.asarray(np.maximum(squared, NEAREST**2) ** -1.5)
+def fall_off(lights: Float, x: Float, y: Float) -> Float:
+    """What lights (..., 4) give to level ground at places x, y, metres, over that at the marker's centre: 1 of a sun.
+
+    The leading dimensions of lights, x and y broadcast.
+    """
+    lx, ly, lz, w = np.moveaxis(lights / np.linalg.norm(lights[..., :3], axis=-1, keepdims=True), -1, 0)
+    squared = np.maximum((lx - w * x) ** 2 + ((ly - w * y) ** 2 + lz**2), NEAREST**2)
+    return np.asarray(1 / (squared * np.sqrt(squared)))

@@ -1,6 +1,6 @@
 """The shadows that a known body casts on the cells of its table's map, each stored within a window of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -26,6 +26,7 @@ class Block:
     columns: slice
     numbers: Integers  # (k,) among all shadows
     shares: Float32  # (k, cells of the window) part of each cell that is in shadow
+    squares: Float32  # (k, cells of the window) of these parts
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,13 +35,19 @@ class Shadows:
 
     count: int  # m
     blocks: tuple[Block, ...]
-    filled: Float  # (m,) sum of squares over the sum: 1 where no cell is in shadow only in part
 
     def sums(self, values: Float32) -> Float:
         """(m, c) sums over each shadow of values (n, n, c) of the map's cells."""
         total = np.zeros((self.count, values.shape[2]))
         for block in self.blocks:
             total[block.numbers] = block.shares @ values[block.rows, block.columns].reshape(-1, values.shape[2])
+        return total
+
+    def squares(self, values: Float32) -> Float:
+        """(m,) sums over each shadow of values (n, n) of the map's cells, times their squared parts in shadow."""
+        total = np.zeros(self.count)
+        for block in self.blocks:
+            total[block.numbers] = block.squares @ values[block.rows, block.columns].reshape(-1)
         return total
 
     def whole(self) -> Float32:
@@ -53,26 +60,23 @@ class Shadows:
 
     def joined(self, others: "Shadows") -> "Shadows":
         """These and the others after them, without a copy of either."""
-        shifted = (Block(each.rows, each.columns, each.numbers + self.count, each.shares) for each in others.blocks)
-        filled = np.concatenate([self.filled, others.filled])
-        return Shadows(self.count + others.count, (*self.blocks, *shifted), filled)
+        shifted = (replace(each, numbers=each.numbers + self.count) for each in others.blocks)
+        return Shadows(self.count + others.count, (*self.blocks, *shifted))
 
 
 def shadows_of(body: Proxy, lights: Float, groups: Integers | None = None) -> Shadows:
     """The body's shadows in lights (m, 4); those of one of the `groups` (m,) share a window of the map."""
     corners, is_finite = _corners(body, lights)
-    of_group = np.zeros(len(lights), np.intp) if groups is None else groups
-    filled, blocks = np.zeros(len(lights)), []
-    for group in np.unique(of_group):
-        numbers = np.flatnonzero(is_finite & (of_group == group))
+    members = [is_finite] if groups is None else [is_finite & (groups == group) for group in np.unique(groups)]
+    blocks = []
+    for is_member in members:
+        numbers = np.flatnonzero(is_member)
         if not len(numbers):
             continue
         rows, columns = (_window(corners[numbers, :, axis]) for axis in (1, 0))
         shares = _painted(corners[numbers], rows, columns)
-        squares = np.einsum("mi,mi->m", shares, shares)
-        filled[numbers] = squares / np.maximum(shares.sum(axis=1), 1e-6)
-        blocks.append(Block(rows, columns, numbers, shares))
-    return Shadows(len(lights), tuple(blocks), filled)
+        blocks.append(Block(rows, columns, numbers, shares, shares * shares))
+    return Shadows(len(lights), tuple(blocks))
 
 
 def _painted(corners: NDArray[np.int32], rows: slice, columns: slice) -> Float32:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask
+from ashe_live.core.arrays import Float, Float32, Mask, upper_quantile
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import image_from_plane
@@ -16,7 +16,8 @@ CELLS_A_HEIGHT, REACH_HEIGHTS = 6, 5.3
 SIDE = 2 * round(CELLS_A_HEIGHT * REACH_HEIGHTS) + 1
 LEAST_CELLS = 150
 FINER = 3  # a cell is averaged over so many places in each direction
-LEAST_SHARE = 0.95  # of a cell that must be bare table in the picture
+LEAST_SHARE = 0.95  # of a cell that must be bare table in the picture: all places of it
+GROUND = 255  # value of the ground in a mask
 # Light of a cell over the lit table's: brighter ones are things that lie there, or gloss.
 BRIGHTEST = 1.4
 LINEAR = LINEAR_FROM_SRGB_8BIT.astype(np.float32)
@@ -27,7 +28,7 @@ class Table:
     """A map of cells, `places` metres from the marker's centre."""
 
     light_rgb: Float32  # (n, n, 3) linear, R, G, B
-    seen: Mask  # (n, n) cells of which half is bare table in the picture
+    seen: Mask  # (n, n) cells that are bare table in the picture
 
 
 def linear_picture(view: View) -> Float32:
@@ -59,27 +60,30 @@ def table_around(view: View, body: Proxy, picture: Float32) -> Table | None:
         return None
     to_finer = np.array([(1 / FINER, 0, 0.5 / FINER - 0.5), (0, 1 / FINER, 0.5 / FINER - 0.5), (0, 0, 1)])
 
-    def seen_from_above(values: Float32) -> Float32:
-        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        finer = cv2.warpPerspective(values, H @ to_finer, (FINER * SIDE, FINER * SIDE), flags=flags)
-        return np.asarray(cv2.resize(finer, (SIDE, SIDE), interpolation=cv2.INTER_AREA), dtype=np.float32)
-
-    ground = view.is_ground.astype(np.uint8)
-    share = seen_from_above(ground.astype(np.float32))
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    finer = cv2.warpPerspective(picture, H @ to_finer, (FINER * SIDE, FINER * SIDE), flags=flags)
+    ground = view.is_ground.view(np.uint8) * np.uint8(GROUND)
+    # A place is bare table if all pixels around it are.
+    bare = cv2.warpPerspective(ground, H @ to_finer, (FINER * SIDE, FINER * SIDE), flags=flags) == GROUND
+    share = _by_cells(bare.astype(np.float32))
     seen = (share > LEAST_SHARE) & (depth > 0.1 * middle)
     if np.count_nonzero(seen) < LEAST_CELLS:
         return None
-    bare = seen_from_above(np.asarray(cv2.copyTo(picture, ground), dtype=np.float32))
-    light = bare[..., ::-1] / np.maximum(share, LEAST_SHARE)[..., None]
-    return Table(light.astype(np.float32), seen)
+    light = _by_cells(np.asarray(cv2.copyTo(finer, bare.view(np.uint8)), dtype=np.float32))[..., ::-1]
+    return Table((light / np.maximum(share, LEAST_SHARE)[..., None]).astype(np.float32), seen)
 
 
-def relative_light(table: Table) -> Float32:
-    """(n, n, 3) light over the lit table's; cells that are not seen have 1."""
-    seen = table.light_rgb[table.seen]
+def _by_cells(finer: Float32) -> Float32:
+    """(n, n) or (n, n, 3) means over the places of each cell."""
+    return np.asarray(cv2.resize(finer, (SIDE, SIDE), interpolation=cv2.INTER_AREA), dtype=np.float32)
+
+
+def relative_light(table: Table) -> tuple[Float32, Float]:
+    """(n, n, 3) light over the lit table's, where cells that are not seen have 1; and (3,) the lit table's."""
+    seen = table.light_rgb[table.seen].T
     # Most of the table is lit, and what is not is darker.
-    lit = np.maximum(np.percentile(seen, 65, axis=0), 1e-4)
-    return np.where(table.seen[..., None], table.light_rgb / lit, 1).astype(np.float32)
+    lit = np.maximum([upper_quantile(channel, 0.65) for channel in seen], 1e-4)
+    return np.where(table.seen[..., None], table.light_rgb / lit.astype(np.float32), np.float32(1)), lit
 
 
 def sent_by_table(body: Proxy, table: Table, relative: Float32, normals: Float, centres: Float) -> Float:
@@ -89,11 +93,12 @@ def sent_by_table(body: Proxy, table: Table, relative: Float32, normals: Float, 
     """
     along, foot = places(body), body.foot_marker
     missing = (1 - np.minimum(relative, 1.0)) * table.seen[..., None]
+    missing = np.asarray(missing.reshape(-1, 3))
     sent = np.empty((len(normals), 3))
     for number, (normal, centre) in enumerate(zip(normals, centres, strict=True)):
         x, y = along[None] + foot[0] - centre[0], along[:, None] + foot[1] - centre[1]
         squared = x * x + y * y + centre[2] ** 2
         facing = np.maximum(x * normal[0] + y * normal[1] - centre[2] * normal[2], 0.0)
         form = facing * centre[2] / (np.pi * squared**2) * float(along[1] - along[0]) ** 2
-        sent[number] = 0.5 * (1 - float(normal[2])) - np.einsum("ij,ijc->c", form, missing)
+        sent[number] = 0.5 * (1 - float(normal[2])) - form.reshape(-1) @ missing
     return sent

@@ -19,8 +19,11 @@ from ashe_live.light.shape.light_points import at_infinity
 LENGTHS = 0.14 * 1.2 ** np.arange(21)
 APART, FEWEST_AZIMUTHS, MOST_AZIMUTHS = 0.3, 16, 72
 ROUNDED = 6  # bodies are alike to one over so much of their heights, as far as templates go
-# Shadows of so many neighbouring rings and of so many directions around share a window of the map.
-RINGS_A_WINDOW, WINDOWS_AROUND = 3, 8
+# Shadows of so many neighbouring rings and of so many directions around share a window of the map; all short ones one.
+RINGS_A_WINDOW, WINDOWS_AROUND, SHORT_RINGS = 3, 8, 9
+# Lights behind the camera, whose shadow the body hides: parts of the displacement at which the camera would cast it,
+# and how far beside it, over 1 + |s|.
+BEHIND, BEHIND_ASIDE = np.arange(0.15, 1.2, 0.1), np.array([-0.09, -0.03, 0.03, 0.09])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,12 +35,31 @@ class Templates:
     shadows: Shadows
     hidden_sky: Float32  # (n * n,) fraction of an even sky's light that the body keeps from the table
 
+    def and_behind(self, eye: Float, body: Proxy) -> "Templates":
+        """These, and between them more lights whose shadow the body hides from a camera at `eye` (3,)."""
+        eye = eye - body.foot_marker
+        if eye[2] <= 0:
+            return self
+        s = eye[:2] / eye[2]
+        length = max(float(np.hypot(*s)), 1e-9)
+        grid = BEHIND[:, None, None] * s + (1 + length) * BEHIND_ASIDE[:, None] * np.array([-s[1], s[0]]) / length
+        further = np.column_stack([grid.reshape(-1, 2), np.ones(grid.size // 2)])
+        lengths = np.linalg.norm(further, axis=1)
+        further = at_infinity(further / lengths[:, None])
+        cell = length * (BEHIND[1] - BEHIND[0]) * (1 + length) * (BEHIND_ASIDE[1] - BEHIND_ASIDE[0])
+        return Templates(
+            np.concatenate([self.lights, further]),
+            np.concatenate([self.solid_angle, cell / lengths**3 / (2 * np.pi)]),
+            self.shadows.joined(shadows_of(body, further)),
+            self.hidden_sky,
+        )
+
 
 def templates_of(body: Proxy) -> Templates:
     """Of all directions; made once for all bodies that are alike but for size, place, and how they were folded."""
     spheroids = body.spheroids_marker - np.append(body.foot_marker, (0.0, 0.0))
     rounded = np.round(spheroids * (ROUNDED / height_of(body))) / ROUNDED
-    return _templates(body.family, np.unique(rounded + 0.0, axis=0).tobytes())  # without the sign of a zero
+    return _templates(body.family, (rounded + 0.0).tobytes())  # without the sign of a zero
 
 
 @lru_cache(maxsize=4)
@@ -56,7 +78,8 @@ def _templates(family: str, spheroids: bytes) -> Templates:
     counts_of_rings = [len(each) for each in displacements]
     ring, around = np.repeat(np.arange(len(LENGTHS)), counts_of_rings), np.arctan2(s[:, 1], s[:, 0]) / (2 * np.pi)
     window_around = np.floor(WINDOWS_AROUND * around).astype(np.intp) % WINDOWS_AROUND
-    shadows = shadows_of(body, lights, ring // RINGS_A_WINDOW * WINDOWS_AROUND + window_around)
+    window = np.where(ring < SHORT_RINGS, -1, ring // RINGS_A_WINDOW * WINDOWS_AROUND + window_around)
+    shadows = shadows_of(body, lights, window)
     counts = np.bincount(ring)[ring]
     heights = np.arctan(1 / LENGTHS)
     between = np.concatenate([[np.pi / 2], 0.5 * (heights[1:] + heights[:-1]), [0.0]])

@@ -81,14 +81,15 @@ def _ground_mask(camera: Camera, T_cam_marker: Float, print_marker: Float) -> Ma
     """(h, w) pixels whose ray meets the marker's plane, not too far away, outside of the hull of points (n, 3)."""
     width, height = camera.size
     line = ground_line(camera, T_cam_marker)
-    mask = line[0] * np.arange(width) + (line[1] * np.arange(height) + line[2])[:, None] > 0
+    mask = np.ones((height, width), np.uint8)
+    corners = np.array([(x, y, 1) for x in (0, width - 1) for y in (0, height - 1)])
+    if not (corners @ line > 0).all():
+        mask[:] = line[0] * np.arange(width) + (line[1] * np.arange(height) + line[2])[:, None] > 0
     outline = project(camera, T_cam_marker, print_marker)
     if np.isfinite(outline).all():
         hull = cv2.convexHull(np.clip(outline, -1e6, 1e6).astype(np.float32))[:, 0]
-        printed = np.zeros((height, width), np.uint8)
-        cv2.fillConvexPoly(printed, np.round(hull * 16).astype(np.int32), 1, shift=4)
-        mask &= printed == 0
-    return np.asarray(mask)
+        cv2.fillConvexPoly(mask, np.round(hull * 16).astype(np.int32), 0, shift=4)
+    return mask.view(np.bool_)
 
 
 def ground_line(camera: Camera, T_cam_marker: Float) -> Float:

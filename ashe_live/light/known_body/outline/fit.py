@@ -45,14 +45,23 @@ class EdgeFit:
 
 
 def fitted(
-    body: Proxy, light: Float, darkening: float, picture: Float32, room: Room, view: View, with_nearness: bool = False
+    body: Proxy,
+    light: Float,
+    darkening: float,
+    picture: Float32,
+    room: Room,
+    view: View,
+    with_nearness: bool = False,
+    size_rad: float | None = None,
 ) -> EdgeFit | None:
     """The light near `light` (4,) that explains the edges; None where too few of them are seen.
 
     darkening: the part of the table's light that it gives, roughly. picture: (h, w) linear light. room: without what is
-    in another light's penumbra. with_nearness: whether w / z is fitted, too; else it is held.
+    in another light's penumbra. with_nearness: whether w / z is fitted, too; else it is held. size_rad: of a
+    light that lies on its edges already, its angular diameter.
     """
-    here, size, blur = light / light[2], 0.0, BLUR_PX**2
+    here, size, blur = light / light[2], size_rad or 0.0, BLUR_PX**2
+    reaches = REACHES if size_rad is None else ()
     parameters = [0, 1, 3] if with_nearness else [0, 1]
     start, prior = _prior(here, height_of(body), with_nearness)
     height_px = _height_px(body, view)
@@ -60,9 +69,9 @@ def fitted(
         edges = shadow_edges(body, here, view)
         if edges is None:
             return None
-        is_first = number < len(REACHES)
+        is_first = number < len(reaches)
         if is_first:
-            wanted_px = np.full(len(edges.points_px), max(REACHES[number] * height_px, 2 * LEAST_PX))
+            wanted_px = np.full(len(edges.points_px), max(reaches[number] * height_px, 2 * LEAST_PX))
         else:
             spread_px = np.sqrt(blur + (size * edges.by_size) ** 2)
             wanted_px = np.clip(SPREADS * spread_px, LEAST_PX, max(MOST_SHARE * height_px, LEAST_PX))
@@ -70,7 +79,7 @@ def fitted(
         weight = profiles.weights(darkening, EARLY_LOSS if is_first else 1.0)
         if np.count_nonzero(weight) < FEWEST:
             return None
-        if number >= len(REACHES) - 1:
+        if number >= len(reaches) - 1:
             blur, size = profiles.widths(weight)
         J = edges.by_light[:, : len(parameters)]
         weighted = J.T * weight

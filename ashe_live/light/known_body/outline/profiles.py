@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from ashe_live.core.arrays import Float, Float32, Mask, upper_median
+from ashe_live.core.arrays import Float, Float32, Mask, upper_median, upper_quantile
 from ashe_live.light.known_body.outline.edges import ShadowEdges
 from ashe_live.light.known_body.outline.room import Room
 
@@ -15,13 +15,14 @@ ENDS = 6  # of them at either end, whose means are the levels of shadow and ligh
 LEAST_PX = 3.5  # that an edge is looked for on either side
 LEAST_STEP = 0.35  # of an edge, over the light that the shadow takes, from which on it is one
 OUTLIER_SHARE, OUTLIER_PX = 0.12, 0.5  # scale of Cauchy's loss: of the reach, and at least
-ALONG: Float = np.linspace(-1, 1, SAMPLES)
+FARTHEST_PX = 1e4  # of an edge from the picture: beyond, it is looked for as if it were there
+ALONG: Float32 = np.linspace(-1, 1, SAMPLES, dtype=np.float32)
 # (samples, 3) weights of the dark level, the lit one, and the sum by the trapezoidal rule.
-LEVELS: Float = np.zeros((SAMPLES, 3))
+LEVELS: Float32 = np.zeros((SAMPLES, 3), np.float32)
 LEVELS[:ENDS, 0], LEVELS[-ENDS:, 1], LEVELS[:, 2] = 1 / ENDS, 1 / ENDS, 1.0
 LEVELS[[0, -1], 2] = 0.5
 # (samples - 1, 3) powers of the middles between samples: moments of the rises there.
-MOMENTS: Float = (0.5 * (ALONG[1:] + ALONG[:-1]))[:, None] ** np.arange(3)
+MOMENTS: Float32 = ((0.5 * (ALONG[1:] + ALONG[:-1]))[:, None] ** np.arange(3)).astype(np.float32)
 # Neighbouring points see the same pixels, and a table's stains are wider than these: points over the sample size.
 POINTS_A_SAMPLE = 4.5
 LARGEST_RAD = math.radians(20)  # of a light's diameter that is stated
@@ -35,7 +36,7 @@ class Profiles:
     reach_px: Float  # (n,) how far from the prediction they were looked for
     window: Float  # (n,) part of the window that was asked for, which holds an edge's blur, for which there is room
     offset_px: Float  # (n,) outwards of where they are predicted
-    variance_px2: Float  # (n,) of the rise
+    variance_px2: Float  # (n,) of the rise outwards
     step: Float  # (n,) light lost, over the lit side's
     visible: Mask  # (n,) with room enough on the bare table
 
@@ -45,16 +46,17 @@ class Profiles:
         free = room.around(edges.points_px)
         visible = free >= LEAST_PX
         reach = np.where(visible, np.minimum(wanted_px, free), wanted_px)
-        lines = edges.points_px[:, None] + (reach[:, None] * ALONG)[..., None] * edges.normals_px[:, None]
-        lines = lines.clip(-1e4, 1e4).astype(np.float32)
-        profiles = cv2.remap(picture, lines[..., 0], lines[..., 1], cv2.INTER_LINEAR).astype(np.float64)
-        dark, lit, whole = (profiles @ LEVELS).T
+        middle = edges.points_px.clip(-FARTHEST_PX, FARTHEST_PX).astype(np.float32)
+        away = (reach[:, None] * edges.normals_px).astype(np.float32)
+        x, y = (middle[:, axis, None] + away[:, axis, None] * ALONG for axis in (0, 1))
+        profiles = cv2.remap(picture, x, y, cv2.INTER_LINEAR)
+        dark, lit, whole = (profiles @ LEVELS).astype(np.float64).T
         lost = lit - dark
         # The light on a line that is dark up to the edge and lit beyond it is as much as its lit part is long.
         inside = (whole - (SAMPLES - 1) * dark) / np.where(np.abs(lost) > 1e-6, lost, 1.0)
         offset = reach * (1 - 2 / (SAMPLES - 1) * inside)
-        rises = np.maximum((profiles[:, 1:] - profiles[:, :-1]) * np.where(lost < 0, -1.0, 1.0)[:, None], 0.0)
-        total, first, second = (rises @ MOMENTS).T
+        rises = np.maximum(profiles[:, 1:] - profiles[:, :-1], 0.0)
+        total, first, second = (rises @ MOMENTS).astype(np.float64).T
         total = np.maximum(total, 1e-9)
         variance = np.maximum(second / total - (first / total) ** 2, 0.0) * reach**2
         step = lost / np.maximum(lit, 1e-4)
@@ -96,7 +98,6 @@ class Profiles:
             w = full / (1 + (rest / (2 * scale)) ** 2)
         error = scale * math.sqrt(POINTS_A_SAMPLE * abs((one + 1e-12) / determinant))
         blur = min(max(blur, 0.3), 9.0)
-        widest = float(np.percentile(spreads, 90))
-        if squared <= 3 * error or squared * widest < 0.5 * blur:
+        if squared <= 3 * error or squared * upper_quantile(spreads, 0.9) < 0.5 * blur:
             return blur, 0.0
         return blur, min(math.sqrt(squared), LARGEST_RAD)

@@ -18,9 +18,10 @@ SHORTEST = 1e-9  # of an outline's side: a shorter one is a corner that is given
 class Outline:
     """A convex outline, with what its distances need."""
 
-    corners: Float  # (k, 2)
     along: Float  # (2, k) unit vectors from each corner to the next
     outwards: Float  # (2, k) unit normals
+    start: Float  # (k,) of each side, along it
+    level: Float  # (k,) of each side, along its normal
     lengths: Float  # (k,) of the sides
 
     @staticmethod
@@ -33,13 +34,15 @@ class Outline:
         along = sides.T / lengths
         from_first = corners - corners[:1]
         area = (from_first[:, 0] * sides[:, 1] - from_first[:, 1] * sides[:, 0]).sum()
-        return Outline(corners, along, np.array([along[1], -along[0]]) * (1.0 if area > 0 else -1.0), lengths)
+        outwards = np.array([along[1], -along[0]]) * (1.0 if area > 0 else -1.0)
+        start, level = ((corners.T * axes).sum(axis=0) for axes in (along, outwards))
+        return Outline(along, outwards, start, level, lengths)
 
     def distances(self, points: Float) -> Float:
         """(n,) of points (n, 2) from it, negative inside."""
-        beside = points @ self.outwards - (self.corners.T * self.outwards).sum(axis=0)
-        along = points @ self.along - (self.corners.T * self.along).sum(axis=0)
-        beyond = np.maximum(np.maximum(-along, along - self.lengths), 0.0)
+        beside = points @ self.outwards - self.level
+        along = points @ self.along - self.start
+        beyond = along - along.clip(0.0, self.lengths)
         away = np.sqrt((beside * beside + beyond * beyond).min(axis=1))
         return np.asarray(np.where(beside.max(axis=1) <= 0, -away, away))
 
