@@ -18,6 +18,8 @@ from ashe_live.light.shape.directions import FittedLight
 from ashe_live.light.shape.light_points import towards
 from ashe_live.light.shape.predicted import Predicted
 
+LIKELY_FAMILIES = 4  # by the labels' outlines, which finer evidence decides between
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explanation:

@@ -10,7 +10,7 @@ from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.edges.steps import LightPicture
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, Alignment, measured, placed_in
 from ashe_live.light.explanation.explain import refined_by_tangents
-from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody, NearnessPrior
@@ -20,8 +20,6 @@ from ashe_live.light.shape.directions import (
     fitted_lights,
     with_hemisphere_prior,
 )
-
-FAMILIES = 4  # that are aligned with steps, the likeliest by the labels' outlines
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +42,7 @@ class Sharpener:
         """
         placed = explanation.alignment.placed
         others = [one for one in explanation.bodies if len(one.lights) == len(placed.lit.lights)]
-        fits = self._fits([placed.lit, *others[:FAMILIES]], explanation, near)
+        fits = self._fits([placed.lit, *others[:LIKELY_FAMILIES]], explanation, near)
         costs = Costs(explanation.region, explanation.materials, explanation.as_object)
         moved = placed_in([(fit.lit, placed.sight, costs) for fit in fits]) if fits else []
         seen = [(fit, one) for fit, one in zip(fits, moved, strict=True) if one.is_in_view]

@@ -23,7 +23,7 @@ from ashe_live.light.explanation.alignment import (
     placed_in,
 )
 from ashe_live.light.explanation.explain import lights_of, refined_by_tangents, refitted_bodies
-from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
 from ashe_live.light.explanation.sharpen import Sharpener, lights_by_steps
 from ashe_live.light.labels.associate import Split
@@ -35,7 +35,6 @@ from ashe_live.light.shape.body import LitBody, NearnessPrior
 from ashe_live.light.shape.sight import Sight
 
 EARLY_LOSS_FACTOR = 3.0  # times the scale of Cauchy's loss, in all rounds but the last
-FAMILIES = 4  # number of other families, the likeliest by one view's labels, that are aligned in all views
 # Correlation between views of a border's errors: the ground's texture along it, the body's model and the systematic
 # errors of poses are the same in all of them.
 SHARED = 0.3
@@ -114,7 +113,7 @@ def with_likeliest_family(explanation: JointExplanation, preset: FitPreset) -> J
     costs = [own_costs(each) for each in explanation.each]
     own = explanation.joint.alignment.placed.lit.body.family.name
     bodies = [lit for lit in refitted_bodies(explanation.origin, preset) if lit.body.family.name != own]
-    others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:FAMILIES]])
+    others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:LIKELY_FAMILIES]])
     several = sorted([explanation, *(each for each in others if each is not None)], key=joint_criterion)
     lits = tuple(each.joint.alignment.placed.lit for each in several)
     return replace(several[0], joint=replace(several[0].joint, bodies=lits))

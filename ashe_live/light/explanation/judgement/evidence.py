@@ -7,7 +7,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float32, Mask, upper_median
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
 from ashe_live.light.explanation.judgement.shading import Shading, shading_of
 from ashe_live.light.ground.regions import Region
 from ashe_live.light.ground.shadow_shift import hue_of
@@ -29,7 +29,6 @@ LEAST_CONTRAST = -0.5
 LEAST_STEP_COST = 0.1  # of outlines better than which none are told apart
 # Sine of a light's height, below which level ground receives so little of it that a clear shadow is hardly its.
 LOW_SINE = 0.3
-FAMILIES = 4  # the likeliest by the labels' outlines, whose lights are compared
 FEWEST_SHADED = 15  # pixels inside a shadow, of which evenness is told
 
 # The features, and the sign with which physics lets each count for an explanation (docs/maths.md, "Evidence").
@@ -81,7 +80,7 @@ def of_steps_and_families(explanation: Explanation) -> dict[str, float]:
     """How far the worse of both outlines lies from steps of light; by how much the light depends on the family, rad."""
     steps, foot = explanation.steps, explanation.alignment.placed.lit.body.frame.origin_marker
     light = towards(explanation.lights[0].light, np.array([*foot, 0.0]))
-    others = [angle_between(light, body.to_lights_marker[0]) for body in explanation.bodies[:FAMILIES]]
+    others = [angle_between(light, body.to_lights_marker[0]) for body in explanation.bodies[:LIKELY_FAMILIES]]
     return {
         "steps": math.log(max(steps.body, steps.shadow, LEAST_STEP_COST)),
         "family": float(np.median(others)) if others else 0.0,
