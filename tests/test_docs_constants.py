@@ -51,7 +51,7 @@ STATED = {
     "dielectrics": (
         "docs/maths.md",
         "F0 = mix({:g}, c, m)",
-        (in_shader(r"mix\(vec3\((0\.\d+)\), base", "model.frag"),),
+        (in_shader(r"GLASS = (0\.\d+)", "model.frag"),),
     ),
     "worst unevenness": (
         "docs/maths.md",

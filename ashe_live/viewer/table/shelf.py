@@ -143,7 +143,8 @@ class Shelf:
 
     def _tell_of(self, name: str, placed: PlacedModel) -> None:
         model, file = placed.model, Path(name).name
-        if model.notes and name not in self._told:
+        # Words are for what a person brings: what the shipped ones lack is known (docs/models.md).
+        if model.notes and name not in self._told and name not in model_names():
             self._words.append(f"{file}: {'; '.join(model.notes)}")
         if model.is_up_guessed and name not in self._told:
             self._words.append(f"{file} is taken to stand with {model.up} up: U, or --up, makes it another axis")
