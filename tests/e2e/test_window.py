@@ -49,7 +49,7 @@ def await_still(viewer, part, still_s: float = STILL_S) -> np.ndarray:
 
 
 def changed(viewer, was: np.ndarray) -> np.ndarray:
-    """The picture of the models once it is another, and still: it may flicker before what was asked for is there."""
+    """The picture of the models once it is another, and still: before, the word that one is loading comes and goes."""
     seen = was
 
     def is_another() -> bool:

@@ -45,14 +45,7 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
     )
     light.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
 
-    judge = benches.add_parser("fit-judge", help="fits confidence to scenes whose light is known")
-    judge.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
-    _add_results_folder(judge)
-    judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
-    judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
-    judge.add_argument(
-        "--jobs", type=values.count, default=1, metavar="N", help="processes beside each other (default 1)"
-    )
+    _add_fit_judge(benches.add_parser("fit-judge", help="fits confidence to scenes whose light is known"))
 
     cube = benches.add_parser("cube", help="the paper cube's pose and light, on painted pictures with known truth")
     cube.add_argument("--count", type=values.count, default=40, metavar="N", help="pictures of each set (default 40)")
@@ -71,6 +64,16 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
     _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
     tracking.add_argument("--quality", choices=QUALITIES, default="balanced")
+
+
+def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
+    judge.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    _add_results_folder(judge)
+    judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+    judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
+    judge.add_argument(
+        "--jobs", type=values.count, default=1, metavar="N", help="processes beside each other (default 1)"
+    )
 
 
 def _add_results_folder(bench: argparse.ArgumentParser) -> None:

@@ -226,7 +226,7 @@ class _Maps:
 
 
 def _coat(extensions: dict[str, Any]) -> dict[str, Any]:
-    """None where a map says how much of it there is, which is not drawn."""
+    """The clear coat by its factors; no coat where a map says how much of it there is, as that is not drawn."""
     given = extensions.get("KHR_materials_clearcoat", {})
     if "clearcoatTexture" in given:
         return {}
