@@ -18,6 +18,7 @@ class Memory:
     pose: MarkerPose
     corners_px: dict[int, Float]  # by member, (4, 2) picture pixels
     velocities_px_s: dict[int, Float]  # by member, (4, 2)
+    aligned_sigmas: dict[int, float]  # by member, as in FittedSquare
     bridged: int  # frames in a row
     is_predictable: bool  # each member was where its motion had led one to expect it
 
@@ -30,7 +31,12 @@ class Memory:
 
 
 def remembered(
-    frame: Frame, pose: MarkerPose, corners_px: dict[int, Float], bridged: int, last: Memory | None
+    frame: Frame,
+    pose: MarkerPose,
+    corners_px: dict[int, Float],
+    aligned_sigmas: dict[int, float],
+    bridged: int,
+    last: Memory | None,
 ) -> Memory:
     """What is known after `frame`, in which members were seen at `corners_px` (4, 2), and after the `last` one.
 
@@ -43,7 +49,7 @@ def remembered(
         for number in corners_px.keys() & last.corners_px.keys():
             velocities[number] = (corners_px[number] - last.corners_px[number]) / elapsed_s
         is_predictable = _was_expected(velocities, last, elapsed_s)
-    return Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, bridged, is_predictable)
+    return Memory(frame.time_s, frame.image_bgr, pose, corners_px, velocities, aligned_sigmas, bridged, is_predictable)
 
 
 def _was_expected(velocities: dict[int, Float], last: Memory, elapsed_s: float) -> bool:

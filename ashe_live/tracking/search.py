@@ -4,6 +4,7 @@ Each costs more than the one before, and finds what that one lost.
 """
 
 from collections.abc import Container, Mapping, Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -11,9 +12,9 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.square import side_lengths_px
-from ashe_live.tracking.edges.corners import LAST_REACH_PX, REACH_RATIO, fitted_square
+from ashe_live.tracking.edges.corners import LAST_REACH_PX, REACH_RATIO, fitted_square, fitted_squares
 from ashe_live.tracking.edges.covered_sides import checked
-from ashe_live.tracking.edges.edge_profiles import linear_light
+from ashe_live.tracking.edges.edge_profiles import Light, LightView, linear_light
 from ashe_live.tracking.edges.lens import ideal_from_source
 from ashe_live.tracking.edges.quads import MIN_SIDE_PX
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square, region_around
@@ -52,28 +53,49 @@ def in_front(expected_px: Mapping[int, Float], last: Container[int]) -> list[int
     return sorted(areas, key=lambda number: -areas[number])
 
 
-def along_edges(
-    marker: Marker, image_bgr: Image, camera: Camera, expected_px: Float, samples: int, is_predictable: bool = False
-) -> FittedSquare | None:
-    """The marker whose corners (4, 2) are expected, in picture pixels, to within a tenth of its size.
+@dataclass(frozen=True, slots=True, eq=False)
+class Expected:
+    """A marker, and where it should be."""
 
-    Where its motion `is_predictable`, it is first looked for within NEAR_PX, which takes half the time.
+    marker: Marker
+    corners_px: Float  # (4, 2) picture pixels, good to a tenth of its size
+    aligned_sigma: float = 0.0  # as its square had it in the frame before
+
+
+def along_edges(
+    expected: Sequence[Expected], image_bgr: Image, camera: Camera, samples: int, is_predictable: bool = False
+) -> list[FittedSquare | None]:
+    """Each of the markers where it is expected; None where it is not.
+
+    Where their motion `is_predictable`, they are first looked for within NEAR_PX, which takes half the time.
     """
-    region = region_around(expected_px, 6, REACH_RATIO, image_bgr.shape)
+    parts = [_part(image_bgr, one.corners_px, 6) for one in expected]
+    asked = [(number, *part) for number, part in enumerate(parts) if part is not None]
+    views = [LightView(light, camera, np.asarray(start, dtype=np.float64)) for _, light, start in asked]
+    ideal = [ideal_from_source(camera, expected[number].corners_px) for number, _, _ in asked]
+    near: list[FittedSquare | None] = [None] * len(asked)
+    if is_predictable:
+        near = fitted_squares(views, ideal, samples, 1.0, LAST_REACH_PX)
+    squares: list[FittedSquare | None] = [None] * len(expected)
+    for (number, light, start), view, corners, square in zip(asked, views, ideal, near, strict=True):
+        if square is None or square.sides_seen < 4 or np.abs(square.corners_px - corners).max() > NEAR_PX:
+            (square,) = fitted_squares([view], [corners], samples)
+        if square is None or square.sides_seen < MIN_SIDES_SEEN:
+            continue
+        growth = side_lengths_px(square.corners_px) / side_lengths_px(corners)
+        if growth.min() >= SMALLEST_NEAR and growth.max() <= LARGEST_NEAR:
+            one = expected[number]
+            squares[number] = checked(square, light, one.marker.alignment, camera, start, samples, one.aligned_sigma)
+    return squares
+
+
+def _part(image_bgr: Image, corners_px: Float, margin_px: float) -> tuple[Light, tuple[int, int]] | None:
+    """Linear light around corners (4, 2), and where in the picture it begins; None where they are not in it."""
+    region = region_around(corners_px, margin_px, REACH_RATIO, image_bgr.shape)
     if region is None:
         return None
-    start, end = region
-    light = linear_light(_grey(image_bgr[start[1] : end[1], start[0] : end[0]]))
-    expected = ideal_from_source(camera, expected_px)
-    square = fitted_square(light, expected, samples, 1.0, camera, start, LAST_REACH_PX) if is_predictable else None
-    if square is None or square.sides_seen < 4 or np.abs(square.corners_px - expected).max() > NEAR_PX:
-        square = fitted_square(light, expected, samples, 1.0, camera, start)
-    if square is None or square.sides_seen < MIN_SIDES_SEEN:
-        return None
-    growth = side_lengths_px(square.corners_px) / side_lengths_px(expected)
-    if growth.min() < SMALLEST_NEAR or growth.max() > LARGEST_NEAR:
-        return None
-    return checked(square, light, marker.alignment, camera, start, samples)
+    (left, top), (right, bottom) = region
+    return linear_light(_grey(image_bgr[top:bottom, left:right])), (left, top)
 
 
 def nearby(marker: Marker, image_bgr: Image, last_px: Float) -> list[Float]:
@@ -102,11 +124,10 @@ def anywhere(markers: Sequence[Marker], image_bgr: Image, width_px: int, thoroug
 def refined(marker: Marker, image_bgr: Image, camera: Camera, coarse_px: Float, samples: int) -> FittedSquare | None:
     """The marker at coarse corners (4, 2), picture pixels, measured at full resolution; None when it is not there."""
     off_by_px = max(COARSE_PX, float(np.ptp(coarse_px, axis=0).max()) / LARGEST_PX)
-    region = region_around(coarse_px, 2 * off_by_px + 4, REACH_RATIO, image_bgr.shape)
-    if region is None:
+    part = _part(image_bgr, coarse_px, 2 * off_by_px + 4)
+    if part is None:
         return None
-    start, end = region
-    light = linear_light(_grey(image_bgr[start[1] : end[1], start[0] : end[0]]))
+    light, start = part
     ideal = ideal_from_source(camera, coarse_px)
     square = fitted_square(light, ideal, samples, off_by_px, camera, start)
     if square is None and is_front_of_square(ideal):

@@ -21,7 +21,7 @@ from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares, poses_of_square
 from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.search import along_edges, anywhere, in_front, nearby, refined
+from ashe_live.tracking.search import Expected, along_edges, anywhere, in_front, nearby, refined
 
 # After so long without the marker, its last pose says nothing about the next one.
 MEMORY_S = 0.5
@@ -104,7 +104,8 @@ class MarkerTracker:
             pose = self._held(pose, frame.time_s, bridged > 0)
             seen_px = {number: source_from_ideal(camera, square.corners_px) for number, square in squares.items()}
             corners_px = {0: pose.corners_px} if len(self._members) == 1 else seen_px
-            self._last = remembered(frame, pose, corners_px, bridged, last)
+            sigmas = {number: square.aligned_sigma for number, square in squares.items()}
+            self._last = remembered(frame, pose, corners_px, sigmas, bridged, last)
             self._lost_frames = 0
             self._before_jump = None
         others = self.others.found(frame, camera, pose, self.preset)
@@ -125,22 +126,16 @@ class MarkerTracker:
 
     def _look(self, frame: Frame, camera: Camera, last: Memory | None) -> dict[int, FittedSquare]:
         """The members seen in `frame`: along the edges expected there, else around their last place, else anywhere."""
-        image, samples = frame.image_bgr, self.preset.edge_samples
+        image = frame.image_bgr
         squares: dict[int, FittedSquare | None] = {}
         if last is not None:
-            expected = self._expected(camera, last, frame.time_s)
-            most = FACES_MEASURED if self._folding is not None and not self._folding.wants_all else len(expected)
-            for number in in_front(expected, last.corners_px):
-                if sum(one is not None for one in squares.values()) == most:
-                    break
-                marker = self._members[number].marker
-                squares[number] = along_edges(marker, image, camera, expected[number], samples, last.is_predictable)
+            squares = self._where_expected(image, camera, last, frame.time_s)
             if not any(squares.values()):
                 for number, corners_px in last.corners_px.items():
                     marker = self._members[number].marker
                     coarse_px = self._nearest(nearby(marker, image, corners_px), corners_px)
                     if coarse_px is not None:
-                        squares[number] = refined(marker, image, camera, coarse_px, samples)
+                        squares[number] = refined(marker, image, camera, coarse_px, self.preset.edge_samples)
         if not any(squares.values()):
             squares = self._with_others(self._search(image, camera, last), image, camera)
         elif self._census_s is None or not 0 <= frame.time_s - self._census_s < CENSUS_EVERY_S:
@@ -149,10 +144,23 @@ class MarkerTracker:
             self._count(equal)
         return {number: square for number, square in squares.items() if square is not None}
 
-    def _expected(self, camera: Camera, last: Memory, time_s: float) -> dict[int, Float]:
-        """Each member's corners (4, 2), picture pixels, if it moves on as it did, or where the pose has it."""
-        expected = last.expected_px(time_s)
-        return self._projected(camera, last.pose.measured_T_cam_marker, expected) | expected
+    def _where_expected(
+        self, image: Image, camera: Camera, last: Memory, time_s: float
+    ) -> dict[int, FittedSquare | None]:
+        """The members where they move on as they did, or where the pose has them; as many as are measured."""
+        moved_px = last.expected_px(time_s)
+        expected = self._projected(camera, last.pose.measured_T_cam_marker, moved_px) | moved_px
+        untried = in_front(expected, last.corners_px)
+        missing = FACES_MEASURED if self._folding is not None and not self._folding.wants_all else len(untried)
+        squares: dict[int, FittedSquare | None] = {}
+        while untried and missing:
+            tried, untried = untried[:missing], untried[missing:]
+            sigmas = (last.aligned_sigmas.get(number, 0.0) for number in tried)
+            where = [Expected(self._members[n].marker, expected[n], s) for n, s in zip(tried, sigmas, strict=True)]
+            found = along_edges(where, image, camera, self.preset.edge_samples, last.is_predictable)
+            squares |= dict(zip(tried, found, strict=True))
+            missing -= sum(one is not None for one in found)
+        return squares
 
     def _projected(self, camera: Camera, T_cam_marker: Float, but: Container[int]) -> dict[int, Float]:
         """Corners (4, 2), picture pixels, of all members `but` some, where a pose has them."""
@@ -189,10 +197,10 @@ class MarkerTracker:
         for number, square in found.items() if len(self._members) > 1 else ():
             assert square is not None
             for T_cam_marker in poses_of_square(self._sighting(number, square), camera):
-                seen = dict(found)
-                for other, expected_px in self._projected(camera, T_cam_marker, found).items():
-                    marker = self._members[other].marker
-                    seen[other] = along_edges(marker, image, camera, expected_px, self.preset.edge_samples)
+                expected = self._projected(camera, T_cam_marker, found)
+                where = [Expected(self._members[other].marker, corners_px) for other, corners_px in expected.items()]
+                others = along_edges(where, image, camera, self.preset.edge_samples)
+                seen = found | dict(zip(expected, others, strict=True))
                 if sum(one is not None for one in seen.values()) > sum(one is not None for one in best.values()):
                     best = seen
         return best
@@ -220,9 +228,9 @@ class MarkerTracker:
     def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: Memory | None) -> MarkerPose | None:
         self._sightings = [self._sighting(number, square) for number, square in squares.items()]
         previous = self._before_jump if last is None else last.pose
-        if self._folding is None:
-            return pose_of_squares(self._sightings, camera, self.side_m, previous, self.preset.refines_pose)
         refines = self.preset.refines_pose
+        if self._folding is None:
+            return pose_of_squares(self._sightings, camera, self.side_m, previous, refines)
         pose = pose_of_squares(self._sightings, camera, self.side_m, previous, refines, most_rms=FOLDED_RMS)
         if pose is None:
             return None

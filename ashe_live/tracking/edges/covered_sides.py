@@ -22,6 +22,9 @@ MIN_INSIDE = 0.85
 # What a side may lie off where the inside has it: of the square's side, and in standard deviations of the alignment.
 TOLERANCE, SIGMAS = 0.008, 3.0
 SURE_SIGMA = 0.004  # of the side
+# One step says where the print is if it leaves no more unexplained than the whole way left in an earlier frame, which
+# is what the view's slant and blur leave: an increase by so much of the deviation is noise.
+AS_ALIGNED = 1.1
 # So many sides may be covered; so many must be seen where the rest is beyond the picture: they just determine the pose.
 MOST_COVERED, LEAST_SEEN = 2, 3
 # And so far may more than these lie off, over the side: a finger covers no three sides.
@@ -37,10 +40,11 @@ def checked(
     camera: Camera,
     origin_px: tuple[int, int],
     samples: int,
+    aligned_sigma: float = 0.0,
 ) -> FittedSquare | None:
     """`square` as it is, or without the sides that are not the print's; None when it is not the print.
 
-    `light`, `samples`, `camera` and `origin_px` as in fitted_square.
+    `light`, `samples`, `camera` and `origin_px` as in fitted_square; `aligned_sigma` as the frame before had it.
     """
     side_px = mean_side_px(square.corners_px)
     blurred = alignment.blurred(light, square.corners_px)
@@ -55,11 +59,14 @@ def checked(
     tolerance = max(TOLERANCE, square.curl_of_two_sides)
     seen = alignment.look(seen_print, side_px)
     # A print that lies elsewhere explains the samples badly: then one step says little, and is as unsure.
-    if seen is not None and square.sides_seen == 4 and seen.sigma <= SURE_SIGMA:
-        even = corrected(square, alignment.bleed_px(seen_print, side_px))
+    is_sure = seen is not None and seen.sigma <= SURE_SIGMA
+    is_as_aligned = seen is not None and seen.sigma <= AS_ALIGNED * aligned_sigma and seen.inside >= MIN_INSIDE
+    if seen is not None and square.sides_seen == 4 and (is_sure or is_as_aligned):
+        bleed_px = alignment.bleed_px(seen_print, side_px) if is_sure else seen.bleed_px
+        even = corrected(square, bleed_px)
         if not _off(seen.step - in_units(even.corners_px, square.corners_px), seen, tolerance).any():
-            return even if is_print else None
-    found = alignment.aligned(blurred, square.corners_px, camera, origin_px)
+            return dataclasses.replace(even, aligned_sigma=aligned_sigma) if is_print else None
+    found = alignment.aligned(blurred, square.corners_px, camera, origin_px, seen)
     if found is None or found.seen.inside < MIN_INSIDE:
         return None
     square = corrected(square, found.seen.bleed_px)
@@ -72,7 +79,7 @@ def checked(
             off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
             is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, camera, origin_px))
     if not off.any():
-        return square if is_print else None
+        return dataclasses.replace(square, aligned_sigma=found.seen.sigma) if is_print else None
     if off.sum() > MOST_COVERED:
         # No finger does that, but paper that bends does, or a shadow's edge that misleads the inside.
         astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())

@@ -24,15 +24,15 @@ NEXT, BEFORE = np.array([1, 2, 3, 0]), np.array([3, 0, 1, 2])
 
 def robust_lines(
     places: Float, offsets: Float, weights: Float, lengths_px: Float, seen: Mask
-) -> tuple[Float, Float, Float, float]:
-    """Each side's offset at places 0 and 1 (4, 2), the covariances (4, 2, 2) of these, and bows (4,), in px and px^2.
+) -> tuple[Float, Float, Float, Float]:
+    """Each side's offset at places 0 and 1 (n, 2), the covariances (n, 2, 2) of these, and bows (n,), in px and px^2.
 
     Least squares reweighted with Tukey's biweight. A side that is not `seen` stays, with no certainty. The last result
-    is the variance of an offset at either place, over all sides, by what of the scatter is correlated along them: the
-    covariances take each pixel's noise for independent of the next one's.
+    (n,) is the variance of an offset at either place by what of the scatter is correlated along the side, less than
+    nothing where noise would have it so: the covariances take each pixel's noise for independent of the next one's.
     """
     # The first line goes through the middle of the offsets, so that a few wrong ones do not carry it away.
-    at_start, slope = _medians(offsets, weights > 0), np.zeros(4)
+    at_start, slope = _medians(offsets, weights > 0), np.zeros(len(offsets))
     powers = np.column_stack([np.ones_like(places), places, places**2])
     residuals = offsets - at_start[:, None]
     # Where all offsets are close together the wider windows keep everything, and change nothing.
@@ -59,8 +59,7 @@ def robust_lines(
     covariances = variance[:, None, None] * by_variance
     # Independent scatter has the same variance in all orthonormal polynomials; correlated scatter more in slow ones.
     slow = ((kept * residuals) @ _slow_polynomials(len(places))) ** 2
-    excess = (slow.mean(axis=1) * len(places) / mass - variance) * by_variance[:, (0, 1), (0, 1)].mean(axis=1)
-    correlated_px2 = max(0.0, float(excess[seen].mean())) if seen.any() else 0.0
+    correlated_px2 = (slow.mean(axis=1) * len(places) / mass - variance) * by_variance[:, (0, 1), (0, 1)].mean(axis=1)
     covariances = np.where(seen[:, None, None], covariances, 1e4 * np.eye(2))
     # Over the whole side, from its ends to its middle.
     bows = np.where(seen, np.abs(bowed) / 4, 0.0)
@@ -80,12 +79,15 @@ def _slow_polynomials(count: int) -> Float:
 
 
 def information_by_side(outwards: Float, covariances: Float) -> Float:
-    """(4, 8, 8) of the corners: each side measures its two ends along its normal."""
-    by_corners = np.zeros((4, 2, 8))
+    """(n, 4, 8, 8) of n squares' corners: each side measures its two ends along its normal (n, 4, 2).
+
+    covariances: (n, 4, 2, 2) of the two ends.
+    """
+    by_corners = np.zeros((len(outwards), 4, 2, 8))
     for side in range(4):
-        by_corners[side, 0, 2 * side : 2 * side + 2] = outwards[side]
-        by_corners[side, 1, 2 * NEXT[side] : 2 * NEXT[side] + 2] = outwards[side]
-    return np.asarray(by_corners.transpose(0, 2, 1) @ np.linalg.inv(covariances) @ by_corners)
+        by_corners[:, side, 0, 2 * side : 2 * side + 2] = outwards[:, side]
+        by_corners[:, side, 1, 2 * NEXT[side] : 2 * NEXT[side] + 2] = outwards[:, side]
+    return np.asarray(by_corners.swapaxes(2, 3) @ np.linalg.inv(covariances) @ by_corners)
 
 
 def _medians(values: Float, counts: Mask) -> Float:
@@ -98,10 +100,10 @@ def _medians(values: Float, counts: Mask) -> Float:
 
 
 def meeting_points(starts: Float, directions: Float) -> Float:
-    """(4, 2) where each side's line meets the one before it; NaN when they are parallel."""
-    before, towards = starts[BEFORE], directions[BEFORE]
-    cross = towards[:, 0] * directions[:, 1] - towards[:, 1] * directions[:, 0]
+    """(n, 4, 2) where each side's line meets the one before it in n squares; NaN when they are parallel."""
+    before, towards = starts[:, BEFORE], directions[:, BEFORE]
+    cross = towards[..., 0] * directions[..., 1] - towards[..., 1] * directions[..., 0]
     gap = starts - before
     cross = np.where(np.abs(cross) > 1e-9, cross, np.nan)
-    way = (gap[:, 0] * directions[:, 1] - gap[:, 1] * directions[:, 0]) / cross
-    return np.asarray(before + way[:, None] * towards)
+    way = (gap[..., 0] * directions[..., 1] - gap[..., 1] * directions[..., 0]) / cross
+    return np.asarray(before + way[..., None] * towards)

@@ -158,16 +158,14 @@ class PrintAlignment(PrintLikeness):
         return math.copysign(max(abs(bleed) - self._edge_error, 0.0), bleed) * side_px
 
     def aligned(
-        self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int]
+        self, light: Light, corners_px: Float, camera: Camera | None, origin_px: tuple[int, int], seen: Aligned | None
     ) -> Alignment | None:
         """From near `corners_px` (4, 2) to where the inside of the print has them; None where it leads nowhere.
 
-        `light` as from `blurred`.
+        `light` as from `blurred`; `seen`: what `look` says of the samples within `corners_px`.
         """
         corners = corners_px
         for _ in range(STEPS):
-            side_px = mean_side_px(corners)
-            seen = self.look(self.sampled(light, corners, camera, origin_px), side_px)
             if seen is None:
                 return None
             largest = float(np.abs(seen.step).max())
@@ -177,6 +175,7 @@ class PrintAlignment(PrintLikeness):
             if largest < SMALL_STEP:
                 covariance = by_unit @ seen.covariance @ by_unit.T
                 return Alignment(corners, _inverse(covariance + MIN_SIGMA_PX**2 * np.eye(8)), seen)
+            seen = self.look(self.sampled(light, corners, camera, origin_px), mean_side_px(corners))
         return None
 
 

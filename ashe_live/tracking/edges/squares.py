@@ -25,6 +25,7 @@ class FittedSquare:
     bows: Float | None = None  # (4,) of the sides, over their lengths; None: edges were not looked at
     correlated_px: float = 0.0  # standard deviation of a side's ends by scatter that is correlated along it
     bleed_px: float | None = None  # by how much all sides lay outwards; corners_px allow for it. None: not known
+    aligned_sigma: float = 0.0  # `Aligned.sigma` when the print was last aligned, with no side off; 0: it was not
 
     @classmethod
     def guessed(cls, corners_px: Float, sigma_px: float) -> "FittedSquare":

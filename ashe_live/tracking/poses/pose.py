@@ -166,11 +166,7 @@ def poses_of_square(sighting: Sighting, camera: Camera) -> list[Float]:
 
 def corners_noise(sightings: Sequence[Sighting]) -> Float:
     """(8n, 8n) covariance of all corners' coordinates in turn, px^2, by the noise of their edges."""
-    noise = np.zeros((8 * len(sightings), 8 * len(sightings)))
-    for number, one in enumerate(sightings):
-        block = slice(8 * number, 8 * number + 8)
-        noise[block, block] = np.linalg.inv(one.square.information)
-    return noise
+    return _inverses([one.square.information for one in sightings])
 
 
 def corners_information(sightings: Sequence[Sighting], noise: Float, errors: CornerErrors = FITTED) -> Float:
@@ -178,11 +174,17 @@ def corners_information(sightings: Sequence[Sighting], noise: Float, errors: Cor
 
     `noise` (8n, 8n) as from `corners_noise`.
     """
-    information = np.zeros_like(noise)
-    for number, one in enumerate(sightings):
-        block = slice(8 * number, 8 * number + 8)
-        information[block, block] = np.linalg.inv(noise[block, block] + systematic(one.square, errors))
-    return information
+    blocks = (slice(8 * number, 8 * number + 8) for number in range(len(sightings)))
+    squares = zip(blocks, sightings, strict=True)
+    return _inverses([noise[block, block] + systematic(one.square, errors) for block, one in squares])
+
+
+def _inverses(matrices: Sequence[Float]) -> Float:
+    """(8n, 8n) with the inverses of n matrices (8, 8) along its diagonal: one call inverts all in the time of one."""
+    whole = np.zeros((8 * len(matrices), 8 * len(matrices)))
+    for number, inverse in enumerate(np.linalg.inv(np.array(matrices))):
+        whole[8 * number : 8 * number + 8, 8 * number : 8 * number + 8] = inverse
+    return whole
 
 
 def _ippe(sighting: Sighting, camera: Camera) -> list[tuple[Float, Float]]:

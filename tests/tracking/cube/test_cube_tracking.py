@@ -15,7 +15,6 @@ from ashe_live.tracking import search
 from ashe_live.tracking import tracker as tracker_module
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import cube_layout
-from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.tracker import MarkerTracker
 from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
 
@@ -91,10 +90,10 @@ def test_once_its_folds_are_known_two_faces_are_enough_and_others_stand_in_for_c
 ) -> None:
     looked_at: list[bool] = []
 
-    def along_edges(marker: Marker, *rest: Any) -> FittedSquare | None:
-        square = search.along_edges(marker, *rest)
-        looked_at.append(square is not None)
-        return square
+    def along_edges(*where: Any) -> list[FittedSquare | None]:
+        squares = search.along_edges(*where)
+        looked_at.extend(square is not None for square in squares)
+        return squares
 
     monkeypatch.setattr(tracker_module, "along_edges", along_edges)
     T = looking(0.35, 55, 40)

@@ -10,7 +10,7 @@ from ashe_live.bench.track.frames import Cover, Flaws, ground, painted
 from ashe_live.bench.track.measures import turn_deg
 from ashe_live.bench.track.takes import CELLS, SIDE_M, SMALL, SPEC, pose_at
 from ashe_live.core.arrays import Float, Image
-from ashe_live.core.square import square_corners
+from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.transforms import project
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.edges.edge_profiles import linear_light
@@ -58,7 +58,9 @@ def test_the_inside_of_the_print_leads_back_from_a_displaced_side() -> None:
         ends, others = [side, (side + 1) % 4], [(side - 1) % 4, (side + 2) % 4]
         displaced[ends] += 0.1 * (CORNERS[others] - CORNERS[ends])
         alignment = MARKER.alignment
-        found = alignment.aligned(alignment.blurred(light, displaced), displaced, SMALL, (0, 0))
+        blurred = alignment.blurred(light, displaced)
+        seen = alignment.look(alignment.sampled(blurred, displaced, SMALL, (0, 0)), mean_side_px(displaced))
+        found = alignment.aligned(blurred, displaced, SMALL, (0, 0), seen)
         assert found is not None
         assert np.abs(in_units(CORNERS, found.corners_px)).max() < 0.01
 

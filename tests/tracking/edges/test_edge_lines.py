@@ -24,7 +24,7 @@ def ends_and_variances(correlated_over: int) -> tuple[float, float, float]:
         )
         ends.append(found)
         stated.append(covariances[:, (0, 1), (0, 1)].mean())
-        correlated.append(correlated_px2)
+        correlated.append(correlated_px2.mean())
     return float(np.var(ends)), float(np.mean(stated)), float(np.mean(correlated))
 
 
