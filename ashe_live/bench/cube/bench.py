@@ -12,6 +12,7 @@ from ashe_live.bench.bench import Bench
 from ashe_live.bench.cube.ambient import ambient_errors
 from ashe_live.bench.cube.painter import CubeScene, painted
 from ashe_live.bench.cube.scenes import CAMERA, EDGE_M, SETS, CubeSet, looking, sun
+from ashe_live.bench.cube.shadow_in_view import is_seen
 from ashe_live.bench.metrics import ELLIPSE_95, squared_sigmas
 from ashe_live.bench.tables import figures_table
 from ashe_live.bench.track.frames import CLEAN_CAMERA
@@ -30,6 +31,7 @@ from ashe_live.tracking.tracker import MarkerTracker
 TILTS_DEG = (30, 75, 85)  # of the view, away from straight above: the last is where a flat marker is edge-on
 DISTANCE_M = 0.35  # of the camera
 FLAT = "aruco:4x4_50:0"
+SURE, WRONG_RAD = 0.5, math.radians(15)  # confidence above which, and error beyond which, an answer is a confident lie
 # Frames of a marker at rest, and those at the beginning that find and learn it.
 FOLLOWED, FIRST = 12, 4
 
@@ -52,8 +54,8 @@ class CubeBench(Bench):
         yield {"tracking": self._tracking()}
         table = figures_table(
             f"light of a cube of {1000 * EDGE_M:g} mm, {self.count} pictures each, 640x480",
-            "set", "answered", "median", "95 %", "largest", "in ellipse", "count right", "worse light", "even sky",
-            "leaning", "as lamps", "distance", "ms",
+            "set", "answered", "median", "95 %", "largest", "hidden", "95 % of others", "sure and wrong", "in ellipse",
+            "count right", "worse light", "even sky", "leaning", "as lamps", "distance", "ms",
         )  # fmt: skip
         rows = []
         for one in SETS:
@@ -104,8 +106,9 @@ class CubeBench(Bench):
         """Errors of the strongest light, of the true one that is found worst, and of the ambient light."""
         estimator = make_estimator("proxy", self.quality.light)
         first, worse, ambient, counted, spent, answered = [], [], [], [], [], 0
-        within, distances = [], []
+        within, distances, in_view, seen, wrong = [], [], [], [], 0
         for scene in one.scenes(self.count, self.seed):
+            seen.append(all(is_seen(scene, light) for light in scene.lights))
             tracked = self._tracker(cube_layout()).track(Frame(painted(scene), 0, 0.0))
             if tracked.marker is None:
                 continue
@@ -115,10 +118,12 @@ class CubeBench(Bench):
             if not estimate.lights:
                 continue
             answered += 1
+            wrong += _is_sure_and_wrong(estimate, scene)
             counted.append(len(estimate.lights) == one.lights)
             if one.lights:
                 errors = _errors_deg(estimate, scene)
                 first.append(errors[0].min())
+                in_view += [errors[0].min()] if seen[-1] else []
                 worse.append(errors.min(axis=0).max())
                 true = scene.lights[int(errors[0].argmin())].point
                 light = estimate.lights[0]
@@ -134,6 +139,9 @@ class CubeBench(Bench):
             "median_deg": _median(first),
             "percentile_95_deg": float(np.percentile(first, 95)) if first else None,
             "largest_deg": max(first, default=None),
+            "shadow_hidden": 1 - float(np.mean(seen)),
+            "percentile_95_of_others_deg": float(np.percentile(in_view, 95)) if in_view else None,
+            "sure_and_wrong": wrong,
             "in_95_percent_ellipse": float(np.mean(within)) if within else None,
             "count_right": float(np.mean(counted)) if counted else None,
             "worse_median_deg": _median(worse),
@@ -165,6 +173,15 @@ def _errors_deg(estimate: LightEstimate, scene: CubeScene) -> Float:
             [math.degrees(angle_between(light.to_light_marker, true.point[:3])) for true in scene.lights]
             for light in estimate.lights
         ]
+    )
+
+
+def _is_sure_and_wrong(estimate: LightEstimate, scene: CubeScene) -> bool:
+    """Whether a light is stated as likelier right than wrong, far from every true one."""
+    return any(
+        (light.confidence or 0.0) > SURE
+        and all(angle_between(light.to_light_marker, true.point[:3]) > WRONG_RAD for true in scene.lights)
+        for light in estimate.lights
     )
 
 

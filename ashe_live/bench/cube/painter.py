@@ -85,7 +85,7 @@ def painted(scene: CubeScene) -> Image:
     fine = scene.camera.resized((width * FINER, height * FINER))
     light = _table(scene, fine)
     body = hull_of(scene)
-    whole = _projected(fine, scene.T_cam_cube, body)
+    whole = projected(fine, scene.T_cam_cube, body)
     grey = _irradiance(scene, np.array((0.0, 0.0, 1.0)), np.zeros(3))
     cv2.fillConvexPoly(
         light, _fixed(cv2.convexHull(whole.astype(np.float32))[:, 0]), (PAPER * grey).tolist(), shift=BITS
@@ -98,7 +98,7 @@ def painted(scene: CubeScene) -> Image:
         if (R @ corners.mean(axis=0) + t) @ (R @ normal) >= 0:
             continue
         reflectance = _print(member.marker.bitmap(round(TAG_SHARE * TEXTURE_PX)))
-        pixels = _projected(fine, scene.T_cam_cube, corners).astype(np.float32)
+        pixels = projected(fine, scene.T_cam_cube, corners).astype(np.float32)
         size = len(reflectance)
         ends = np.array([(0, 0), (size, 0), (size, size), (0, size)], np.float32) - np.float32(0.5)
         H = cv2.getPerspectiveTransform(ends, pixels)
@@ -130,7 +130,7 @@ def _irradiance(scene: CubeScene, normal: Float, place: Float) -> Float:
         nearer = 1.0 if one.point[3] == 0 else float(np.linalg.norm(one.point[:3]) / np.linalg.norm(way)) ** 2
         total = total + nearer * one.irradiance_rgb * max(float(normal @ way) / float(np.linalg.norm(way)), 0.0)
     body = hull_of(scene)
-    lit = [(_on_table(one), _cast(body, one.point)[:, :2]) for one in scene.lights]
+    lit = [(_on_table(one), cast_on_table(body, one.point)[:, :2]) for one in scene.lights]
     table = light_from_table(normal, place, lambda x, y: (1 - _hidden_sky(scene, x, y))[:, None] * scene.sky_rgb, lit)
     return np.asarray(total + scene.table_rgb * table)
 
@@ -181,7 +181,7 @@ def _seen(scene: CubeScene, fine: Camera, body: Float, one: PaintedLight) -> Flo
     """(h, w) how much of a light's disc each place of the table sees, from 0 to 1."""
     hidden = np.zeros(fine.size[::-1], np.uint8)
     for point in _disc(one):
-        pixels = _projected(fine, scene.T_cam_cube, _cast(body, point))
+        pixels = projected(fine, scene.T_cam_cube, cast_on_table(body, point))
         shadow = np.zeros_like(hidden)
         cv2.fillConvexPoly(shadow, _fixed(cv2.convexHull(pixels.astype(np.float32))[:, 0]), 1, shift=BITS)
         cv2.add(hidden, shadow, hidden)
@@ -211,13 +211,13 @@ def _disc(one: PaintedLight) -> Float:
     return points
 
 
-def _cast(points: Float, light: Float) -> Float:
+def cast_on_table(points: Float, light: Float) -> Float:
     """(n, 3) where the table has the points' shadows."""
     left = light[2] - light[3] * points[:, 2:]
     return np.asarray((light[2] * points - points[:, 2:] * light[:3]) / left)
 
 
-def _projected(camera: Camera, T_cam_cube: Float, points: Float) -> Float:
+def projected(camera: Camera, T_cam_cube: Float, points: Float) -> Float:
     in_camera = points @ T_cam_cube[:3, :3].T + T_cam_cube[:3, 3]
     depth = np.maximum(in_camera[:, 2:], 0.01)
     return np.asarray((in_camera / depth) @ camera.K[:2].T).clip(-3e4, 3e4)

@@ -1,5 +1,6 @@
 """The white paper of a body's visible facets, and the light that falls on it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -36,7 +37,7 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
     """Those of a box along the marker's axes that are seen in `picture` (h, w, 3), linear light, B, G, R."""
     points = body.points_marker(4)
     eye = camera_centre(view.T_cam_marker)
-    found: list[tuple[Float, Float, Float, bool, float]] = []
+    in_view: list[tuple[Float, Float, Float32]] = []
     for normal in NORMALS:
         along = points @ normal
         corners = points[along > along.max() - FOLDED * np.ptp(along)]
@@ -45,7 +46,10 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
         if len(corners) < 3 or (eye - centre) @ normal <= 0 or not np.isfinite(pixels).all():
             continue
         hull = np.asarray(cv2.convexHull(pixels.clip(-1e4, 1e4).astype(np.float32))[:, 0], dtype=np.float32)
-        seen = _inside(hull, picture)
+        in_view.append((normal, centre, hull))
+    found: list[tuple[Float, Float, Float, bool, float]] = []
+    for normal, centre, hull in in_view:
+        seen = _inside(hull, [other for _, _, other in in_view if other is not hull], picture)
         if len(seen) < LEAST_PX:
             continue
         brightness = seen @ np.full(3, 1 / 3, np.float32)
@@ -60,8 +64,12 @@ def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
     return Facets(np.array(normals), np.array(light), np.array(centres), np.array(clipped), np.array(widths))
 
 
-def _inside(hull: Float32, picture: Float32) -> Float32:
-    """(n, 3) pixels of a picture (h, w, 3) in a convex outline (m, 2), without its rim."""
+def _inside(hull: Float32, others: Sequence[Float32], picture: Float32) -> Float32:
+    """(n, 3) pixels of a picture (h, w, 3) in a convex outline (m, 2), without its rim and what may be others'.
+
+    Facets that were folded by hand reach into their neighbours' outlines, where a brighter one's white would be taken
+    for a darker one's.
+    """
     height, width = picture.shape[:2]
     (left, top), (right, bottom) = np.floor(hull.min(axis=0)).astype(int), np.ceil(hull.max(axis=0)).astype(int) + 1
     rows, columns = slice(max(top, 0), min(bottom, height)), slice(max(left, 0), min(right, width))
@@ -69,7 +77,9 @@ def _inside(hull: Float32, picture: Float32) -> Float32:
     if not part.size:
         return part.reshape(-1, 3)
     mask = np.zeros(part.shape[:2], np.uint8)
-    corners = hull - np.array((columns.start, rows.start), np.float32)
-    cv2.fillConvexPoly(mask, np.round(corners * 2**BITS).astype(np.int32), 1, shift=BITS)
+    corner = np.array((columns.start, rows.start), np.float32)
+    cv2.fillConvexPoly(mask, np.round((hull - corner) * 2**BITS).astype(np.int32), 1, shift=BITS)
     within = cv2.erode(mask, np.ones((2 * RIM_PX + 1, 2 * RIM_PX + 1), np.uint8), borderValue=0)
+    for other in others:
+        cv2.fillConvexPoly(within, np.round((other - corner) * 2**BITS).astype(np.int32), 0, shift=BITS)
     return part[within > 0]

@@ -32,6 +32,7 @@ class FoundLight:
     fit: EdgeFit | None  # None where the shadow's edges are hidden: the direction is then that which map and sides say
     darkening: float  # part of the table's light that it gives
     confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
+    may_be_lamp: bool = False  # whether it likelier is a lamp than a sun, whose distance is not told well enough
     exists: float | None = None  # of a light whose shadow is hidden beside others: probability that there is one
 
     @property
@@ -71,7 +72,8 @@ def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:
         edges = shadow_edges(seen.body, other.light, seen.view)
         if edges is not None:
             penumbra_px = other.size_rad * upper_quantile(edges.by_size, 0.9)
-            room = room.without(edges.corners_px, OTHER_EDGE_PX + OTHER_PENUMBRA * penumbra_px)
+            broad_px = OTHER_EDGE_PX + OTHER_PENUMBRA * penumbra_px
+            room = room.beside_shadow(edges.corners_px, broad_px, other.darkening)
     return room
 
 

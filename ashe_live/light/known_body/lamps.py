@@ -58,8 +58,11 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told:
     inverse_distance = nearness / float(np.linalg.norm(light[:3]))
     if nearness > LEAST_SIGMAS * math.sqrt(variance) and inverse_distance > LEAST_INVERSE_DISTANCE:
         return replace(one, light=light, covariance=covariance, fit=replace(fit, light=light))
-    light = one.light if sun > 0.5 else light
-    return replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2])
+    if sun > 0.5:
+        # As uncertain as a sun is by its edges, and as the nearness leaves it.
+        own = one.covariance[:2, :2] + variance * np.outer(by_nearness[:2], by_nearness[:2])
+        return replace(one, light=one.light * (1, 1, 1, 0), covariance=own)
+    return replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2], may_be_lamp=True)
 
 
 def _is_near(fit: EdgeFit, other: EdgeFit) -> bool:

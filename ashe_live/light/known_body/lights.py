@@ -13,7 +13,7 @@ from ashe_live.light.known_body.evidence import Evidence, Scan
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
 from ashe_live.light.known_body.outline.edges import shadow_edges
-from ashe_live.light.known_body.outline.fit import EdgeFit, fitted
+from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, looked_at_again
 from ashe_live.light.known_body.outline.odds import PALE, PALEST, edge_log_odds, with_edges
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.seen import Seen
@@ -101,6 +101,9 @@ def _with_confidence(
         beside = seen.beside(_points(others))
         palest = pale = LEAST_DARKENING
         log_none = LOG_NONE if one.exists is None else LOG_NONE_FURTHER
+        if one.fit is not None:
+            room, darkening = room_beside(seen, others), float(dark_rgb.mean())
+            one = replace(one, fit=looked_at_again(one.fit, seen.body, darkening, seen.light, room, seen.view))
     own = beside.scanned(seen.lit(one.light[None]))
     lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
     near = _posterior_near(seen.templates, beside.everywhere, one.sun_alike(height_of(seen.body)), lamp, log_none)
@@ -152,9 +155,19 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
         if is_told and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
-    if likeliest is None and len(known) == 1 and known[0].fit is not None and not known[0].is_lamp:
+    if likeliest is None and len(known) == 1 and _is_surely_sun(known[0]):
         return _hidden(seen, score, beside)
     return likeliest
+
+
+def _is_surely_sun(one: FoundLight) -> bool:
+    """Whether its edges are seen, and tell its direction, as of one whose shadow leaves the picture they do not.
+
+    Then they leave open as well how its light falls off, and how much of it each side gets.
+    """
+    if one.fit is None or one.is_lamp or one.may_be_lamp:
+        return False
+    return float(np.linalg.eigvalsh(one.fitted.covariance_rad2)[-1]) < (NEAR_RAD / 2) ** 2
 
 
 def _is_clear(fit: EdgeFit) -> bool:

@@ -26,5 +26,5 @@ def test_without_an_outline_there_is_less_room() -> None:
     room = Room.of(view(), BODY)
     square = np.array([(10.0, 10.0), (60.0, 10.0), (60.0, 60.0), (10.0, 60.0)])
     points = np.array([(35.0, 35.0), (35.0, 12.0), (35.0, 90.0)])
-    assert np.allclose(room.without(square, 3.0).around(points), [22.0, -1.0, 27.0])
+    assert np.allclose(room.beside_shadow(square, 3.0, 0.5).around(points), [22.0, -1.0, 27.0])
     assert np.allclose(room.outside(square).around(points), [-25 - BESIDE_PX, -2 - BESIDE_PX, 30 - BESIDE_PX])

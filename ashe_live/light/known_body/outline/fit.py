@@ -1,13 +1,13 @@
 """Moves a light until the predicted edges of the body's shadow lie where the light on the table falls to its half."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.outline.edges import shadow_edges
+from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.profiles import LEAST_PX, POINTS_A_SAMPLE, Profiles
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.table import height_of
@@ -73,8 +73,7 @@ def fitted(
         if is_first:
             wanted_px = np.full(len(edges.points_px), max(reaches[number] * height_px, 2 * LEAST_PX))
         else:
-            spread_px = np.sqrt(blur + (size * edges.by_size) ** 2)
-            wanted_px = np.clip(SPREADS * spread_px, LEAST_PX, max(MOST_SHARE * height_px, LEAST_PX))
+            wanted_px = _windows_px(edges, blur, size, height_px)
         profiles = Profiles.of(edges, wanted_px, picture, room)
         weight = profiles.weights(darkening, EARLY_LOSS if is_first else 1.0)
         if np.count_nonzero(weight) < FEWEST:
@@ -90,6 +89,23 @@ def fitted(
         if not is_first and np.abs(J @ step).max() < DONE_PX:
             break
     return _edge_fit(here, profiles, weight, step, prior, size or None, darkening)
+
+
+def looked_at_again(fit: EdgeFit, body: Proxy, darkening: float, picture: Float32, room: Room, view: View) -> EdgeFit:
+    """`fit` with what is seen of its edges in another `room`, as beside lights that were not known when it was made."""
+    edges = shadow_edges(body, fit.light, view)
+    if edges is None:
+        return fit
+    wanted_px = _windows_px(edges, BLUR_PX**2, fit.size_rad or 0.0, _height_px(body, view))
+    profiles = Profiles.of(edges, wanted_px, picture, room)
+    clear = profiles.clear(darkening) if profiles.visible.any() else 0.0
+    return replace(fit, clear=clear, seen=float(profiles.visible.mean()))
+
+
+def _windows_px(edges: ShadowEdges, blur_px2: float, size_rad: float, height_px: float) -> Float:
+    """(n,) how far an edge is looked for that is known but for its blur."""
+    spread_px = np.sqrt(blur_px2 + (size_rad * edges.by_size) ** 2)
+    return np.asarray(np.clip(SPREADS * spread_px, LEAST_PX, max(MOST_SHARE * height_px, LEAST_PX)))
 
 
 def widest_reach_px(body: Proxy, view: View) -> float:
@@ -143,13 +159,16 @@ def _edge_fit(
 ) -> EdgeFit:
     """What is said of a light (4,) after its last step (p,), with the information (p, p) of its start."""
     edges = profiles.edges
-    J = edges.by_light[:, : len(step)]
+    J, with_nearness = edges.by_light[:, : len(step)], len(step) > 2
     left_px = profiles.offset_px - J @ step
     variance = float((weight * left_px**2).sum() / weight.sum()) + LEAST_SIGMA_PX**2
     visible = profiles.visible
     # A side that shows an edge in few places, by chance or by its neighbours', has led the fit but tells nothing.
     count = len(edges.corners_px)
     shown = np.bincount(edges.side, weight, count) >= LEAST_SHOWN * np.bincount(edges.side, visible, count)
+    if with_nearness:
+        # A lamp's shadow that leaves the picture may end nearly anywhere, and comes to rest on any step by chance.
+        shown &= profiles.are_edges(darkening) | ~profiles.are_cut_off()
     told = weight * shown[edges.side]
     inverse = np.linalg.inv((J.T * told) @ J + prior)
     # Neighbouring points err alike, and a whole side does where stains, folds or the hidden sky's gradient shift it.

@@ -6,9 +6,8 @@ import numpy as np
 
 from ashe_live.light.known_body.outline.edges import POINTS
 from ashe_live.light.known_body.outline.fit import EdgeFit
-from ashe_live.light.known_body.outline.profiles import POINTS_A_SAMPLE
+from ashe_live.light.known_body.outline.profiles import BY_NONE, BY_STEP, POINTS_A_SAMPLE
 
-SHOWN, CHANCE = 0.85, 0.3  # probability that a place shows a step where there is an edge, and where there is none
 HIDDEN = 0.8  # factor of a probability whose edges cannot be seen
 ANYWHERE = 0.16  # robust scatter of what is no edge, over the reach in which it is looked for
 MOST_NEAR = 1.2  # log odds that one place may gain or lose by lying near to where it is predicted
@@ -27,8 +26,7 @@ def edge_log_odds(fit: EdgeFit | None) -> float:
         return 0.0
     places = fit.seen * POINTS / POINTS_A_SAMPLE
     near = float(np.clip(math.log(ANYWHERE / max(fit.misfit_share, 1e-6)), -MOST_NEAR, MOST_NEAR))
-    shown = fit.clear * (math.log(SHOWN / CHANCE) + near)
-    return places * (shown + (1 - fit.clear) * math.log((1 - SHOWN) / (1 - CHANCE)))
+    return places * (fit.clear * (BY_STEP + near) + (1 - fit.clear) * BY_NONE)
 
 
 def with_edges(

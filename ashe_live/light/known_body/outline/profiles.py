@@ -26,6 +26,9 @@ MOMENTS: Float32 = ((0.5 * (ALONG[1:] + ALONG[:-1]))[:, None] ** np.arange(3)).a
 # Neighbouring points see the same pixels, and a table's stains are wider than these: points over the sample size.
 POINTS_A_SAMPLE = 4.5
 LARGEST_RAD = math.radians(20)  # of a light's diameter that is stated
+SHOWN, CHANCE = 0.85, 0.3  # probability that a place shows a step where there is an edge, and where there is none
+# Of a place, by which the log odds of there being an edge grow: where it shows a step, and where it shows none.
+BY_STEP, BY_NONE = math.log(SHOWN / CHANCE), math.log((1 - SHOWN) / (1 - CHANCE))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,8 +40,9 @@ class Profiles:
     window: Float  # (n,) part of the window that was asked for, which holds an edge's blur, for which there is room
     offset_px: Float  # (n,) outwards of where they are predicted
     variance_px2: Float  # (n,) of the rise outwards
-    step: Float  # (n,) light lost, over the lit side's
+    step: Float  # (n,) light lost, over the table's where no shadow that is known lies
     visible: Mask  # (n,) with room enough on the bare table
+    in_picture: Mask  # (n,) and not at its border
 
     @staticmethod
     def of(edges: ShadowEdges, wanted_px: Float, picture: Float32, room: Room) -> "Profiles":
@@ -59,9 +63,11 @@ class Profiles:
         total, first, second = (rises @ MOMENTS).astype(np.float64).T
         total = np.maximum(total, 1e-9)
         variance = np.maximum(second / total - (first / total) ** 2, 0.0) * reach**2
-        step = lost / np.maximum(lit, 1e-4)
+        # In a known shadow less light is left, of which another light's edge takes the larger part.
+        step = lost / np.maximum(lit, 1e-4) * room.light_left(edges.points_px)
         window = np.minimum(reach / wanted_px, 1.0)
-        return Profiles(edges, reach, window, offset.clip(-reach, reach), variance, step, visible)
+        in_picture = room.from_border(edges.points_px) >= LEAST_PX
+        return Profiles(edges, reach, window, offset.clip(-reach, reach), variance, step, visible, in_picture)
 
     def are_steps(self, darkening: float) -> Mask:
         """(n,) which are visible and as deep as a light's edge that takes this part of the table's light."""
@@ -70,6 +76,17 @@ class Profiles:
     def clear(self, darkening: float) -> float:
         """Of the places that are visible, the part with a step; there must be some."""
         return float(self.are_steps(darkening)[self.visible].mean())
+
+    def are_edges(self, darkening: float) -> Mask:
+        """(m,) which of the outline's sides show steps at an independent place at least, and likelier are edges."""
+        count, steps = len(self.edges.corners_px), self.are_steps(darkening)
+        shown, visible = (np.bincount(self.edges.side, each, count) for each in (steps, self.visible))
+        return np.asarray((shown >= POINTS_A_SAMPLE) & (shown * BY_STEP + (visible - shown) * BY_NONE > 0))
+
+    def are_cut_off(self) -> Mask:
+        """(m,) of which of the outline's sides a part lies beyond the picture."""
+        beyond = np.bincount(self.edges.side, ~self.in_picture, len(self.edges.corners_px))
+        return np.asarray(beyond > 0)
 
     def weights(self, darkening: float, loss: float) -> Float:
         """(n,) weight of each edge, 0 for what is none; loss: factor on the scale of Cauchy's loss."""

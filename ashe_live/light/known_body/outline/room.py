@@ -11,6 +11,7 @@ from ashe_live.core.transforms import project
 from ashe_live.light.pixels.view import View, ground_line
 
 BESIDE_PX = 2.5  # of the body, whose rim is neither table nor shadow
+LEAST_LEFT = 0.03  # of the table's light, in the deepest shadow
 SHORTEST = 1e-9  # of an outline's side: a shorter one is a corner that is given twice
 
 
@@ -55,6 +56,7 @@ class Room:
     ground_line: Float  # (3,) of a pixel (x, y, 1), positive where the ray meets the table, unit (x, y)
     solid: tuple[Outline, ...]  # in which no table is seen
     edges: tuple[tuple[Outline, float], ...] = ()  # beside which none is seen, and how far beside, pixels
+    shades: tuple[tuple[Outline, float], ...] = ()  # in which the table lacks so much of its light
 
     @staticmethod
     def of(view: View, body: Proxy) -> "Room":
@@ -63,18 +65,29 @@ class Room:
         hull = cv2.convexHull(np.nan_to_num(pixels, nan=-1e4).clip(-1e4, 1e4).astype(np.float32))[:, 0]
         return Room(view.size, ground_line(view.camera, view.T_cam_marker), (Outline.of(hull.astype(np.float64)),))
 
-    def without(self, outline_px: Float, broad_px: float) -> "Room":
-        """The same without what lies within `broad_px` of a convex outline (k, 2)."""
-        return replace(self, edges=(*self.edges, (Outline.of(outline_px), broad_px)))
+    def beside_shadow(self, outline_px: Float, broad_px: float, darkening: float) -> "Room":
+        """The same without what lies within `broad_px` of a shadow's convex outline (k, 2), which lacks light."""
+        outline = Outline.of(outline_px)
+        return replace(self, edges=(*self.edges, (outline, broad_px)), shades=(*self.shades, (outline, darkening)))
 
     def outside(self, hull_px: Float) -> "Room":
         """The same without what lies in a convex outline (k, 2)."""
         return replace(self, solid=(*self.solid, Outline.of(hull_px)))
 
+    def light_left(self, points_px: Float) -> Float:
+        """(n,) part of the table's light at points (n, 2) beside or in the shadows that are known."""
+        left = np.ones(len(points_px))
+        for outline, darkening in self.shades:
+            left -= darkening * (outline.distances(points_px) < 0)
+        return np.maximum(left, LEAST_LEFT)
+
+    def from_border(self, points_px: Float) -> Float:
+        """(n,) pixels from points (n, 2) in the picture to its border; negative beyond."""
+        return np.asarray(np.minimum(points_px, np.subtract(self.size, 1) - points_px).min(axis=1))
+
     def around(self, points_px: Float) -> Float:
         """(n,) pixels from points (n, 2) to what is no bare table; negative on it."""
-        from_ends = np.minimum(points_px, np.subtract(self.size, 1) - points_px).min(axis=1)
-        least = np.minimum(from_ends, points_px @ self.ground_line[:2] + self.ground_line[2])
+        least = np.minimum(self.from_border(points_px), points_px @ self.ground_line[:2] + self.ground_line[2])
         for outline in self.solid:
             least = np.minimum(least, outline.distances(points_px) - BESIDE_PX)
         for outline, broad_px in self.edges:
