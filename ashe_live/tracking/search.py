@@ -89,6 +89,20 @@ def along_edges(
     return squares
 
 
+def first_along_edges(
+    expected: Mapping[int, Expected], most: int, image_bgr: Image, camera: Camera, samples: int, is_predictable: bool
+) -> dict[int, FittedSquare | None]:
+    """As `along_edges`, by number, the first so many that are found; those after them are not looked for."""
+    squares: dict[int, FittedSquare | None] = {}
+    untried = list(expected)
+    while untried and most > 0:
+        tried, untried = untried[:most], untried[most:]
+        found = along_edges([expected[number] for number in tried], image_bgr, camera, samples, is_predictable)
+        squares |= dict(zip(tried, found, strict=True))
+        most -= sum(one is not None for one in found)
+    return squares
+
+
 def _part(image_bgr: Image, corners_px: Float, margin_px: float) -> tuple[Light, tuple[int, int]] | None:
     """Linear light around corners (4, 2), and where in the picture it begins; None where they are not in it."""
     region = region_around(corners_px, margin_px, REACH_RATIO, image_bgr.shape)

@@ -21,7 +21,7 @@ from ashe_live.tracking.plane_markers import PlaneMarkers
 from ashe_live.tracking.poses.pose import Sighting, pose_of_squares, poses_of_square
 from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
-from ashe_live.tracking.search import Expected, along_edges, anywhere, in_front, nearby, refined
+from ashe_live.tracking.search import Expected, along_edges, anywhere, first_along_edges, in_front, nearby, refined
 
 # After so long without the marker, its last pose says nothing about the next one.
 MEMORY_S = 0.5
@@ -150,27 +150,21 @@ class MarkerTracker:
         """The members where they move on as they did, or where the pose has them; as many as are measured."""
         moved_px = last.expected_px(time_s)
         expected = self._projected(camera, last.pose.measured_T_cam_marker, moved_px) | moved_px
-        untried = in_front(expected, last.corners_px)
-        missing = FACES_MEASURED if self._folding is not None and not self._folding.wants_all else len(untried)
-        squares: dict[int, FittedSquare | None] = {}
-        while untried and missing:
-            tried, untried = untried[:missing], untried[missing:]
-            sigmas = (last.aligned_sigmas.get(number, 0.0) for number in tried)
-            where = [Expected(self._members[n].marker, expected[n], s) for n, s in zip(tried, sigmas, strict=True)]
-            found = along_edges(where, image, camera, self.preset.edge_samples, last.is_predictable)
-            squares |= dict(zip(tried, found, strict=True))
-            missing -= sum(one is not None for one in found)
-        return squares
+        where = {
+            number: Expected(self._members[number].marker, expected[number], last.aligned_sigmas.get(number, 0.0))
+            for number in in_front(expected, last.corners_px)
+        }
+        most = FACES_MEASURED if self._folding is not None and not self._folding.wants_all else len(where)
+        return first_along_edges(where, most, image, camera, self.preset.edge_samples, last.is_predictable)
 
     def _projected(self, camera: Camera, T_cam_marker: Float, but: Container[int]) -> dict[int, Float]:
         """Corners (4, 2), picture pixels, of all members `but` some, where a pose has them."""
-        corners = {}
-        for number in range(len(self._members)):
-            if number not in but:
-                ideal = project(camera, T_cam_marker, self._corners(number))
-                if np.isfinite(ideal).all():
-                    corners[number] = source_from_ideal(camera, ideal)
-        return corners
+        numbers = [number for number in range(len(self._members)) if number not in but]
+        if not numbers:
+            return {}
+        ideal = project(camera, T_cam_marker, np.concatenate([self._corners(number) for number in numbers]))
+        corners = zip(numbers, ideal.reshape(-1, 4, 2), strict=True)
+        return {number: source_from_ideal(camera, each) for number, each in corners if np.isfinite(each).all()}
 
     def _search(self, image: Image, camera: Camera, last: Memory | None) -> dict[int, FittedSquare | None]:
         """In the whole frame: of a layout, the first of its markers that is found."""

@@ -63,12 +63,13 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
 def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
     """The lights to be stated.
 
-    One whose shadow is hidden is stated beside others for its share of the light, be its direction uncertain.
+    One that there is is stated beside others for its share of the light, be its direction uncertain.
     """
     is_likely = [each.confidence >= LEAST_CONFIDENCE for each in found]
     if not any(is_likely):
         return []
-    return [each for each, likely in zip(found, is_likely, strict=True) if likely or each.exists is not None]
+    exist = [(each.exists or 0.0) >= LEAST_CONFIDENCE for each in found]
+    return [each for each, *kept in zip(found, is_likely, exist, strict=True) if any(kept)]
 
 
 def _illumination(seen: Seen, found: Sequence[FoundLight], dark: Float, tracked: TrackedFrame) -> Illumination:

@@ -33,7 +33,7 @@ class FoundLight:
     darkening: float  # part of the table's light that it gives
     confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
     may_be_lamp: bool = False  # whether it likelier is a lamp than a sun, whose distance is not told well enough
-    exists: float | None = None  # of a light whose shadow is hidden beside others: probability that there is one
+    exists: float | None = None  # probability that there is one, of a hidden light, and of others once that is asked
 
     @property
     def size_rad(self) -> float:

@@ -110,7 +110,16 @@ def _with_confidence(
     # Beside the foot the hidden sky's gradient looks like a step, and map and sides know better.
     by_all = float(own.darkenings[0, -1])
     step = min(by_all, float(dark_rgb.mean()))
-    return replace(one, confidence=with_edges(near, one.fit, step, palest, pale))
+    exists = with_edges(near, one.fit, step, palest, pale)
+    if one.fit is None:
+        return replace(one, confidence=exists)
+    return replace(one, exists=exists, confidence=exists * _share_near(one))
+
+
+def _share_near(one: FoundLight) -> float:
+    """Probability that the light is within NEAR_RAD which casts the shadow, by what its edges leave open of it."""
+    sigmas = np.sqrt(np.maximum(np.linalg.eigvalsh(one.fitted.covariance_rad2), 1e-12))
+    return math.prod(math.erf(NEAR_RAD / (math.sqrt(2) * sigma)) for sigma in sigmas.tolist())
 
 
 def _posterior_near(templates: Templates, scan: Scan, to_sun: Float, lamp: float, log_none: float) -> float:

@@ -18,7 +18,13 @@ from ashe_live.core.types import MarkerPose
 from ashe_live.tracking.edges.corner_errors import FITTED, CornerErrors, systematic
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
-from ashe_live.tracking.poses.pose_refinement import Solution, covariances_of, refined_solution, solution_of
+from ashe_live.tracking.poses.pose_refinement import (
+    Solution,
+    covariances_of,
+    followed_solution,
+    refined_solution,
+    solution_of,
+)
 
 # The smaller error alone decides when the other is so much larger: in ratio, and beyond what explains itself by noise
 # and by curled paper. On a real clip, paper that curls by 2 % of its side gives the wrong pose an eighth of the error.
@@ -140,6 +146,11 @@ def _chosen_solution(
     def refined(solution: Solution) -> Solution:
         return refined_solution(solution, seen.points, seen.pixels, seen.information, camera.K)
 
+    if previous is not None:
+        T = previous.measured_T_cam_marker
+        followed = followed_solution(T, seen.points, seen.pixels, seen.information, camera.K)
+        if followed is not None:
+            return followed, None
     starts = (
         solution_of(R, t, seen.points, seen.pixels, seen.information, camera.K) for R, t in _ippe(seen.largest, camera)
     )

@@ -15,6 +15,9 @@ from ashe_live.core.arrays import Float
 STEPS = 8
 # A step that moves no point by more than this many standard deviations ends it.
 SMALL_STEP = 1e-3
+# How far off the last pose may leave the corners to be as good a start as a square's own; and how far out of one
+# square's plane, over its side, others lie of which only one pose remains possible.
+FOLLOWED_PX, LEAST_DEPTH = 2.0, 0.3
 FIRST_DAMPING, EASED, TIGHTENED = 1e-4, 0.1, 10.0
 
 
@@ -89,6 +92,22 @@ def refined_solution(start: Solution, points: Float, pixels: Float, information:
         if step @ hessian @ step < SMALL_STEP**2:
             break
     return best
+
+
+def followed_solution(T_previous: Float, points: Float, pixels: Float, information: Float, K: Float) -> Solution | None:
+    """The solution with the least cost near the last pose (4, 4), whose points (4 n, 3) are corners of n squares.
+
+    None where that is no start, as too far off, or where all lie in one plane, of which a second pose has to be asked.
+    """
+    x, y = points[1] - points[0], points[0] - points[3]
+    # np.cross would take as long as a step.
+    normal = np.array((x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]))
+    if np.abs((points - points[0]) @ normal).max() < LEAST_DEPTH * float(x @ x) ** 1.5:
+        return None
+    start = solution_of(T_previous[:3, :3], T_previous[:3, 3], points, pixels, information, K)
+    if start is None or start.rms_px > FOLLOWED_PX:
+        return None
+    return refined_solution(start, points, pixels, information, K)
 
 
 def pixels_by_points(in_camera: Float, K: Float) -> Float:

@@ -54,7 +54,9 @@ def test_a_sun_is_no_lamp(elevation_deg: float) -> None:
         assert found(sun(azimuth_deg, elevation_deg)).kind == "directional"
 
 
-@pytest.mark.parametrize(("azimuth_deg", "tilt_deg", "turn_deg"), [(200, 45, 30), (155, 60, 20), (65, 30, 300)])
+@pytest.mark.parametrize(
+    ("azimuth_deg", "tilt_deg", "turn_deg"), [(200, 45, 30), (155, 60, 20), (65, 30, 300), (205, 42, 30)]
+)
 def test_a_low_lamp_whose_shadow_leaves_the_picture_is_as_unsure_as_it_is_far_off(
     azimuth_deg: float, tilt_deg: float, turn_deg: float
 ) -> None:

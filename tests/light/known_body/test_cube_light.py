@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+from ashe_live.bench.cube.scenes import CubeSet
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
@@ -124,6 +125,12 @@ def test_the_rest_of_a_shadow_is_no_second_light() -> None:
             CubeScene(CAMERA, looking(0.45, 50, 80), [sun(azimuth_deg, 44)], mottled=0.1, seed=azimuth_deg)
         )
         assert len(answer.lights) <= 1
+
+
+def test_what_darkens_the_foot_within_a_shadow_is_no_second_light() -> None:
+    """There the cube hides most of the sky, which is all that is left: its gradient is as steep as a step."""
+    scenes = [*CubeSet("sun", key=1).scenes(33, 31337)]
+    assert len(estimate(scenes[32]).lights) == 1
 
 
 def test_lights_that_come_within_the_maps_resolution_are_one() -> None:

@@ -12,7 +12,6 @@ from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose
 from ashe_live.quality import BALANCED
 from ashe_live.tracking import search
-from ashe_live.tracking import tracker as tracker_module
 from ashe_live.tracking.edges.squares import FittedSquare
 from ashe_live.tracking.families.layout import cube_layout
 from ashe_live.tracking.tracker import MarkerTracker
@@ -89,13 +88,14 @@ def test_once_its_folds_are_known_two_faces_are_enough_and_others_stand_in_for_c
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     looked_at: list[bool] = []
+    look = search.along_edges
 
     def along_edges(*where: Any) -> list[FittedSquare | None]:
-        squares = search.along_edges(*where)
+        squares = look(*where)
         looked_at.extend(square is not None for square in squares)
         return squares
 
-    monkeypatch.setattr(tracker_module, "along_edges", along_edges)
+    monkeypatch.setattr(search, "along_edges", along_edges)
     T = looking(0.35, 55, 40)
     frame = frame_of(CubeScene(CAMERA, T, [sun(200, 40)]))
     following = tracker()

@@ -1,0 +1,43 @@
+"""The light of a folded cube's sides, by Lambert's law of a painted one."""
+
+import numpy as np
+import pytest
+
+from ashe_live.light.known_body.facets import facets_of
+from ashe_live.light.known_body.table import linear_picture
+from ashe_live.light.pixels.view import View
+from ashe_live.quality import BALANCED
+from ashe_live.tracking.families.layout import cube_layout
+from ashe_live.tracking.tracker import MarkerTracker
+from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
+
+DIRECT, SKY = 0.6, 0.3  # of level ground
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("azimuth_deg", [25, 40])
+def test_a_dark_side_is_not_taken_for_its_bright_neighbour(azimuth_deg: float, seed: int) -> None:
+    """By hand no cube is folded so that no face reaches into another's outline."""
+    folds = Folds.drawn(np.random.default_rng(seed), EDGE_M)
+    # Both sides in view face away from the sun, and a black table sends them nothing: an even sky's half is left.
+    light = sun(180 + azimuth_deg, 50, on_table=DIRECT)
+    scene = CubeScene(
+        CAMERA,
+        looking(0.4, 55, azimuth_deg),
+        [light],
+        sky_rgb=np.full(3, SKY),
+        folds=folds,
+        table_rgb=np.full(3, 0.02),
+        exposure=0.7,
+        seed=seed,
+    )
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    assert tracked.marker is not None
+    assert tracked.marker.body is not None
+    view = View.of(tracked, 640)
+    facets = facets_of(view, tracked.marker.body, linear_picture(view))
+    level = facets.normals[:, 2] > 0.99
+    relative = facets.light_rgb.mean(axis=1) / facets.light_rgb[level].mean()
+    direct = float(light.irradiance_rgb.mean() * light.point[2])
+    assert np.count_nonzero(~level) == 2
+    assert relative[~level] == pytest.approx(np.full(2, 0.5 * SKY / (SKY + direct)), abs=0.04)
