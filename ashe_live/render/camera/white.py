@@ -9,6 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import mean_side_px
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.lights.cast_shadows import lit_past
 from ashe_live.render.lights.lighting import RGB, Lighting
@@ -23,6 +24,7 @@ MOST_OVER = 1.4  # paper is not overexposed by more: nobody would film on
 ASSUMED_WHITE = 0.8
 MIN_CONTRAST = 1.6  # of paper over black ink
 RING_SIDES = (0.57, 0.62)  # from the marker's centre, in sides: on the paper's margin
+OVERSHOOT_PX = 3.0  # beside the square: so far sharpening makes paper brighter than it is
 INK_SIDES = 0.45  # and in the middle of the square's black border
 LEAST_LEVEL = 0.05  # of the light in a shadow: black says nothing about white
 MIN_PAPER = 0.02  # its linear brightness in the picture: darker is no white
@@ -37,8 +39,11 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
     """
     assert tracked.marker is not None
     side = print_side_m(tracked)
+    side_px = mean_side_px(print_pixels(tracked, side * np.array([(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)])))
     along = np.linspace(-0.5, 0.5, AROUND)
-    ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in RING_SIDES for x in along])
+    nearest, farthest = RING_SIDES
+    nearest = float(np.clip(0.5 + OVERSHOOT_PX / side_px, nearest, farthest))
+    ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in (nearest, farthest) for x in along])
     inside = np.concatenate([[(INK_SIDES * s, 0.9 * x), (0.9 * x, INK_SIDES * s)] for s in (-1, 1) for x in along])
     level = partial(_level, lighting, real_object)
     paper, ink = (_linear_at(tracked, side * points, level) for points in (ring, inside))
@@ -50,9 +55,8 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
     lit = paper[brightness >= np.quantile(brightness, 0.6)]
     if np.median(brightness) < max(MIN_CONTRAST * np.median(darkness), MIN_PAPER):
         return grey
-    seen = lit.mean(axis=0)
-    seen = seen * _overexposure(float(seen @ REC709_LUMINANCE), float(np.quantile(darkness, 0.6)))
-    red, green, blue = (float(value) / PAPER_ALBEDO for value in seen)
+    black = ink[darkness >= np.quantile(darkness, 0.4)]
+    red, green, blue = (float(value) / PAPER_ALBEDO for value in _as_exposed(lit.mean(axis=0), black.mean(axis=0)))
     return red, green, blue
 
 
@@ -77,14 +81,22 @@ def print_side_m(tracked: TrackedFrame) -> float:
     return tracked.marker.side_m * (1.0 if tracked.marker.body is None else BODY_PRINT_SHARE)
 
 
-def _overexposure(paper: float, ink: float) -> float:
-    """Factor by which paper would be brighter than the picture can show, by ink beside it; linear brightnesses.
+def _as_exposed(paper: Float, ink: Float) -> Float:
+    """(3,) paper as it would be if no channel were brighter than the picture can show, by ink beside it; linear RGB.
 
-    Gloss brightens ink as much as overexposure does, and clips paper, too: half of the logarithm is left to it.
+    Ink is as colourless as paper and has the light's colours, where paper has lost them. How bright paper is, a
+    channel tells that is not overexposed, else ink's brightness. Gloss brightens ink as much as overexposure does, and
+    clips paper, too: half of the logarithm is left to it.
     """
     low, high = OVEREXPOSED
-    share = float(np.clip((paper - low) / (high - low), 0.0, 1.0))
-    return 1 + share * (float(np.clip(np.sqrt(ink / INK_RATIO / paper), 1.0, MOST_OVER)) - 1)
+    shares = np.clip((paper - low) / (high - low), 0.0, 1.0)
+    over = np.sqrt((ink @ REC709_LUMINANCE) / INK_RATIO / (paper @ REC709_LUMINANCE))
+    by_ink = float(paper @ REC709_LUMINANCE) * float(np.clip(over, 1.0, MOST_OVER)) * ink / (ink @ REC709_LUMINANCE)
+    known = 1 - shares
+    if known.any():
+        by_channel = ink * (known @ paper) / (known @ ink)
+        by_ink += (by_channel - by_ink) * known.max()
+    return np.asarray(paper + shares * np.maximum(by_ink - paper, 0.0), np.float64)
 
 
 def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) -> Float:
