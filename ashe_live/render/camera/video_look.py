@@ -16,7 +16,7 @@ from ashe_live.core.types import TrackedFrame
 from ashe_live.render.camera.chroma_blur import chroma_blur_px
 from ashe_live.render.camera.edges import blur_and_sharpening
 from ashe_live.render.camera.grain import SILENT, NoiseLevels, has_coarse_chroma, noise_levels
-from ashe_live.render.camera.white import OVEREXPOSED, PAPER_ALBEDO, print_pixels, print_side_m, white_of
+from ashe_live.render.camera.white import OVEREXPOSED, PAPER_ALBEDO, print_corners_px, white_of
 from ashe_live.render.lights.lighting import RGB, Lighting
 
 HALF_RESOLUTION_PX = 1.0  # sigma of colours that are means of two pixels, interpolated: variances of 1/4 and 3/4
@@ -61,10 +61,7 @@ def look_of(
     if not blur and not noise:
         return VideoLook(white, None, SILENT)
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
-    corners = tracked.marker.corners_px
-    if tracked.marker.body is not None:
-        half = 0.5 * print_side_m(tracked)
-        corners = print_pixels(tracked, np.array([(-half, half), (half, half), (half, -half), (-half, -half)]))
+    corners = print_corners_px(tracked)
     middle = corners.mean(axis=0)
     sigma_px, sharpening = blur_and_sharpening(grey, corners) if blur else (None, 0.0)
     return VideoLook(

@@ -1,5 +1,6 @@
 """Exposure and white balance: what perfectly white ground has in the picture, by the marker's paper and ink."""
 
+import math
 from collections.abc import Callable
 from functools import partial
 
@@ -9,6 +10,7 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, REC709_LUMINANCE
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import mean_side_px, square_corners
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.lights.cast_shadows import lit_past
 from ashe_live.render.lights.lighting import RGB, Lighting
@@ -16,6 +18,9 @@ from ashe_live.render.lights.lighting import RGB, Lighting
 PAPER_ALBEDO = 0.8  # of office paper, which reflects all colours alike
 # Of printed black over paper: 0.045 of a laser printer's toner over 0.8, and what a lens scatters, 1 % of the paper.
 INK_RATIO = 0.07
+# By how far, in logarithms, black print and exposure are off what they are as a rule, and how often print is no black
+# but pale grey, over how often it is black, at the black's likeliest brightness.
+INK_SPREAD, EXPOSURE_SPREAD, PALE = 0.3, 0.3, 0.15
 # Linear brightness of paper from which, and from which fully, it counts as overexposed: tone curves bend the last bit.
 OVEREXPOSED = (0.88, 0.94)
 MOST_OVER = 1.4  # paper is not overexposed by more: nobody would film on
@@ -23,8 +28,10 @@ MOST_OVER = 1.4  # paper is not overexposed by more: nobody would film on
 ASSUMED_WHITE = 0.8
 MIN_CONTRAST = 1.6  # of paper over black ink
 RING_SIDES = (0.57, 0.62)  # from the marker's centre, in sides: on the paper's margin
+OVERSHOOT_PX = 3.0  # beside the square: so far sharpening makes paper brighter than it is
 INK_SIDES = 0.45  # and in the middle of the square's black border
 LEAST_LEVEL = 0.05  # of the light in a shadow: black says nothing about white
+BLACKEST = 1e-3  # its ink, linear: a picture may show it as nothing at all
 MIN_PAPER = 0.02  # its linear brightness in the picture: darker is no white
 AROUND = 12  # places along each of the square's edges
 BODY_PRINT_SHARE = 0.7  # of a body's edge: the black square on its faces, as `tracking.cube.faces` has it printed
@@ -37,8 +44,11 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
     """
     assert tracked.marker is not None
     side = print_side_m(tracked)
+    side_px = mean_side_px(print_corners_px(tracked))
     along = np.linspace(-0.5, 0.5, AROUND)
-    ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in RING_SIDES for x in along])
+    nearest, farthest = RING_SIDES
+    nearest = float(np.clip(0.5 + OVERSHOOT_PX / max(side_px, 1.0), nearest, farthest))
+    ring = np.concatenate([[(x, r), (x, -r), (r, x), (-r, x)] for r in (nearest, farthest) for x in along])
     inside = np.concatenate([[(INK_SIDES * s, 0.9 * x), (0.9 * x, INK_SIDES * s)] for s in (-1, 1) for x in along])
     level = partial(_level, lighting, real_object)
     paper, ink = (_linear_at(tracked, side * points, level) for points in (ring, inside))
@@ -50,9 +60,8 @@ def white_of(tracked: TrackedFrame, lighting: Lighting | None = None, real_objec
     lit = paper[brightness >= np.quantile(brightness, 0.6)]
     if np.median(brightness) < max(MIN_CONTRAST * np.median(darkness), MIN_PAPER):
         return grey
-    seen = lit.mean(axis=0)
-    seen = seen * _overexposure(float(seen @ REC709_LUMINANCE), float(np.quantile(darkness, 0.6)))
-    red, green, blue = (float(value) / PAPER_ALBEDO for value in seen)
+    black = ink[darkness >= np.quantile(darkness, 0.4)]
+    red, green, blue = (float(value) / PAPER_ALBEDO for value in _as_exposed(lit.mean(axis=0), black.mean(axis=0)))
     return red, green, blue
 
 
@@ -71,20 +80,43 @@ def print_pixels(tracked: TrackedFrame, places: Float) -> Float:
     return np.asarray(pixels.reshape(-1, 2), dtype=np.float64)
 
 
+def print_corners_px(tracked: TrackedFrame) -> Float:
+    """(4, 2) of the print's black square, in the order of the marker's; NaN where any lies behind the camera."""
+    assert tracked.marker is not None
+    if tracked.marker.body is None:
+        return tracked.marker.corners_px
+    return print_pixels(tracked, square_corners(print_side_m(tracked))[:, :2])
+
+
 def print_side_m(tracked: TrackedFrame) -> float:
     """Of the black square."""
     assert tracked.marker is not None
     return tracked.marker.side_m * (1.0 if tracked.marker.body is None else BODY_PRINT_SHARE)
 
 
-def _overexposure(paper: float, ink: float) -> float:
-    """Factor by which paper would be brighter than the picture can show, by ink beside it; linear brightnesses.
+def _as_exposed(paper: Float, ink: Float) -> Float:
+    """(3,) paper as it would be if no channel were brighter than the picture can show, by ink beside it; linear RGB.
 
-    Gloss brightens ink as much as overexposure does, and clips paper, too: half of the logarithm is left to it.
+    Ink is as colourless as paper and has the light's colours, where paper has lost them. How bright paper is, a
+    channel tells that is not overexposed, else ink's brightness: half of the logarithm by which ink is brighter than
+    as a rule, as exposure and ink vary alike, and the less of it, the likelier it is that the print is a pale one.
     """
     low, high = OVEREXPOSED
-    share = float(np.clip((paper - low) / (high - low), 0.0, 1.0))
-    return 1 + share * (float(np.clip(np.sqrt(ink / INK_RATIO / paper), 1.0, MOST_OVER)) - 1)
+    ink = np.maximum(ink, BLACKEST)
+    shares = np.clip((paper - low) / (high - low), 0.0, 1.0)
+    brightness, darkness = float(paper @ REC709_LUMINANCE), float(ink @ REC709_LUMINANCE)
+    excess = math.log(darkness / INK_RATIO / brightness)
+    variance = INK_SPREAD**2 + EXPOSURE_SPREAD**2
+    black = math.exp(-(excess**2) / (2 * variance))
+    over = math.exp(EXPOSURE_SPREAD**2 / variance * excess * black / (black + PALE))
+    by_ink = brightness * float(np.clip(over, 1.0, MOST_OVER)) * ink / darkness
+    # No channel is darker than it is seen.
+    by_ink *= max(1.0, float((paper / by_ink).max()))
+    known = 1 - shares
+    if known.any():
+        by_channel = ink * (known @ paper) / (known @ ink)
+        by_ink += (by_channel - by_ink) * known.max()
+    return np.asarray(paper + shares * np.maximum(by_ink - paper, 0.0), np.float64)
 
 
 def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) -> Float:

@@ -4,7 +4,8 @@
     bpyenv/bin/python -m scenes.pairs render --out PAIRS          # three pictures a scene; stop and start as you like
     env/bin/python -m scenes.pairs develop --out PAIRS            # then: ashe-live bench render --pairs PAIRS
 
-Twelve scenes of the development set: grounds, suns of 0.5 to 7 degrees, plain cameras, phones and webcams.
+Twelve scenes of the development set: grounds, suns of 0.5 to 7 degrees, plain cameras, phones and webcams; with
+`specify --seed N` as many of the training set as chance has them, to check on what was not looked at while building.
 The sheet lies flat on the ground, as a model stands on the marker's plane.
 """
 
@@ -13,6 +14,7 @@ import json
 import math
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +25,7 @@ Params = dict[str, Any]
 CHOSEN = (
     (6, 2), (43, 2), (19, 2), (53, 2), (52, 1), (23, 2), (57, 0), (10, 0), (50, 1), (18, 0), (58, 1), (66, 0),
 )  # fmt: skip
+TRAINING = 620  # scenes of that set, of which others are drawn
 VERSIONS = ("bare", "model", "open")  # as it is, with the model, and without the sheet
 MODEL = "cube"
 MODEL_INDEX = 9  # of the object index pass
@@ -34,20 +37,40 @@ DEEP_PX, BESIDE_PX, FEWEST_PX = 5, 40, 60  # ground in and beside the real shado
 FOOTPRINT_SIDES, HEIGHT_SIDES = 1.0, 1.2  # as ashe_live/models/placement.py
 
 
-def specify(out: Path) -> None:
-    from scenes.specify import specification
-
+def specify(out: Path, seed: int | None) -> None:
     out.mkdir(parents=True, exist_ok=True)
     scenes = []
-    for index, number in CHOSEN:
-        spec = specification("development", index)
-        picture = spec["pictures"][number]
-        spec["pictures"] = [picture]
+    for spec in chosen() if seed is None else drawn(seed):
         spec["ground"]["z_m"] = -LEAST_LIFT_M
         spec["marker"]["card_m"] = spec["marker"]["curl_m"] = 0.0
         spec["marker"]["paper"] = PAPER
         scenes.append(spec)
     (out / "specifications.json").write_text(json.dumps({"set": "pairs", "model": MODEL, "scenes": scenes}))
+
+
+def chosen() -> Iterator[Params]:
+    """Specifications with one picture each."""
+    from scenes.specify import specification
+
+    for index, number in CHOSEN:
+        spec = specification("development", index)
+        yield spec | {"pictures": [spec["pictures"][number]]}
+
+
+def drawn(seed: int) -> Iterator[Params]:
+    """The same of the training set, at random: as many, each in the light of one sun."""
+    from scenes.specify import specification
+
+    rng = np.random.default_rng(seed)
+    found = 0
+    for index in rng.permutation(TRAINING):
+        spec = specification("training", int(index))
+        suitable = [each for each in spec["pictures"] if len(each["lights"]) == 1]
+        if suitable:
+            yield spec | {"pictures": [suitable[int(rng.integers(len(suitable)))]]}
+            found += 1
+        if found == len(CHOSEN):
+            return
 
 
 def render(out: Path, count: int | None, samples: int) -> None:
@@ -198,11 +221,12 @@ def main() -> None:
     ask = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     ask.add_argument("stage", choices=("specify", "render", "develop"))
     ask.add_argument("--out", type=Path, required=True)
+    ask.add_argument("--seed", type=int, help="specify other scenes than the twelve, drawn at random")
     ask.add_argument("--count", type=int, help="only the first so many scenes")
     ask.add_argument("--samples", type=int, default=SAMPLES)
     asked = ask.parse_args()
     if asked.stage == "specify":
-        specify(asked.out)
+        specify(asked.out, asked.seed)
     elif asked.stage == "render":
         render(asked.out, asked.count, asked.samples)
     else:
