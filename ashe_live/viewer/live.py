@@ -151,7 +151,7 @@ class LiveViewer:
         moment = self._playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality.shown, self._playback.pace_shown, recording)))
-        self._display.drawn_models = self._renderer.shown_models
+        self._session.table.drawn = self._renderer.shown_models
         scene = self._display.scene(
             self._session, size, manner, now_s, self._stillness.fps(self._is_idle), status, scale, moment
         )

@@ -173,7 +173,6 @@ class FakeKeyViews:
 class FakeShelf:
     """Four names, and nothing behind them."""
 
-    progress = None
     moves = False
     marker_side_m = 0.08
 
@@ -191,6 +190,9 @@ class FakeShelf:
     @property
     def shown_name(self) -> str:
         return self.chosen_name
+
+    def progress(self, _is_drawn: bool) -> str | None:
+        return None
 
     def take_up(self, name: str, _model: object) -> None:
         self.at = self.names.index(name)
