@@ -115,7 +115,7 @@ def _take(one: _Described, key: str, value: str) -> None:
         if len(numbers) >= 3:
             setattr(one, COLOURS[key], numbers[:3])
     elif key in ("d", "tr"):
-        # 0 is invisible for the one, and opaque for the other, which some programs take for the same: d is the format's.
+        # 0 is invisible for the one, and opaque for the other, which some programs mix up: of both the first holds.
         (*_, last) = _numbers(value.replace("-halo", "")) or (1.0,)
         if key == "d" or not one.has_opacity:
             one.opacity = last if key == "d" else 1 - last

@@ -1,7 +1,7 @@
 """STL: three corners a triangle, in binary or as text.
 
-Two programs' ways to colour binary files are in use, in the two bytes that the format leaves to each triangle: VisCAM's,
-and that of Materialise Magics, whose header has the colour of all that have none of their own
+Two programs' ways to colour binary files are in use, in the two bytes that the format leaves to each triangle:
+VisCAM's, and that of Materialise Magics, whose header has the colour of all that have none of their own
 (https://en.wikipedia.org/wiki/STL_(file_format)#Color_in_binary_STL).
 """
 

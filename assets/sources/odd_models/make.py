@@ -2,8 +2,8 @@
 
     python make.py DIR [--first 0] [--count 400]        needs bpy (the extra `scenes`)
 
-Seeded by their numbers; others are made from --first on. What leaves the truth open is left out: an exporter that applies
-modifiers drops shape keys, so that a model has one or the other.
+Seeded by their numbers; others are made from --first on. What leaves the truth open is left out: an exporter that
+applies modifiers drops shape keys, so that a model has one or the other.
 """
 
 import argparse

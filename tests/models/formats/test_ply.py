@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
-from PIL import Image
 import trimesh
 
 from ashe_live.core.colour import linear_from_srgb
@@ -151,7 +150,7 @@ def test_a_cloud_of_points_is_said_to_be_one(tmp_path: Path) -> None:
 
 def test_of_several_textures_one_is_drawn_with_a_word(tmp_path: Path) -> None:
     for name in ("a", "b"):
-        Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / f"{name}.png")
+        PIL.Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / f"{name}.png")
     head = "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment TextureFile b.png\nelement vertex 3\n"
     names = "".join(f"property float {name}\n" for name in "xyzst")
     (tmp_path / "a.ply").write_text(

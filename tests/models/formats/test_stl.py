@@ -15,7 +15,7 @@ def colours(folder: Path, header: bytes, attributes: list[int]) -> np.ndarray | 
     """(n, 4) of triangles beside one another with these attributes; None without colours."""
     facets = np.zeros(len(attributes), TRIANGLE)
     for number, facet in enumerate(facets):
-        facet["corners"] = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)]) + (number, 0, 0)
+        facet["corners"] = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)]) + np.array((number, 0, 0))
     facets["attribute"] = attributes
     content = header.ljust(80, b"\0") + len(facets).to_bytes(4, "little") + facets.tobytes()
     (folder / "a.stl").write_bytes(content)
