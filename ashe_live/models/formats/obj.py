@@ -58,6 +58,8 @@ def read_obj(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
     corners, counts = _corners(lines, (len(places), len(uvs), len(normals)))
     faces = np.asarray(lines.materials)
     names = list(lines.names)
+    if colours is not None and any(materials.get(names[number], UNKNOWN) is not UNKNOWN for number in set(faces)):
+        notes.add("the colours of its vertices are multiplied with those of its materials")
     for number in np.unique(faces):
         some = faces == number
         triangles = triangulated(places, corners[np.repeat(some, counts), 0], counts[some])

@@ -229,3 +229,12 @@ def test_curved_surfaces_are_said_to_be_left_out(tmp_path: Path) -> None:
 def test_a_mask_without_a_picture_is_said(tmp_path: Path) -> None:
     model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a="newmtl m\nmap_d mask.png\n")
     assert model.notes == ("masks of its materials without a picture are left out",)
+
+
+def test_colours_of_vertices_and_materials_together_are_said(tmp_path: Path) -> None:
+    """The format knows the ones alone, and programs differ in what they make of both."""
+    coloured = TRIANGLE.replace("v 0 0 0", "v 0 0 0 1 0 0").replace("v 1 0 0", "v 1 0 0 1 0 0")
+    coloured = coloured.replace("v 0 1 0", "v 0 1 0 1 0 0")
+    assert not read(tmp_path, coloured).notes
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{coloured}", a="newmtl m\nKd 1 0 0\n")
+    assert model.notes == ("the colours of its vertices are multiplied with those of its materials",)
