@@ -227,7 +227,7 @@ class LiveViewer:
     def _take_up(self, pipeline: Pipeline) -> None:
         self._pipeline = pipeline
         self._source_error = None
-        self._keeper.clip_name = pipeline.name if pipeline.is_clip else None
+        self._keeper.clip_path = pipeline.clip_path
         self._playback = Playback(pipeline, self._session, self._loop)
         watch = self._session.watch
         watch.key_views, watch.camera_may_move = pipeline.key_views, pipeline.is_camera

@@ -3,6 +3,7 @@
 import math
 import threading
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -78,6 +79,7 @@ class FakeClip(FakeSource):
 
     def __init__(self, count: int = 5, fps: float = 200.0) -> None:
         super().__init__(count, fps)
+        self.path = Path("clip.mp4")
         self.duration_s = (count - 1) / fps
         self.sought: list[int] = []
 

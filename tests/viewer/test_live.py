@@ -5,6 +5,7 @@ import json
 import threading
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import moderngl
 import numpy as np
@@ -42,6 +43,7 @@ class ScriptedPipeline:
 
     is_clip, is_photo, is_camera, duration_s, has_ended = True, False, False, 2.0, False
     fps, status, stall, name = 100.0, None, None, "table.mp4"
+    clip_path = Path("my films/table.mp4")
 
     def __init__(self) -> None:
         self.frames, self.key_views = LatestMailbox(), KeyViews()
@@ -272,6 +274,13 @@ def test_a_full_disk_ends_the_recording_but_not_the_viewer(stage, tmp_path, monk
     with ClipSource(path) as clip:
         assert clip.read() is not None
     assert "No space left" in stage.session.last_notice
+
+
+def test_what_plays_every_frame_names_the_clip_as_it_was_named(stage):
+    """Also from another folder than the clip's, and ready for a shell."""
+    stage.put(0)
+    stage.run(Command.RECORD, None, lambda: stage.put(1), None, lambda: stage.put(5), None, Command.RECORD, None)
+    assert "; every frame: ashe-live play 'my films/table.mp4' --model cube --headless" in stage.session.last_notice
 
 
 def test_a_graphics_driver_that_fails_ends_it_in_one_line_with_the_recording_finished(stage, tmp_path):
