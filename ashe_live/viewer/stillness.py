@@ -8,8 +8,8 @@ from ashe_live.core.camera import Size
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.scene import Scene
 
-# After so many pictures alike, or a few for so long, a person waits for something, or looks elsewhere. On a slow machine
-# as many would take several seconds of all its cores.
+# After so many pictures alike, or a few for so long, a person waits for something, or looks elsewhere. As many would
+# keep a slow machine's cores at work for several seconds.
 UNCHANGED_PICTURES, UNCHANGED_S = 30, 0.5
 # After so many the frame rate is held: the number alone would keep the picture changing.
 HELD_AFTER_PICTURES = 3

@@ -1,4 +1,4 @@
-"""Surfaces that lie in one place and differ in colour or in their normals: which of them is seen is chance, here as elsewhere.
+"""Surfaces in one place that differ in colour or in their normals: which is seen is chance, here as elsewhere.
 
 Two triangles that share an edge, lie in one plane and on one side of the edge overlap for certain. So copies are found
 even if their polygons were cut along other diagonals.
