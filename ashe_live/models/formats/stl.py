@@ -56,16 +56,17 @@ def _of_binary(content: bytes) -> np.ndarray:
 
 def _colours(header: bytes, attributes: NDArray[np.uint16]) -> Float | None:
     """(n, 4) linear of the triangles; None where the file has none."""
-    fives = np.stack([attributes >> shift & 31 for shift in (0, 5, 10)], axis=1) / 31
     is_marked = attributes >> 15 == 1
-    if (at := header.find(MAGICS)) >= 0:
+    at = header.find(MAGICS)
+    if at < 0 and (not is_marked.any() or attributes[~is_marked].any()):
+        return None  # bits that mean something else, or nothing
+    fives = np.stack([attributes >> shift & 31 for shift in (0, 5, 10)], axis=1) / 31
+    if at >= 0:
         own = header[at + len(MAGICS) :][:4].ljust(4, b"\xff")
         whole = np.frombuffer(own, np.uint8) / 255
         encoded = np.where(is_marked[:, None], whole[:3], fives)
-    elif is_marked.any() and not attributes[~is_marked].any():
+    else:
         encoded = np.where(is_marked[:, None], fives[:, ::-1], 1.0)
-    else:  # bits that mean something else, or nothing
-        return None
     return np.column_stack([linear_from_srgb(encoded), np.ones(len(encoded))])
 
 
