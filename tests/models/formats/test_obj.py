@@ -238,3 +238,17 @@ def test_colours_of_vertices_and_materials_together_are_said(tmp_path: Path) -> 
     assert not read(tmp_path, coloured).notes
     model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{coloured}", a="newmtl m\nKd 1 0 0\n")
     assert model.notes == ("the colours of its vertices are multiplied with those of its materials",)
+
+
+@pytest.mark.parametrize("turn", range(4))
+def test_a_quad_is_cut_along_the_diagonal_that_is_within_it(turn: int) -> None:
+    """An arrowhead keeps its area. Of a quad that crosses itself neither is."""
+    arrowhead = np.roll(np.array([(0, 0, 0), (2, 0, 0), (0.5, 0.5, 0), (0, 2, 0)]), turn, axis=0)
+    triangles = triangulated(arrowhead, np.arange(4), np.array([4]))
+    crosses = face_normals(arrowhead, triangles)
+    assert crosses[:, 2] == pytest.approx([1, 1])  # together twice the area, the same side up
+    crossed = np.roll(np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)]), turn, axis=0)
+    assert {*map(frozenset, triangulated(crossed, np.arange(4), np.array([4])).tolist())} == {
+        frozenset((0, 1, 3)),
+        frozenset((1, 2, 3)),
+    }  # as Blender cuts it, though either half lies on the other in part
