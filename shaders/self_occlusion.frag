@@ -1,4 +1,4 @@
-// What the model hides of one direction from points on its own surface: of sky and ground before it, and behind it.
+// What the model hides of some directions from points on its own surface: of sky and ground before it, and behind it.
 #version 330 core
 #include "lights.glsl"
 #include "shadow.glsl"
@@ -12,10 +12,13 @@ out vec4 hidden;
 void main() {
     vec3 position = texelFetch(sample_places, ivec2(gl_FragCoord.xy), 0).xyz;
     vec3 normal = texelFetch(sample_normals, ivec2(gl_FragCoord.xy), 0).xyz;
-    vec3 direction = light_point[0].xyz;
-    float cosine = dot(normal, direction);
-    float lit = lit_past_itself(0, 0, position, cosine < 0.0 ? -normal : normal, direction);
-    float here = weight * abs(cosine) * (1.0 - lit);
-    vec2 of = direction.z > 0.0 ? vec2(here, 0.0) : vec2(0.0, here);
-    hidden = cosine < 0.0 ? vec4(0.0, 0.0, of) : vec4(of, 0.0, 0.0);
+    hidden = vec4(0.0);
+    for (int light = 0; light < LIGHTS; ++light) {
+        vec3 direction = light_point[light].xyz;
+        float cosine = dot(normal, direction);
+        float lit = lit_past_itself(0, light, position, cosine < 0.0 ? -normal : normal, direction);
+        float here = weight * abs(cosine) * (1.0 - lit);
+        vec2 of = direction.z > 0.0 ? vec2(here, 0.0) : vec2(0.0, here);
+        hidden += cosine < 0.0 ? vec4(0.0, 0.0, of) : vec4(of, 0.0, 0.0);
+    }
 }

@@ -56,6 +56,7 @@ class Source(Protocol):
 class Seekable(Protocol):
     """What a clip can beyond a source."""
 
+    path: Path  # of the file, as it was named
     duration_s: float | None  # from the first frame to the last; None: not known
 
     def seek(self, time_s: float) -> None:

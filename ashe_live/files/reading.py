@@ -67,7 +67,12 @@ def read_json(path: Path, most_bytes: int = MOST_SETTINGS_BYTES) -> Any:
     try:
         return json.loads(read_text(path, most_bytes), parse_constant=_refused, parse_float=_finite)
     except (ValueError, RecursionError) as error:
-        raise UserError(f"{path} is not JSON ({error})", "write or export it again") from None
+        raise UserError(f"{path} is not JSON ({parsers_words(error)})", "write or export it again") from None
+
+
+def parsers_words(error: Exception) -> str:
+    """What a parser of text says; of one that has gone too deep, in the text's words instead of Python's."""
+    return "nested too deeply" if isinstance(error, RecursionError) else str(error)
 
 
 def _refused(constant: str) -> None:

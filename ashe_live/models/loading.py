@@ -83,7 +83,8 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
     to_origin[:3, 3] = _offset([_extremes(T, mesh) for T, mesh in meshes if len(mesh.vertices)])
     parts = merged(part for T, mesh in meshes if (part := placed_mesh(mesh, to_origin @ T)) is not None)
     if not parts:
-        raise UserError(f"the model file {path} holds no triangles", "export it as a mesh")
+        left_out = f": {'; '.join(notes.lines)}" if notes.lines else ""
+        raise UserError(f"the model file {path} holds no triangles{left_out}", "export it as a mesh")
     check_surfaces(path, len(parts))
     if any(mesh.uvs is None and mesh.material.maps for _, mesh in meshes):
         notes.add(WITHOUT_COORDINATES)

@@ -24,7 +24,7 @@ CELLS = 12  # along each side of the grid that points are looked at in
 ROUNDING = 1e-5  # of single precision, in sums of three products
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, weakref_slot=True, eq=False)
 class PlacedModel:
     """A model in the marker frame; compared by identity, so keep it as long as the model and the marker stay."""
 

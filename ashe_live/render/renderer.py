@@ -19,6 +19,7 @@ from ashe_live.render.lights.environment import Environment
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.photometry import Photometry
 from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.occlusion.occlusion import Known
 from ashe_live.render.passes.composite import Composite
 from ashe_live.render.passes.lens import Lens
 from ashe_live.render.passes.light_sign import LightSign, light_sign
@@ -37,8 +38,19 @@ class SceneRenderer:
     Every call belongs to the thread that made `ctx`, with `ctx` current.
     """
 
-    def __init__(self, ctx: moderngl.Context, preset: RenderPreset, size: Size, switches_at_once: bool = True) -> None:
-        """`switches_at_once`: a new model is in the very next picture, however long that takes; else when ready."""
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        preset: RenderPreset,
+        size: Size,
+        switches_at_once: bool = True,
+        known: Known | None = None,
+    ) -> None:
+        """`switches_at_once`: a new model is in the very next picture, however long that takes; else when ready.
+
+        `known`: what another renderer has found out of its models, and is told of this one's.
+        """
+        self._known = Known() if known is None else known
         self._ctx = ctx
         self._preset = preset
         self.video = Video(ctx)
@@ -52,13 +64,13 @@ class SceneRenderer:
         self._layers = LayerPasses(ctx, self._programs)
         self._shadows = ShadowMaps(ctx, preset)
         self._ground_shadows = GroundShadows(ctx, self._programs, preset)
-        self._models = ModelSwitches(ctx, self._programs, self._build_shaders, switches_at_once)
+        self._models = ModelSwitches(ctx, self._programs, self._build_shaders, switches_at_once, self._known)
         self._photometry = Photometry(preset)
         self._surface = Surface(ctx, size, preset.msaa_samples)
 
     def beside(self, preset: RenderPreset, size: Size) -> "SceneRenderer":
         """Another renderer of the same context, for other pictures."""
-        return SceneRenderer(self._ctx, preset, size)
+        return SceneRenderer(self._ctx, preset, size, known=self._known)
 
     @property
     def size(self) -> Size:

@@ -9,7 +9,6 @@ from ashe_live.core.arrays import frozen_view
 from ashe_live.core.camera import Size
 from ashe_live.core.transforms import transform_points
 from ashe_live.core.types import TrackedFrame
-from ashe_live.models.placement import PlacedModel
 from ashe_live.render.gl.framing import box_corners, framing, letterbox
 from ashe_live.render.hud import Hud, HudText
 from ashe_live.render.scene import Overlay, Scene
@@ -54,7 +53,6 @@ class Display:
         self._hud = Hud()
         self._time_bar = TimeBar()
         self._inset = EstimateInset()
-        self.drawn_models: tuple[PlacedModel, ...] = ()  # in the picture before; none: nobody says
         self._name = ""  # of the one in hand, as drawn
         self._readings: tuple[float | None, TrackedFrame | None] = (None, None)
         self._read_s = -math.inf
@@ -75,7 +73,7 @@ class Display:
             overlays = self._hud.overlays(HudText(help=help_rows()), size, content_scale)
             return replace(bare_scene(session), overlays=overlays, is_mirrored=session.is_mirrored)
         fps_read, marker_read = self._steady_readings(fps, session.tracked, now_s)
-        if not (self._name and self.drawn_models) or any(each is session.table.model for each in self.drawn_models):
+        if not self._name or session.table.is_drawn:
             self._name = session.table.in_hand_said
         status = status_lines(session, fps_read, quality, marker_read, self._name)
         text = HudText(tuple(status), tuple(source_lines(session, source_status, now_s)))

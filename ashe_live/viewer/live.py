@@ -151,7 +151,7 @@ class LiveViewer:
         moment = self._playback.moment(self._session.tracked, now_s)
         recording = "recording" if self._keeper.is_recording else ""
         manner = "   ".join(filter(None, (self._quality.shown, self._playback.pace_shown, recording)))
-        self._display.drawn_models = self._renderer.shown_models
+        self._session.table.drawn = self._renderer.shown_models
         scene = self._display.scene(
             self._session, size, manner, now_s, self._stillness.fps(self._is_idle), status, scale, moment
         )
@@ -227,7 +227,7 @@ class LiveViewer:
     def _take_up(self, pipeline: Pipeline) -> None:
         self._pipeline = pipeline
         self._source_error = None
-        self._keeper.clip_name = pipeline.name if pipeline.is_clip else None
+        self._keeper.clip_path = pipeline.clip_path
         self._playback = Playback(pipeline, self._session, self._loop)
         watch = self._session.watch
         watch.key_views, watch.camera_may_move = pipeline.key_views, pipeline.is_camera

@@ -8,8 +8,9 @@ from ashe_live.core.camera import Size
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.scene import Scene
 
-# After so many pictures alike a person waits for something, or looks elsewhere.
-UNCHANGED_PICTURES = 30
+# After so many pictures alike, or a few for so long, a person waits for something, or looks elsewhere. As many would
+# keep a slow machine's cores at work for several seconds.
+UNCHANGED_PICTURES, UNCHANGED_S = 30, 0.5
 # After so many the frame rate is held: the number alone would keep the picture changing.
 HELD_AFTER_PICTURES = 3
 FPS_OVER_FRAMES = 30
@@ -21,19 +22,23 @@ class Stillness:
     def __init__(self) -> None:
         self._last: tuple[Scene, Size, RenderPreset] | None = None
         self._unchanged = 0  # pictures in a row that were as the one before
+        self._changed_s = time.monotonic()  # when the first of these was drawn
         self._fps: float | None = None
         self._shown_s: deque[float] = deque(maxlen=FPS_OVER_FRAMES)
 
     @property
     def is_still(self) -> bool:
         """Whether nothing has changed for so long that the next picture need not be drawn."""
-        return self._unchanged >= UNCHANGED_PICTURES
+        is_slow = self._unchanged > HELD_AFTER_PICTURES and time.monotonic() - self._changed_s >= UNCHANGED_S
+        return is_slow or self._unchanged >= UNCHANGED_PICTURES
 
     def add(self, scene: Scene, size: Size, preset: RenderPreset, is_settled: bool) -> None:
         """The next picture; `is_settled`: the same scene would be the same picture again."""
         now = scene, size, preset
         is_same = is_settled and self._last is not None and _same(now, self._last)
         self._unchanged = self._unchanged + 1 if is_same else 0
+        if not is_same:
+            self._changed_s = time.monotonic()
         self._last = now
 
     def shown(self) -> None:

@@ -195,3 +195,17 @@ def test_wall_is_lit_by_the_ground_before_it_as_the_picture_shows_it(make_render
     dark, pale = (float(linear_from_srgb(each / 255)) / EXPOSURE for each in (20, 240))
     # Two thirds of the ground's half, and that from within a few heights of a face.
     assert 0.6 * (pale - dark) / 3 < shades[1] - shades[0] < 1.05 * (pale - dark) / 3
+
+
+def test_it_does_not_matter_which_of_four_lights_comes_first(make_renderer, stage) -> None:
+    """Four points of four numbers each are as many as a matrix has, and are not turned as one."""
+    renderer = make_renderer()
+    tracked = stage.tracked(150, stage.pose(-90, 45, 0.4))
+    lights = [stage.light(azimuth, 40) for azimuth in (20, 110, 200, 290)]
+    pictures = []
+    for first in range(4):
+        illumination = Illumination((*lights[first:], *lights[:first]))
+        renderer.render(Scene(tracked, stage.placed(box((SIDE, SIDE, SIDE))), illumination))
+        pictures.append(renderer.read_bgr().astype(int))
+    for picture in pictures[1:]:
+        assert np.abs(picture - pictures[0]).max() <= 2

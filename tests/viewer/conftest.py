@@ -3,6 +3,7 @@
 import math
 import threading
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -78,6 +79,7 @@ class FakeClip(FakeSource):
 
     def __init__(self, count: int = 5, fps: float = 200.0) -> None:
         super().__init__(count, fps)
+        self.path = Path("clip.mp4")
         self.duration_s = (count - 1) / fps
         self.sought: list[int] = []
 
@@ -173,7 +175,6 @@ class FakeKeyViews:
 class FakeShelf:
     """Four names, and nothing behind them."""
 
-    progress = None
     moves = False
     marker_side_m = 0.08
 
@@ -191,6 +192,9 @@ class FakeShelf:
     @property
     def shown_name(self) -> str:
         return self.chosen_name
+
+    def progress(self, _is_drawn: bool) -> str | None:
+        return None
 
     def take_up(self, name: str, _model: object) -> None:
         self.at = self.names.index(name)

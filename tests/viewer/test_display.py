@@ -107,7 +107,7 @@ def test_the_name_is_that_of_the_model_in_the_picture(session, monkeypatch):
     before, chosen = object(), object()
     for drawn, model in ((before, before), (before, chosen), (chosen, chosen)):
         monkeypatch.setattr(session.table._shelf, "model", lambda model=model: model)
-        display.drawn_models = () if drawn is None else (drawn,)
+        session.table.drawn = (drawn,)
         display.scene(session, (640, 480), "fast", 0.0)
         if drawn is model:
             session.table._shelf.step(1)

@@ -5,6 +5,7 @@ import json
 import threading
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import moderngl
 import numpy as np
@@ -31,7 +32,7 @@ from ashe_live.viewer.output import recording as recording_module
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.sources import marker_hunt
 from ashe_live.viewer.status import guidance
-from ashe_live.viewer.stillness import UNCHANGED_PICTURES
+from ashe_live.viewer.stillness import HELD_AFTER_PICTURES
 from tests.viewer.scripted_window import ScriptedWindow
 
 PATIENCE_S = 20.0
@@ -42,6 +43,7 @@ class ScriptedPipeline:
 
     is_clip, is_photo, is_camera, duration_s, has_ended = True, False, False, 2.0, False
     fps, status, stall, name = 100.0, None, None, "table.mp4"
+    clip_path = Path("my films/table.mp4")
 
     def __init__(self) -> None:
         self.frames, self.key_views = LatestMailbox(), KeyViews()
@@ -274,6 +276,13 @@ def test_a_full_disk_ends_the_recording_but_not_the_viewer(stage, tmp_path, monk
     assert "No space left" in stage.session.last_notice
 
 
+def test_what_plays_every_frame_names_the_clip_as_it_was_named(stage):
+    """Also from another folder than the clip's, and ready for a shell."""
+    stage.put(0)
+    stage.run(Command.RECORD, None, lambda: stage.put(1), None, lambda: stage.put(5), None, Command.RECORD, None)
+    assert "; every frame: ashe-live play 'my films/table.mp4' --model cube --headless" in stage.session.last_notice
+
+
 def test_a_graphics_driver_that_fails_ends_it_in_one_line_with_the_recording_finished(stage, tmp_path):
     stage.put(0)
 
@@ -501,7 +510,7 @@ def test_what_does_not_change_is_not_drawn_again(stage):
 
     stage.put(0)
     stage.run(awaited(stage, is_settled), lambda: stage.put(1), None, None, None)
-    assert counts[-1] >= UNCHANGED_PICTURES
+    assert counts[-1] > HELD_AFTER_PICTURES
     assert len(stage.renderer.scenes) > counts[-1]
 
 

@@ -30,8 +30,8 @@ class ClipSource(Source):
 
     def __init__(self, path: str | Path) -> None:
         """Opens the clip and decodes its first frame. Raises UserError when there is none."""
-        self._path = Path(path)
-        self.name = self._path.name
+        self.path = Path(path)
+        self.name = self.path.name
         self._pictures: ClipPictures | None = None
         self._index: ClipIndex | None = None
         self._has_looked_for_index = False
@@ -44,7 +44,7 @@ class ClipSource(Source):
         # Opened anew: seeking to the start is inexact in some containers and impossible in others.
         self.close()
         self.note: str | None = None
-        self._pictures = ClipPictures(self._path)
+        self._pictures = ClipPictures(self.path)
         first = self._pictures.first
         self._ahead.append(first)
         self._decoded_size = (first.video.width, first.video.height)
@@ -150,7 +150,7 @@ class ClipSource(Source):
         """Read when it is first needed; None where counting from the start is the only way."""
         if not self._has_looked_for_index:
             self._has_looked_for_index = True
-            with opened(self._path) as file:
+            with opened(self.path) as file:
                 index = ClipIndex.read(file)
             if index is not None and self._pictures is not None and index.pts[0] == self._pictures.start_pts:
                 self._index, self.duration_s = index, index.duration_s

@@ -13,7 +13,7 @@ from typing import Any
 
 from ashe_live.errors import UserError
 from ashe_live.files.kept import configuration_file
-from ashe_live.files.reading import read_text
+from ashe_live.files.reading import parsers_words, read_text
 
 Value = str | int | float
 
@@ -65,7 +65,9 @@ def read_settings(path: Path) -> dict[str, Value]:
     try:
         content = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise UserError(f"{path} is not TOML ({error})", 'write lines such as: quality = "fast"') from None
+        raise UserError(
+            f"{path} is not TOML ({parsers_words(error)})", 'write lines such as: quality = "fast"'
+        ) from None
     for key, value in content.items():
         _check(path, key, value)
     several = [key for key in ONE_OF if key in content]

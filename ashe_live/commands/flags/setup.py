@@ -47,10 +47,30 @@ def camera_chooser(options: argparse.Namespace) -> CameraFor:
         calibrated = read_camera_file(options.camera_file)
         return lambda size: fitted(calibrated, size, f"the calibration {options.camera_file}")
     if options.focal_px is not None:
-        return lambda size: Camera.from_focal(size, options.focal_px)
+        return StatedFocal(options.focal_px)
     if options.hfov is not None:
         return lambda size: Camera.from_hfov(size, options.hfov)
     return AssumedCamera()
+
+
+class StatedFocal:
+    """A camera of that focal length for frames of any size; says so when they are not all of one.
+
+    Of another size's pixels there are more or fewer in the same length: the answers would be sure and wrong.
+    """
+
+    def __init__(self, focal_px: float) -> None:
+        self._focal_px = focal_px
+        self._first: Size | None = None
+        self._is_said = False
+
+    def __call__(self, size: Size) -> Camera:
+        self._first = self._first or size
+        if not self._is_said and sorted(size) != sorted(self._first):  # upright or across is one camera
+            self._is_said = True
+            sizes = " as well as of ".join(f"{width}x{height}" for width, height in (size, self._first))
+            tell(f"--focal-px {self._focal_px:g} is taken for pictures of {sizes}: --hfov fits those of any size")
+        return Camera.from_focal(size, self._focal_px)
 
 
 class AssumedCamera:

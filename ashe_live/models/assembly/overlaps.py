@@ -1,4 +1,4 @@
-"""Surfaces that lie in one place and differ in colour: which of them is seen is chance, here as elsewhere.
+"""Surfaces in one place that differ in colour or in their normals: which is seen is chance, here as elsewhere.
 
 Two triangles that share an edge, lie in one plane and on one side of the edge overlap for certain. So copies are found
 even if their polygons were cut along other diagonals.
@@ -13,11 +13,11 @@ from ashe_live.core.arrays import Float
 from ashe_live.models.assembly.shading_normals import row_keys, unit_rows
 from ashe_live.models.mesh import Mesh
 
-WORDS = "surfaces of different colours lie in one another, and which of them is seen is left to chance"
+WORDS = "surfaces that look different lie in one another, and which of them is seen is left to chance"
 MOST_TRIANGLES = 200_000  # more are not looked through, as that takes a second
 ONE_PLACE = 1e-5  # of the model's size
 ONE_PLANE = 0.9999  # the cosine between two directions in it
-ALIKE = 0.1  # difference of colours, or of texture coordinates, that is hard to see
+ALIKE = 0.1  # difference of colours, normals, or texture coordinates that is hard to see
 LEAST_SHARE = 0.01  # of the model's surface
 NEXT = 3  # triangles that share an edge are compared with so many others
 
@@ -31,7 +31,8 @@ def overlap_visibly(parts: Sequence[Mesh]) -> bool:
     vertices = np.concatenate([part.vertices for part in parts]).astype(np.float64)
     looks = np.concatenate([_looks(part) for part in parts])
     both_sides = np.repeat([part.material.double_sided for part in parts], [len(part.triangles) for part in parts])
-    found = _overlapping(vertices, triangles, looks, both_sides)
+    normals = np.concatenate([part.normals for part in parts]).astype(np.float64)
+    found = _overlapping(vertices, triangles, looks, normals, both_sides)
     areas = np.concatenate([part.areas for part in parts])
     return bool(areas[found].sum() > LEAST_SHARE * areas.sum())
 
@@ -48,7 +49,7 @@ def _looks(part: Mesh) -> Float:
 
 
 def _overlapping(
-    vertices: Float, triangles: NDArray[np.int64], looks: Float, both_sides: NDArray[np.bool_]
+    vertices: Float, triangles: NDArray[np.int64], looks: Float, normals: Float, both_sides: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
     """Triangles that overlap one that looks otherwise where they share an edge."""
     grain = ONE_PLACE * max(float(np.ptp(vertices, axis=0).max()), 1e-30)
@@ -66,12 +67,16 @@ def _overlapping(
         one, other = order[:-step], order[step:]
         is_pair = (keys[one] == keys[other]) & ((aside[one] * aside[other]).sum(axis=1) > ONE_PLANE)
         one, other = one[is_pair], other[is_pair]
-        differ = np.maximum(
-            np.abs(looks[begins[one]] - looks[begins[other]]).max(axis=1, initial=0),
-            np.abs(looks[ends[one]] - looks[ends[other]]).max(axis=1, initial=0),
-        )
         # Those that run along the edge in opposite directions are back to back, each seen from its own side.
-        is_seen = (swapped[one] == swapped[other]) | both_sides[one // 3] | both_sides[other // 3]
+        is_same_way = swapped[one] == swapped[other]
+        # Of what is seen from behind the normal is turned round.
+        turned = np.where(is_same_way, 1.0, -1.0)[:, None]
+        differ = np.zeros(len(one))
+        for corners in (begins, ends):
+            for values, sense in ((looks, 1.0), (normals, turned)):
+                apart = np.abs(values[corners[one]] - sense * values[corners[other]])
+                differ = np.maximum(differ, apart.max(axis=1, initial=0))
+        is_seen = is_same_way | both_sides[one // 3] | both_sides[other // 3]
         pairs = (differ > ALIKE) & is_seen
         found += [one[pairs] // 3, other[pairs] // 3]
     return np.unique(np.concatenate(found))

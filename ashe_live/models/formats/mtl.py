@@ -12,7 +12,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.errors import UserError
-from ashe_live.models.material import UNKNOWN, Alpha, Material
+from ashe_live.models.material import PLAIN_LAYOUT, UNKNOWN, Alpha, MapLayout, Material
 from ashe_live.models.parsing.limits import MAX_MATERIALS
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
@@ -38,6 +38,13 @@ NOT_DRAWN = {
     "map_ke": "maps of emission",
     "map_pr": "maps of roughness",
     "map_pm": "maps of metal",
+    "map_ks": "maps of highlights",
+    "map_ns": "maps of shininess",
+    "map_ka": "maps of ambient light",
+    "disp": "maps of relief",
+    "decal": "decals",
+    "refl": "maps of what it mirrors",
+    "map_refl": "maps of what it mirrors",
 }
 
 
@@ -51,8 +58,12 @@ class _Described:
     shininess: float = 0.0
     ambient: tuple[float, ...] = (0.0, 0.0, 0.0)
     illumination: int = 2  # of the format's models, from 0 to 10
+    roughness: float | None = None  # by names that were added to the format
+    metallic: float | None = None
     picture: str | None = None
+    layout: MapLayout = PLAIN_LAYOUT  # of the picture
     cut_out: str | None = None
+    has_opacity: bool = False
 
 
 def text_of(content: bytes) -> str:
@@ -86,6 +97,8 @@ def read_mtl(content: bytes, texels: Callable[[str], Image], notes: Notes) -> di
             if key in NOT_DRAWN:
                 notes.add(f"{NOT_DRAWN[key]} of its materials are left out")
     is_blenders = text.lstrip().startswith(BLENDERS_FIRST_WORDS)
+    if any(one.cut_out is not None and one.picture is None for one in described.values()):
+        notes.add("masks of its materials without a picture are left out")
     return {name: _material(one, texels, is_blenders) for name, one in described.items()}
 
 
@@ -102,17 +115,24 @@ def _take(one: _Described, key: str, value: str) -> None:
         if len(numbers) >= 3:
             setattr(one, COLOURS[key], numbers[:3])
     elif key in ("d", "tr"):
-        # 0 is invisible for the one, and opaque for the other.
+        # 0 is invisible for the one, and opaque for the other, which some programs mix up: of both the first holds.
         (*_, last) = _numbers(value.replace("-halo", "")) or (1.0,)
-        one.opacity = last if key == "d" else 1 - last
+        if key == "d" or not one.has_opacity:
+            one.opacity = last if key == "d" else 1 - last
+        one.has_opacity |= key == "d"
     elif key == "ns":
         one.shininess = next(iter(_numbers(value)), 0.0)
     elif key == "illum":
         one.illumination = int(next(iter(_numbers(value)), 2))
+    elif key == "pr":
+        one.roughness = next(iter(_numbers(value)), None)
+    elif key == "pm":
+        one.metallic = next(iter(_numbers(value)), None)
     elif key == "map_kd":
-        one.picture = _file_name(value)
+        one.picture, options = _file_name(value)
+        one.layout = _layout(options)
     elif key == "map_d":
-        one.cut_out = _file_name(value)
+        one.cut_out, _ = _file_name(value)
 
 
 def _numbers(value: str) -> tuple[float, ...]:
@@ -126,13 +146,26 @@ def _numbers(value: str) -> tuple[float, ...]:
     return numbers
 
 
-def _file_name(value: str) -> str:
+def _file_name(value: str) -> tuple[str, dict[str, list[str]]]:
+    """And the words of the options before it."""
     words = value.split(" ")
+    options: dict[str, list[str]] = {}
     while words and words[0].lower() in OPTIONS:
-        count, words = OPTIONS[words[0].lower()], words[1:]
-        while words and count and not _is_name(words[0]):
-            count, words = count - 1, words[1:]
-    return " ".join(words).strip().strip('"')
+        option, words = words[0].lower(), words[1:]
+        said = options[option] = []
+        while words and len(said) < OPTIONS[option] and not _is_name(words[0]):
+            said.append(words[0])
+            words = words[1:]
+    return " ".join(words).strip().strip('"'), options
+
+
+def _layout(options: dict[str, list[str]]) -> MapLayout:
+    """How a picture is enlarged (-s), then shifted (-o), and whether it ends (-clamp)."""
+    scale, shift = (_numbers(" ".join(options.get(name, []))) for name in ("-s", "-o"))
+    # "The default for each is 1 1 1, or 0 0 0", also of those behind the first that are not given.
+    (across, upwards), (right, up) = (*scale, 1.0, 1.0)[:2], (*shift, 0.0, 0.0)[:2]
+    repeats = "on" not in options.get("-clamp", [])
+    return MapLayout(matrix=(across, 0.0, right, 0.0, upwards, up), repeats=(repeats, repeats))
 
 
 def _is_name(word: str) -> bool:
@@ -149,16 +182,18 @@ def _material(one: _Described, texels: Callable[[str], Image], is_blenders: bool
     (red, green, blue), (glow_red, glow_green, glow_blue) = (
         colours if is_blenders else linear_from_srgb(colours)
     ).tolist()
-    roughness = _roughness(one.shininess, is_blenders)
+    roughness = _roughness(one.shininess, is_blenders) if one.roughness is None else one.roughness
+    metallic = float(np.mean(one.ambient)) if is_blenders and one.illumination in MIRRORS else 0.0
     plain = replace(
         UNKNOWN,
         base_colour=(red, green, blue, opacity),
         emissive=(glow_red, glow_green, glow_blue),
-        metallic=float(np.clip(np.mean(one.ambient), 0, 1)) if is_blenders and one.illumination in MIRRORS else 0.0,
-        roughness=roughness,
+        metallic=float(np.clip(metallic if one.metallic is None else one.metallic, 0, 1)),
+        roughness=float(np.clip(roughness, 0, 1)),
         alpha=Alpha.BLEND if opacity < 1 else Alpha.OPAQUE,
     )
     if one.picture is not None:
+        plain = replace(plain, layouts={"base_map": one.layout})
         return pictured(plain, texels(one.picture), None if one.cut_out is None else texels(one.cut_out))
     return plain
 

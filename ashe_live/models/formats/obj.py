@@ -40,6 +40,7 @@ class _Lines:
     names: dict[bytes, int] = field(default_factory=dict)
     libraries: list[bytes] = field(default_factory=list)
     has_lines: bool = False
+    has_curves: bool = False
 
 
 def read_obj(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
@@ -47,6 +48,8 @@ def read_obj(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
     lines = _sorted(CONTINUED.sub(b" ", content))
     if lines.has_lines:
         notes.add("points and lines are left out")
+    if lines.has_curves:
+        notes.add("curves and curved surfaces are left out")
     if not lines.faces:
         return
     materials = _materials(lines, folder, notes)
@@ -55,6 +58,8 @@ def read_obj(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
     corners, counts = _corners(lines, (len(places), len(uvs), len(normals)))
     faces = np.asarray(lines.materials)
     names = list(lines.names)
+    if colours is not None and any(materials.get(names[number], UNKNOWN) is not UNKNOWN for number in set(faces)):
+        notes.add("the colours of its vertices are multiplied with those of its materials")
     for number in np.unique(faces):
         some = faces == number
         triangles = triangulated(places, corners[np.repeat(some, counts), 0], counts[some])
@@ -84,6 +89,8 @@ def _sorted(content: bytes) -> _Lines:
             found.libraries.append(rest.strip())
         elif key in (b"l", b"p"):
             found.has_lines = True
+        elif key in (b"curv", b"surf"):
+            found.has_curves = True
     return found
 
 
@@ -95,19 +102,26 @@ def _materials(lines: _Lines, folder: Folder, notes: Notes) -> dict[bytes, Mater
     def texels(name: str) -> Image:
         return pictures.texels(name, lambda: folder.get(name), f"texture {name}")
 
+    is_any_missing = False
     for library in lines.libraries:
         try:
-            contents = [folder.get(text_of(library))]
+            contents: list[bytes | None] = [folder.get(text_of(library))]
         except UserError as refusal:
             if "which is missing" not in refusal.message:
                 raise
             # Several names may stand on one line, and one name may hold spaces.
-            contents = [content for name in library.split() if (content := _there(folder, name, notes)) is not None]
+            contents = [_there(folder, name, notes) for name in library.split()]
         for content in contents:
-            read = read_mtl(content, texels, notes)
+            is_any_missing |= content is None
+            read = {} if content is None else read_mtl(content, texels, notes)
             for name, material in read.items():
                 found.setdefault(name, material)
     wanted = {name: text_of(name) for name in lines.names}
+    used = set(lines.materials)
+    unknown = [said for name, said in wanted.items() if said and said not in found and lines.names[name] in used]
+    if lines.libraries and not is_any_missing and unknown:
+        said = printable(unknown[0], NAME_CHARACTERS)
+        notes.add(f"its material {said} is in none of its libraries: it is drawn as plain plastic")
     return {name: found[said] for name, said in wanted.items() if said in found}
 
 

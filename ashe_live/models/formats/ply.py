@@ -21,17 +21,17 @@ PLACES, NORMALS = ("x", "y", "z"), ("nx", "ny", "nz")
 UVS = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"))
 COLOURS = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
 CORNERS = ("vertex_indices", "vertex_index")
+TEXTURE = b"comment TextureFile "
 CORNER_UVS = "texcoord"  # MeshLab's: two numbers for each corner of a face
 
 
 def read_ply(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
     """Raises UserError for a texture that cannot be read, MalformedError for what is not as its header says."""
-    material = _material(content, folder)
+    material = _material(content, folder, notes)
     elements = elements_of(content)
     vertices, faces = elements.get("vertex"), elements.get("face")
     if vertices is None or faces is None or not faces.count:
-        if "tristrips" in elements:
-            notes.add("strips of triangles are left out")
+        notes.add("strips of triangles are left out" if "tristrips" in elements else "points and lines are left out")
         return
     places = _columns(vertices, PLACES)
     if places is None:
@@ -67,12 +67,15 @@ def read_ply(content: bytes, folder: Folder, notes: Notes) -> Iterator[RawMesh]:
     )
 
 
-def _material(content: bytes, folder: Folder) -> Material:
-    for line in content[: content.find(b"end_header")].splitlines():
-        if line.startswith(b"comment TextureFile "):
-            name = line.removeprefix(b"comment TextureFile ").decode(errors="replace").strip()
-            return pictured(UNKNOWN, Pictures().texels(name, partial(folder.get, name), f"texture {name}"))
-    return UNKNOWN
+def _material(content: bytes, folder: Folder, notes: Notes) -> Material:
+    header = content[: content.find(b"end_header")].splitlines()
+    names = [line.removeprefix(TEXTURE) for line in header if line.startswith(TEXTURE)]
+    if not names:
+        return UNKNOWN
+    if len(set(names)) > 1:
+        notes.add(f"one of its {len(set(names))} textures is drawn, on all of it")
+    name = names[0].decode(errors="replace").strip()
+    return pictured(UNKNOWN, Pictures().texels(name, partial(folder.get, name), f"texture {name}"))
 
 
 def _columns(element: Element, names: tuple[str, ...]) -> Float | None:

@@ -1,4 +1,4 @@
-"""Polygons in space as triangles: fans where they are convex, earcut's where they are not."""
+"""Polygons in space as triangles: fans where they are convex, else earcut's, or along a quad's other diagonal."""
 
 import mapbox_earcut
 import numpy as np
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float
 
 Indices = NDArray[np.int64]
+OTHER_DIAGONAL = np.array([(0, 1, 3), (1, 2, 3)])
 
 
 def triangulated(places: Float, corners: Indices, counts: Indices) -> Indices:
@@ -21,7 +22,10 @@ def triangulated(places: Float, corners: Indices, counts: Indices) -> Indices:
         rows = begins[polygons, None] + np.arange(count)
         hubs = np.broadcast_to(rows[:, :1], (len(rows), count - 2))
         fans = np.stack([hubs, rows[:, 1:-1], rows[:, 2:]], axis=2)
-        if count > 3:
+        if count == 4:
+            is_folded = _fold(places[corners[rows]])
+            fans[is_folded] = rows[is_folded][:, OTHER_DIAGONAL]
+        elif count > 4:
             for number in np.flatnonzero(~_are_convex(places[corners[rows]])):
                 cut = _ears(places[corners[rows[number]]])
                 if cut is not None:
@@ -32,6 +36,15 @@ def triangulated(places: Float, corners: Indices, counts: Indices) -> Indices:
         return np.empty((0, 3), np.int64)
     # In the file's order, as triangles at the same place may follow one another on purpose.
     return np.concatenate(found)[np.argsort(np.concatenate(order), kind="stable")]
+
+
+def _fold(quads: Float) -> NDArray[np.bool_]:
+    """(p,) whether both other corners of a quad (p, 4, 3) lie on one side of the diagonal from its first to its third.
+
+    Then the other diagonal is within it; of one that crosses itself it is the one that Blender takes as well.
+    """
+    a, diagonal, b = np.moveaxis(quads[:, 1:] - quads[:, :1], 1, 0)
+    return np.asarray((np.cross(a, diagonal) * np.cross(b, diagonal)).sum(axis=1) > 0)
 
 
 def _are_convex(polygons: Float) -> NDArray[np.bool_]:

@@ -1,10 +1,18 @@
-"""STL: three corners a triangle, in binary or as text."""
+"""STL: three corners a triangle, in binary or as text.
+
+Two programs' ways to colour binary files are in use, in the two bytes that the format leaves to each triangle:
+VisCAM's, and that of Materialise Magics, whose header has the colour of all that have none of their own
+(https://en.wikipedia.org/wiki/STL_(file_format)#Color_in_binary_STL).
+"""
 
 import re
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ashe_live.core.arrays import Float
+from ashe_live.core.colour import linear_from_srgb
 from ashe_live.models.assembly.geometry import RawMesh
 from ashe_live.models.formats.words import numbers_in
 from ashe_live.models.material import UNKNOWN
@@ -16,13 +24,19 @@ HEADER_BYTES, TRIANGLE_BYTES = 84, 50
 TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 VERTEX = re.compile(rb"\bvertex\s", re.IGNORECASE)
 FIRST_BYTES = 1000
+MAGICS = b"COLOR="  # red, green, blue and alpha follow, a byte each
 
 
 def read_stl(content: bytes, _folder: Folder, _notes: Notes) -> Iterator[RawMesh]:
     """One mesh of all solids. Raises MalformedError for what is neither text STL nor binary STL."""
-    corners = _of_text(content) if is_text(content) else _of_binary(content)
+    if is_text(content):
+        corners, colours = _of_text(content), None
+    else:
+        facets = _of_binary(content)
+        corners, colours = facets["corners"], _colours(content[: HEADER_BYTES - 4], facets["attribute"])
     places = corners.reshape(-1, 3)
-    yield RawMesh(places, np.arange(len(places)).reshape(-1, 3), UNKNOWN)
+    each = None if colours is None else np.repeat(colours, 3, axis=0)
+    yield RawMesh(places, np.arange(len(places)).reshape(-1, 3), UNKNOWN, colours=each)
 
 
 def is_text(content: bytes) -> bool:
@@ -37,7 +51,23 @@ def _of_binary(content: bytes) -> np.ndarray:
     there = (len(content) - HEADER_BYTES) // TRIANGLE_BYTES
     if count > there:
         raise MalformedError(f"its header says {count:,} triangles, and there are {there:,}")
-    return np.frombuffer(content, TRIANGLE, count, HEADER_BYTES)["corners"]
+    return np.frombuffer(content, TRIANGLE, count, HEADER_BYTES)
+
+
+def _colours(header: bytes, attributes: NDArray[np.uint16]) -> Float | None:
+    """(n, 4) linear of the triangles; None where the file has none."""
+    is_marked = attributes >> 15 == 1
+    at = header.find(MAGICS)
+    if at < 0 and (not is_marked.any() or attributes[~is_marked].any()):
+        return None  # bits that mean something else, or nothing
+    fives = np.stack([attributes >> shift & 31 for shift in (0, 5, 10)], axis=1) / 31
+    if at >= 0:
+        own = header[at + len(MAGICS) :][:4].ljust(4, b"\xff")
+        whole = np.frombuffer(own, np.uint8) / 255
+        encoded = np.where(is_marked[:, None], whole[:3], fives)
+    else:
+        encoded = np.where(is_marked[:, None], fives[:, ::-1], 1.0)
+    return np.column_stack([linear_from_srgb(encoded), np.ones(len(encoded))])
 
 
 def _of_text(content: bytes) -> np.ndarray:

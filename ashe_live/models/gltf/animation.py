@@ -30,8 +30,10 @@ class Animation:
     def __init__(self, header: dict[str, Any], arrays: Arrays) -> None:
         self._tracks: dict[tuple[int, str], _Track] = {}
         self.left_out = 0  # animations that are alternatives
+        self.is_damaged = False  # some of what it says of nodes
         for animation in header["animations"]:
-            tracks = _tracks(animation, arrays)
+            tracks, is_whole = _tracks(animation, arrays)
+            self.is_damaged |= not is_whole
             if tracks.keys() & self._tracks.keys():
                 self.left_out += 1
             else:
@@ -87,8 +89,8 @@ class _Track:
         return np.asarray(first + share * (last - first))
 
 
-def _tracks(animation: dict[str, Any], arrays: Arrays) -> dict[tuple[int, str], _Track]:
-    """By node and path."""
+def _tracks(animation: dict[str, Any], arrays: Arrays) -> tuple[dict[tuple[int, str], _Track], bool]:
+    """By node and path, and whether that is all."""
     found: dict[tuple[int, str], _Track] = {}
     sampled: dict[tuple[int, str], _Track | None] = {}
     for channel in animation["channels"]:
@@ -102,11 +104,11 @@ def _tracks(animation: dict[str, Any], arrays: Arrays) -> dict[tuple[int, str], 
             sampled[source] = _track(animation["samplers"][channel["sampler"]], path, arrays)
         if (track := sampled[source]) is not None:
             found[node, path] = track
-    return found
+    return found, None not in sampled.values()
 
 
 def _track(sampler: dict[str, Any], path: str, arrays: Arrays) -> _Track | None:
-    """None for what holds no keyframe, or other rows than the path has."""
+    """None for what holds no keyframe, other rows than the path has, no numbers, or times that do not increase."""
     times = arrays.floats(sampler["input"]).ravel()
     values = arrays.floats(sampler["output"])
     # A cubic spline has three values each frame: the tangents are around what is reached.

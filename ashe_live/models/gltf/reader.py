@@ -65,6 +65,8 @@ def read_gltf(path: Path, content: bytes, folder: Folder, notes: Notes) -> Itera
     reader = _Reader(header, arrays, Materials(header, arrays, folder, notes), notes)
     animation = Animation(header, arrays) if header.get("animations") else None
     drawn = list(reader.drawn(Pose(header, arrays, {} if animation is None else animation.at(0.0))))
+    if animation is not None and animation.is_damaged:
+        notes.add("what of its animation is damaged is left out")
     if animation is not None and animation.moving:
         if animation.left_out:
             notes.add(f"{animation.left_out} of its {len(header['animations'])} animations are not played")

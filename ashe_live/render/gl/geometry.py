@@ -76,11 +76,10 @@ class GpuPart:
             for piece in self._pieces:
                 piece.attributes[0][1].write(np.ascontiguousarray(both[piece.used]))
 
-    def set_openness(self, openness: Float) -> None:
-        """(n, 4) of the vertices, in [0, 1], as SelfOcclusion finds it; all open until then. It must be uploaded."""
-        as_bytes = np.round(openness * 255).astype(np.uint8)
+    def set_openness(self, openness: NDArray[np.uint8]) -> None:
+        """(n, 4) of the vertices, 255 for open, as SelfOcclusion finds it; all open until then. It must be uploaded."""
         for piece in self._pieces:
-            piece.attributes[-1][1].write(np.ascontiguousarray(as_bytes[piece.used]))
+            piece.attributes[-1][1].write(np.ascontiguousarray(openness[piece.used]))
 
     def draw(self, program: moderngl.Program) -> None:
         """Draws with the vertex attributes that `program` reads; its uniforms are set by the caller."""

@@ -56,6 +56,9 @@ def shader_source(file_name: str, defines: str = "") -> str:
     return "\n".join(lines) + "\n"
 
 
+MATRIX = 16  # numbers of one
+
+
 def set_uniforms(program: moderngl.Program, **values: Any) -> None:
     """Sets uniforms by name: numbers, tuples, matrices ([n,] 4, 4) for column vectors, other arrays as they are.
 
@@ -66,7 +69,8 @@ def set_uniforms(program: moderngl.Program, **values: Any) -> None:
         uniform = program.get(name, None)
         if isinstance(uniform, moderngl.Uniform):
             if isinstance(value, np.ndarray):
-                by_columns = value.swapaxes(-1, -2) if value.shape[-2:] == (4, 4) else value
+                # Four vectors of four numbers have a matrix's shape, and are none.
+                by_columns = value.swapaxes(-1, -2) if uniform.dimension == MATRIX else value
                 used = 4 * uniform.dimension * uniform.array_length
                 uniform.write(np.ascontiguousarray(by_columns, dtype=np.float32).tobytes()[:used])
             else:

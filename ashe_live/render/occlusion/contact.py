@@ -6,6 +6,7 @@ It is a shadow even without any sun, and where the model's sides are lit it is w
 import cv2
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float
 from ashe_live.render.gl.geometry import GpuModel
@@ -38,7 +39,10 @@ class ContactPatch:
         self._framebuffer.clear()
 
     def add(self, depth_map: ShadowMaps, weight: float) -> None:
-        """Adds what the model hides of the direction from which `depth_map` shows it, with that share of the sky."""
+        """Adds what the model hides of the directions, above the horizon, from which `depth_map` shows it.
+
+        weight: of a direction straight above, as a share of the sky; others have it times their sine.
+        """
         program = self._programs.get("contact", **depth_map.constants)
         depth_map.bind(program)
         # All patches share one program: another may have used it between two steps.
@@ -47,11 +51,14 @@ class ContactPatch:
             self._rectangle = self._ctx.vertex_array(program, [])
         draw_added(self._ctx, self._framebuffer, self._rectangle)
 
-    def finish(self) -> None:
-        """Smooths it, once every direction was added."""
+    def smoothed(self) -> NDArray[np.float16]:
+        """(PATCH_SIZE, PATCH_SIZE, 4) what was added, once every direction was."""
         occlusion = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE, 4)
-        smooth = cv2.GaussianBlur(occlusion.astype(np.float32), (0, 0), BLUR_TEXELS)
-        self._texture.write(np.ascontiguousarray(smooth, dtype=np.float16))
+        return cv2.GaussianBlur(occlusion.astype(np.float32), (0, 0), BLUR_TEXELS).astype(np.float16)
+
+    def fill(self, smooth: NDArray[np.float16]) -> None:
+        """Has it hold what `smoothed` gave."""
+        self._texture.write(np.ascontiguousarray(smooth))
 
     def bind(self, program: moderngl.Program) -> None:
         """Gives `program` the patch and where it is."""

@@ -2,16 +2,20 @@
 
 Ambient occlusion by its definition: the mean of the shadows that many lights spread all around would cast, each with
 the weight of its cosine (Langer and Buelthoff, "Depth discrimination from shading under diffuse lighting", 2000). Drawn
-a direction at a time; of a model that moves each in another pose, so that it is the mean over them. It depends on the
-model alone: it is moved, turned and scaled with it.
+some directions at a time; of a model that moves in another pose each time, so that it is the mean over them. It depends
+on the model alone: it is moved, turned and scaled with it.
 """
 
-from collections.abc import Generator
-from dataclasses import replace
+from collections.abc import Generator, Iterator
+from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import moderngl
+import numpy as np
+from numpy.typing import NDArray
 
-from ashe_live.core.arrays import directions_on_spiral
+from ashe_live.core.arrays import Float, directions_on_spiral
+from ashe_live.models.placement import PlacedModel
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.preset import FAST
 from ashe_live.render.gl.programs import Programs
@@ -22,15 +26,50 @@ from ashe_live.render.occlusion.self_occlusion import SelfOcclusion
 from ashe_live.render.occlusion.stand_in import stand_in_for
 
 DIRECTIONS = 80
+# Drawn in one pass: what a pass costs a software rasteriser is mostly waiting for the one before.
+AT_ONCE = 4
 DEPTHS = replace(FAST, shadow_map_size=192, soft_on_model=False, pcf_radius=1)
 NO_LIGHT = (0.0, 0.0, 0.0)
 GOLDEN_SHARE = 0.618034  # multiples of which are spread evenly
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Hidden:
+    """What a model hides."""
+
+    contact: NDArray[np.float16]  # as ContactPatch.smoothed
+    openness: tuple[NDArray[np.uint8], ...]  # (n, 4) of each part's vertices, 255 for open
+
+
+# Of models that are still held somewhere: one that is shown again, or in another picture, is not looked at again.
+Known = WeakKeyDictionary[PlacedModel, Hidden]
+
+
 def occlusion_steps(
-    ctx: moderngl.Context, programs: Programs, model: GpuModel, contact: ContactPatch
+    ctx: moderngl.Context, programs: Programs, model: GpuModel, contact: ContactPatch, known: Known
 ) -> Generator[None, None, None]:
-    """Fills the contact patch and the openness of the parts of a model that is uploaded, a direction each step."""
+    """Fills the contact patch and the openness of the parts of a model that is uploaded; a round or a part each step.
+
+    `known` has what is found from then on, and is believed.
+    """
+    if model.placed not in known:
+        known[model.placed] = yield from _found(ctx, programs, model, contact)
+    contact.fill(known[model.placed].contact)
+    for part, openness in zip(model.parts, known[model.placed].openness, strict=True):
+        part.set_openness(openness)
+        yield
+
+
+def _rounds() -> Iterator[Float]:
+    """(AT_ONCE, 3) each, of all directions: the sphere's upper half first, every round from its top to its rim."""
+    for half in np.split(directions_on_spiral(DIRECTIONS), 2):
+        count = len(half) // AT_ONCE
+        yield from (half[first::count] for first in range(count))
+
+
+def _found(
+    ctx: moderngl.Context, programs: Programs, model: GpuModel, contact: ContactPatch
+) -> Generator[None, None, Hidden]:
     stand_in = stand_in_for(model.placed)
     caster = model
     depth_map = ShadowMaps(ctx, DEPTHS)
@@ -44,19 +83,21 @@ def occlusion_steps(
         duration_s = model.placed.model.duration_s
         # The mean of a cosine over all directions, where it is positive, is a quarter.
         share = 4.0 / DIRECTIONS
-        for number, direction in enumerate(directions_on_spiral(DIRECTIONS)):
-            # Not in the order of the directions, which go from above to below.
+        for number, directions in enumerate(_rounds()):
+            # Not in the order of the rounds, which go around, and from above to below.
             moment_s = duration_s * (number * GOLDEN_SHARE % 1.0)
             caster.pose(moment_s)
-            depth_map.render((caster,), Lighting((Sun(direction, NO_LIGHT, NO_LIGHT, 0.0),), NO_LIGHT, NO_LIGHT))
-            if direction[2] > 0:
-                contact.add(depth_map, share * float(direction[2]))
+            suns = tuple(Sun(direction, NO_LIGHT, NO_LIGHT, 0.0) for direction in directions)
+            depth_map.render((caster,), Lighting(suns, NO_LIGHT, NO_LIGHT))
+            if directions[0, 2] > 0:
+                contact.add(depth_map, share)
             on_model.add(depth_map, share, moment_s)
             yield
-        contact.finish()
-        for part, found, vertices in zip(model.parts, on_model.openness(), stand_in.vertices, strict=True):
-            part.set_openness(found[vertices])
+        openness = []
+        for found, vertices in zip(on_model.openness(), stand_in.vertices, strict=True):
+            openness.append(np.round(found * 255).astype(np.uint8)[vertices])
             yield
+        return Hidden(contact.smoothed(), tuple(openness))
     finally:
         # moderngl binds again what was bound before, which must not have been released by then.
         ctx.detect_framebuffer(0).use()

@@ -46,7 +46,7 @@ class SelfOcclusion:
         self._upward = self._pose(0.0)
 
     def add(self, depth_map: ShadowMaps, weight: float, time_s: float) -> None:
-        """Adds what is hidden of the direction from which `depth_map` shows the model, as it is at that time."""
+        """Adds what is hidden of the directions from which `depth_map` shows the model, as it is at that time."""
         if self._moves:
             self._pose(time_s)
         program = self._programs.get("self_occlusion", **depth_map.constants)

@@ -4,6 +4,7 @@ That takes longer than one picture, so it is done in small steps while the forme
 """
 
 import itertools
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 
@@ -14,11 +15,13 @@ from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.lights.shadow_maps import same_objects
 from ashe_live.render.occlusion.contact import ContactPatch
-from ashe_live.render.occlusion.occlusion import occlusion_steps
+from ashe_live.render.occlusion.occlusion import Known, occlusion_steps
 from ashe_live.render.passes.standing import StandingGroup, StandingModel
 
-# Of each picture's time; a step that has begun is finished, which may take a few milliseconds more.
-BUDGET_S = 0.003
+# Of the time from one picture to the next, which has this very work in it: a slow machine still gets on.
+SHARE = 1 / 3
+# A step that has begun is finished, which may take a few milliseconds more.
+LEAST_S, MOST_S = 0.003, 0.05
 
 
 LastSteps = Callable[[GpuModel], Iterator[None]]
@@ -27,22 +30,25 @@ LastSteps = Callable[[GpuModel], Iterator[None]]
 class PreparedModel:
     """Can be drawn once `advance` has returned True, or after `finish`."""
 
-    def __init__(self, ctx: moderngl.Context, programs: Programs, placed: PlacedModel, last_steps: LastSteps) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, programs: Programs, placed: PlacedModel, last_steps: LastSteps, known: Known
+    ) -> None:
+        """`known`: what models hide, by other switches as well; this one's is added."""
         self.placed = placed
         self.model = GpuModel(ctx, placed, programs)
         self.contact = ContactPatch(ctx, programs, self.model)
         self._standing: StandingModel | None = None
         self._ctx = ctx
-        self._occlusion = occlusion_steps(ctx, programs, self.model, self.contact)
+        self._occlusion = occlusion_steps(ctx, programs, self.model, self.contact, known)
         self._steps = itertools.chain(self.model.upload(), self._occlusion, last_steps(self.model))
 
-    def advance(self) -> bool:
-        """Continues for about BUDGET_S; returns whether the model can be drawn."""
+    def advance(self, budget_s: float) -> bool:
+        """Continues for about so long; returns whether the model can be drawn."""
         begun_s = time.perf_counter()
         for _ in self._steps:
             # Queued commands would otherwise all be executed during one picture.
             self._ctx.finish()
-            if time.perf_counter() - begun_s > BUDGET_S:
+            if time.perf_counter() - begun_s > budget_s:
                 return False
         return True
 
@@ -69,13 +75,12 @@ class PreparedModel:
 class ModelSwitch:
     """The model that is shown, and the one being prepared to replace it."""
 
-    def __init__(self, ctx: moderngl.Context, programs: Programs, last_steps: LastSteps, at_once: bool) -> None:
+    def __init__(self, make: Callable[[PlacedModel], PreparedModel], at_once: bool) -> None:
         self.shown: PreparedModel | None = None
-        self._coming: PreparedModel | None = None
-        self._ctx = ctx
-        self._programs = programs
-        self._last_steps = last_steps
         self.at_once = at_once
+        self._coming: PreparedModel | None = None
+        self._make = make
+        self._followed_s = -math.inf
 
     @property
     def is_settled(self) -> bool:
@@ -91,6 +96,8 @@ class ModelSwitch:
 
         True when another model, or none, is shown than before.
         """
+        now_s = time.perf_counter()
+        budget_s, self._followed_s = min(MOST_S, max(LEAST_S, SHARE * (now_s - self._followed_s))), now_s
         if self._coming is not None and self._coming.placed is not placed:
             self._coming.release()
             self._coming = None
@@ -99,10 +106,10 @@ class ModelSwitch:
         if self.shown is not None and self.shown.placed is placed:
             return False
         if self._coming is None:
-            self._coming = PreparedModel(self._ctx, self._programs, placed, self._last_steps)
+            self._coming = self._make(placed)
         if self.at_once or self.shown is None:
             self._coming.finish()
-        elif not self._coming.advance():
+        elif not self._coming.advance(budget_s):
             return False
         self._coming, ready = None, self._coming
         return self._show(ready)
@@ -117,9 +124,11 @@ class ModelSwitch:
 class ModelSwitches:
     """The models that stand side by side: a switch for each place in the scene's order."""
 
-    def __init__(self, ctx: moderngl.Context, programs: Programs, last_steps: LastSteps, at_once: bool) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, programs: Programs, last_steps: LastSteps, at_once: bool, known: Known
+    ) -> None:
         self.at_once = at_once
-        self._make = lambda: ModelSwitch(ctx, programs, last_steps, self.at_once)
+        self._make = lambda placed: PreparedModel(ctx, programs, placed, last_steps, known)
         self._switches: list[ModelSwitch] = []
         self._group: StandingGroup | None = None
 
@@ -141,7 +150,7 @@ class ModelSwitches:
             self._switches.remove(switch)
             changed |= switch.follow(None)
         while len(self._switches) < len(wanted):
-            self._switches.append(self._make())
+            self._switches.append(ModelSwitch(self._make, self.at_once))
         for switch, placed in zip(self._switches, wanted, strict=True):
             switch.at_once = self.at_once
             changed |= switch.follow(placed)

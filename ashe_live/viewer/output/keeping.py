@@ -34,7 +34,7 @@ class Keeper:
         self._tell = tell
         self._recording = recording
         self._renderer: SceneRenderer | None = None
-        self.clip_name: str | None = None  # of what is played, where it can be played again without a window
+        self.clip_path: Path | None = None  # of what is played, where it can be played again without a window
 
     @property
     def is_recording(self) -> bool:
@@ -115,14 +115,14 @@ class Keeper:
         if self._recording is not None:
             recording, self._recording = self._recording, None
             said = recording.finish()
-            if self.clip_name is not None and recording.has_gaps:
-                said += f"; every frame: {self._command(self.clip_name)} --headless --out FILE.mp4"
+            if self.clip_path is not None and recording.has_gaps:
+                said += f"; every frame: {self._command(self.clip_path)} --headless --out FILE.mp4"
             self._tell(said, now_s)
 
-    def _command(self, clip_name: str) -> str:
+    def _command(self, clip: Path) -> str:
         """That plays the clip with the same models, where they stood first."""
         # Of a clip whose light is known, as the shipped one is, nobody has the file at hand.
-        words = ["demo"] if self._session.true_to_light_marker is not None else ["play", clip_name]
+        words = ["demo"] if self._session.true_to_light_marker is not None else ["play", str(clip)]
         for chosen in self._session.arrangement.chosen:
             words += ["--model", chosen.name if chosen.marker is None else f"{chosen.marker}={chosen.name}"]
         return shlex.join(["ashe-live", *words])

@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from ashe_live.capture.sources import Seekable, Source
@@ -65,6 +66,11 @@ class Pipeline:
     def is_clip(self) -> bool:
         """Whether it can be sought in."""
         return isinstance(self._source, Seekable)
+
+    @property
+    def clip_path(self) -> Path | None:
+        """As it was named; None of what is no clip."""
+        return self._source.path if isinstance(self._source, Seekable) else None
 
     @property
     def is_camera(self) -> bool:

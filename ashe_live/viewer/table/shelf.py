@@ -43,7 +43,7 @@ class Shelf:
         shipped = model_names()
         self.names = [name for name in dict.fromkeys((first_choice, *others)) if name not in shipped] + list(shipped)
         self._loading: dict[str, Future[PlacedModel]] = {}
-        self._begun_s: dict[str, float] = {}
+        self._waited_for: tuple[str, float] | None = None  # the chosen one that is not shown yet, and since when
         self._chosen = self.names.index(first_choice)
         self._shown_name = first_choice
         self._untried: set[str] = set()  # dropped, and not read yet
@@ -132,13 +132,19 @@ class Shelf:
                 self._error, self._chosen = error, self.names.index(self._shown_name)
         return self._shown
 
-    @property
-    def progress(self) -> str | None:
-        """A message while the chosen model is loading, if that takes long."""
+    def progress(self, is_drawn: bool) -> str | None:
+        """A message until the chosen model is loaded and in the picture, if that takes long.
+
+        `is_drawn`: what `model` gave last is in the picture.
+        """
         loading = self._loading.get(self.chosen_name)
-        if loading is None or loading.done():
+        if is_drawn and (loading is None or loading.done()):
+            self._waited_for = None
             return None
-        waited_s = time.monotonic() - self._begun_s[self.chosen_name]
+        now_s = time.monotonic()
+        if self._waited_for is None or self._waited_for[0] != self.chosen_name:
+            self._waited_for = self.chosen_name, now_s
+        waited_s = now_s - self._waited_for[1]
         return None if waited_s < SILENT_S else f"loading {Path(self.chosen_name).name}: {waited_s:.0f} s"
 
     def _tell_of(self, name: str, placed: PlacedModel) -> None:
@@ -160,7 +166,6 @@ class Shelf:
 
     def _load(self, name: str) -> Future[PlacedModel]:
         if name not in self._loading:
-            self._begun_s[name] = time.monotonic()
             self._loading[name] = begun(
                 "model",
                 lambda: read_model(name, self.marker_side_m, self._up_of(name)),

@@ -34,6 +34,7 @@ class Table:
         self.hand = Hand()
         self.arrangement = Arrangement(shelf, self.hand, others)
         self.motion = MotionClock()
+        self.drawn: tuple[PlacedModel, ...] = ()  # what the picture before showed; none: nobody says
         self._shelf = shelf
         self._say = say
         self._undo = Undo()
@@ -62,9 +63,14 @@ class Table:
         return names, self._shelf.names.index(self._shelf.chosen_name)
 
     @property
+    def is_drawn(self) -> bool:
+        """Whether the one in the hand has come into the picture, as far as is known."""
+        return not self.drawn or any(each is self.model for each in self.drawn)
+
+    @property
     def progress(self) -> str | None:
-        """A message while a model is being loaded."""
-        return self._shelf.progress
+        """A message while a model is being loaded, or prepared for drawing, if that takes long."""
+        return self._shelf.progress(self.is_drawn)
 
     @property
     def motion_s(self) -> float:

@@ -1,9 +1,9 @@
 """Models of many features as Blender writes them, each with its true triangles, for compare.py.
 
-    python make.py DIR [--count 400]        needs bpy (the extra `scenes`)
+    python make.py DIR [--first 0] [--count 400]        needs bpy (the extra `scenes`)
 
-Seeded by their numbers. What leaves the truth open is left out: an exporter that applies modifiers drops shape keys, so
-that a model has one or the other.
+Seeded by their numbers; others are made from --first on. What leaves the truth open is left out: an exporter that
+applies modifiers drops shape keys, so that a model has one or the other.
 """
 
 import argparse
@@ -185,8 +185,9 @@ def make(number: int, folder: Path) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("folder", type=Path)
+    parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=400)
     options = parser.parse_args()
     options.folder.mkdir(parents=True)
-    for each in range(options.count):
+    for each in range(options.first, options.first + options.count):
         make(each, options.folder)

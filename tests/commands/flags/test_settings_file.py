@@ -46,6 +46,7 @@ def test_a_camera_file_is_beside_the_settings_unless_its_path_is_full(path):
         ("[marker]\nsize = 1", "marker is not text"),
         ('hfov = 60\ncamera-file = "a.json"', "keep one of them"),
         ("quality = fast", "is not TOML"),
+        (f"quality = {'[' * 9999}", "nested too deeply"),
         ("\udcff", "is not UTF-8"),
         ('camera-file = "~nobody-of-that-name/a.json"', "nobody's folder"),
     ],

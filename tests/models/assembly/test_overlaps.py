@@ -46,3 +46,12 @@ def test_a_sheet_with_a_front_and_a_back_of_its_own_is_not() -> None:
     front, back = (replace(material, double_sided=False) for material in (RED, BLUE))
     assert not overlap_visibly([_square(front), _square(back, ONE_DIAGONAL[:, ::-1])])
     assert overlap_visibly([_square(front), _square(back)])
+
+
+def test_normals_count_each_as_its_side_is_seen() -> None:
+    """Of a triangle that is wound the other way round the back is seen, where its normal is turned round."""
+    leaning = np.tile(np.float32((0.6, 0, 0.8)), (4, 1))
+    assert overlap_visibly([_square(RED), replace(_square(RED), normals=leaning)])
+    behind = _square(RED, ONE_DIAGONAL[:, ::-1])
+    assert overlap_visibly([_square(RED), behind])
+    assert not overlap_visibly([_square(RED), replace(behind, normals=-behind.normals)])

@@ -188,3 +188,67 @@ def test_a_picture_without_texture_coordinates_is_said(tmp_path: Path) -> None:
     for triangle, is_said in ((bare, True), (TRIANGLE, False)):
         model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{triangle}", a="newmtl m\nmap_Kd red.png\n")
         assert any("texture coordinates" in note for note in model.notes) is is_said
+
+
+def test_a_picture_is_enlarged_and_shifted_as_its_options_say(tmp_path: Path) -> None:
+    """u * s + o, from the bottom left; what is left out of an option is as if nothing was said."""
+    Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / "red.png")
+    layout = surface(tmp_path, "map_Kd -o 0.25 0.5 0 -s 2 3 1 -clamp on red.png").layout("base_map")
+    at = np.reshape(layout.matrix, (2, 3)) @ (0.5, 0.125, 1.0)
+    np.testing.assert_allclose(at, (0.5 * 2 + 0.25, 0.125 * 3 + 0.5))
+    assert layout.repeats == (False, False)
+    assert surface(tmp_path, "map_Kd -s 4 red.png").layout("base_map").matrix == (4, 0, 0, 0, 1, 0)
+    assert surface(tmp_path, "map_Kd red.png").layout("base_map").is_plain
+
+
+def test_roughness_and_metal_may_be_said(tmp_path: Path) -> None:
+    material = surface(tmp_path, "Kd 1 0 0\nNs 10\nPr 0.25\nPm 0.75")
+    assert (material.roughness, material.metallic) == (0.25, 0.75)
+
+
+@pytest.mark.parametrize("lines", ["d 1\nTr 1", "Tr 1\nd 1"])
+def test_of_two_opacities_that_of_the_format_holds(tmp_path: Path, lines: str) -> None:
+    assert surface(tmp_path, lines).base_colour[3] == 1
+
+
+def test_a_material_that_no_library_has_is_said_and_one_that_nothing_uses_is_not(tmp_path: Path) -> None:
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl other\nusemtl gone\n{TRIANGLE}", a="newmtl m\nKd 1 0 0\n")
+    assert model.notes == ("its material gone is in none of its libraries: it is drawn as plain plastic",)
+    assert not read(tmp_path, f"mtllib a.mtl\nusemtl gone\nusemtl m\n{TRIANGLE}", a="newmtl m\nKd 1 0 0\n").notes
+    (tmp_path / "a.mtl").unlink()
+    assert len(read(tmp_path, f"mtllib a.mtl\nusemtl gone\n{TRIANGLE}").notes) == 1  # on the library alone
+
+
+def test_curved_surfaces_are_said_to_be_left_out(tmp_path: Path) -> None:
+    curved = "cstype bspline\ndeg 1 1\nsurf 0 1 0 1 1 2 3 3\nparm u 0 0 1 1\nparm v 0 0 1 1\nend\n"
+    assert read(tmp_path, TRIANGLE + curved).notes == ("curves and curved surfaces are left out",)
+    with pytest.raises(UserError, match="holds no triangles: curves and curved surfaces are left out"):
+        read(tmp_path, "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + curved)
+
+
+def test_a_mask_without_a_picture_is_said(tmp_path: Path) -> None:
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{TRIANGLE}", a="newmtl m\nmap_d mask.png\n")
+    assert model.notes == ("masks of its materials without a picture are left out",)
+
+
+def test_colours_of_vertices_and_materials_together_are_said(tmp_path: Path) -> None:
+    """The format knows the ones alone, and programs differ in what they make of both."""
+    coloured = TRIANGLE.replace("v 0 0 0", "v 0 0 0 1 0 0").replace("v 1 0 0", "v 1 0 0 1 0 0")
+    coloured = coloured.replace("v 0 1 0", "v 0 1 0 1 0 0")
+    assert not read(tmp_path, coloured).notes
+    model = read(tmp_path, f"mtllib a.mtl\nusemtl m\n{coloured}", a="newmtl m\nKd 1 0 0\n")
+    assert model.notes == ("the colours of its vertices are multiplied with those of its materials",)
+
+
+@pytest.mark.parametrize("turn", range(4))
+def test_a_quad_is_cut_along_the_diagonal_that_is_within_it(turn: int) -> None:
+    """An arrowhead keeps its area. Of a quad that crosses itself neither is."""
+    arrowhead = np.roll(np.array([(0, 0, 0), (2, 0, 0), (0.5, 0.5, 0), (0, 2, 0)]), turn, axis=0)
+    triangles = triangulated(arrowhead, np.arange(4), np.array([4]))
+    crosses = face_normals(arrowhead, triangles)
+    assert crosses[:, 2] == pytest.approx([1, 1])  # together twice the area, the same side up
+    crossed = np.roll(np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)]), turn, axis=0)
+    assert {*map(frozenset, triangulated(crossed, np.arange(4), np.array([4])).tolist())} == {
+        frozenset((0, 1, 3)),
+        frozenset((1, 2, 3)),
+    }  # as Blender cuts it, though either half lies on the other in part

@@ -139,3 +139,22 @@ def test_headers_that_cannot_be_meant_are_refused(tmp_path: Path, old: str, new:
     with pytest.raises(UserError) as caught:
         load_model_file(tmp_path / "a.ply")
     assert said in str(caught.value)
+
+
+def test_a_cloud_of_points_is_said_to_be_one(tmp_path: Path) -> None:
+    head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+    (tmp_path / "a.ply").write_text(f"{head}end_header\n0 0 0\n")
+    with pytest.raises(UserError, match="holds no triangles: points and lines are left out"):
+        load_model_file(tmp_path / "a.ply")
+
+
+def test_of_several_textures_one_is_drawn_with_a_word(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        PIL.Image.new("RGB", (2, 2), (255, 0, 0)).save(tmp_path / f"{name}.png")
+    head = "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment TextureFile b.png\nelement vertex 3\n"
+    names = "".join(f"property float {name}\n" for name in "xyzst")
+    (tmp_path / "a.ply").write_text(
+        f"{head}{names}element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n"
+    )
+    assert load_model_file(tmp_path / "a.ply").notes == ("one of its 2 textures is drawn, on all of it",)

@@ -323,3 +323,14 @@ def test_points_and_lines_are_left_out_and_said(tmp_path: Path) -> None:
     model = load_model_file(document.save(tmp_path / "a.glb"))
     assert model.triangle_count == len(TRIANGLES)
     assert model.notes == ("points and lines are left out",)
+
+
+@pytest.mark.parametrize("times", [(0, np.nan), (1, 0), (0, 0)])
+def test_a_damaged_animation_is_said_to_be_left_out(tmp_path: Path, times: tuple[float, float]) -> None:
+    document = Document()
+    bare_quad(document)
+    animated(document, "translation", np.float32([(0, 0, 5), (9, 9, 9)]))
+    document.json["animations"][0]["samplers"][0]["input"] = document.accessor(np.float32(times))
+    model = load_model_file(document.save(tmp_path / "a.glb"))
+    assert model.duration_s == 0
+    assert model.notes == ("what of its animation is damaged is left out",)

@@ -16,7 +16,7 @@ from ashe_live.quality import FAST
 from ashe_live.render.gl.geometry import GpuModel, GpuPart
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.occlusion.contact import ContactPatch
-from ashe_live.render.occlusion.occlusion import occlusion_steps
+from ashe_live.render.occlusion.occlusion import Known, occlusion_steps
 from ashe_live.render.occlusion.stand_in import CELLS, MOST_TRIANGLES, stand_in_for
 from ashe_live.render.occlusion.surface_samples import samples_on
 from ashe_live.render.scene import Scene
@@ -32,12 +32,12 @@ def openness(ctx, stage, monkeypatch: pytest.MonkeyPatch) -> Find:
     def find(*parts: Mesh) -> list[np.ndarray]:
         found: list[np.ndarray] = []
         with monkeypatch.context() as patch:
-            patch.setattr(GpuPart, "set_openness", lambda _, values: found.append(values))
+            patch.setattr(GpuPart, "set_openness", lambda _, values: found.append(values / 255))
             programs = Programs(ctx)
             placed: PlacedModel = stage.placed(*parts)
             model = GpuModel(ctx, placed, programs)
             contact = ContactPatch(ctx, programs, model)
-            for _ in (*model.upload(), *occlusion_steps(ctx, programs, model, contact)):
+            for _ in (*model.upload(), *occlusion_steps(ctx, programs, model, contact, Known())):
                 pass
             for held in (contact, model, programs):
                 held.release()

@@ -1,18 +1,20 @@
 """Switching models: the one before is shown until the next is ready, and no picture's share of the work is large."""
 
 import numpy as np
+import pytest
 
 from ashe_live.core.types import Illumination
 from ashe_live.models.primitives import box
 from ashe_live.quality import FAST
 from ashe_live.render.gl.offscreen import live_gl_objects
+from ashe_live.render.occlusion import occlusion
 from ashe_live.render.passes import prepared
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 
 
 def test_the_model_before_is_shown_until_the_next_is_ready(ctx, stage, monkeypatch) -> None:
-    monkeypatch.setattr(prepared, "BUDGET_S", 0.0)  # one step a picture
+    monkeypatch.setattr(prepared, "MOST_S", 0.0)  # one step a picture
     tracked = stage.tracked(90, stage.pose(20, 40))
     small, large = stage.placed(box((0.02, 0.02, 0.02))), stage.placed(box((0.06, 0.06, 0.06)))
     renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
@@ -40,14 +42,14 @@ def test_the_model_before_is_shown_until_the_next_is_ready(ctx, stage, monkeypat
 
 
 def test_what_is_dropped_while_it_is_prepared_leaves_nothing(ctx, stage, monkeypatch) -> None:
-    monkeypatch.setattr(prepared, "BUDGET_S", 0.0)
+    monkeypatch.setattr(prepared, "MOST_S", 0.0)
     tracked = stage.tracked(90, stage.pose(20, 40))
     small, large = stage.placed(box((0.02, 0.02, 0.02))), stage.placed(box((0.06, 0.06, 0.06)))
     renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
     for _ in range(2):
         renderer.render(Scene(tracked, small))
     before = live_gl_objects()
-    for _ in range(40):
+    for _ in range(10):
         renderer.render(Scene(tracked, large))
     assert not renderer.is_settled
     assert live_gl_objects() > before
@@ -55,3 +57,49 @@ def test_what_is_dropped_while_it_is_prepared_leaves_nothing(ctx, stage, monkeyp
     assert live_gl_objects() == before
     renderer.release()
     assert ctx.error == "GL_NO_ERROR"
+
+
+def test_a_model_that_was_shown_before_is_not_looked_at_again(ctx, stage, monkeypatch) -> None:
+    """What it hides is known by then, in other pictures as well, and the picture is the same."""
+    monkeypatch.setattr(prepared, "MOST_S", 0.0)
+    tracked = stage.tracked(90, stage.pose(20, 40))
+    models = [stage.placed(box((side, side, side))) for side in (0.02, 0.06)]
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
+
+    def pictures_until_shown(model) -> int:
+        count = 0
+        while count == 0 or not renderer.is_settled:
+            renderer.render(Scene(tracked, model, Illumination((stage.light(10, 40),))))
+            count += 1
+        return count
+
+    first = [(pictures_until_shown(model), renderer.read_bgr()) for model in models]
+    again = [(pictures_until_shown(model), renderer.read_bgr()) for model in models]
+    assert first[1][0] > 20
+    for (count, picture), (_, before) in zip(again, first, strict=True):
+        assert count < 10
+        np.testing.assert_array_equal(picture, before)
+    monkeypatch.setattr(occlusion, "SelfOcclusion", None)  # looking at it would fail
+    beside = renderer.beside(FAST.render, (480, 360))
+    beside.render(Scene(tracked, models[0], Illumination((stage.light(10, 40),))))
+    np.testing.assert_array_equal(beside.read_bgr(), first[0][1])
+    beside.release()
+    renderer.release()
+    assert ctx.error == "GL_NO_ERROR"
+
+
+def test_a_slow_machine_gets_on_as_well(ctx, stage, monkeypatch) -> None:
+    """The work between two pictures grows with the time that pictures take, up to a limit."""
+    budgets: list[float] = []
+    monkeypatch.setattr(prepared.PreparedModel, "advance", lambda _, budget_s: budgets.append(budget_s) or False)
+    now_s = [0.0]
+    monkeypatch.setattr(prepared.time, "perf_counter", lambda: now_s[0])
+    tracked = stage.tracked(90, stage.pose(20, 40))
+    first, second = (stage.placed(box((side, side, side))) for side in (0.02, 0.06))
+    renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
+    renderer.render(Scene(tracked, first))
+    for passed_s in (0.001, 0.06, 5.0):
+        now_s[0] += passed_s
+        renderer.render(Scene(tracked, second))
+    assert budgets == [prepared.LEAST_S, pytest.approx(0.02), prepared.MOST_S]
+    renderer.release()

@@ -69,13 +69,15 @@ def test_who_waits_is_told_for_how_long(monkeypatch):
     shelf = Shelf("cube", 0.08)
     monkeypatch.setattr(shelf_module, "read_model", slowly)
     monkeypatch.setattr(shelf_module, "SILENT_S", 0.0)
-    assert shelf.progress is None
+    assert shelf.progress(True) is None
     shelf.choose(shelf.names.index("tree"))
     shelf.model()
-    assert shelf.progress == "loading tree: 0 s"
+    assert shelf.progress(True) == "loading tree: 0 s"
     go_on.set()
     awaited(shelf)
-    assert shelf.progress is None
+    assert shelf.progress(False) == "loading tree: 0 s"  # until it has been prepared for drawing
+    assert shelf.progress(True) is None
+    assert shelf.progress(True) is None
 
 
 @pytest.mark.parametrize("error", [MemoryError(), RecursionError("too deep"), ValueError("odd")])

@@ -1,0 +1,49 @@
+"""Binary STL in colours, as the two programs write them whose ways are in use."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ashe_live.models.formats.stl import TRIANGLE
+from ashe_live.models.loading import load_model_file
+
+RED_FIRST, RED_LAST, MARK = 31, 31 << 10, 1 << 15
+
+
+def colours(folder: Path, header: bytes, attributes: list[int]) -> np.ndarray | None:
+    """(n, 4) of triangles beside one another with these attributes; None without colours."""
+    facets = np.zeros(len(attributes), TRIANGLE)
+    for number, facet in enumerate(facets):
+        facet["corners"] = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)]) + np.array((number, 0, 0))
+    facets["attribute"] = attributes
+    content = header.ljust(80, b"\0") + len(facets).to_bytes(4, "little") + facets.tobytes()
+    (folder / "a.stl").write_bytes(content)
+    (part,) = load_model_file(folder / "a.stl", "z").parts
+    if part.colours is None:
+        return None
+    order = np.argsort([part.vertices[triangle, 0].mean() for triangle in part.triangles])
+    return part.colours[part.triangles[order, 0]]
+
+
+def test_a_marked_triangle_has_a_colour_with_red_last(tmp_path: Path) -> None:
+    np.testing.assert_allclose(
+        colours(tmp_path, b"", [MARK | RED_LAST, MARK | 31, 0]), [(1, 0, 0, 1), (0, 0, 1, 1), (1, 1, 1, 1)]
+    )
+
+
+def test_with_a_colour_of_all_it_is_the_other_way_round(tmp_path: Path) -> None:
+    header = b"COLOR=" + bytes((0, 255, 0, 255))
+    np.testing.assert_allclose(colours(tmp_path, header, [RED_FIRST, MARK]), [(1, 0, 0, 1), (0, 1, 0, 1)])
+
+
+@pytest.mark.parametrize("attributes", [[0, 0], [MARK, 7]])
+def test_other_bits_are_no_colours(tmp_path: Path, attributes: list[int]) -> None:
+    assert colours(tmp_path, b"COLOUR", attributes) is None
+
+
+@pytest.mark.parametrize("rest", [b"", b"\xff"])
+def test_a_header_that_ends_in_its_colour_is_read(tmp_path: Path, rest: bytes) -> None:
+    header = (b"COLOR=" + rest).rjust(80, b" ")
+    found = colours(tmp_path, header, [MARK])
+    np.testing.assert_allclose(found, [(1, 1, 1, 1)])
