@@ -5,10 +5,15 @@ import dataclasses
 import numpy as np
 import pytest
 
-from ashe_live.light.explanation.judgement.judge import best_direction, probabilities_of
-from ashe_live.light.views.evidence import joint_support, no_less_sure
+from ashe_live.core.arrays import Mask
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.explanation.judgement.judge import best_direction, fitted_judge, probabilities_of
+from ashe_live.light.pixels.areas import grown
+from ashe_live.light.views.evidence import joint_log_odds, joint_support, no_less_sure
+from ashe_live.light.views.joint import JointExplanation
 from tests.light.painted_regions import painted_region
-from tests.light.painted_scenes import BOX
+from tests.light.painted_scenes import BOX, paint
 from tests.light.synthetic_masks import direction
 
 HERE, NEARBY, ELSEWHERE = direction(200, 40), direction(203, 41), direction(80, 50)
@@ -56,6 +61,26 @@ def test_what_shears_in_a_shadow_is_not_made_up_for_by_the_ground_around_it() ->
     for_clear, for_standing = (joint_support(each, scene.body, scene.shadow) for each in (clear, standing))
     assert for_clear == pytest.approx(1.0)
     assert for_standing == pytest.approx(0.0)
+
+
+def test_what_another_object_hides_in_one_view_does_not_shear_in_the_other() -> None:
+    _, trace = ProxyEstimator(FAST).traced(paint(BOX).tracked)
+    one = trace.judged[int(np.argmax(trace.probabilities))]
+    body, shadow = one.predicted.body, one.predicted.shadow
+    rows = np.arange(len(shadow))[:, None]
+    end = shadow & (rows < np.quantile(np.nonzero(shadow)[0], 0.3))
+    beside = grown(end, 12) & ~grown(shadow | body, 2)
+
+    def log_odds(standing: Mask) -> float:
+        """By two views, one of which shows the shadow's end to shear, the other something that stands."""
+        first, other = (
+            dataclasses.replace(one, region=dataclasses.replace(one.region, on_plane=np.where(each, -2, 1.0)))
+            for each in (body | end, body | standing)
+        )
+        return joint_log_odds(JointExplanation(first, (first, other), one), fitted_judge())
+
+    in_its_place, reaching_over = log_odds(end), log_odds(end | beside | grown(end, 3))
+    assert reaching_over > in_its_place + 0.5
 
 
 def test_one_view_alone_supports_nothing() -> None:
