@@ -68,7 +68,7 @@ VARIATIONS = (
     Variation("second look", "none", {"second_look": None}),
     Variation("second look", "fast", {"second_look": FAST}),
     *_varied("views", "views", 1, 2, 4, 8, 12),
-    *_varied("views searched beside the first", "companions", 0, 1, 2),
+    *_varied("views searched beside the first", "companions", 0, 1, 3),
     *_varied("explanations aligned in all views", "joint", 2, 3, 4, 6),
 )
 

@@ -1,6 +1,6 @@
 """A look at a picture: what it may show, judged beside whatever other views of the scene there are."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache, partial
 
@@ -16,7 +16,7 @@ from ashe_live.light.estimators.trace import Look, Trace
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company, company_features
-from ashe_live.light.explanation.judgement.judge import Judge, explanation_features, probabilities_of
+from ashe_live.light.explanation.judgement.judge import Judge, best_direction, explanation_features, probabilities_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
@@ -30,6 +30,10 @@ from ashe_live.light.views.seen import SceneView
 LEAST_SHARE = 0.0005
 # What is tried at most in a view beside the first: as in a single picture by the preset `fast`.
 MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
+FIRST_COMPANIONS = 1  # number of views beside the first that are searched in any case
+# Probability of a direction from which explanations are not looked for in more views: what hides the shadow in one view
+# does not in another, but where nothing hides it, more views find the same.
+SETTLED = 0.7
 
 # The log odds of an explanation, judged beside these several.
 LogOddsAmong = Callable[[Sequence[Explanation]], Callable[[Explanation], float]]
@@ -48,18 +52,47 @@ def looked(
     trace.ground = views[0].ground
     candidates, log_odds, lamps = _explanations(views[0], trace, steps, judge, clock)
     if len(views) > 1:
-        others_found = []
-        for view in views[1:][: steps.companions]:
-            seen = Sharpener.of([view.fine])
-            rough, *_ = _rough_explanations(view, seen, Trace(view.coarse), _beside(steps), judge, clock)
-            others_found.append((view, rough))
-        together = explained_together([(views[0], candidates), *others_found], views, steps, judge, lamps)
+        together = _explained_together((views[0], candidates), views, steps, judge, lamps, clock)
         alone, alone_log_odds = _directions(candidates), log_odds
         candidates, log_odds = [each for each, _ in together], [odds for _, odds in together]
         log_odds = no_less_sure(_directions(candidates), log_odds, alone, alone_log_odds)
         clock.end("views")
     trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
     return Look(trace, views)
+
+
+def _explained_together(
+    first: tuple[SceneView, Sequence[Explanation]],
+    views: Sequence[SceneView],
+    steps: ProxySteps,
+    judge: Judge,
+    lamps: LampHypotheses,
+    clock: StageClock,
+) -> list[tuple[Explanation, float]]:
+    """As `explained_together`, of what is found in the first view and in as many others as it takes to be sure.
+
+    first: the first view with its explanations.
+    """
+
+    def searched(several: Sequence[SceneView]) -> Iterator[tuple[SceneView, Sequence[Explanation]]]:
+        for view in several:
+            seen = Sharpener.of([view.fine])
+            rough, *_ = _rough_explanations(view, seen, Trace(view.coarse), _beside(steps), judge, clock)
+            yield view, rough
+
+    companions = views[1 : 1 + steps.companions]
+    found = [first, *searched(companions[:FIRST_COMPANIONS])]
+    together = explained_together(found, views, steps, judge, lamps)
+    more = companions[FIRST_COMPANIONS:]
+    if not more or (together and _sureness(together) > SETTLED):
+        return together
+    return explained_together([*found, *searched(more)], views, steps, judge, lamps)
+
+
+def _sureness(together: Sequence[tuple[Explanation, float]]) -> float:
+    """The probability of the likeliest direction."""
+    several, log_odds = zip(*together, strict=True)
+    return best_direction(probabilities_of(log_odds), _directions(several))[1]
 
 
 def _directions(several: Sequence[Explanation]) -> list[Float]:

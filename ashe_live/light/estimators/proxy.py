@@ -8,12 +8,14 @@ likeliest with the borders in the picture, relabels and refits, and rates the be
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from ashe_live.core.arrays import Mask
 from ashe_live.core.stages import StageClock
 from ashe_live.core.types import Illumination, LightEstimate, TrackedFrame
 from ashe_live.light.estimators.known_body import estimate_by_body
 from ashe_live.light.estimators.looking import looked
-from ashe_live.light.estimators.scene_views import contradicting, span_of
+from ashe_live.light.estimators.scene_views import contradicting, span_of, without_confirming
 from ashe_live.light.estimators.stating import Choice, chosen, illumination_of
 from ashe_live.light.estimators.steps import BALANCED, ProxySteps
 from ashe_live.light.estimators.trace import Look, Trace
@@ -60,6 +62,8 @@ class ProxyEstimator:
             # Views that contradict each other may leave no answer; one view's answer then tells which of them do.
             explained = estimate if estimate.light is not None else self._traced(tracked, (), clock)[0]
             odd = contradicting(explained, tracked, others, self._steps)
+            if explained is estimate:
+                odd = without_confirming(odd, _likeliest(trace), self._judge)
             # Where all of several views contradict one view's answer, that is wrong rather than all of them.
             is_doubtful = explained is not estimate and len(odd) == len(estimate.views) - 1 > 1
             if odd and not is_doubtful:
@@ -104,6 +108,11 @@ def _reason_for_none(first: Look, choice: Choice | None, judge: Judge, steps: Pr
     if choice.confidence < judge.least_confidence:
         return fault_of_scene(choice.explanation, choice.confidence)
     return None if is_as_given(choice.explanation, steps.first_fit) else OTHER_SIZE
+
+
+def _likeliest(trace: Trace) -> Explanation:
+    """Of an answer's explanations, the likeliest."""
+    return trace.judged[int(np.argmax(trace.probabilities))]
 
 
 def _masks_of(explanation: Explanation) -> tuple[Mask, Mask]:

@@ -8,17 +8,23 @@ import numpy as np
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import LightEstimate, TrackedFrame
 from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.explanation.judgement.judge import Judge
 from ashe_live.light.ground.lit_ground import fit_lit_ground, with_on_plane
 from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
+from ashe_live.light.views.joint import in_each_view
 from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 from ashe_live.light.views.seen import SceneView
 from ashe_live.light.views.which import span_rad, usable
 
 # Number of others that the plane in the first view is compared with, and in another: more repeat what these tell.
 COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
+# Log odds by which an explanation may be less likely in a view than in the first one, if that view shows its body and
+# shadow as well. A view of another scene has no borders there, and is behind by more.
+MOST_BEHIND_FIRST = 1.0
 GROUND_OF_OTHERS = GroundSteps(12, 8, 1)  # how finely the ground is modelled in views in which nothing is looked for
 
 
@@ -69,6 +75,19 @@ def contradicting(
     depth = 0.0 if ratio is None else -float(np.log(np.maximum(ratio, 1e-3)).mean())
     agree = agreeing([View.of(each, WIDTH_PX) for each in (tracked, *used)], body, lights, depth)
     return [other for other, does in zip(used, agree, strict=True) if not does]
+
+
+def without_confirming(several: Sequence[TrackedFrame], explanation: Explanation, judge: Judge) -> list[TrackedFrame]:
+    """Those of the frames that do not show body and shadow where an explanation of theirs and others has them.
+
+    In the ones that do, the plane looks different because something else stands before it. explanation: of several
+    views, the first of which is not among the frames.
+    """
+    first, *others = in_each_view(explanation).each
+    least = judge.log_odds(first) - MOST_BEHIND_FIRST
+    confirming = [each.region.view.T_cam_marker for each in others if judge.log_odds(each) > least]
+    poses = [(each, each.marker.T_cam_marker) for each in several if each.marker is not None]
+    return [each for each, pose in poses if not any(np.array_equal(pose, one) for one in confirming)]
 
 
 def _scene_view(index: int, fine: View, coarse: View, steps: GroundSteps) -> SceneView | None:

@@ -25,7 +25,7 @@ class ProxySteps:
     ground: GroundSteps
     fine_fit: FitPreset  # of those; the first fit is the same for all presets, but for the caster
     views: int  # number of views that are used together, the frame's own included
-    companions: int  # number of the other views that explanations are looked for in, as in the frame itself
+    companions: int  # number of the other views that explanations are looked for in at most, as in the frame itself
     joint: int  # number of explanations that are aligned in all views, the likeliest
     light: str = AUTO  # one of KINDS: what lights are taken for
     second_look: "ProxySteps | None" = None  # at the same picture at another scale, where it is the only view
@@ -81,12 +81,12 @@ BALANCED = ProxySteps(
     ground=GroundSteps(),
     fine_fit=preset.BALANCED,
     views=8,
-    companions=1,
+    companions=3,
     joint=3,
 )
 # Two looks find the right explanation in the same place, but wrong ones in different places: a second opinion is worth
 # more than a longer search, which finds more wrong explanations too.
-ACCURATE = replace(BALANCED, views=12, companions=2, joint=4, second_look=FAST)
+ACCURATE = replace(BALANCED, views=12, companions=4, joint=4, second_look=FAST)
 
 
 PRESETS = {"fast": FAST, "balanced": BALANCED, "accurate": ACCURATE}

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
+from ashe_live.core.transforms import angle_between, view_direction
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.evidence import of_steps_and_families
 from ashe_live.light.explanation.judgement.judge import (
@@ -19,7 +20,7 @@ from ashe_live.light.explanation.judgement.judge import (
 )
 from ashe_live.light.ground.lit_ground import OFF_PLANE
 from ashe_live.light.ground.regions import Region
-from ashe_live.light.pixels.areas import grown
+from ashe_live.light.pixels.areas import areas_by_size, grown
 from ashe_live.light.views.joint import JointExplanation
 from ashe_live.light.views.plane import plane_homography
 
@@ -33,6 +34,10 @@ LEAST_SEEN = 0.05  # of body and shadow in a view, that it counts by where it sh
 # So much, beside its sum, against a shadow that pixels in it shear: parts of the object that its fitted body leaves out
 # do, too.
 MOST_AGAINST_SHEARING = 1.0
+# Angle between two views below which what stands hides in one of them only a strip more of the plane than in the other,
+# a quarter as wide as it is high.
+ASIDE_RAD = math.radians(15.0)
+LEAST_OTHER_PX = 20  # of another object in a region: smaller ones are specks
 BESIDE_PX = 1  # next to what a body hides, colours are mixed
 ALIKE_SHARE = 0.3  # of a body's size, between the feet of two that are alike
 ALIKE_COSINE = float(np.cos(np.radians(2.0)))  # of the angle between their lights
@@ -101,15 +106,35 @@ def _share_on(ground: Mask, hull_px: Float | None) -> float:
 
 
 def _hidden_elsewhere(explanation: JointExplanation) -> Mask:
-    """(h, w) of the first view's region: what the body hides in the others, where these show nothing of the plane."""
+    """(h, w) of the first view's region: what is hidden in the others, where these show nothing of the plane.
+
+    By the body and, in views from far enough aside, by whatever else stands there.
+    """
     first, *others = explanation.each
     hidden = np.zeros(first.predicted.body.shape, np.bool_)
     flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
     for other in others:
         H = plane_homography(first.region.view, other.region.view)
-        body = grown(other.predicted.body, BESIDE_PX).astype(np.uint8)
-        hidden |= cv2.warpPerspective(body, H, first.region.view.size, flags=flags) > 0
+        before = other.predicted.body
+        if angle_between(*(view_direction(each.region.view.T_cam_marker) for each in (first, other))) > ASIDE_RAD:
+            before = before | _other_objects(other)
+        before = grown(before, BESIDE_PX).astype(np.uint8)
+        hidden |= cv2.warpPerspective(before, H, first.region.view.size, flags=flags) > 0
     return hidden
+
+
+def _other_objects(explanation: Explanation) -> Mask:
+    """(h, w) of the region: what surely stands there, and is neither the body nor mostly in the place of its shadow.
+
+    What mostly is may be the object itself, its dark side taken for a shadow.
+    """
+    seen, on_plane = explanation.predicted, explanation.region.on_plane
+    found = np.zeros(seen.body.shape, np.bool_)
+    if on_plane is not None:
+        for area in areas_by_size((on_plane < OFF_PLANE) & ~seen.body, LEAST_OTHER_PX):
+            if np.count_nonzero(area & seen.shadow) < 0.5 * np.count_nonzero(area):
+                found |= area
+    return found
 
 
 def plane_support(region: Region, body: Mask, shadow: Mask) -> float:

@@ -7,10 +7,14 @@ import numpy as np
 import pytest
 
 from ashe_live.bench.light.takes import FALL
+from ashe_live.core.stages import StageClock
 from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import Frame, TrackedFrame
+from ashe_live.light.estimators.looking import looked
 from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.scene_views import without_confirming
 from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.explanation.judgement.judge import fitted_judge
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
 
@@ -118,3 +122,12 @@ def test_the_hull_stands_for_what_is_like_no_family() -> None:
     assert (low[:2] < (0.094, -0.036)).all()
     assert (high[:2] > (0.146, 0.026)).all()
     assert (high - low)[:2].max() < 0.12
+
+
+def test_views_confirm_an_explanation_that_they_show_as_well() -> None:
+    first, other, _ = views_of(BOX)
+    odd = seen_from(105, BOX, index=2, azimuth_deg=235.0)
+    judge = fitted_judge()
+    trace = looked(first, [other, odd], FAST, judge, StageClock()).trace
+    likeliest = trace.judged[int(np.argmax(trace.probabilities))]
+    assert without_confirming([other, odd], likeliest, judge) == [odd]

@@ -2,14 +2,21 @@
 
 import dataclasses
 
+import cv2
 import numpy as np
 import pytest
 
-from ashe_live.light.explanation.judgement.judge import best_direction, probabilities_of
-from ashe_live.light.views.evidence import joint_support, no_less_sure
+from ashe_live.core.arrays import Mask
+from ashe_live.light.estimators.proxy import ProxyEstimator
+from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.explanation.judgement.judge import best_direction, fitted_judge, probabilities_of
+from ashe_live.light.pixels.areas import grown
+from ashe_live.light.views.evidence import joint_log_odds, joint_support, no_less_sure
+from ashe_live.light.views.joint import JointExplanation, in_each_view
+from ashe_live.light.views.plane import plane_homography
 from tests.light.painted_regions import painted_region
-from tests.light.painted_scenes import BOX
-from tests.light.synthetic_masks import direction
+from tests.light.painted_scenes import BOX, paint
+from tests.light.synthetic_masks import camera_towards, direction
 
 HERE, NEARBY, ELSEWHERE = direction(200, 40), direction(203, 41), direction(80, 50)
 
@@ -56,6 +63,33 @@ def test_what_shears_in_a_shadow_is_not_made_up_for_by_the_ground_around_it() ->
     for_clear, for_standing = (joint_support(each, scene.body, scene.shadow) for each in (clear, standing))
     assert for_clear == pytest.approx(1.0)
     assert for_standing == pytest.approx(0.0)
+
+
+def test_what_another_object_hides_in_one_view_does_not_shear_in_the_other() -> None:
+    first, other = (
+        paint(BOX, T_cam_marker=camera_towards((0.06, 0.0), 0.5, 45.0, heading)).tracked for heading in (90, 60)
+    )
+    _, trace = ProxyEstimator(FAST).traced(first, [other])
+    found = in_each_view(trace.judged[int(np.argmax(trace.probabilities))])
+    here, there = found.each
+    shadow = here.predicted.shadow
+    end = shadow & (np.arange(len(shadow))[:, None] < np.quantile(np.nonzero(shadow)[0], 0.3))
+    H = plane_homography(here.region.view, there.region.view)
+    end_there = cv2.warpPerspective(end.astype(np.uint8), H, there.region.view.size, flags=cv2.INTER_NEAREST) > 0
+    beside = grown(end_there, 12) & ~grown(there.predicted.whole, 2)
+
+    def log_odds(standing: Mask) -> float:
+        """By two views, one of which shows the shadow's end to shear, the other something that stands."""
+        several = [
+            dataclasses.replace(
+                each, region=dataclasses.replace(each.region, on_plane=np.where(each.predicted.body | mask, -2, 1.0))
+            )
+            for each, mask in ((here, end), (there, standing))
+        ]
+        return joint_log_odds(JointExplanation(several[0], tuple(several), here), fitted_judge())
+
+    in_its_place, reaching_over = log_odds(end_there), log_odds(grown(end_there, 3) | beside)
+    assert reaching_over > in_its_place + 0.5
 
 
 def test_one_view_alone_supports_nothing() -> None:
