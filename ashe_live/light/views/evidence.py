@@ -118,8 +118,8 @@ def _hidden_elsewhere(explanation: JointExplanation) -> Mask:
         before = other.predicted.body
         if angle_between(*(view_direction(each.region.view.T_cam_marker) for each in (first, other))) > ASIDE_RAD:
             before = before | _other_objects(other)
-        before = grown(before, BESIDE_PX).astype(np.uint8)
-        hidden |= cv2.warpPerspective(before, H, first.region.view.size, flags=flags) > 0
+        standing = grown(before, BESIDE_PX).astype(np.uint8)
+        hidden |= cv2.warpPerspective(standing, H, first.region.view.size, flags=flags) > 0
     return hidden
 
 
