@@ -6,8 +6,9 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.explanation.alignment import lights_as_lamps
-from ashe_live.light.explanation.explain import tempered
+from ashe_live.light.explanation.explain import END_IN_VIEW, tempered
 from ashe_live.light.explanation.explanation import Explanation
+from ashe_live.light.shape.directions import information_on_displacement
 from ashe_live.light.shape.layout import Layout, nearness_of
 
 LEAST_EIGENVALUE = 1e-6  # of a correlation matrix
@@ -29,7 +30,7 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
         offset, information = explanation.nearness.offset, explanation.nearness.information
     else:
         offset, unary = lights_as_lamps([placed, *explanation.alignment.elsewhere])
-        information = tempered(unary, explanation.alignment)
+        information = tempered(unary, explanation.alignment) + _of_ends_out_of_view(explanation)
     covariance = _bounded_inverse(information)
     layout = Layout(len(placed.lit.lights), with_nearness=True)
     found = []
@@ -39,6 +40,30 @@ def lamp_borders(explanation: Explanation) -> list[LampBorders]:
         at_foot = spread[:2, 2] / spread[2, 2] * frame.unit_m
         found.append(LampBorders(nearness, float(np.sqrt(spread[2, 2])) / frame.unit_m, at_foot + frame.origin_marker))
     return found
+
+
+def _of_ends_out_of_view(explanation: Explanation) -> Float:
+    """(3 l, 3 l) what is known of shadows' ends that the picture does not show, about the explanation's own lights.
+
+    A shadow ends not far outside of the picture, (22b) of docs/maths.md, in whichever light: its top h casts a shadow
+    of the length s h / (1 - k h), so that a nearer light of the same end has a shorter displacement. Without this the
+    other borders alone, which hardly determine how long a shadow is, would tell what a nearer light does to it.
+    """
+    lit, layout = explanation.alignment.placed.lit, Layout(len(explanation.lights), with_nearness=True)
+    information = np.zeros((layout.split, layout.split))
+    spheroids = lit.body.spheroids
+    top = float((spheroids[:, 2] + spheroids[:, 4]).max())
+    ends = zip(explanation.lights, lit.lights_in_body_frame, explanation.alignment.ends_in_view, strict=True)
+    for i, (fitted, light, in_view) in enumerate(ends):
+        displacement = light[:2] / light[2]
+        length = float(np.linalg.norm(displacement))
+        if in_view >= END_IN_VIEW or length == 0:
+            continue
+        along = displacement / length
+        variance = along @ np.linalg.solve(information_on_displacement(fitted), along)
+        end = np.array([*along, length * top])
+        information[layout.light(i), layout.light(i)] = np.outer(end, end) / variance
+    return information
 
 
 def _bounded_inverse(information: Float) -> Float:
