@@ -47,7 +47,8 @@ def chosen(looks: Sequence[Look], judge: Judge) -> Choice | None:
     if not several:
         return None
     probabilities = np.array([probability for *_, probability in several])
-    index, share = best_direction(probabilities, [each.to_light_from_body for _, each, _ in several])
+    directions, counts = zip(*((each.to_light_from_body, len(each.lights)) for _, each, _ in several), strict=True)
+    index, share = best_direction(probabilities, directions, counts)
     look, best, _ = several[index]
     return Choice(look, best, recalibrated(share, average) * judge.probability_if_right(best))
 

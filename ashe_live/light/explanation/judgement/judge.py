@@ -104,16 +104,24 @@ def probabilities_of(log_odds: Sequence[float]) -> Float:
     return np.asarray(odds / (1 + odds.sum()))
 
 
-def best_direction(probabilities: Float, to_lights_marker: Iterable[Float]) -> tuple[int, float]:
+def best_direction(
+    probabilities: Float, to_lights_marker: Iterable[Float], counts: Sequence[int] | None = None
+) -> tuple[int, float]:
     """The index of the likeliest explanation, and the probability that its light is within GOOD_RAD of the truth.
 
     Explanations with lights within GOOD_RAD of each other share their probabilities: the likeliest explanation is that
-    of the likeliest such group. probabilities: (n,). to_lights_marker: n unit vectors (3,).
+    of the likeliest such group, and of these one with the number of lights that most of the group's probability is
+    for. probabilities: (n,). to_lights_marker: n unit vectors (3,). counts: n numbers of lights; None where all have
+    as many.
     """
     directions = np.array(list(to_lights_marker))
     nearby = directions @ directions.T > math.cos(GOOD_RAD)
     around = nearby @ probabilities
-    index = int(np.where(nearby[int(around.argmax())], probabilities, -1.0).argmax())
+    group = nearby[int(around.argmax())]
+    if counts is not None:
+        shares = np.bincount(counts, group * probabilities)
+        group = group & (np.asarray(counts) == shares.argmax())
+    index = int(np.where(group, probabilities, -1.0).argmax())
     return index, float(min(around[index], 1.0))
 
 

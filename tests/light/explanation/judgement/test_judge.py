@@ -179,6 +179,13 @@ def test_several_of_one_direction_outweigh_one_elsewhere() -> None:
     assert confidence == pytest.approx(0.5)
 
 
+def test_the_number_of_lights_is_that_of_most_of_the_probability() -> None:
+    one_direction = directions((200, 40), (201, 40), (200, 41), (20, 40))
+    probabilities, counts = np.array([0.4, 0.2, 0.25, 0.1]), (1, 2, 2, 2)
+    assert best_direction(probabilities, one_direction, counts) == (2, pytest.approx(0.85))
+    assert best_direction(probabilities, one_direction, (1, 2, 1, 2)) == (0, pytest.approx(0.85))
+
+
 def test_the_order_of_explanations_does_not_matter() -> None:
     rng = np.random.default_rng(1)
     probabilities, towards = rng.dirichlet(np.ones(9)), np.array([normalised(rng.normal(size=3)) for _ in range(9)])
