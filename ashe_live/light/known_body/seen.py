@@ -8,6 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
+from ashe_live.light.known_body.bounce import sent_by_sides
 from ashe_live.light.known_body.evidence import Evidence, Lit, Observed
 from ashe_live.light.known_body.facets import Facets, facets_of
 from ashe_live.light.known_body.outline.room import Room
@@ -75,9 +76,10 @@ class Seen:
         light = np.asarray(cv2.transform(picture, np.full((1, 3), 1 / 3)), dtype=np.float32)
         relative, lit_rgb = relative_light(table)
         facets = facets_of(view, body, picture)
-        sent = sent_by_table(body, table, relative, facets.normals, facets.centres)
-        measured = Measured(table, relative, facets, PAPER * lit_rgb * sent)
         templates = templates_of(body).and_behind(camera_centre(view.T_cam_marker), body)
+        sent = sent_by_table(body, table, relative, facets.normals, facets.centres)
+        relative = relative - sent_by_sides(templates.from_sides, facets) * table.seen[..., None]
+        measured = Measured(table, relative, facets, PAPER * lit_rgb * sent)
         observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
         is_table, room = observed.weight.reshape(SIDE, SIDE) > 0, Room.of(view, body)
         return Seen(view, body, picture, light, lit_rgb, is_table, room, templates, measured, observed)

@@ -10,6 +10,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
+from ashe_live.light.known_body.bounce import form_factors
 from ashe_live.light.known_body.shadows import Shadows, shadows_of
 from ashe_live.light.known_body.table import SIDE, height_of
 from ashe_live.light.shape.light_points import at_infinity
@@ -34,6 +35,7 @@ class Templates:
     solid_angle: Float  # (m,) share of the upper hemisphere that each stands for
     shadows: Shadows
     hidden_sky: Float32  # (n * n,) fraction of an even sky's light that the body keeps from the table
+    from_sides: Float32  # (4, n, n) as by `form_factors`
 
     def and_behind(self, eye: Float, body: Proxy) -> "Templates":
         """These, and between them more lights whose shadow the body hides from a camera at `eye` (3,)."""
@@ -52,6 +54,7 @@ class Templates:
             np.concatenate([self.solid_angle, cell / lengths**3 / (2 * np.pi)]),
             self.shadows.joined(shadows_of(body, further)),
             self.hidden_sky,
+            self.from_sides,
         )
 
 
@@ -86,4 +89,4 @@ def _templates(family: str, spheroids: bytes) -> Templates:
     solid_angle = (np.sin(between[:-1]) - np.sin(between[1:]))[ring] / counts
     share = (np.sin(between[:-1]) ** 2 - np.sin(between[1:]) ** 2)[ring] / counts
     hidden_sky = np.einsum("m,mij->ij", share, shadows.whole())
-    return Templates(lights, solid_angle, shadows, hidden_sky.reshape(SIDE * SIDE).astype(np.float32))
+    return Templates(lights, solid_angle, shadows, hidden_sky.reshape(SIDE * SIDE).astype(np.float32), form_factors(body))
