@@ -22,13 +22,15 @@ from ashe_live.light.known_body.table import SIDE
 CELLS_A_SAMPLE, ALIKE = 13.0, 9
 LEAST_NOISE, USUAL_NOISE = 0.02, 0.06  # standard deviation of relative light: what every map has, and what most have
 RIDGE = 1e-6
-VARIED, HIDDEN = 7, 6  # what else varies on a table: slow terms, and as the last of them the sky that the body hides
+# What else varies on a table: slow terms; the sky that the body hides; and how that leans, along x and along y.
+VARIED, HIDDEN, LEANING = 9, 6, slice(7, 9)
 # Before the picture is seen: the part of the table's light that a light gives, and its standard deviation.
 DARKENING, DARKENING_SIGMA = 0.35, 0.35
 MOST_DARKENING = 0.97  # by all lights together: some light always comes from elsewhere
 # Of the sky's light that the body hides, over what it would hide of an even sky that gave all of the table's: a sky
 # that gives half of it and hides a fifth more or less. Painted cubes' skies are off by half of this.
 HIDDEN_SIGMA = 0.1
+LEANING_SIGMA = 0.06  # of the slope of such a sky, of SLOPE for one that gives all of the table's light
 ROUNDS = 2  # of the sides' variances, which depend on how bright the lights are
 
 
@@ -81,18 +83,27 @@ class _Normal:
 class Observed:
     """The map and the sides of one picture, or of one of its colour channels, whatever lights are known."""
 
-    def __init__(self, values: Float32, weight: Float32, hidden_sky: Float32, sides: Sides, everywhere: Lit) -> None:
-        """values: (n, n) relative light of the table's cells, with their weights. hidden_sky: as in Templates.
-        everywhere: lights in all directions in which further ones are looked for.
+    def __init__(
+        self,
+        values: Float32,
+        weight: Float32,
+        hidden_sky: Float32,
+        hidden_slope: Float32,
+        sides: Sides,
+        everywhere: Lit,
+    ) -> None:
+        """values: (n, n) relative light of the table's cells, with their weights. hidden_sky, hidden_slope: as in
+        Templates. everywhere: lights in all directions in which further ones are looked for.
         """
         self.sides, self.hidden_sky, self.weight = sides, hidden_sky, weight.reshape(-1)
         self.cells = float(self.weight.sum())
         # All of the sky's light is taken for granted, and lights take from it.
-        base = np.concatenate([_slow(), hidden_sky[None], values.reshape(1, -1) + hidden_sky])
+        base = np.concatenate([_slow(), hidden_sky[None], hidden_slope, values.reshape(1, -1) + hidden_sky])
         weighted = base * self.weight
         moments = (weighted @ base.T).astype(np.float64)
         self._of_hidden = moments[HIDDEN].copy()
         moments[HIDDEN, HIDDEN] += CELLS_A_SAMPLE * (USUAL_NOISE / HIDDEN_SIGMA) ** 2
+        moments[LEANING, LEANING] += CELLS_A_SAMPLE * (USUAL_NOISE / LEANING_SIGMA) ** 2 * np.eye(2)
         self._base = base
         self._columns = np.ascontiguousarray(weighted.T).reshape(SIDE, SIDE, -1)
         self._without_varied, light = np.linalg.inv(moments[:VARIED, :VARIED]), moments[:VARIED, VARIED]

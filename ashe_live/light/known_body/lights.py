@@ -32,7 +32,7 @@ WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of ma
 LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if they are what tells it: so many are steps, and so near
 # Beside one sun whose edges are seen the body may hide another light's shadow: the weight of "there is none" before the
 # picture is seen, where all directions have 1; and the probability from which on there is one.
-LOG_NONE_FURTHER, LEAST_EXISTS = -1.0, 0.5
+LOG_NONE_FURTHER, LEAST_EXISTS = 0.0, 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -30,6 +30,8 @@ from ashe_live.light.known_body.templates import Templates, templates_of
 from ashe_live.light.pixels.view import View
 
 MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B
+BESIDE_CELL = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+LEAST_EDGE = 0.05  # part of a cell in shadow by which neighbours differ at its edge
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
 
 
@@ -42,12 +44,15 @@ class Measured:
     facets: Facets
     from_table: Float  # (k, 3) what the table sends to each facet, in the picture's linear light
 
-    def observed(self, channels: Float, templates: Templates, everywhere: Lit) -> Observed:
-        """By a sum of the channels with weights (3,), to look for further lights `everywhere`."""
+    def observed(self, channels: Float, templates: Templates, everywhere: Lit, is_told: Mask | bool = True) -> Observed:
+        """By a sum of the channels with weights (3,), to look for further lights `everywhere`.
+
+        is_told: (n, n) cells that tell of lights.
+        """
         values = self.relative @ channels.astype(np.float32)
-        weight = (self.table.seen & (values < BRIGHTEST)).astype(np.float32)
+        weight = (self.table.seen & (values < BRIGHTEST) & is_told).astype(np.float32)
         sides = Sides.of(self.facets, self.from_table, channels)
-        return Observed(values, weight, templates.hidden_sky, sides, everywhere)
+        return Observed(values, weight, templates.hidden_sky, templates.hidden_slope, sides, everywhere)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,7 +127,11 @@ class Seen:
         """What the picture says of further lights, beside `known` ones (l, 4)."""
         key = np.ascontiguousarray(known).tobytes()
         if key not in self._beside:
-            self._beside[key] = Evidence(self.observed, self.lit(known))
+            lit, observed = self.lit(known), self.observed
+            if len(known):
+                everywhere = Lit(self.templates.lights, self.templates.shadows)
+                observed = self.measured.observed(MEAN, self.templates, everywhere, _away_from_edges(lit))
+            self._beside[key] = Evidence(observed, lit)
         return self._beside[key]
 
     def darkenings_rgb(self, lights: Float) -> Float:
@@ -130,3 +139,15 @@ class Seen:
         known, nothing = self.lit(lights), self.lit(lights[:0])
         channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
         return np.stack([Evidence(channel, known).darkenings for channel in channels], axis=1)
+
+
+def _away_from_edges(lit: Lit) -> Mask:
+    """(n, n) cells that no edge of these lights' shadows comes near, by the cells beside them.
+
+    A folded body's shadow lies a part of a cell from where it is predicted, which would be another light's.
+    """
+    away = np.ones((SIDE, SIDE), bool)
+    for shadow in lit.shadows.whole():
+        most, least = (change(shadow, BESIDE_CELL) for change in (cv2.dilate, cv2.erode))
+        away &= most - least < LEAST_EDGE
+    return away
