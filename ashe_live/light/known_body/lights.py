@@ -85,7 +85,7 @@ def _in_light_of(seen: Seen, found: Sequence[FoundLight]) -> Seen:
 
 def _points(found: Sequence[FoundLight]) -> Float:
     """(l, 4)"""
-    return np.array([each.light for each in found])
+    return np.array([each.casting for each in found])
 
 
 def _log_likelihood(seen: Seen, one: FoundLight, beside: Evidence) -> float:
@@ -115,7 +115,7 @@ def _with_confidence(
         if one.fit is not None:
             room, darkening = room_beside(seen, others), float(dark_rgb.mean())
             one = replace(one, fit=looked_at_again(one.fit, seen.body, darkening, seen.light, room, seen.view))
-    own = beside.scanned(seen.lit(one.light[None]))
+    own = beside.scanned(seen.lit(one.casting[None]))
     lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
     to_sun = one.sun_alike(height_of(seen.body))
     near = _posterior_near(seen.templates, beside.everywhere, to_sun, lamp, log_none, ruled_out)
