@@ -28,6 +28,7 @@ MOST_LIGHTS = 3
 # A further light: what map and sides say for it before it is fitted, and afterwards; and together with its edges, where
 # these are what tells it.
 LEAST_SCORE, LEAST_MORE, LEAST_BY_EDGES = -1.5, 4.5, 6.5
+AGAINST = -1.0  # log likelihood of map and sides, from which down they speak against it: less is what its freedom costs
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
 LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if they are what tells it: so many are steps, and so near
 # Beside one sun whose edges are seen the body may hide another light's shadow: the weight of "there is none" before the
@@ -170,7 +171,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    for one in refined(seen, score, beside, room_beside(seen, known), LEAST_MORE - WORTH, 0.0):
+    for one in refined(seen, score, beside, room_beside(seen, known), LEAST_MORE - WORTH, AGAINST):
         if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)
@@ -178,7 +179,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
         # Edges alone do not do against map and sides: beside the foot the hidden sky's gradient looks like a step.
         # Nor do map and sides against edges that are in view: some other thing is dark, or throws a shadow.
         is_told = by_table > LEAST_MORE and (one.fit.seen <= MOST_IN_VIEW or one.fit.clear > LEAST_CLEAR)
-        is_told |= by_table > 0 and more > LEAST_BY_EDGES and _is_clear(one.fit)
+        is_told |= by_table > AGAINST and more > LEAST_BY_EDGES and _is_clear(one.fit)
         if is_told and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
