@@ -28,7 +28,7 @@ def light_row(name: str, pictures: Iterable[CubePicture], quality: Quality) -> J
     """
     estimator = make_estimator("proxy", quality.light)
     first, worse, ambient, counted, spent, answered, attempted = [], [], [], [], [], 0, 0
-    within, distances, in_view, seen, wrong = [], [], [], [], 0
+    within, distances, in_view, seen, wrong, lamps = [], [], [], [], 0, 0
     for picture in pictures:
         attempted += 1
         seen.append(picture.shows_shadows)
@@ -54,7 +54,8 @@ def light_row(name: str, pictures: Iterable[CubePicture], quality: Quality) -> J
             assert light.covariance_rad2 is not None
             squared = squared_sigmas(light.to_light_marker, light.covariance_rad2, true[:3])
             within.append(squared <= ELLIPSE_95)
-            if light.inverse_distance > 0:
+            lamps += light.inverse_distance > 0
+            if light.inverse_distance > 0 and true[3] > 0:
                 distances.append(abs(_true_over_found_distance(light, true) - 1))
             ambient.append(ambient_errors(picture.sky_on_ball, picture.table_rgb, estimate.illumination))
     return {
@@ -72,7 +73,7 @@ def light_row(name: str, pictures: Iterable[CubePicture], quality: Quality) -> J
         "worse_median_deg": median(worse),
         "ambient_even": median([even for even, _ in ambient]),
         "ambient_leaning": median([leaning for _, leaning in ambient]),
-        "stated_as_lamps": len(distances) / len(first) if first else None,
+        "stated_as_lamps": lamps / len(first) if first else None,
         "distance_relative_error": median(distances),
         "ms": median(spent),
     }
@@ -86,10 +87,7 @@ def median(values: Sequence[float]) -> float | None:
 def _errors_deg(estimate: LightEstimate, lights: Float) -> Float:
     """(answered lights, true lights) angles between them."""
     return np.array(
-        [
-            [math.degrees(angle_between(light.to_light_marker, true[:3])) for true in lights]
-            for light in estimate.lights
-        ]
+        [[math.degrees(angle_between(light.to_light_marker, true[:3])) for true in lights] for light in estimate.lights]
     )
 
 
@@ -103,5 +101,5 @@ def _is_sure_and_wrong(estimate: LightEstimate, lights: Float) -> bool:
 
 
 def _true_over_found_distance(light: Light, true: Float) -> float:
-    """1 of what is told rightly; infinite for a sun (4,) that is taken for a lamp."""
-    return float(np.linalg.norm(true[:3]) / true[3] * light.inverse_distance) if true[3] > 0 else math.inf
+    """1 of what is told rightly, for a lamp (4,)."""
+    return float(np.linalg.norm(true[:3]) / true[3] * light.inverse_distance)

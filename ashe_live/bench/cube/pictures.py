@@ -1,6 +1,6 @@
 """Pictures of paper cubes with known truth, painted by this bench or path-traced by the generator of scenes."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -52,7 +52,7 @@ def painted_pictures(one: CubeSet, count: int, seed: int) -> Iterator[CubePictur
         )
 
 
-def traced_pictures(folders: list[Path]) -> dict[str, list[tuple[Path, Mapping[str, Any]]]]:
+def traced_pictures(folders: Sequence[Path]) -> dict[str, list[tuple[Path, Mapping[str, Any]]]]:
     """By category, folder and entry of every picture of a cube in the folders' ground truths, for `traced_picture`.
 
     Also those on which the generator's own look for the cube found none. Raises UserError where a folder has no truth
@@ -82,7 +82,7 @@ def traced_picture(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
     if image is None:
         raise UserError(f"cannot read the picture {entry['image']}", "is it there, and a PNG or JPEG?")
     size = int(entry["size"][0]), int(entry["size"][1])
-    lights = [each for each in entry["lights"]]
+    lights = entry["lights"]
     level = np.array(entry["ambient"]["irradiance_ground"]) + sum(np.array(one["irradiance_ground"]) for one in lights)
     sky = np.maximum(_quadratic(directions_on_spiral(NORMALS)) @ np.array(entry["ambient"]["on_ball"]), 0.0) / level
     seen = entry["visibility"]

@@ -53,7 +53,12 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
         "--seed", type=values.index, default=0, metavar="N", help="other pictures of these kinds (default 0)"
     )
     cube.add_argument(
-        "--scenes", type=Path, nargs="+", default=(), metavar="DIR", help="the light on these pictures, not on painted ones"
+        "--scenes",
+        type=Path,
+        nargs="+",
+        default=(),
+        metavar="DIR",
+        help="the light on these pictures, not on painted ones",
     )
     _add_results_folder(cube)
     cube.add_argument("--quality", choices=QUALITIES, default="balanced")

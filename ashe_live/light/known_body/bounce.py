@@ -56,5 +56,7 @@ def sent_by_sides(factors: Float32, facets: Facets) -> Float32:
     level = np.maximum(facets.light_rgb[is_level].mean(axis=0), 1e-4)
     for normal, light in zip(facets.normals[~is_level], facets.light_rgb[~is_level], strict=True):
         over_level = np.minimum(light / level, BRIGHTEST)
-        sent += factors[int((SIDES @ normal).argmax()), ..., None] * (PAPER * WHITE_SHARE * over_level).astype(np.float32)
+        sent += factors[int((SIDES @ normal).argmax()), ..., None] * (PAPER * WHITE_SHARE * over_level).astype(
+            np.float32
+        )
     return sent

@@ -123,7 +123,9 @@ class Observed:
         rest = ((rest - by_varied @ self._base[:VARIED]) * self.weight).astype(np.float32)
         variance = float(rest @ rest) / max(self.cells, 1.0)
         sums, counts = (
-            cv2.boxFilter(each.reshape(SIDE, SIDE), cv2.CV_32F, (ALIKE, ALIKE), normalize=False, borderType=cv2.BORDER_CONSTANT)
+            cv2.boxFilter(
+                each.reshape(SIDE, SIDE), cv2.CV_32F, (ALIKE, ALIKE), normalize=False, borderType=cv2.BORDER_CONSTANT
+            )
             for each in (rest, self.weight)
         )
         whole = counts > ALIKE**2 / 2
@@ -167,7 +169,9 @@ class Evidence:
             information[..., None], expected.pull[:, None], expected.reached.T[..., None], expected.spread.T[..., None]
         )
         beside = self._with(observed.everywhere)
-        left, best, darkenings = min((self._left_by_best(each) for each in (beside, self._without)), key=lambda one: one[0])
+        left, best, darkenings = min(
+            (self._left_by_best(each) for each in (beside, self._without)), key=lambda one: one[0]
+        )
         self._variance = left / observed.cells + LEAST_NOISE**2
         mixed = darkenings[: len(known.lights)] @ taken
         if len(darkenings) > len(known.lights):
