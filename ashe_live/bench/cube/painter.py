@@ -154,13 +154,15 @@ def _from_sides(scene: CubeScene, x: Float, y: Float) -> Float:
         light = _irradiance(scene, normal / np.linalg.norm(normal), corners.mean(axis=0))
         sent = float(_print(member.marker.bitmap(round(TAG_SHARE * TEXTURE_PX))).mean()) * light
         mapped += part_from_facet(corners, along[None], along[:, None])[..., None] * sent
-    cells = [
+    column, row = (
         np.nan_to_num((each / scene.edge_m / AROUND + 1) * (MAPPED - 1) / 2, nan=-1e3)
         .clip(-1e3, 1e3)
         .astype(np.float32)
         for each in (x, y)
-    ]
-    return np.asarray(cv2.remap(mapped, *cells, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), dtype=np.float64)
+    )
+    return np.asarray(
+        cv2.remap(mapped, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), dtype=np.float64
+    )
 
 
 def level_of(scene: CubeScene) -> Float:

@@ -1,4 +1,4 @@
-"""What the lit sides of a known body send to its table: the cells before a side in the sun are brighter than the rest."""
+"""What the lit sides of a known body send to its table: cells before a side in the sun are brighter than the rest."""
 
 import numpy as np
 

@@ -19,8 +19,8 @@ from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 from ashe_live.light.shape.light_points import at_infinity
 
-# Starts of a fit, without those whose shadow should be seen and is not, and with them; how far apart, and within so much
-# log likelihood of the best.
+# Starts of a fit, without those whose shadow should be seen and is not, and with them; how far apart; and within so
+# much log likelihood of the best.
 TRIED, MOST_TRIED, APART_RAD, TRIED_WITHIN = 3, 8, math.radians(12), 12.0
 MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found other edges
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
@@ -108,7 +108,7 @@ def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) ->
 
 
 def _edges_in_view(seen: Seen, light: Float, darkening: float, room: Room) -> tuple[float, float]:
-    """Of where a light (4,) would have its shadow's edges, nearly: the part in view, and that of it which shows steps."""
+    """Of a light's (4,) shadow, where it would have its edges, nearly: the part in view, and that which shows steps."""
     edges = shadow_edges(seen.body, light, seen.view)
     if edges is None:
         return 0.0, 0.0

@@ -16,9 +16,9 @@ from ashe_live.light.known_body.shading import Sides
 from ashe_live.light.known_body.shadows import Shadows
 from ashe_live.light.known_body.table import SIDE
 
-# Cells whose errors are correlated, as stains, planks, tiles and other things' shadows are wider than a cell: the sample
-# size is divided by at least this; by more where what is left of a map is as alike over squares as wide as a body's
-# short shadow, cells.
+# Cells whose errors are correlated, as stains, planks, tiles and other things' shadows are wider than a cell: the
+# sample size is divided by at least this; by more where what is left of a map is alike over squares of so many cells
+# along each side, which are as wide as a body's short shadow.
 CELLS_A_SAMPLE, ALIKE = 13.0, 9
 LEAST_NOISE, USUAL_NOISE = 0.02, 0.06  # standard deviation of relative light: what every map has, and what most have
 RIDGE = 1e-6

@@ -47,7 +47,7 @@ class FoundLight:
 
     @property
     def casting(self) -> Float:
-        """(4,) the light whose shadow lies on the edges: where it may be a lamp, a sun elsewhere than that is stated."""
+        """(4,) the light whose shadow lies on the edges: where it may be a lamp, not the sun that is stated."""
         return self.fit.light if self.may_be_lamp and self.fit is not None else self.light
 
     def sun_alike(self, height: float) -> Float:

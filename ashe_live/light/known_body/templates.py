@@ -35,8 +35,8 @@ class Templates:
     solid_angle: Float  # (m,) share of the upper hemisphere that each stands for
     shadows: Shadows
     hidden_sky: Float32  # (n * n,) fraction of an even sky's light that the body keeps from the table
-    # (2, n * n) what it hides more of a sky that is brighter along x, and along y: one that gives 1 more to a facet that
-    # faces that way, in units of what it gives to a level one.
+    # (2, n * n) what it hides more of a sky that is brighter along x, and along y: one that gives 1 more to a facet
+    # that faces that way, in units of what it gives to a level one.
     hidden_slope: Float32
     from_sides: Float32  # (4, n, n) as by `form_factors`
 
@@ -92,7 +92,7 @@ def _templates(family: str, spheroids: bytes) -> Templates:
     between = np.concatenate([[np.pi / 2], 0.5 * (heights[1:] + heights[:-1]), [0.0]])
     solid_angle = (np.sin(between[:-1]) - np.sin(between[1:]))[ring] / counts
     share = (np.sin(between[:-1]) ** 2 - np.sin(between[1:]) ** 2)[ring] / counts
-    # A sky with the radiance 1 + 3 g·w towards w gives (1 + n_z) / 2 + g·n to an upright facet, over that of level ground.
+    # A sky with the radiance 1 + 3 g·w towards w gives 1/2 + g·n to an upright facet, over that of level ground.
     hidden = np.einsum("cm,mij->cij", share * np.vstack([np.ones(len(s)), 3 * lights[:, :2].T]), shadows.whole())
     hidden = hidden.reshape(3, SIDE * SIDE).astype(np.float32)
     return Templates(lights, solid_angle, shadows, hidden[0], hidden[1:], form_factors(body))

@@ -103,7 +103,7 @@ def _lying(rng: Rng, number: int) -> Params:
     from_middle = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
     for _ in range(face.turns):
         from_middle = np.column_stack([from_middle[:, 1], -from_middle[:, 0]])
-    net = (from_middle + (face.column + 0.5, face.row + 0.5)) / (COLUMNS, ROWS)
+    net = (from_middle + np.array((face.column + 0.5, face.row + 0.5))) / (COLUMNS, ROWS)
     return {"corners_m": np.round(corners, 7).tolist(), "net": np.round(net, 6).tolist(),
             "bulge_m": between(rng, -MOST_BULGED_M, MOST_BULGED_M)}  # fmt: skip
 

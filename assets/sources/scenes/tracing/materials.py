@@ -145,7 +145,7 @@ def sheet_material(sheet: Params) -> Any:
 
 
 def cube_paper(spec: Params, net: Path) -> Any:
-    """Printed paper of the cube: of the light that falls on the white, `colour` is sent back, and `through` goes through.
+    """Printed paper of the cube: of the light on its white, `colour` is sent back, and `through` goes through.
 
     Toner lies outside: what it lets pass of light that comes from within passes it once, what is sent back twice.
     """
