@@ -68,7 +68,7 @@ ROOMS: dict[str, set[str]] = {
     },
     "bench.judge": {"core", "files", "light.estimators", "light.explanation", "bench"},
     "bench.track": {"quality", "core", "errors", "files", "capture", "tracking", "bench"},
-    "bench.cube": {"quality", "core", "tracking", "light.estimators", "bench.track", "bench"},
+    "bench.cube": {"quality", "core", "errors", "files", "tracking", "light.estimators", "bench.track", "bench"},
     "bench.render": {
         "quality", "core", "errors", "files", "models", "capture", "tracking", "light.explanation", "render", "viewer",
         "bench",

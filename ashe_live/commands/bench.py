@@ -74,7 +74,8 @@ def _track(options: argparse.Namespace) -> None:
 def _cube(options: argparse.Namespace) -> None:
     from ashe_live.bench.cube.bench import CubeBench
 
-    CubeBench(QUALITIES[options.quality], options.count, options.seed).run(options.out, options.overwrite)
+    quality = QUALITIES[options.quality]
+    CubeBench(quality, options.count, options.seed, options.scenes).run(options.out, options.overwrite)
 
 
 def _fit_judge(options: argparse.Namespace) -> None:

@@ -1,4 +1,4 @@
-"""How far an answer's ambient light is off: on a white ball beside the painted cube, in the shade of its lights."""
+"""How far an answer's ambient light is off: on a white ball beside the cube, in the shade of its lights."""
 
 import math
 
@@ -11,23 +11,32 @@ from ashe_live.core.types import Illumination
 NORMALS = 400  # of the ball, evenly spread
 
 
-def ambient_errors(scene: CubeScene, found: Illumination) -> tuple[float, float]:
+def ambient_errors(sky_on_ball: Float, table_rgb: Float, found: Illumination) -> tuple[float, float]:
     """Root mean square error of the irradiance over all normals, over its own: by an even sky, and by one that leans.
 
-    What the table sends back is as painted in all of them. The answer must have its sky.
+    What the table sends back is the true table's in all of them. The answer must have its sky.
+
+    sky_on_ball: (NORMALS, 3) what the sky gives, over all light on level ground. table_rgb: (3,) reflectance.
     """
     assert found.ambient_rgb_ratio is not None
-    level = level_of(scene)
-    sky = scene.sky_rgb / level
-    true = _irradiance(sky, 0.5 * np.outer(scene.sky_slope[:2], sky), scene.table_rgb)
+    true = _with_table(sky_on_ball, table_rgb)
     slope = np.zeros((2, 3)) if found.sky_slope_rgb is None else found.sky_slope_rgb
-    answers = (_irradiance(found.ambient_rgb_ratio, one, scene.table_rgb) for one in (np.zeros((2, 3)), slope))
+    skies = (_sky(found.ambient_rgb_ratio, one) for one in (np.zeros((2, 3)), slope))
+    answers = (_with_table(sky, table_rgb) for sky in skies)
     even, leaning = (math.sqrt(float(((one - true) ** 2).mean() / (true**2).mean())) for one in answers)
     return even, leaning
 
 
-def _irradiance(sky: Float, slope: Float, table: Float) -> Float:
-    """(n, 3) over pi and over that of all light on level ground, of facets turned every way."""
+def painted_sky(scene: CubeScene) -> Float:
+    """(NORMALS, 3) what the sky of a painted scene gives, over all light on level ground."""
+    sky = scene.sky_rgb / level_of(scene)
+    return _sky(sky, 0.5 * np.outer(scene.sky_slope[:2], sky))
+
+
+def _sky(sky: Float, slope: Float) -> Float:
     normals = directions_on_spiral(NORMALS)
-    across, up = normals[:, :2], normals[:, 2:]
-    return np.asarray(np.maximum(sky * (1 + up) / 2 + across @ slope, 0.0) + table * (1 - up) / 2)
+    return np.asarray(np.maximum(sky * (1 + normals[:, 2:]) / 2 + normals[:, :2] @ slope, 0.0))
+
+
+def _with_table(sky_on_ball: Float, table: Float) -> Float:
+    return np.asarray(sky_on_ball + table * (1 - directions_on_spiral(NORMALS)[:, 2:]) / 2)

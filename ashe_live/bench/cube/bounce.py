@@ -1,4 +1,4 @@
-"""What the table sends to a facet of the painted cube: less where it lies in the cube's own shadow."""
+"""What the table sends to a facet of the painted cube, less where it lies in the cube's shadow; and a facet to it."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -10,6 +10,7 @@ from ashe_live.core.arrays import Float
 
 Lit = tuple[Float, Float]  # (3,) what a light gives to the open table, and (m, 2) points whose hull its shadow is
 
+PIECES = 12  # of a facet along each edge, as it lights the table
 RAYS = 256  # spread over the half-space before a facet by the cosine
 
 
@@ -26,6 +27,27 @@ def light_from_table(normal: Float, place: Float, sky: Callable[[Float, Float], 
     for level_rgb, shadow in lights:
         total = total + level_rgb * (1 - _are_shaded(seen, shadow)).sum()
     return np.asarray(total / RAYS)
+
+
+def part_from_facet(corners: Float, x: Float, y: Float) -> Float:
+    """(...) of all that a place of the table (x, y) receives, the part that is a facet's with corners (4, 3).
+
+    By adding up its pieces, each as far as its middle.
+    """
+    across, down = corners[1] - corners[0], corners[3] - corners[0]
+    normal = np.cross(down, across)
+    area = float(np.linalg.norm(normal))
+    normal = normal / area
+    middles = (np.arange(PIECES) + 0.5) / PIECES
+    received = np.zeros(np.broadcast_shapes(np.shape(x), np.shape(y)))
+    for u in middles:
+        for v in middles:
+            piece = corners[0] + u * across + v * down
+            dx, dy = x - piece[0], y - piece[1]
+            squared = dx * dx + dy * dy + piece[2] ** 2
+            facing = np.maximum(dx * normal[0] + dy * normal[1] - piece[2] * normal[2], 0.0)
+            received += facing * max(float(piece[2]), 0.0) / (math.pi * squared**2)
+    return np.asarray(np.minimum(received * area / PIECES**2, 0.5))
 
 
 def _places_before(normal: Float, place: Float) -> Float:

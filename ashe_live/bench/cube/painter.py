@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from ashe_live.bench.cube.bounce import light_from_table
+from ashe_live.bench.cube.bounce import light_from_table, part_from_facet
 from ashe_live.core.arrays import Float, Float32, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
@@ -28,6 +28,7 @@ FINER = 3  # pixels of the finer grid to one of the picture's, in each direction
 DISC = 48  # points of a light's disc
 # The table near the cube's foot sees less of the sky: so much at its side, fading over this part of the edge.
 HIDDEN_SKY, FADING = 0.45, 0.55
+AROUND, MAPPED = 4.0, 129  # edges around the cube to which its sides send light, and places of a map along these
 BITS = 6  # of a finer pixel's fractions in OpenCV's polygons
 
 
@@ -141,6 +142,29 @@ def _hidden_sky(scene: CubeScene, x: Float, y: Float) -> Float:
     return np.asarray(HIDDEN_SKY * np.exp(-beyond / (FADING * scene.edge_m)))
 
 
+def _from_sides(scene: CubeScene, x: Float, y: Float) -> Float:
+    """(h, w, 3) irradiance over pi that the cube's printed sides send to places of the table, by a map around it."""
+    along = np.linspace(-AROUND, AROUND, MAPPED) * scene.edge_m
+    mapped = np.zeros((MAPPED, MAPPED, 3))
+    for number, (face, member) in enumerate(zip(FACES, cube_layout().members, strict=True)):
+        if face.outwards[2] > 0:
+            continue
+        corners = scene.edge_m * scene.folds.placed(number, face.corners())
+        normal = np.cross(corners[1] - corners[0], corners[0] - corners[3])
+        light = _irradiance(scene, normal / np.linalg.norm(normal), corners.mean(axis=0))
+        sent = float(_print(member.marker.bitmap(round(TAG_SHARE * TEXTURE_PX))).mean()) * light
+        mapped += part_from_facet(corners, along[None], along[:, None])[..., None] * sent
+    column, row = (
+        np.nan_to_num((each / scene.edge_m / AROUND + 1) * (MAPPED - 1) / 2, nan=-1e3)
+        .clip(-1e3, 1e3)
+        .astype(np.float32)
+        for each in (x, y)
+    )
+    return np.asarray(
+        cv2.remap(mapped, column, row, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT), dtype=np.float64
+    )
+
+
 def level_of(scene: CubeScene) -> Float:
     """(3,) irradiance over pi of the open table."""
     return np.asarray(scene.sky_rgb + sum(map(_on_table, scene.lights), np.zeros(3)))
@@ -171,7 +195,9 @@ def _table(scene: CubeScene, fine: Camera) -> Float32:
         whole = cv2.resize(picture.astype(np.float32), fine.size, interpolation=cv2.INTER_LINEAR)
         return np.asarray(whole, dtype=np.float32)
 
-    light = finer(reflectance * (1 - hidden)[..., None] * scene.sky_rgb)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        from_sides = _from_sides(scene, x / w, y / w)
+    light = finer(reflectance * ((1 - hidden)[..., None] * scene.sky_rgb + from_sides))
     for one in scene.lights:
         light += finer(reflectance * _on_table(one) * _falloff(one, x, y, w)) * _seen(scene, fine, body, one)[..., None]
     return light

@@ -47,10 +47,18 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
 
     _add_fit_judge(benches.add_parser("fit-judge", help="fits confidence to scenes whose light is known"))
 
-    cube = benches.add_parser("cube", help="the paper cube's pose and light, on painted pictures with known truth")
+    cube = benches.add_parser("cube", help="the paper cube's pose and light, on pictures with known truth")
     cube.add_argument("--count", type=values.count, default=40, metavar="N", help="pictures of each set (default 40)")
     cube.add_argument(
         "--seed", type=values.index, default=0, metavar="N", help="other pictures of these kinds (default 0)"
+    )
+    cube.add_argument(
+        "--scenes",
+        type=Path,
+        nargs="+",
+        default=(),
+        metavar="DIR",
+        help="the light on these pictures, not on painted ones",
     )
     _add_results_folder(cube)
     cube.add_argument("--quality", choices=QUALITIES, default="balanced")

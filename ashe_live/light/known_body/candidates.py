@@ -19,11 +19,16 @@ from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 from ashe_live.light.shape.light_points import at_infinity
 
-TRIED, APART_RAD, TRIED_WITHIN = 3, math.radians(12), 12.0  # starts of a fit; within so much log likelihood of the best
+# Starts of a fit, without those whose shadow should be seen and is not, and with them; how far apart; and within so
+# much log likelihood of the best.
+TRIED, MOST_TRIED, APART_RAD, TRIED_WITHIN = 3, 8, math.radians(12), 12.0
 MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found other edges
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
 # Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
 LEAST_CLEAR, CLEAR = 0.5, 0.8
+MOST_IN_VIEW = (
+    0.25  # part of a shadow's outline that is in view, from which on it is not hidden: its edges would tell it
+)
 # Part of the table's light: what takes less is no light; and what is no third as deep as this is no step.
 LEAST_DARKENING, DEEP = 0.06, 0.1
 # Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then
@@ -34,23 +39,33 @@ TEMPLATES_APART = 0.1  # in s = (x, y) / z, over 1 + |s|, roughly
 
 
 def refined(
-    seen: Seen, score: Float, beside: Evidence, room: Room, least: float = -math.inf, told: float = -math.inf
+    seen: Seen,
+    score: Float,
+    beside: Evidence,
+    room: Room,
+    least: float = -math.inf,
+    told: float = -math.inf,
+    ruled_out: list[Float] | None = None,
 ) -> Iterator[FoundLight]:
     """The likeliest different directions, each moved onto its shadow's edges where these are seen.
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
     lights that are known. room: table on which edges may be seen. least: likelihood below which edges must be seen, as
-    the scan has it; told: that below which no edge is looked for, of the likeliest around.
+    the scan has it; told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights
+    (4,) whose shadow should be seen, and is not: some other thing is dark.
     """
-    lights, left, worst = seen.templates.lights, score.copy(), score.max() - TRIED_WITHIN
+    lights, left, worst = seen.templates.lights, score.copy(), -np.inf
     clear: list[FoundLight] = []
-    for _ in range(TRIED):
+    tried = 0
+    for _ in range(MOST_TRIED):
+        if tried == TRIED:
+            break
         index = int(left.argmax())
-        if not left[index] >= worst:
+        if left[index] == -np.inf or left[index] < worst:
             break
         template, darkening = lights[index], float(beside.everywhere.darkenings[index, -1])
         left[lights[:, :3] @ template[:3] > math.cos(APART_RAD)] = -np.inf
-        if score[index] < least and not _shows_edges(seen, template, darkening, room):
+        if score[index] < least and not _edges_in_view(seen, template, darkening, room)[1] > LEAST_CLEAR:
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
         if darkening < LEAST_DARKENING or likelihood < told:
@@ -61,10 +76,14 @@ def refined(
         if fit is not None:
             one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
             clear += [one] if fit.clear > CLEAR else []
+            tried, worst = tried + 1, max(worst, score[index] - TRIED_WITHIN)
             yield one
-        else:
+        elif _edges_in_view(seen, template, darkening, room)[0] <= MOST_IN_VIEW:
+            tried, worst = tried + 1, max(worst, score[index] - TRIED_WITHIN)
             mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], template)
             yield FoundLight(mean, spread, None, darkening)
+        elif ruled_out is not None:
+            ruled_out.append(template)
 
 
 def _finds_again(seen: Seen, start: Float, found: FoundLight) -> bool:
@@ -88,14 +107,16 @@ def _moved_onto_edges(seen: Seen, start: Float, darkening: float, room: Room) ->
     return best
 
 
-def _shows_edges(seen: Seen, light: Float, darkening: float, room: Room) -> bool:
-    """Whether there are steps where a light (4,) would have the shadow's edges, nearly."""
+def _edges_in_view(seen: Seen, light: Float, darkening: float, room: Room) -> tuple[float, float]:
+    """Of a light's (4,) shadow, where it would have its edges, nearly: the part in view, and that which shows steps."""
     edges = shadow_edges(seen.body, light, seen.view)
     if edges is None:
-        return False
+        return 0.0, 0.0
     reach_px = np.full(len(edges.points_px), widest_reach_px(seen.body, seen.view))
     profiles = Profiles.of(edges, reach_px, seen.light, room)
-    return bool(profiles.visible.any()) and profiles.clear(max(darkening, DEEP)) > LEAST_CLEAR
+    if not profiles.visible.any():
+        return 0.0, 0.0
+    return float(profiles.visible.mean()), profiles.clear(max(darkening, DEEP))
 
 
 def _nearby(seen: Seen, template: Float, beside: Evidence) -> tuple[Float, float, float]:

@@ -8,6 +8,7 @@ the body really hides, are marginalised (docs/maths.md, "A known body").
 from dataclasses import dataclass
 from functools import cache
 
+import cv2
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
@@ -15,18 +16,21 @@ from ashe_live.light.known_body.shading import Sides
 from ashe_live.light.known_body.shadows import Shadows
 from ashe_live.light.known_body.table import SIDE
 
-# Cells whose errors are correlated, as stains and prints on a table are wider than a cell: the sample size is divided
-# by this.
-CELLS_A_SAMPLE = 13.0
+# Cells whose errors are correlated, as stains, planks, tiles and other things' shadows are wider than a cell: the
+# sample size is divided by at least this; by more where what is left of a map is alike over squares of so many cells
+# along each side, which are as wide as a body's short shadow.
+CELLS_A_SAMPLE, ALIKE = 13.0, 9
 LEAST_NOISE, USUAL_NOISE = 0.02, 0.06  # standard deviation of relative light: what every map has, and what most have
 RIDGE = 1e-6
-VARIED, HIDDEN = 7, 6  # what else varies on a table: slow terms, and as the last of them the sky that the body hides
+# What else varies on a table: slow terms; the sky that the body hides; and how that leans, along x and along y.
+VARIED, HIDDEN, LEANING = 9, 6, slice(7, 9)
 # Before the picture is seen: the part of the table's light that a light gives, and its standard deviation.
 DARKENING, DARKENING_SIGMA = 0.35, 0.35
 MOST_DARKENING = 0.97  # by all lights together: some light always comes from elsewhere
 # Of the sky's light that the body hides, over what it would hide of an even sky that gave all of the table's: a sky
 # that gives half of it and hides a fifth more or less. Painted cubes' skies are off by half of this.
 HIDDEN_SIGMA = 0.1
+LEANING_SIGMA = 0.06  # of the slope of such a sky, of SLOPE for one that gives all of the table's light
 ROUNDS = 2  # of the sides' variances, which depend on how bright the lights are
 
 
@@ -79,24 +83,55 @@ class _Normal:
 class Observed:
     """The map and the sides of one picture, or of one of its colour channels, whatever lights are known."""
 
-    def __init__(self, values: Float32, weight: Float32, hidden_sky: Float32, sides: Sides, everywhere: Lit) -> None:
-        """values: (n, n) relative light of the table's cells, with their weights. hidden_sky: as in Templates.
-        everywhere: lights in all directions in which further ones are looked for.
+    def __init__(
+        self,
+        values: Float32,
+        weight: Float32,
+        hidden_sky: Float32,
+        hidden_slope: Float32,
+        sides: Sides,
+        everywhere: Lit,
+    ) -> None:
+        """values: (n, n) relative light of the table's cells, with their weights. hidden_sky, hidden_slope: as in
+        Templates. everywhere: lights in all directions in which further ones are looked for.
         """
         self.sides, self.hidden_sky, self.weight = sides, hidden_sky, weight.reshape(-1)
         self.cells = float(self.weight.sum())
         # All of the sky's light is taken for granted, and lights take from it.
-        base = np.concatenate([_slow(), hidden_sky[None], values.reshape(1, -1) + hidden_sky])
+        base = np.concatenate([_slow(), hidden_sky[None], hidden_slope, values.reshape(1, -1) + hidden_sky])
         weighted = base * self.weight
         moments = (weighted @ base.T).astype(np.float64)
         self._of_hidden = moments[HIDDEN].copy()
         moments[HIDDEN, HIDDEN] += CELLS_A_SAMPLE * (USUAL_NOISE / HIDDEN_SIGMA) ** 2
+        moments[LEANING, LEANING] += CELLS_A_SAMPLE * (USUAL_NOISE / LEANING_SIGMA) ** 2 * np.eye(2)
+        self._base = base
         self._columns = np.ascontiguousarray(weighted.T).reshape(SIDE, SIDE, -1)
         self._without_varied, light = np.linalg.inv(moments[:VARIED, :VARIED]), moments[:VARIED, VARIED]
         self._of_light = light
         # Sum of squares of what is left if no light is there.
         self.squares = float(moments[VARIED, VARIED] - light @ self._without_varied @ light)
         self.everywhere = self.expected(everywhere)
+
+    def alike(self, explained: Float) -> float:
+        """Cells whose errors are as one, of what `explained` (n * n) and what else varies leave of the map.
+
+        The variance of means over squares, times their cells, over that of cells: 1 of white noise, all cells of a
+        square where it is one stain.
+        """
+        rest = self._base[VARIED] - explained
+        by_varied = self._without_varied @ (self._columns.reshape(SIDE * SIDE, -1)[:, :VARIED].T @ rest)
+        rest = ((rest - by_varied @ self._base[:VARIED]) * self.weight).astype(np.float32)
+        variance = float(rest @ rest) / max(self.cells, 1.0)
+        sums, counts = (
+            cv2.boxFilter(
+                each.reshape(SIDE, SIDE), cv2.CV_32F, (ALIKE, ALIKE), normalize=False, borderType=cv2.BORDER_CONSTANT
+            )
+            for each in (rest, self.weight)
+        )
+        whole = counts > ALIKE**2 / 2
+        if variance <= 0 or not whole.any():
+            return 1.0
+        return float((sums[whole] ** 2 / counts[whole]).mean()) / variance
 
     def expected(self, lit: Lit) -> _Expected:
         """What these lights would do."""
@@ -123,7 +158,7 @@ class Evidence:
     everywhere: Scan  # of a further light in all directions
 
     def __init__(self, observed: Observed, known: Lit) -> None:
-        """What the best of all directions leaves of the map is its noise."""
+        """What the best of all directions leaves of the map is its noise, as correlated as that is."""
         self._observed = observed
         self._known = expected = observed.expected(known)
         taken = known.taken(observed.hidden_sky)
@@ -134,8 +169,15 @@ class Evidence:
             information[..., None], expected.pull[:, None], expected.reached.T[..., None], expected.spread.T[..., None]
         )
         beside = self._with(observed.everywhere)
-        left = min(self._left_by_best(beside), self._left_by_best(self._without))
+        left, best, darkenings = min(
+            (self._left_by_best(each) for each in (beside, self._without)), key=lambda one: one[0]
+        )
         self._variance = left / observed.cells + LEAST_NOISE**2
+        mixed = darkenings[: len(known.lights)] @ taken
+        if len(darkenings) > len(known.lights):
+            new = observed.everywhere.lit
+            mixed = mixed + darkenings[-1] * (observed.hidden_sky - new.shadows.one(best).ravel())
+        self._cells_a_sample = max(CELLS_A_SAMPLE, observed.alike(mixed))
         self._none, self._darkenings = self._explained(self._without)
         self.everywhere = self._scan(beside)
 
@@ -173,11 +215,16 @@ class Evidence:
             return (self._taken @ new.lit.taken(self._observed.hidden_sky).T).astype(np.float64)
         return np.asarray((self._known.varied[:, HIDDEN] - new.lit.shadows.sums(self._columns)).T)
 
-    def _left_by_best(self, normal: _Normal) -> float:
-        """Sum of squares of the map that is left by the set of lights that explains it best."""
+    def _left_by_best(self, normal: _Normal) -> tuple[float, int, Float]:
+        """Sum of squares of the map that is left by the set of lights that explains it best; which, its darkenings."""
         ridge = RIDGE * self._observed.cells * np.eye(len(normal.pull))[..., None]
-        best, _ = _solved(normal.information + ridge, normal.pull)
-        return float(self._left(normal, best.clip(0.0, 1.0)).min(initial=self._observed.squares))
+        darkenings, _ = _solved(normal.information + ridge, normal.pull)
+        darkenings = darkenings.clip(0.0, 1.0)
+        left = self._left(normal, darkenings)
+        if not len(left) or left.min() > self._observed.squares:
+            return self._observed.squares, 0, np.zeros(len(darkenings))
+        best = int(left.argmin())
+        return float(left[best]), best, darkenings[:, best]
 
     def _left(self, normal: _Normal, darkenings: Float) -> Float:
         """(m,) sum of squares of the map that is left by lights of darkenings (l, m)."""
@@ -188,8 +235,8 @@ class Evidence:
         """(m,) log likelihood of map and sides, with each set of lights, and (l, m) their darkenings."""
         sides, cells, prior = self._observed.sides, self._observed.cells, 1 / DARKENING_SIGMA**2
         count, reached = len(normal.pull), normal.reached
-        by_map = normal.information / (CELLS_A_SAMPLE * self._variance) + prior * np.eye(count)[..., None]
-        pull_of_map = normal.pull / (CELLS_A_SAMPLE * self._variance) + prior * DARKENING
+        by_map = normal.information / (self._cells_a_sample * self._variance) + prior * np.eye(count)[..., None]
+        pull_of_map = normal.pull / (self._cells_a_sample * self._variance) + prior * DARKENING
         darkenings = np.full(normal.pull.shape, DARKENING)
         for _ in range(ROUNDS):
             told = reached * (~sides.is_clipped[:, None] / sides.variance(normal.spread, darkenings))
@@ -199,7 +246,7 @@ class Evidence:
             darkenings = darkenings.clip(0.0, MOST_DARKENING)
             darkenings /= np.maximum(darkenings.sum(axis=0) / MOST_DARKENING, 1.0)
         left = self._left(normal, darkenings) / cells + LEAST_NOISE**2
-        by_map_left = -0.5 * cells / CELLS_A_SAMPLE * np.log(left)
+        by_map_left = -0.5 * cells / self._cells_a_sample * np.log(left)
         by_sides = sides.log_likelihood(reached, darkenings, sides.variance(normal.spread, darkenings))
         by_prior = -0.5 * prior * ((darkenings - DARKENING) ** 2).sum(axis=0)
         volume = 0.5 * (count * np.log(prior) - log_determinant)

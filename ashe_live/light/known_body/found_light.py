@@ -45,13 +45,19 @@ class FoundLight:
         """Whether its distance is told."""
         return bool(self.light[3] > 0)
 
+    @property
+    def casting(self) -> Float:
+        """(4,) the light whose shadow lies on the edges: where it may be a lamp, not the sun that is stated."""
+        return self.fit.light if self.may_be_lamp and self.fit is not None else self.light
+
     def sun_alike(self, height: float) -> Float:
         """(3,) the direction of the sun in which the shadow of a body of some height ends where it does in this light.
 
         This is what maps of suns' shadows tell; a low lamp itself stands higher by several degrees.
         """
-        left = max(1 - height * float(self.light[3] / self.light[2]), LEAST_LEFT)
-        return normalised(self.light[:3] * (1, 1, left))
+        x, y, z, w = self.casting
+        left = max(1 - height * float(w / z), LEAST_LEFT)
+        return normalised(np.array((x, y, z * left)))
 
     @property
     def fitted(self) -> FittedLight:
@@ -61,7 +67,7 @@ class FoundLight:
 
 def masks_of(seen: Seen, found: Sequence[FoundLight]) -> tuple[Mask, Mask]:
     """(h, w) of the view each: the body, and its shadows."""
-    silhouettes = predicted(seen.body, np.array([each.light for each in found]), seen.view)
+    silhouettes = predicted(seen.body, np.array([each.casting for each in found]), seen.view)
     return silhouettes.body, silhouettes.shadow
 
 
@@ -69,7 +75,7 @@ def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:
     """The bare table without what lies near the edges of other lights' shadows."""
     room = seen.room
     for other in others:
-        edges = shadow_edges(seen.body, other.light, seen.view)
+        edges = shadow_edges(seen.body, other.casting, seen.view)
         if edges is not None:
             penumbra_px = other.size_rad * upper_quantile(edges.by_size, 0.9)
             broad_px = OTHER_EDGE_PX + OTHER_PENUMBRA * penumbra_px
@@ -82,14 +88,14 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight]) -> Float:
 
     Where too little of a shadow's edges is seen, as map and sides say.
     """
-    edges = [shadow_edges(seen.body, each.light, seen.view) for each in found]
+    edges = [shadow_edges(seen.body, each.casting, seen.view) for each in found]
     steps = [
         None if own is None else _step_rgb(seen, one, own, [*edges[:number], *edges[number + 1 :]])
         for number, (one, own) in enumerate(zip(found, edges, strict=True))
     ]
     if all(step is not None for step in steps):
         return np.array(steps)
-    overall = seen.darkenings_rgb(np.array([each.light for each in found]))
+    overall = seen.darkenings_rgb(np.array([each.casting for each in found]))
     return np.array([by_all if step is None else step for step, by_all in zip(steps, overall, strict=True)])
 
 

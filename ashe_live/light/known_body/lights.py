@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
-from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, mean_near, refined
+from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, mean_near, refined
 from ashe_live.light.known_body.evidence import Evidence, Scan
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
@@ -28,12 +28,12 @@ MOST_LIGHTS = 3
 # A further light: what map and sides say for it before it is fitted, and afterwards; and together with its edges, where
 # these are what tells it.
 LEAST_SCORE, LEAST_MORE, LEAST_BY_EDGES = -1.5, 4.5, 6.5
+AGAINST = -1.0  # log likelihood of map and sides, from which down they speak against it: less is what its freedom costs
 WORTH = 2.0  # what a direction may gain by being moved, in log likelihood of map and sides
 LEAST_CLEAR, MOST_MISFIT_PX = 0.75, 0.7  # of its edges, if they are what tells it: so many are steps, and so near
 # Beside one sun whose edges are seen the body may hide another light's shadow: the weight of "there is none" before the
-# picture is seen, where all directions have 1; the probability from which on there is one; and the part of a shadow's
-# outline that is in view, from which on it is not hidden, and its edges would have told it.
-LOG_NONE_FURTHER, LEAST_EXISTS, MOST_IN_VIEW = -1.0, 0.5, 0.25
+# picture is seen, where all directions have 1; and the probability from which on there is one.
+LOG_NONE_FURTHER, LEAST_EXISTS = 0.0, 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +49,8 @@ class Found:
 def lights_of(seen: Seen) -> Found | None:
     """None where nothing says that there is a light."""
     alone = seen.beside(np.zeros((0, 4)))
-    candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room)
+    ruled_out: list[Float] = []
+    candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room, ruled_out=ruled_out)
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     if not scored:
         return None
@@ -61,13 +62,18 @@ def lights_of(seen: Seen) -> Found | None:
         further = _further(seen, found)
         if further is None:
             break
+        if further.fit is not None and found[0].fit is None:
+            # Beside what a shadow's edges tell, a light that none of them told has to be found anew.
+            found = as_lamps(seen, [further])
+            seen = _in_light_of(seen, found)
+            continue
         both = as_lamps(seen, _refitted(seen, [*found, further]), len(found))
         if not are_apart(both, height_of(seen.body)):
             break  # what was taken for another shadow is the rest of one that is known
         found, seen = both, _in_light_of(seen, both)
     found.sort(key=lambda each: (each.exists is not None, -each.darkening))
     dark = darkenings_rgb(seen, found)
-    found = [_with_confidence(seen, *each, found, alone) for each in zip(found, dark, strict=True)]
+    found = [_with_confidence(seen, *each, found, alone, ruled_out) for each in zip(found, dark, strict=True)]
     return Found(seen, tuple(found), dark, likelihood > DARK_ELSEWHERE)
 
 
@@ -80,7 +86,7 @@ def _in_light_of(seen: Seen, found: Sequence[FoundLight]) -> Seen:
 
 def _points(found: Sequence[FoundLight]) -> Float:
     """(l, 4)"""
-    return np.array([each.light for each in found])
+    return np.array([each.casting for each in found])
 
 
 def _log_likelihood(seen: Seen, one: FoundLight, beside: Evidence) -> float:
@@ -89,11 +95,17 @@ def _log_likelihood(seen: Seen, one: FoundLight, beside: Evidence) -> float:
 
 
 def _with_confidence(
-    seen: Seen, one: FoundLight, dark_rgb: Float, among: Sequence[FoundLight], alone: Evidence
+    seen: Seen,
+    one: FoundLight,
+    dark_rgb: Float,
+    among: Sequence[FoundLight],
+    alone: Evidence,
+    ruled_out: Sequence[Float],
 ) -> FoundLight:
     """`one` of the lights `among` which it is, with the posterior of the directions near it, and what its edges say.
 
     dark_rgb: (3,) part of the table's light that it gives. alone: the picture without lights that are known.
+    ruled_out: lights (4,) that there are not.
     """
     others = [other for other in among if other is not one]
     beside, palest, pale, log_none = alone, PALEST, PALE, LOG_NONE
@@ -104,9 +116,10 @@ def _with_confidence(
         if one.fit is not None:
             room, darkening = room_beside(seen, others), float(dark_rgb.mean())
             one = replace(one, fit=looked_at_again(one.fit, seen.body, darkening, seen.light, room, seen.view))
-    own = beside.scanned(seen.lit(one.light[None]))
+    own = beside.scanned(seen.lit(one.casting[None]))
     lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
-    near = _posterior_near(seen.templates, beside.everywhere, one.sun_alike(height_of(seen.body)), lamp, log_none)
+    to_sun = one.sun_alike(height_of(seen.body))
+    near = _posterior_near(seen.templates, beside.everywhere, to_sun, lamp, log_none, ruled_out)
     # Beside the foot the hidden sky's gradient looks like a step, and map and sides know better.
     by_all = float(own.darkenings[0, -1])
     step = min(by_all, float(dark_rgb.mean()))
@@ -122,17 +135,21 @@ def _share_near(one: FoundLight) -> float:
     return math.prod(math.erf(NEAR_RAD / (math.sqrt(2) * sigma)) for sigma in sigmas.tolist())
 
 
-def _posterior_near(templates: Templates, scan: Scan, to_sun: Float, lamp: float, log_none: float) -> float:
-    """Posterior probability, before any edge is looked at, of the directions within NEAR_RAD of one (3,).
+def _posterior_near(
+    templates: Templates, scan: Scan, to_sun: Float, lamp: float, log_none: float, ruled_out: Sequence[Float]
+) -> float:
+    """Posterior probability, before its edges are looked at, of the directions within NEAR_RAD of one (3,).
 
     lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none. log_none:
-    weight of no light before the picture is seen.
+    weight of no light before the picture is seen. ruled_out: lights (4,) about which there is none.
     """
     by_light = scan.log_likelihood + np.log(templates.solid_angle)
     by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
+    is_near = templates.lights[:, :3] @ to_sun > math.cos(NEAR_RAD)
+    for rival in ruled_out:
+        by_light[~is_near & (templates.lights[:, :3] @ rival[:3] > math.cos(APART_RAD))] = -np.inf
     most = max(float(by_light.max()), by_lamp, log_none)
     posterior = np.exp(by_light - most)
-    is_near = templates.lights[:, :3] @ to_sun > math.cos(NEAR_RAD)
     near, elsewhere = float(posterior[is_near].sum()), float(posterior[~is_near].sum())
     near = max(near, math.exp(by_lamp - most))
     return near / (near + elsewhere + math.exp(log_none - most))
@@ -154,13 +171,15 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    for one in refined(seen, score, beside, room_beside(seen, known), LEAST_MORE - WORTH, 0.0):
+    for one in refined(seen, score, beside, room_beside(seen, known), LEAST_MORE - WORTH, AGAINST):
         if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)
         by_table = more - edge_log_odds(one.fit)
         # Edges alone do not do against map and sides: beside the foot the hidden sky's gradient looks like a step.
-        is_told = by_table > LEAST_MORE or (by_table > 0 and more > LEAST_BY_EDGES and _is_clear(one.fit))
+        # Nor do map and sides against edges that are in view: some other thing is dark, or throws a shadow.
+        is_told = by_table > LEAST_MORE and (one.fit.seen <= MOST_IN_VIEW or one.fit.clear > LEAST_CLEAR)
+        is_told |= by_table > AGAINST and more > LEAST_BY_EDGES and _is_clear(one.fit)
         if is_told and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.

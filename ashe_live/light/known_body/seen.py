@@ -8,6 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
+from ashe_live.light.known_body.bounce import sent_by_sides
 from ashe_live.light.known_body.evidence import Evidence, Lit, Observed
 from ashe_live.light.known_body.facets import Facets, facets_of
 from ashe_live.light.known_body.outline.room import Room
@@ -29,6 +30,8 @@ from ashe_live.light.known_body.templates import Templates, templates_of
 from ashe_live.light.pixels.view import View
 
 MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B
+BESIDE_CELL = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+LEAST_EDGE = 0.05  # part of a cell in shadow by which neighbours differ at its edge
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
 
 
@@ -41,12 +44,15 @@ class Measured:
     facets: Facets
     from_table: Float  # (k, 3) what the table sends to each facet, in the picture's linear light
 
-    def observed(self, channels: Float, templates: Templates, everywhere: Lit) -> Observed:
-        """By a sum of the channels with weights (3,), to look for further lights `everywhere`."""
+    def observed(self, channels: Float, templates: Templates, everywhere: Lit, is_told: Mask | bool = True) -> Observed:
+        """By a sum of the channels with weights (3,), to look for further lights `everywhere`.
+
+        is_told: (n, n) cells that tell of lights.
+        """
         values = self.relative @ channels.astype(np.float32)
-        weight = (self.table.seen & (values < BRIGHTEST)).astype(np.float32)
+        weight = (self.table.seen & (values < BRIGHTEST) & is_told).astype(np.float32)
         sides = Sides.of(self.facets, self.from_table, channels)
-        return Observed(values, weight, templates.hidden_sky, sides, everywhere)
+        return Observed(values, weight, templates.hidden_sky, templates.hidden_slope, sides, everywhere)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,9 +81,10 @@ class Seen:
         light = np.asarray(cv2.transform(picture, np.full((1, 3), 1 / 3)), dtype=np.float32)
         relative, lit_rgb = relative_light(table)
         facets = facets_of(view, body, picture)
-        sent = sent_by_table(body, table, relative, facets.normals, facets.centres)
-        measured = Measured(table, relative, facets, PAPER * lit_rgb * sent)
         templates = templates_of(body).and_behind(camera_centre(view.T_cam_marker), body)
+        sent = sent_by_table(body, table, relative, facets.normals, facets.centres)
+        relative = relative - sent_by_sides(templates.from_sides, facets) * table.seen[..., None]
+        measured = Measured(table, relative, facets, PAPER * lit_rgb * sent)
         observed = measured.observed(MEAN, templates, Lit(templates.lights, templates.shadows))
         is_table, room = observed.weight.reshape(SIDE, SIDE) > 0, Room.of(view, body)
         return Seen(view, body, picture, light, lit_rgb, is_table, room, templates, measured, observed)
@@ -120,7 +127,11 @@ class Seen:
         """What the picture says of further lights, beside `known` ones (l, 4)."""
         key = np.ascontiguousarray(known).tobytes()
         if key not in self._beside:
-            self._beside[key] = Evidence(self.observed, self.lit(known))
+            lit, observed = self.lit(known), self.observed
+            if len(known):
+                everywhere = Lit(self.templates.lights, self.templates.shadows)
+                observed = self.measured.observed(MEAN, self.templates, everywhere, _away_from_edges(lit))
+            self._beside[key] = Evidence(observed, lit)
         return self._beside[key]
 
     def darkenings_rgb(self, lights: Float) -> Float:
@@ -128,3 +139,15 @@ class Seen:
         known, nothing = self.lit(lights), self.lit(lights[:0])
         channels = (self.measured.observed(channel, self.templates, nothing) for channel in np.eye(3))
         return np.stack([Evidence(channel, known).darkenings for channel in channels], axis=1)
+
+
+def _away_from_edges(lit: Lit) -> Mask:
+    """(n, n) cells that no edge of these lights' shadows comes near, by the cells beside them.
+
+    A folded body's shadow lies a part of a cell from where it is predicted, which would be another light's.
+    """
+    away = np.ones((SIDE, SIDE), bool)
+    for shadow in lit.shadows.whole():
+        most, least = (change(shadow, BESIDE_CELL) for change in (cv2.dilate, cv2.erode))
+        away &= most - least < LEAST_EDGE
+    return away

@@ -17,8 +17,9 @@ NOISE, OF_LIGHT, TURN_RAD = 0.02, 0.08, np.radians(0.9).item()
 # lamp changes by about three times the way over its distance.
 ACROSS_FACET_M = 0.065
 # Sigma of a sky's slope before it is seen, over its light on level ground: it is 0 of an even sky, and 0.5 where all of
-# its light comes from one side.
-SLOPE = 0.1
+# its light comes from one side; skies, gardens and rooms have 0.12. And of what upright facets get of it all around,
+# which is a half of an even sky: 0.4 of one that is three times as bright above (CIE overcast), more of a clear one.
+SLOPE, UNEVEN = 0.12, 0.1
 # Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is a fifth of the
 # level one's off where it is ten pixels wide, and falls by the third power of the width.
 MIXED, MIXED_PX, MIXED_POWER = 0.2, 10.0, 3
@@ -90,7 +91,7 @@ class Sides:
         """(k, m) of the residuals in m sets of l lights of `darkenings` (l, m); spread: (l, k, m) as by `spread`."""
         sky = np.maximum(1 - darkenings.sum(axis=0), 0.0)
         by_lights = (spread * (darkenings**2)[:, None]).sum(axis=0)
-        return np.asarray(self.noise[:, None] ** 2 + by_lights + (SLOPE * sky) ** 2)
+        return np.asarray(self.noise[:, None] ** 2 + by_lights + (SLOPE**2 + UNEVEN**2) * sky**2)
 
     def log_likelihood(self, reached: Float, darkenings: Float, variance: Float) -> Float:
         """(m,) of the sides' light in l lights of `darkenings` (l, m), with residuals of `variance` (k, m).

@@ -58,6 +58,15 @@ class Shadows:
             window[block.numbers] = block.shares.reshape(-1, *window.shape[1:])
         return whole
 
+    def one(self, number: int) -> Float32:
+        """(n, n) part of each cell of the map that is in the shadow of light `number`."""
+        shadow = np.zeros((SIDE, SIDE), np.float32)
+        for block in self.blocks:
+            for at in np.flatnonzero(block.numbers == number):
+                window = shadow[block.rows, block.columns]
+                window[:] = block.shares[at].reshape(window.shape)
+        return shadow
+
     def joined(self, others: "Shadows") -> "Shadows":
         """These and the others after them, without a copy of either."""
         shifted = (replace(each, numbers=each.numbers + self.count) for each in others.blocks)

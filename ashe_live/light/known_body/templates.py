@@ -10,6 +10,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
+from ashe_live.light.known_body.bounce import form_factors
 from ashe_live.light.known_body.shadows import Shadows, shadows_of
 from ashe_live.light.known_body.table import SIDE, height_of
 from ashe_live.light.shape.light_points import at_infinity
@@ -34,6 +35,10 @@ class Templates:
     solid_angle: Float  # (m,) share of the upper hemisphere that each stands for
     shadows: Shadows
     hidden_sky: Float32  # (n * n,) fraction of an even sky's light that the body keeps from the table
+    # (2, n * n) what it hides more of a sky that is brighter along x, and along y: one that gives 1 more to a facet
+    # that faces that way, in units of what it gives to a level one.
+    hidden_slope: Float32
+    from_sides: Float32  # (4, n, n) as by `form_factors`
 
     def and_behind(self, eye: Float, body: Proxy) -> "Templates":
         """These, and between them more lights whose shadow the body hides from a camera at `eye` (3,)."""
@@ -52,6 +57,8 @@ class Templates:
             np.concatenate([self.solid_angle, cell / lengths**3 / (2 * np.pi)]),
             self.shadows.joined(shadows_of(body, further)),
             self.hidden_sky,
+            self.hidden_slope,
+            self.from_sides,
         )
 
 
@@ -85,5 +92,7 @@ def _templates(family: str, spheroids: bytes) -> Templates:
     between = np.concatenate([[np.pi / 2], 0.5 * (heights[1:] + heights[:-1]), [0.0]])
     solid_angle = (np.sin(between[:-1]) - np.sin(between[1:]))[ring] / counts
     share = (np.sin(between[:-1]) ** 2 - np.sin(between[1:]) ** 2)[ring] / counts
-    hidden_sky = np.einsum("m,mij->ij", share, shadows.whole())
-    return Templates(lights, solid_angle, shadows, hidden_sky.reshape(SIDE * SIDE).astype(np.float32))
+    # A sky with the radiance 1 + 3 g·w towards w gives 1/2 + g·n to an upright facet, over that of level ground.
+    hidden = np.einsum("cm,mij->cij", share * np.vstack([np.ones(len(s)), 3 * lights[:, :2].T]), shadows.whole())
+    hidden = hidden.reshape(3, SIDE * SIDE).astype(np.float32)
+    return Templates(lights, solid_angle, shadows, hidden[0], hidden[1:], form_factors(body))

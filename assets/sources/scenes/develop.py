@@ -61,19 +61,28 @@ def detection(entry: Params, image: Any) -> Params | None:
     """
     marker = entry["marker"]
     camera = Camera(tuple(entry["size"]), np.array(entry["K"]), np.zeros(5), "file")
-    dictionary = marker["dictionary"].removeprefix("DICT_").lower()
-    kind = "apriltag" if dictionary.startswith("apriltag") else "aruco"
-    name = f"{kind}:{dictionary.removeprefix('apriltag_')}:{marker['id']}"
+    name = marker_name(marker)
     found = Tracker(camera, name, marker["side_m"]).track(image).marker
     if found is None:
         return None
     turn = found.T_cam_marker[:3, :3] @ np.array(entry["R"]).T
-    off = np.linalg.norm(found.corners_px - np.array(marker["corners_px"]), axis=1)
-    return {
-        "corner_rms_px": round(float(np.sqrt(np.mean(off**2))), 3),
+    corners = {}
+    if "corners_px" in marker:
+        off = np.linalg.norm(found.corners_px - np.array(marker["corners_px"]), axis=1)
+        corners = {"corner_rms_px": round(float(np.sqrt(np.mean(off**2))), 3)}
+    return corners | {
         "pnp_rotation_error_deg": round(float(np.degrees(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1)))), 3),
         "pnp_translation_error_m": round(float(np.linalg.norm(found.T_cam_marker[:3, 3] - entry["t"])), 5),
     }
+
+
+def marker_name(marker: Params) -> str:
+    """As ashe_live takes it."""
+    dictionary = marker["dictionary"].removeprefix("DICT_").lower()
+    if "id" not in marker:
+        return str(dictionary)  # the cube
+    kind = "apriltag" if dictionary.startswith("apriltag") else "aruco"
+    return f"{kind}:{dictionary.removeprefix('apriltag_')}:{marker['id']}"
 
 
 def take(spec: Params, picture: Params, raw: Any, out: Path) -> Params:

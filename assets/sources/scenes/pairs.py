@@ -91,7 +91,7 @@ def render(out: Path, count: int | None, samples: int) -> None:
                     continue
                 start = time.perf_counter()
                 assembly.clear()
-                made = assembly.assemble(spec)
+                made = assembly.assemble(spec, out)
                 if version == "model":
                     for obj in placed_model(content["model"], spec["marker"]["side_m"]):
                         obj.pass_index = MODEL_INDEX

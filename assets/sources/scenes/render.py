@@ -87,10 +87,10 @@ def triangles(objects: list[Any]) -> tuple[Any, Any]:
     return np.concatenate(points).astype(np.float32), np.concatenate(faces)
 
 
-def rendered(spec: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """What one scene's file holds."""
+def rendered(spec: dict[str, Any], source: Path, folder: Path) -> dict[str, Any]:
+    """What one scene's file holds; `source`: the set's folder."""
     assembly.clear()
-    made = assembly.assemble(spec)
+    made = assembly.assemble(spec, source)
     scene = bpy.context.scene
     scene.render.resolution_x, scene.render.resolution_y = spec["size"]
     shots = []
@@ -133,7 +133,7 @@ def main() -> None:
                 continue
             path.parent.mkdir(exist_ok=True)
             start = time.perf_counter()
-            content = rendered(spec, Path(work))
+            content = rendered(spec, folder, Path(work))
             part = path.with_name(f".{path.stem}.{os.getpid()}")
             with part.open("wb") as file:
                 np.savez_compressed(file, **content)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from scenes.drawing import families
+from scenes.drawing import cubes, families
 from scenes.drawing.families import HELD_OUT, Params, Rng, between, pick
 from scenes.drawing.layout import HELD_OUT_SHARE, layout
 from scenes.drawing.motion import frames
@@ -21,12 +21,13 @@ from scenes.photo.camera import camera_settings
 
 BASES = {"clean": 27, "texture": 22, "clutter": 18, "dark": 9, "partial": 6, "misleading": 18}
 LAMP_BASES = {"clean": 2, "texture": 2, "dark": 1}
+CUBE_BASES = {"clean": 3, "texture": 2}
 TRIES = 2000
 
 
 @dataclass(frozen=True)
 class SceneSet:
-    """What a set is: its seed, whether it shows the held-out families, lamps near by, or short takes.
+    """What a set is: its seed, whether it shows the held-out families, lamps near by, short takes, or the paper cube.
 
     `developed`: how often the same is photographed, each time by another camera, the lights as strong as chance has it.
     """
@@ -35,6 +36,7 @@ class SceneSet:
     sealed: bool = False
     lamps: bool = False
     takes: bool = False
+    cubes: bool = False
     developed: int = 1
 
 
@@ -48,6 +50,9 @@ SETS = {
     "takes_training": SceneSet(14011, takes=True),
     "takes_development": SceneSet(14012, takes=True),
     "takes_sealed": SceneSet(14013, sealed=True, takes=True),
+    "cube_training": SceneSet(15001, cubes=True),
+    "cube_development": SceneSet(15002, cubes=True),
+    "cube_sealed": SceneSet(15003, sealed=True, cubes=True),
     "near_takes_training": SceneSet(14021, lamps=True, takes=True),
 }
 
@@ -56,18 +61,25 @@ def specification(set_name: str, index: int) -> Params:
     """Scene `index` of a set; raises RuntimeError when no layout that fits is found."""
     about = SETS[set_name]
     rng = np.random.default_rng([about.seed, index])
-    base = pick(rng, LAMP_BASES if about.lamps else BASES)
+    base = pick(rng, CUBE_BASES if about.cubes else LAMP_BASES if about.lamps else BASES)
     dark_ground = base == "dark" and rng.random() < 0.4
     for _ in range(TRIES):
         ground = families.ground(rng, _ground_family(rng, base, about.sealed), dark_ground)
-        scene = layout(rng, base, ground, about.sealed, base == "dark" and not dark_ground, about.lamps)
+        if about.cubes:
+            scene = cubes.layout(rng, index, ground, about.sealed)
+        else:
+            scene = layout(rng, base, ground, about.sealed, base == "dark" and not dark_ground, about.lamps)
         if scene is not None:
             break
     else:
         raise RuntimeError(f"no layout found for scene {index} of {set_name}")
     scene = {"id": f"{set_name}_{index:05d}", "set": set_name, "index": index, "base": base} | scene
     scene["surroundings"] = families.surroundings(rng, pick(rng, families.SURROUNDINGS))
-    scene["pictures"] = _pictures(rng, scene, about.lamps)
+    if about.cubes:
+        wanted = cubes.pictures(rng, index)
+        scene["pictures"] = [_picture(rng, scene, number, *each) for number, each in enumerate(wanted)]
+    else:
+        scene["pictures"] = _pictures(rng, scene, about.lamps)
     scene["render_seed"] = int(rng.integers(1 << 30))
     scene["pictures"] += _again(np.random.default_rng([about.seed, index, 1]), scene, about.developed - 1)
     if about.takes:
@@ -145,6 +157,8 @@ def main() -> None:
     lines = ",\n".join(json.dumps(scene) for scene in scenes)
     content = f'{{"format": 1, "set": "{asked.set}", "seed": {SETS[asked.set].seed}, "scenes": [\n{lines}\n]}}\n'
     (asked.out / "specifications.json").write_text(content)
+    if SETS[asked.set].cubes:
+        cubes.write_net(asked.out)
     print(f"{len(scenes)} scenes, {sum(len(scene['pictures']) for scene in scenes)} pictures")
 
 

@@ -46,7 +46,7 @@ def map_of(darkenings: dict[tuple[float, float], float], noise: float = 0.02) ->
 
 def evidence(values: Float32, known: Lit) -> Evidence:
     even = np.ones((SIDE, SIDE), np.float32)
-    return Evidence(Observed(values, even, TEMPLATES.hidden_sky, NO_SIDES, EVERYWHERE), known)
+    return Evidence(Observed(values, even, TEMPLATES.hidden_sky, TEMPLATES.hidden_slope, NO_SIDES, EVERYWHERE), known)
 
 
 @pytest.mark.parametrize("darkening", [0.15, 0.4, 0.7])

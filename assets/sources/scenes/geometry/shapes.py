@@ -7,6 +7,7 @@ import numpy as np
 from mesh_grids import grid_faces
 
 from scenes.geometry import rare_shapes
+from scenes.geometry.paper_cube import paper_cube
 from scenes.geometry.parts import Floats, Part, box, cylinder, ellipsoid, moved, revolved, swept, turned_z, vessel
 
 Params = dict[str, Any]
@@ -202,7 +203,7 @@ def monkey(p: Params) -> list[Part]:
 
 FAMILIES = {each.__name__: each for each in (
     cup, tumbler, mug, bottle, tin, vase, ball, cone, carton, book, blocks, animal, figure, car, plant, heap,
-    ell, monkey,
+    ell, monkey, paper_cube,
     rare_shapes.hand, rare_shapes.tape_roll, rare_shapes.chair, rare_shapes.teapot, rare_shapes.pyramid,
     rare_shapes.slab, rare_shapes.foliage, rare_shapes.person,
 )}  # fmt: skip

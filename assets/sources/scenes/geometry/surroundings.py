@@ -51,6 +51,26 @@ def mean_direction(light: Floats) -> Floats:
     return np.einsum("rcx,rc->x", ways, above) / np.sum(above * np.maximum(ways[..., 2], 0))
 
 
+def on_ball(light: Floats) -> Floats:
+    """(9, 3) what falls onto a facet with the normal n in the shade of all else: the coefficients of `quadratic(n)`.
+
+    Of what lies above the horizon. Irradiance is within a hundredth of a quadratic in n (Ramamoorthi, Hanrahan 2001).
+    """
+    ways, solid = directions()
+    above = np.where(ways[..., 2] > 0, solid, 0.0)
+    normals = ways[::4, ::4].reshape(-1, 3)
+    facing = np.maximum(np.einsum("nx,rcx->nrc", normals, ways), 0)
+    falls = np.einsum("nrc,rc,rck->nk", facing, above, light)
+    share = np.sqrt(solid[::4, ::4].reshape(-1, 1))
+    return np.asarray(np.linalg.lstsq(quadratic(normals) * share, falls * share, rcond=None)[0])
+
+
+def quadratic(normals: Floats) -> Floats:
+    """(n, 9) for normals (n, 3)."""
+    x, y, z = normals.T
+    return np.column_stack([np.ones_like(x), x, y, z, x * y, y * z, z * x, x * x - y * y, 3 * z * z - 1])
+
+
 def clouds(ways: Floats, rng: np.random.Generator, size: float) -> Floats:
     """(rows, columns) smooth random field in [0, 1] on the sphere."""
     total = np.zeros(ways.shape[:2])

@@ -9,6 +9,7 @@ from scenes.geometry.poses import cast, direction, projected, square
 from scenes.photo.masks import Masks
 
 Params = dict[str, Any]
+MARKER = ("dictionary", "id", "side_m", "paper_side_m", "card_m", "curl_m", "ink")  # the cube has not all of them
 
 
 def light_entry(spec: Params, light: Params, gain: float) -> Params:
@@ -115,9 +116,7 @@ def scene_entry(spec: Params, picture: Params, raw: Any) -> Params:
         "hfov_deg": camera["hfov_deg"],
         "camera_distance_m": round(float(np.linalg.norm(camera["t"])), 4),
         "camera_pitch_deg": camera["pitch_deg"],
-        "marker": {
-            key: sheet[key] for key in ("dictionary", "id", "side_m", "paper_side_m", "card_m", "curl_m", "ink")
-        },
+        "marker": {key: sheet[key] for key in MARKER if key in sheet},
         "directional": bool(shining),
         "lights": lights,
         "unseen_lights": [light_entry(spec, spec["lights"][k], 1.0) for k in picture["unseen_lights"]],
@@ -125,6 +124,7 @@ def scene_entry(spec: Params, picture: Params, raw: Any) -> Params:
             "kind": spec["surroundings"]["family"],
             "irradiance_ground": np.round(sky, 5).tolist(),
             "mean_direction": np.round(surroundings.mean_direction(ambient), 5).tolist(),
+            "on_ball": np.round(surroundings.on_ball(ambient), 5).tolist(),
         },
         "shading_ratio": {
             "all_blocked": np.round(sky / full, 4).tolist(),
@@ -141,7 +141,8 @@ def scene_entry(spec: Params, picture: Params, raw: Any) -> Params:
 def still_entry(spec: Params, picture: Params, raw: Any, found: dict[str, Masks], gains: list[float]) -> Params:
     """The entry of a still, without its files' names."""
     entry, camera = scene_entry(spec, picture, raw), spec["camera"]
-    entry["marker"]["corners_px"] = np.round(projected(camera, corners_m(spec["marker"]))[0], 3).tolist()
+    if "id" in entry["marker"]:
+        entry["marker"]["corners_px"] = np.round(projected(camera, corners_m(spec["marker"]))[0], 3).tolist()
     entry["photo"] = entry["photo"] | {"gains": np.round(gains, 5).tolist()}
     counts = {f"{name}_px": int(values.sum()) for name, values in found.items()}
     return entry | {"R": camera["R"], "t": camera["t"], "visibility": counts}

@@ -1,24 +1,28 @@
 """Builds a specified scene in Blender: objects, sheet, marks, ground, lights in groups of their own, surroundings."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import bmesh
 import bpy
 import numpy as np
 from mathutils import Matrix
+from mesh_grids import grid_faces
 
 from scenes.geometry import surroundings
 from scenes.geometry.index import BEYOND, GROUND, ROLES, SHEET
+from scenes.geometry.paper_cube import NET, sheets
 from scenes.geometry.poses import direction
 from scenes.geometry.shapes import Part, built
 from scenes.tracing.grounds import ground_material
-from scenes.tracing.materials import mark_material, object_materials, sheet_material
+from scenes.tracing.materials import cube_paper, mark_material, object_materials, sheet_material
 from scenes.tracing.nodes import material, mesh_object
 
 Params = dict[str, Any]
 MARK_LIFT_M = 0.00006
 SHARP_DEG = 38.0
+CUBE = "cube"  # where other markers have their dictionary
 
 
 def clear() -> None:
@@ -29,14 +33,17 @@ def clear() -> None:
             kept.remove(each)
 
 
-def assemble(scene: Params) -> list[Any]:
-    """Fills Blender's scene; the objects of `scene["objects"]`, a list of Blender's for each."""
+def assemble(scene: Params, folder: Path) -> list[Any]:
+    """Fills Blender's scene; the objects of `scene["objects"]`, a list of Blender's for each. folder: the set's."""
     ground_z = scene["ground"]["z_m"]
     _ground(scene["ground"], ground_z)
-    _sheet(scene["marker"], ground_z)
+    is_cube = scene["marker"]["dictionary"] == CUBE
+    if not is_cube:
+        _sheet(scene["marker"], ground_z)
+    bpy.context.scene.cycles.max_bounces, bpy.context.scene.cycles.diffuse_bounces = (8, 4) if is_cube else (4, 2)
     for number, patch in enumerate(scene["patches"]):
         _mark(patch, ground_z + (number + 1) * MARK_LIFT_M)
-    made = [_thing(spec, ground_z) for spec in scene["objects"]]
+    made = [_thing(spec, ground_z, folder) for spec in scene["objects"]]
     _surroundings(scene["surroundings"])
     for number, light in enumerate(scene["lights"]):
         _light(light, f"light{number}")
@@ -97,11 +104,28 @@ def _monkey(size: float, materials: list[Any]) -> Any:
     return obj
 
 
-def _thing(spec: Params, ground_z: float) -> list[Any]:
-    materials = object_materials(spec["material"])
-    if spec["family"] == "monkey":
-        made = [_monkey(spec["params"]["size_m"], materials)]
+def _paper_cube(spec: Params, folder: Path) -> Any:
+    """The folded cube, its print as uv over the net."""
+    points, faces, where, start = [], [], [], 0
+    for own, (rows, columns), net in sheets(spec["params"]):
+        faces.append(grid_faces(rows - 1, columns - 1) + start)
+        points.append(own)
+        where.append(net * [1, -1] + [0, 1])  # Blender's pictures run upwards
+        start += len(own)
+    order = np.concatenate(faces)
+    made = [cube_paper(spec["material"], folder / NET)]
+    obj = mesh_object("cube", np.concatenate(points), order.tolist(), made, smooth=True)
+    obj.data.uv_layers.new().data.foreach_set("uv", np.concatenate(where)[order.ravel()].astype(np.float32).ravel())
+    return obj
+
+
+def _thing(spec: Params, ground_z: float, folder: Path) -> list[Any]:
+    if spec["family"] == "paper_cube":
+        made = [_paper_cube(spec, folder)]
+    elif spec["family"] == "monkey":
+        made = [_monkey(spec["params"]["size_m"], object_materials(spec["material"]))]
     else:
+        materials = object_materials(spec["material"])
         parts = built(spec["family"], spec["params"])
         made = []
         for bevel in sorted({part.bevel_m for part in parts}):

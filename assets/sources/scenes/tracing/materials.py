@@ -1,5 +1,6 @@
 """Shaders of objects, of the marker's sheet and of flat marks (Blender)."""
 
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -140,6 +141,25 @@ def sheet_material(sheet: Params) -> Any:
     image.pack()
     made, n = material("sheet")
     n.principled(n("ShaderNodeTexImage", image=image, extension="EXTEND"), 0.65, _Specular_IOR_Level=0.25)
+    return made
+
+
+def cube_paper(spec: Params, net: Path) -> Any:
+    """Printed paper of the cube: of the light on its white, `colour` is sent back, and `through` goes through.
+
+    Toner lies outside: what it lets pass of light that comes from within passes it once, what is sent back twice.
+    """
+    image = bpy.data.images.load(str(net))
+    image.colorspace_settings.name = "Non-Color"
+    made, n = material("cube paper")
+    print_ = n("ShaderNodeTexImage", image=image, extension="EXTEND", interpolation="Cubic")
+    white, share = np.array(spec["colour"]), spec["through"]
+    least = spec["ink"] / float(white.mean())
+    # Each shader's colour is over the share of the light that the mix gives to it.
+    sent = n.mix(print_, [float(v) for v in least * white / (1 - share)], [float(v) for v in white / (1 - share)])
+    let = n.mix(print_, (least**0.5,) * 3, (1.0, 1.0, 0.97))
+    back = n("ShaderNodeBsdfPrincipled", _Base_Color=sent, _Roughness=spec["roughness"], _Specular_IOR_Level=0.25)
+    n("ShaderNodeOutputMaterial", n("ShaderNodeMixShader", share, back, n("ShaderNodeBsdfTranslucent", let)))
     return made
 
 

@@ -1,0 +1,113 @@
+"""Pictures of paper cubes with known truth, painted by this bench or path-traced by the generator of scenes."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from ashe_live.bench.cases import EXACT_PX, GROUND_TRUTH, MOST_TRUTH_BYTES, decoded
+from ashe_live.bench.cube.ambient import NORMALS, painted_sky
+from ashe_live.bench.cube.painter import painted
+from ashe_live.bench.cube.scenes import CubeSet
+from ashe_live.bench.cube.shadow_in_view import SEEN, is_seen
+from ashe_live.core.arrays import Float, Image, directions_on_spiral
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import rigid
+from ashe_live.errors import UserError
+from ashe_live.files.reading import read_json
+from ashe_live.tracking.cube.faces import CUBE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CubePicture:
+    """A picture with its truth, in the frame of the table under the cube."""
+
+    id: str
+    image: Image
+    camera: Camera
+    T_cam_cube: Float  # (4, 4)
+    edge_m: float
+    lights: Float  # (n, 4) homogeneous, metres: w = 0 for suns
+    shows_shadows: bool  # of all lights: enough of each lies in the picture and not behind the cube
+    sky_on_ball: Float  # (m, 3) what the sky gives to `directions_on_spiral(m)`, over all light on level ground
+    table_rgb: Float  # (3,) reflectance
+
+
+def painted_pictures(one: CubeSet, count: int, seed: int) -> Iterator[CubePicture]:
+    """The first so many of a set."""
+    for number, scene in enumerate(one.scenes(count, seed)):
+        yield CubePicture(
+            f"{one.name} {number}",
+            painted(scene),
+            scene.camera,
+            scene.T_cam_cube,
+            scene.edge_m,
+            np.array([each.point for each in scene.lights]).reshape(-1, 4),
+            all(is_seen(scene, light) for light in scene.lights),
+            painted_sky(scene),
+            scene.table_rgb,
+        )
+
+
+def traced_pictures(folders: Sequence[Path]) -> dict[str, list[tuple[Path, Mapping[str, Any]]]]:
+    """By category, folder and entry of every picture of a cube in the folders' ground truths, for `traced_picture`.
+
+    Also those on which the generator's own look for the cube found none. Raises UserError where a folder has no truth
+    about cubes.
+    """
+    found: dict[str, list[tuple[Path, Mapping[str, Any]]]] = {}
+    for folder in folders:
+        path = folder / GROUND_TRUTH
+        try:
+            content = read_json(path, MOST_TRUTH_BYTES)
+            entries = [*content.get("scenes", []), *content.get("marker_not_found", [])]
+            cubes = [each for each in entries if each["marker"].get("dictionary") == CUBE]
+        except OSError as error:
+            raise UserError(f"cannot read {path}", error.strerror or str(error)) from error
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise UserError(f"{path} is no list of scenes ({error})", "it needs `scenes`") from error
+        if not cubes:
+            raise UserError(f"{folder} has no pictures of a paper cube", "ashe-live bench light measures on others")
+        for each in cubes:
+            found.setdefault(each["category"], []).append((folder, each))
+    return found
+
+
+def traced_picture(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
+    """A path-traced picture; raises UserError where it cannot be read."""
+    image = decoded(folder / entry["image"], cv2.IMREAD_COLOR)
+    if image is None:
+        raise UserError(f"cannot read the picture {entry['image']}", "is it there, and a PNG or JPEG?")
+    size = int(entry["size"][0]), int(entry["size"][1])
+    lights = entry["lights"]
+    level = np.array(entry["ambient"]["irradiance_ground"]) + sum(np.array(one["irradiance_ground"]) for one in lights)
+    sky = np.maximum(_quadratic(directions_on_spiral(NORMALS)) @ np.array(entry["ambient"]["on_ball"]), 0.0) / level
+    seen = entry["visibility"]
+    shadows = [seen["shadow_px" if number == 0 else f"shadow{number + 1}_px"] for number in range(len(lights))]
+    return CubePicture(
+        entry["id"],
+        image,
+        Camera(size, np.array(entry["K"]), np.zeros(5), "file", EXACT_PX),
+        rigid(entry["R"], entry["t"]),
+        entry["marker"]["side_m"],
+        np.array([_point(each) for each in lights]).reshape(-1, 4),
+        all(each > SEEN * seen["object_px"] for each in shadows),
+        sky,
+        np.array(entry["ground"]["albedo"], dtype=np.float64),
+    )
+
+
+def _point(light: Mapping[str, Any]) -> Float:
+    """(4,)"""
+    if "lamp" in light:
+        return np.append(light["lamp"]["position_m"], 1.0)
+    return np.append(light["dir_to_light"], 0.0)
+
+
+def _quadratic(normals: Float) -> Float:
+    """(n, 9) terms of an irradiance's quadratic in the normal (n, 3), as the generator has them."""
+    x, y, z = normals.T
+    return np.column_stack([np.ones_like(x), x, y, z, x * y, y * z, z * x, x * x - y * y, 3 * z * z - 1])

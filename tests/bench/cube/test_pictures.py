@@ -1,0 +1,51 @@
+"""Path-traced pictures of cubes: read with their truth from what the generator of scenes writes."""
+
+import json
+import math
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.bench.cube.ambient import NORMALS
+from ashe_live.bench.cube.pictures import traced_picture, traced_pictures
+from ashe_live.core.arrays import directions_on_spiral
+from ashe_live.errors import UserError
+
+SKY = (0.2, 0.4, 0.8)
+EVEN = [[0.5 * c for c in SKY], [0.0] * 3, [0.0] * 3, [0.5 * c for c in SKY], *([[0.0] * 3] * 5)]  # (1 + n_z) / 2
+
+
+def entry(**more: object) -> dict[str, object]:
+    lamp = {"dir_to_light": [0.0, 0.6, 0.8], "irradiance_ground": [0.8, 0.6, 0.2],
+            "lamp": {"position_m": [0.0, 0.3, 0.4], "radius_m": 0.01}}  # fmt: skip
+    return {
+        "id": "one", "category": "lamp", "image": "one.png", "size": [8, 6], "K": np.eye(3).tolist(),
+        "R": np.eye(3).tolist(), "t": [0.0, 0.0, 0.4], "marker": {"dictionary": "cube", "side_m": 0.06},
+        "lights": [lamp], "ambient": {"irradiance_ground": list(SKY), "on_ball": EVEN},
+        "ground": {"albedo": [0.3, 0.2, 0.1]}, "visibility": {"object_px": 100, "shadow_px": 4},
+    } | more  # fmt: skip
+
+
+def folder_of(path: Path, *entries: dict[str, object]) -> Path:
+    cv2.imwrite(str(path / "one.png"), np.zeros((6, 8, 3), np.uint8))
+    (path / "ground_truth.json").write_text(json.dumps({"scenes": entries}))
+    return path
+
+
+def test_truth_is_in_units_of_all_light_on_level_ground(tmp_path: Path) -> None:
+    (found,) = traced_pictures([folder_of(tmp_path, entry())])["lamp"]
+    picture = traced_picture(*found)
+    assert picture.lights.tolist() == [[0.0, 0.3, 0.4, 1.0]]
+    up = directions_on_spiral(NORMALS)[:, 2]
+    level = np.add(SKY, (0.8, 0.6, 0.2))
+    assert picture.sky_on_ball == pytest.approx((1 + up[:, None]) / 2 * np.array(SKY) / level, abs=1e-9)
+    assert not picture.shows_shadows  # a twenty-fifth of the cube
+    assert math.isclose(picture.T_cam_cube[2, 3], 0.4)
+
+
+def test_pictures_without_a_cube_are_another_bench_s(tmp_path: Path) -> None:
+    flat = entry(marker={"dictionary": "DICT_4X4_50", "id": 0, "side_m": 0.08})
+    with pytest.raises(UserError, match="no pictures of a paper cube"):
+        traced_pictures([folder_of(tmp_path, flat)])
