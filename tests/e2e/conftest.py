@@ -13,6 +13,7 @@ import pytest
 from PIL import ImageGrab
 
 from tests.checkout import CHECKOUT
+from tests.conftest import Film
 from tests.e2e.signals import ignore_none
 
 QUICK_VIEWER = Path(__file__).with_name("quick_viewer.py")
@@ -184,7 +185,11 @@ def launch(screen: Screen, tmp_path_factory: pytest.TempPathFactory) -> Iterator
 
 
 @pytest.fixture(scope="module")
-def play(launch, shoot_film, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Running]:
+def play(
+    launch: Callable[..., Running],
+    shoot_film: Callable[[Path, tuple[int, int], int], Film],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Callable[..., Running]:
     """Plays a film of two seconds in a window."""
     film = shoot_film(tmp_path_factory.mktemp("pan"), (640, 480), 60)
     fixed = (film.path, "--camera-file", film.camera_file, "--estimator", "paper")
