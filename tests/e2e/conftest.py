@@ -7,13 +7,13 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from PIL import ImageGrab
 
 from tests.checkout import CHECKOUT
-from tests.conftest import Film
 from tests.e2e.signals import ignore_none
 
 QUICK_VIEWER = Path(__file__).with_name("quick_viewer.py")
@@ -187,7 +187,7 @@ def launch(screen: Screen, tmp_path_factory: pytest.TempPathFactory) -> Iterator
 @pytest.fixture(scope="module")
 def play(
     launch: Callable[..., Running],
-    shoot_film: Callable[[Path, tuple[int, int], int], Film],
+    shoot_film: Callable[..., Any],
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Callable[..., Running]:
     """Plays a film of two seconds in a window."""
