@@ -128,6 +128,7 @@ def test_text_may_begin_with_a_byte_order_mark(tmp_path: Path, suffix: str, enco
         ("a.obj", b"glTF\x02\0\0\0", "holds GLB: rename it to end in .glb"),
         ("a.stl", b"ply\nformat ascii 1.0\n", "holds PLY: rename it to end in .ply"),
         ("a.ply", b"", "is empty"),
+        ("a.glb", b"mug", "begins neither as GLB does nor as JSON"),
         ("a.obj", b"v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", "holds no triangle that has an area"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -9\n", "a face names vertex -9 of 3"),
         ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/4\n", "a face names texture coordinate 4 of 1"),
