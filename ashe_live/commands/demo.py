@@ -30,6 +30,7 @@ def run(options: argparse.Namespace) -> int:
     options.takes_any_marker = False
     options.marker, options.marker_size = clip.marker_spec, clip.marker_side_m
     follow_named_marker(options)
+    options.takes_any_marker = True  # of what is opened later; that of the clip is known
     tracker = make_tracker(options, clip.camera.resized)
     setup = ViewerSetup(ClipSource(clip.path), tracker, options, clip.to_light_marker, shows_light=True)
     if options.headless:

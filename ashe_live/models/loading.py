@@ -20,6 +20,7 @@ from ashe_live.models.formats.stl import read_stl
 from ashe_live.models.gltf.reader import read_gltf
 from ashe_live.models.mesh import Model
 from ashe_live.models.parsing.folder import Folder
+from ashe_live.models.parsing.kinds import check_kind, in_utf8
 from ashe_live.models.parsing.limits import MAX_FILE_BYTES, check_surfaces, check_text, check_triangles
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import WITHOUT_COORDINATES, Notes
@@ -60,6 +61,7 @@ def _read(path: Path, up: str | None) -> Model:
     if suffix not in SUFFIXES:
         raise UserError(f"{path} is not a supported kind of model file", f"give one of {', '.join(SUFFIXES)}")
     content = read_bytes(path, MAX_FILE_BYTES)
+    check_kind(path, content)
     folder, notes = Folder(path, MAX_FILE_BYTES), Notes()
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         # What Pillow and NumPy have to say about a damaged file is said by our errors.
@@ -69,6 +71,7 @@ def _read(path: Path, up: str | None) -> Model:
             meshes = list(read_gltf(path, content, folder, notes))
             chosen = up or Y_UP
         else:
+            content = in_utf8(content)
             check_text(path, content)
             read = {".obj": read_obj, ".ply": read_ply, ".stl": read_stl}[suffix]
             meshes = [(np.eye(4), mesh) for mesh in read(content, folder, notes)]
@@ -83,8 +86,9 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
     to_origin[:3, 3] = _offset([_extremes(T, mesh) for T, mesh in meshes if len(mesh.vertices)])
     parts = merged(part for T, mesh in meshes if (part := placed_mesh(mesh, to_origin @ T)) is not None)
     if not parts:
+        triangles = "triangle that has an area" if any(len(mesh.triangles) for _, mesh in meshes) else "triangles"
         left_out = f": {'; '.join(notes.lines)}" if notes.lines else ""
-        raise UserError(f"the model file {path} holds no triangles{left_out}", "export it as a mesh")
+        raise UserError(f"the model file {path} holds no {triangles}{left_out}", "export it as a mesh")
     check_surfaces(path, len(parts))
     if any(mesh.uvs is None and mesh.material.maps for _, mesh in meshes):
         notes.add(WITHOUT_COORDINATES)

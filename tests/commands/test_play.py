@@ -236,7 +236,7 @@ def test_layers_alone_lie_over_nothing(play, tmp_path):
     ("arguments", "said"),
     [
         (("--layers", "both"), "--layers are written without a window"),
-        (("--layers", "model", "--out", "a.mp4"), "a.mp4 is no clip with transparency"),
+        (("--layers", "model", "--out", "a.mp4"), "let its name end in .mov (ProRes 4444)"),
         (("--layers", "glow", "--out", "a.mov"), "invalid choice"),
     ],
 )
@@ -268,3 +268,26 @@ def test_a_model_stands_on_each_marker(run, tmp_path):
     assert changed[7] > 20
     assert changed[9] < 2
     assert np.abs(pictures[0] - sheet)[185:295, 60:170].mean() > 20
+
+
+def test_a_photo_becomes_a_picture_with_and_without_what_it_shows(run, film, tmp_path):
+    """Both layers, with their transparency, over the photo give the picture itself."""
+    photo = frames_of(film.path)[0]
+    cv2.imwrite(str(tmp_path / "photo.png"), photo)
+    whole, layers = tmp_path / "whole.png", tmp_path / "layers.png"
+    for arguments in (("--out", whole), ("--out", layers, "--layers", "both")):
+        assert run("play", tmp_path / "photo.png", *HEADLESS, *arguments).status == 0
+    drawn = cv2.imread(str(layers), cv2.IMREAD_UNCHANGED).astype(float)
+    cover = drawn[..., 3:] / 255
+    assert 0 < cover.mean() < 1
+    over = drawn[..., :3] * cover + photo * (1 - cover)
+    shown = cv2.imread(str(whole), cv2.IMREAD_UNCHANGED)
+    assert shown.shape == photo.shape
+    assert np.abs(over - shown).max() <= 2
+
+
+def test_a_name_of_another_kind_is_refused_before_anything_is_read(run, tmp_path):
+    outcome = run("play", tmp_path / "gone.mp4", *HEADLESS, "--out", "a.avi")
+    assert outcome.status == 2
+    (line,) = outcome.err
+    assert "a.avi is of no kind that is recorded: let its name end in .mp4" in line

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -184,7 +185,11 @@ def launch(screen: Screen, tmp_path_factory: pytest.TempPathFactory) -> Iterator
 
 
 @pytest.fixture(scope="module")
-def play(launch, shoot_film, tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Running]:
+def play(
+    launch: Callable[..., Running],
+    shoot_film: Callable[..., Any],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Callable[..., Running]:
     """Plays a film of two seconds in a window."""
     film = shoot_film(tmp_path_factory.mktemp("pan"), (640, 480), 60)
     fixed = (film.path, "--camera-file", film.camera_file, "--estimator", "paper")

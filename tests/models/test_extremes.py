@@ -43,7 +43,7 @@ def test_degenerate_triangles_are_left_out(tmp_path: Path) -> None:
     assert len(part.triangles) == 1
     np.testing.assert_allclose(part.normals, [(0, 0, 1)] * 3)
     (tmp_path / "all.obj").write_text("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
-    with pytest.raises(UserError, match="no triangles"):
+    with pytest.raises(UserError, match="no triangle that has an area"):
         load_model_file(tmp_path / "all.obj")
 
 

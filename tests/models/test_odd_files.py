@@ -1,5 +1,6 @@
 """Files that are valid and unlike those that our own tools write: each is drawn, or what is missing is named."""
 
+import base64
 import io
 from pathlib import Path
 
@@ -94,3 +95,46 @@ def test_a_cone_of_thousands_of_triangles_has_one_tip_and_smooth_sides(tmp_path:
     for corner in range(3):
         along = np.einsum("ij,ij->i", part.normals[corners[:, corner]], outwards)
         assert along.min() > np.cos(np.radians(10))
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+@pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl", ".gltf"])
+def test_text_may_begin_with_a_byte_order_mark(tmp_path: Path, suffix: str, encoding: str) -> None:
+    """As PowerShell and Notepad write it; before the first place of an OBJ as well."""
+    points = base64.b64encode(np.array(((0, 0, 0), (1, 0, 0), (0, 1, 0)), np.float32).tobytes()).decode()
+    text = {
+        ".obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        ".ply": "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        ".stl": "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+        "endsolid a\n",
+        ".gltf": '{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],'
+        ' "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],'
+        ' "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],'
+        ' "bufferViews": [{"buffer": 0, "byteLength": 36}],'
+        f' "buffers": [{{"byteLength": 36, "uri": "data:;base64,{points}"}}]}}',
+    }[suffix]
+    path = tmp_path / f"a{suffix}"
+    path.write_bytes(text.encode(encoding))
+    assert load_model_file(path).triangle_count == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "said"),
+    [
+        ("a.glb", b"<!DOCTYPE html><html>", "holds a page of the web"),
+        ("a.glb", b"version https://git-lfs.github.com/spec/v1\n", "holds a pointer of Git LFS"),
+        ("a.obj", b"PK\x03\x04....", "holds a ZIP archive"),
+        ("a.obj", b"glTF\x02\0\0\0", "holds GLB: rename it to end in .glb"),
+        ("a.stl", b"ply\nformat ascii 1.0\n", "holds PLY: rename it to end in .ply"),
+        ("a.ply", b"", "is empty"),
+        ("a.glb", b"mug", "begins neither as GLB does nor as JSON"),
+        ("a.obj", b"v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n", "holds no triangle that has an area"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -9\n", "a face names vertex -9 of 3"),
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/4\n", "a face names texture coordinate 4 of 1"),
+    ],
+)
+def test_what_a_file_really_is_is_said(tmp_path: Path, name: str, content: bytes, said: str) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(UserError, match=said):
+        load_model_file(tmp_path / name)

@@ -37,7 +37,7 @@ def tracker_maker(
 def with_marker_in(source: Source, options: argparse.Namespace) -> argparse.Namespace:
     """`options`, with the one marker in the beginning of a clip, or in a photo, unless one was named or it has that.
 
-    The source is rewound.
+    The source is rewound. What is opened later may have another one: nobody has named any.
     """
     if source.is_live or not options.takes_any_marker:
         return options
@@ -52,7 +52,7 @@ def with_marker_in(source: Source, options: argparse.Namespace) -> argparse.Name
                 break
             if len(in_view) == 1:
                 tell(f"{source.name}: {in_view[0]} is in view and is followed, as no --marker was given")
-                return with_marker(options, in_view[0])
+                return argparse.Namespace(**{**vars(options), "marker": in_view[0]})
             if in_view:
                 tell(f"{source.name}: {' and '.join(in_view)} are in view: choose one with --marker")
                 break

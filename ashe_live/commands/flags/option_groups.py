@@ -76,11 +76,16 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
     output = parser.add_argument_group("without a window")
     output.add_argument("--headless", action="store_true", help="render every frame offscreen")
     output.add_argument("--frames", type=values.count, metavar="N", help="stop after N frames")
-    output.add_argument("--out", type=Path, metavar="VIDEO.mp4", help="record what is shown")
+    output.add_argument(
+        "--out",
+        type=Path,
+        metavar="VIDEO.mp4",
+        help="record what is shown; with --headless also FILE.png: the last picture, as of a photo",
+    )
     output.add_argument(
         "--layers",
         choices=LAYERS,
-        help="record what is drawn alone, with its transparency: --out FILE.mov (ProRes 4444) or FILE.webm (VP9)",
+        help="record what is drawn alone, with its transparency: --out FILE.mov (ProRes 4444), .webm (VP9) or .png",
     )
     output.add_argument(
         "--report", type=Path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
+from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX, LastPicture
 from ashe_live.capture.recording.recorder import Recorder
 from ashe_live.capture.recording.transparent import TransparentRecorder
 from ashe_live.commands.flags.marker_choice import others_said
@@ -37,10 +38,9 @@ def show_without_window(
         renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
         stack.callback(renderer.release)
         session = stack.enter_context(opened_session(setup))
-        recorder: Recorder | TransparentRecorder | None = None
+        recorder: Recorder | TransparentRecorder | LastPicture | None = None
         if options.out is not None:
-            wanted = options.out, setup.size, setup.source.fps or 1.0, options.overwrite
-            recorder = Recorder(*wanted) if options.layers is None else TransparentRecorder(*wanted)
+            recorder = _recorder(setup)
             stack.enter_context(recorder)
             takers = (*takers, recorder.write)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
@@ -58,6 +58,14 @@ def show_without_window(
         _tell_where(options.out, recorder.path)
         options.out = recorder.path
     return _summed_up(setup, session, report)
+
+
+def _recorder(setup: ViewerSetup) -> Recorder | TransparentRecorder | LastPicture:
+    options = setup.options
+    if options.out.suffix.lower() == PICTURE_SUFFIX:
+        return LastPicture(options.out, options.overwrite)
+    wanted = options.out, setup.size, setup.source.fps or 1.0, options.overwrite
+    return Recorder(*wanted) if options.layers is None else TransparentRecorder(*wanted)
 
 
 def _layers(scene: Scene, wanted: str | None) -> Scene:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ashe_live.capture.recording.cut_short import rescue_recordings
+from ashe_live.capture.recording.last_picture import PICTURE_SUFFIX
 from ashe_live.capture.sources import Source
 from ashe_live.commands.flags.model_choice import chosen_models, names_of
 from ashe_live.commands.flags.setup import light_steps
@@ -59,6 +60,13 @@ def check_outputs(options: argparse.Namespace) -> None:
         )
     if options.report is not None and not options.headless:
         raise UserError("--report is written without a window only", "give --headless too")
+    if options.out is not None and options.out.suffix.lower() == PICTURE_SUFFIX and not options.headless:
+        raise UserError("--out FILE.png is written without a window only", "give --headless too; S saves a picture")
+    kinds = {".mp4": "a clip"} if options.layers is None else {".mov": "ProRes 4444", ".webm": "VP9"}
+    kinds[PICTURE_SUFFIX] = "the last picture alone"
+    if options.out is not None and options.out.suffix.lower() not in kinds:
+        ends = ", ".join(f"{suffix} ({what})" for suffix, what in kinds.items())
+        raise UserError(f"{options.out} is of no kind that is recorded", f"let its name end in {ends}")
 
 
 def has_display() -> bool:

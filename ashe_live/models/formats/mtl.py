@@ -13,6 +13,7 @@ from ashe_live.core.arrays import Image
 from ashe_live.core.colour import linear_from_srgb
 from ashe_live.errors import UserError
 from ashe_live.models.material import PLAIN_LAYOUT, UNKNOWN, Alpha, MapLayout, Material
+from ashe_live.models.parsing.kinds import in_utf8
 from ashe_live.models.parsing.limits import MAX_MATERIALS
 from ashe_live.models.parsing.malformed import MalformedError
 from ashe_live.models.parsing.notes import Notes
@@ -22,7 +23,6 @@ from ashe_live.models.parsing.notes import Notes
 # of illumination is one of mirrors the ambient colour is how much of a metal it is.
 BLENDERS_FIRST_WORDS, BLENDERS_SHININESS, MIRRORS = "# Blender", 1000.0, (3, 6)
 COLOURS = {"ka": "ambient", "kd": "diffuse", "ke": "emission"}
-BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 # How many numbers follow an option of a map; what is left is the file's name, spaces and all.
 OPTIONS = {
     **dict.fromkeys(("-blendu", "-blendv", "-cc", "-clamp", "-imfchan", "-texres", "-type", "-bm", "-boost"), 1),
@@ -68,7 +68,6 @@ class _Described:
 
 def text_of(content: bytes) -> str:
     """Text of another encoding is taken for Latin-1: only names may then look odd, and they are not shown."""
-    content = content.removeprefix(BYTE_ORDER_MARK)
     try:
         return content.decode()
     except UnicodeDecodeError:
@@ -83,7 +82,7 @@ def read_mtl(content: bytes, texels: Callable[[str], Image], notes: Notes) -> di
     described: dict[str, _Described] = {}
     one = _Described()
     count = 0
-    text = text_of(content)
+    text = text_of(in_utf8(content))
     for line in text.splitlines():
         key, _, value = line.strip().partition(" ") if "\t" not in line.strip() else _parted(line)
         key, value = key.lower(), value.strip()

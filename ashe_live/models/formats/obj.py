@@ -26,6 +26,7 @@ from ashe_live.process.messages import printable
 
 Indices = NDArray[np.int64]
 NAME_CHARACTERS = 60
+NAMED = ("vertex", "texture coordinate", "normal")
 CONTINUED = re.compile(rb"\\\r?\n")
 
 
@@ -170,8 +171,11 @@ def _corners(lines: _Lines, there: tuple[int, int, int]) -> tuple[Indices, Indic
     before = np.repeat(np.asarray(lines.before, dtype=np.int64), counts, axis=0)
     # From 1 on, or from the last one backwards; 0 stands for none.
     absolute = np.where(indices < 0, before + indices, indices - 1)
-    if absolute[:, 0].min() < 0 or (absolute >= there).any() or (absolute[indices < 0] < 0).any():
-        raise MalformedError(f"a face names what is not there: there are {there[0]:,} places")
+    is_outside = (absolute >= there) | ((indices < 0) & (absolute < 0))
+    is_outside[:, 0] |= absolute[:, 0] < 0
+    if is_outside.any():
+        row, column = np.argwhere(is_outside)[0]
+        raise MalformedError(f"a face names {NAMED[column]} {indices[row, column]} of {there[column]:,}")
     return absolute, counts
 
 

@@ -99,13 +99,17 @@ def _header(content: bytes) -> tuple[str, list[Element], int]:
     return order, elements, begin
 
 
+def _ended(element: Element) -> MalformedError:
+    return MalformedError(f"its header says element {element.name} {element.count}, and it ends before")
+
+
 def _fill_from_text(elements: list[Element], text: bytes) -> None:
     words = text.split()
     at = 0
     for element in elements:
         least = element.count * max(1, len(element.properties))
         if element.properties and least > len(words) - at:
-            raise MalformedError(f"it ends before its {element.count} items of {element.name}")
+            raise _ended(element)
         try:
             at = _fill_with_words(element, words, at)
         except MalformedError:
@@ -125,7 +129,7 @@ def _fill_with_words(element: Element, words: list[bytes], at: int) -> int:
     for _ in range(element.count):
         for name, _kind, length in element.properties:
             if at >= len(words):
-                raise MalformedError(f"it ends before its {element.count} items of {element.name}")
+                raise _ended(element)
             if length is None:
                 columns[name].append(words[at])
             else:
@@ -153,7 +157,7 @@ def _fill_from_bytes(element: Element, content: bytes, begin: int, order: str) -
         row = np.dtype([(name, order + element.kinds[name]) for name, *_ in element.properties])
         end = begin + element.count * row.itemsize
         if end > len(content):
-            raise MalformedError(f"it ends before its {element.count} items of {element.name}")
+            raise _ended(element)
         table = np.frombuffer(content, row, element.count, begin)
         element.numbers = {name: table[name].astype(np.float64) for name, *_ in element.properties}
         return end
@@ -213,7 +217,7 @@ def _walk(
             count = 1
             if read is not None:
                 if at + read.size > size:
-                    raise MalformedError(f"it ends before its {element.count} items of {element.name}")
+                    raise _ended(element)
                 (count,) = read.unpack_from(content, at)
                 at += read.size
                 counts.append(count)

@@ -31,6 +31,8 @@ def split(path: Path, content: bytes) -> tuple[dict[str, Any], bytes | None]:
         if kind != GLB_JSON:
             raise MalformedError("its first chunk is not JSON")
         text, binary = content[20 : 20 + length], _binary_chunk(content[20 + length :])
+    elif path.suffix.lower() == ".glb" and content.lstrip()[:1] not in (b"{", b"["):
+        raise MalformedError("it begins neither as GLB does nor as JSON")
     document = _parsed(text)
     _check_version(path, document)
     return document, binary

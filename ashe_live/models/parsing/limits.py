@@ -101,7 +101,11 @@ def check_picture(picture: PillowImage.Image) -> None:
 def check_size(width: int, height: int) -> None:
     """Of a picture in the file. Raises UserError when it is too large."""
     if width * height > MAX_PICTURE_TEXELS:
-        raise UserError(f"a texture of the model has {width} x {height} texels", "reduce it to 8192 x 8192 or fewer")
+        raise too_large(f"of {width} x {height}")
+
+
+def too_large(size: str) -> UserError:
+    return UserError(f"the model has a texture {size} texels", "reduce it to 8192 x 8192 or fewer")
 
 
 def check_decoded(texels: int) -> None:

@@ -10,7 +10,7 @@ from PIL import Image as PillowImage
 from ashe_live.core.arrays import Image
 from ashe_live.errors import UserError
 from ashe_live.models.parsing import basis
-from ashe_live.models.parsing.limits import MAX_TEXTURE_PX, check_decoded, check_picture, check_texels
+from ashe_live.models.parsing.limits import MAX_TEXTURE_PX, check_decoded, check_picture, check_texels, too_large
 from ashe_live.models.parsing.malformed import MalformedError
 
 KTX2 = b"\xabKTX 20\xbb"
@@ -52,7 +52,7 @@ class Pictures:
         try:
             picture = PillowImage.open(io.BytesIO(content))
         except PillowImage.DecompressionBombError:
-            raise MalformedError(f"its {name} cannot be read") from None
+            raise too_large("of more than 8192 x 8192") from None
         except (OSError, ValueError, SyntaxError, TypeError):
             raise MalformedError(f"its {name} cannot be read") from None
         with picture:

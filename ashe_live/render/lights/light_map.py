@@ -50,9 +50,12 @@ def write_light_map(
 ) -> Path:
     """Writes `light_map` as Radiance HDR; returns where it is: `beside` a file that has appeared at `path` meanwhile.
 
-    Raises UserError when `path` exists (without `overwrite`) or cannot be written.
+    Raises UserError when `path` exists (without `overwrite`) or cannot be written, ValueError for a name that says that
+    it is no HDR.
     """
     target = arguments.path(path, "path")
+    if target.suffix.lower() not in (".hdr", ""):
+        raise ValueError(f"path is {target.name!r}, and what is written is Radiance HDR: name it .hdr")
     arguments.instance(illumination, Illumination, "illumination")
     _, encoded = cv2.imencode(".hdr", np.ascontiguousarray(light_map(illumination)[..., ::-1]))
     with written_whole(target, overwrite, beside) as file:

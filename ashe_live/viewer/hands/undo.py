@@ -38,15 +38,19 @@ class Undo:
         if not continues:
             self._before.append(state)
 
-    def undo(self, hand: Hand) -> bool:
-        """Returns `hand` to the state before its last gesture that changed something; False where there is none."""
+    def undo(self, hand: Hand) -> str | None:
+        """Returns `hand` to the state before its last gesture that changed something.
+
+        Says what of it is as before; None where there is no such gesture.
+        """
         self._last = None, -math.inf
         while self._before:
             state = self._before.pop()
-            if state.light is not hand.light or state.placement != hand.placement:
+            changed = {"light": state.light is not hand.light, "model": state.placement != hand.placement}
+            if any(changed.values()):
                 hand.light, hand.placement = state.light, state.placement
-                return True
-        return False
+                return f"undone: {' and '.join(name for name, is_other in changed.items() if is_other)} as before"
+        return None
 
     def forget(self) -> None:
         self._before.clear()

@@ -122,8 +122,7 @@ class Table:
             case Command.ADD_MODEL | Command.REMOVE_MODEL | Command.NEXT_IN_HAND:
                 self._rearrange(request.command, now_s)
             case Command.UNDO:
-                if not self._undo.undo(self.hand):
-                    self._say("nothing was done by hand that could be undone", now_s)
+                self._say(self._undo.undo(self.hand) or "nothing was done by hand that could be undone", now_s)
             case Command.RESET:
                 self._undo.note(self.hand, request, now_s)
                 self.hand.reset()

@@ -4,9 +4,10 @@
 
 Writes bare.png and, for the first models that stand still, NNN.png and NNN_mask.png (where it is seen), and
 pictures.json. What glTF can say of a material is traced as Blender has it; of other formats what Blender reads from the
-file, and matt plastic, white or in the vertices' colours, where that says nothing. Two things are mended, as the path
-tracer is off there: of faces that lie in one place one is kept, since rays that leave one meet the other by chance; and
-textures are decoded before they are interpolated, as glTF asks and Cycles does not.
+file, and matt plastic, white or in the vertices' colours, where that says nothing. Three things are mended, as the path
+tracer is off there: of faces that lie in one place one is kept, since rays that leave one meet the other by chance;
+textures are decoded before they are interpolated, as glTF asks and Cycles does not; and faces of smooth meshes that are
+turned away from the light get none, where Cycles moves the places from which it looks for what hides the light.
 """
 
 import argparse
@@ -145,6 +146,8 @@ def decoded_pictures() -> None:
 
 def traced(folder: Path, name: str, samples: int) -> None:
     virtual = [thing for thing in bpy.data.objects if thing.type == "MESH"]
+    for thing in virtual:
+        thing.shadow_terminator_geometry_offset = 0.0
     scene = stage()
     prepare(scene, samples)
     part = folder / "part.png"

@@ -3,17 +3,22 @@
 import argparse
 from pathlib import Path
 
+import cv2
 import numpy as np
 import PIL.Image
 import pytest
 
 from ashe_live.capture.cameras import Device
+from ashe_live.capture.sources import open_source
+from ashe_live.commands import demo
 from ashe_live.commands.flags import opening
-from ashe_live.commands.flags.marker_choice import tracker_maker
+from ashe_live.commands.flags.marker_choice import tracker_maker, with_marker, with_marker_in
 from ashe_live.commands.flags.opening import LaterSources
 from ashe_live.commands.flags.options import parsed
+from ashe_live.commands.viewing.setup import ViewerSetup
 from ashe_live.core.types import Frame
 from ashe_live.errors import UserError
+from ashe_live.tracking.families.markers import parse_marker
 from tests.viewer.conftest import FakeSource
 
 PICTURE = np.full((48, 64, 3), 200, np.uint8)
@@ -72,6 +77,39 @@ def test_a_file_is_played_with_the_flags_of_the_start(tmp_path: Path) -> None:
     assert pipeline.marker == "aruco:4x4_50:7"
     assert tracked is not None
     assert tracked.camera.hfov_deg == pytest.approx(70)
+
+
+def save_photo_of(number: int, path: Path) -> None:
+    """Of a marker on grey, seen from above."""
+    grey = np.full((480, 640), 190, np.uint8)
+    grey[150:290, 80:220] = parse_marker(f"aruco:4x4_50:{number}").bitmap(140)
+    PIL.Image.fromarray(np.dstack([cv2.GaussianBlur(grey, (0, 0), 0.8)] * 3)).save(path)
+
+
+def test_each_file_has_its_own_marker_where_nobody_named_any(tmp_path: Path) -> None:
+    for number in (7, 3):
+        save_photo_of(number, tmp_path / f"{number}.png")
+    first = options_of("play", str(tmp_path / "7.png"), "--hfov", "60")
+    with open_source(tmp_path / "7.png") as source:
+        chosen = with_marker_in(source, first)
+    assert chosen.marker == "aruco:4x4_50:7"
+    for options, marker in ((chosen, 3), (with_marker(chosen, "aruco:4x4_50:7"), 7)):
+        pipeline = LaterSources(options)(tmp_path / "3.png")
+        pipeline.close()
+        assert pipeline.marker == f"aruco:4x4_50:{marker}"
+
+
+def test_beside_the_demo_as_well(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The marker of its own clip is known, that of another is not."""
+    shown: list[ViewerSetup] = []
+    monkeypatch.setattr(demo, "has_display", lambda: True)
+    monkeypatch.setattr(demo, "show_in_window", lambda setup: shown.append(setup) or 0)
+    demo.run(options_of("demo"))
+    shown[0].source.close()
+    save_photo_of(7, tmp_path / "7.png")
+    pipeline = LaterSources(shown[0].options)(tmp_path / "7.png")
+    pipeline.close()
+    assert pipeline.marker == "aruco:4x4_50:7"
 
 
 def test_trackers_are_made_for_other_markers_and_fields_of_view(tmp_path: Path) -> None:

@@ -78,3 +78,6 @@ def test_it_is_written_as_others_read_it(tmp_path: Path) -> None:
     np.testing.assert_allclose(read, light_map(Illumination((light,))), rtol=0.02, atol=0.01)
     with pytest.raises(UserError, match="exists"):
         write_light_map(path, Illumination())
+    with pytest.raises(ValueError, match=r"name it \.hdr"):
+        write_light_map(tmp_path / "sky.exr", Illumination((light,)))
+    assert list(tmp_path.iterdir()) == [path]

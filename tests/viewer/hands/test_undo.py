@@ -70,3 +70,14 @@ def test_the_steps_of_another_model_are_forgotten(fakes):
     table.obey(LARGER, 0.0)
     table.undo.forget()
     assert not table.undo.undo(table.hand)
+
+
+def test_what_was_undone_is_said(fakes):
+    """Or else the words on what was done would stand there still, when it is done no more."""
+    table = Table(fakes)
+    table.obey(TURN, 0.0)
+    table.obey(Request(Command.MOVE_LIGHT, Drag((30.0, 20.0), (40.0, 20.0), is_first=True)), 10.0)
+    table.obey(Request(Command.RESET), 20.0)
+    table.hand.reset()
+    said = [table.undo.undo(table.hand) for _ in range(4)]
+    assert said == ["undone: light and model as before", "undone: light as before", "undone: model as before", None]
