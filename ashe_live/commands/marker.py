@@ -6,14 +6,14 @@ from ashe_live.errors import ExitStatus, UserError
 from ashe_live.process.messages import say
 from ashe_live.tracking.cube.faces import CUBE, USUAL_EDGE_M
 from ashe_live.tracking.cube.sheet import write_cube_sheet
-from ashe_live.tracking.families.layout import Layout, cube_layout, parse_target
+from ashe_live.tracking.families.layout import Layout, cube_layout, is_of_cube, parse_target
 from ashe_live.tracking.families.printing import write_marker_sheet
 
 SHOWN_PX = 960  # a multiple of what a cell may take, and larger than most windows show it
 
 
 def run(options: argparse.Namespace) -> int:
-    if options.cube or options.marker == CUBE:
+    if options.cube or is_of_cube(options.marker):
         return _cube(options)
     if options.side is not None:
         raise UserError("--side is a cube's edge", "give --cube with it, or --size-mm for a flat marker")

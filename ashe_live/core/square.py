@@ -22,6 +22,12 @@ class PlaneMarker:
         set_frozen(self, centre_m=frozen_floats(self.centre_m, (2,), "centre_m"))
         MARKER_SIDE.checked(self.side_m, "side_m")
 
+    def on_plane(self, points: Float) -> Float:
+        """(n, 3) points of its own frame, metres, in the frame of the marker that is followed."""
+        cosine, sine = math.cos(self.turn_rad), math.sin(self.turn_rad)
+        turned = points @ np.array([(cosine, sine, 0), (-sine, cosine, 0), (0, 0, 1)])
+        return np.asarray(turned + np.append(self.centre_m, 0.0))
+
 
 def square_corners(side_m: float) -> Float:
     """(4, 3) metres, marker frame: a square around the marker's centre.

@@ -10,11 +10,12 @@ from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size, fitted
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
+from ashe_live.tracking.cube.beside import NUMBER, FlatBeside
 from ashe_live.tracking.cube.folding import FOLDED_RMS, Folding
 from ashe_live.tracking.edges.flow import flowed_corners
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare
-from ashe_live.tracking.families.layout import Layout, members_of
+from ashe_live.tracking.families.layout import Layout, Member, members_of
 from ashe_live.tracking.families.markers import Marker
 from ashe_live.tracking.memory import Memory, remembered
 from ashe_live.tracking.plane_markers import PlaneMarkers
@@ -50,7 +51,8 @@ class MarkerTracker:
         self.preset = preset
         self.others = PlaneMarkers(())  # that are looked for on the plane of this one
         self.filters = True  # holds the pose still while the marker is; off, every frame's pose is its own
-        self._members = members_of(marker)
+        self._members_given = members_of(marker)
+        self._beside = FlatBeside(marker.beside) if isinstance(marker, Layout) and marker.beside else None
         # What it is printed on, where that is folded by hand and no two are alike.
         self._folding = Folding(side_m) if isinstance(marker, Layout) and marker.is_cube else None
         self._camera = camera
@@ -68,6 +70,8 @@ class MarkerTracker:
         self._before_jump: MarkerPose | None = None
         self._filter.reset()
         self.others.reset()
+        if self._beside is not None:
+            self._beside.forget()
 
     def jump(self) -> None:
         """As reset, but between a square's two poses the last one still decides: another time, and no other place.
@@ -109,8 +113,19 @@ class MarkerTracker:
             self._lost_frames = 0
             self._before_jump = None
         others = self.others.found(frame, camera, pose, self.preset)
+        if pose is not None and self._beside is not None:
+            if not bridged:
+                self._beside.learn(frame, camera, pose, self.preset)
+            others += () if self._beside.placed is None else (self._beside.placed,)
         detect_ms = (time.perf_counter() - start) * 1e3
         return TrackedFrame(frame, camera, pose, detect_ms, self._note if pose else None, others)
+
+    @property
+    def _members(self) -> tuple[Member, ...]:
+        """Those that are known to be one thing; the flat marker beside the cube once it is known where it lies."""
+        if self._beside is None or self._beside.placed is None:
+            return self._members_given
+        return *self._members_given, Member(self._beside.marker, self._beside.corners / self.side_m)
 
     def _camera_for(self, size: Size) -> Camera:
         if self._camera_now is None or self._camera_now.size != size:
@@ -150,11 +165,16 @@ class MarkerTracker:
         """The members where they move on as they did, or where the pose has them; as many as are measured."""
         moved_px = last.expected_px(time_s)
         expected = self._projected(camera, last.pose.measured_T_cam_marker, moved_px) | moved_px
+        numbers = in_front(expected, last.corners_px)
+        if self._beside is not None:
+            numbers.sort(key=lambda number: number != NUMBER)  # whichever faces are measured
         where = {
             number: Expected(self._members[number].marker, expected[number], last.aligned_sigmas.get(number, 0.0))
-            for number in in_front(expected, last.corners_px)
+            for number in numbers
         }
-        most = FACES_MEASURED if self._folding is not None and not self._folding.wants_all else len(where)
+        most = len(where)
+        if self._folding is not None and not self._folding.wants_all:
+            most = FACES_MEASURED + (NUMBER in where)
         return first_along_edges(where, most, image, camera, self.preset.edge_samples, last.is_predictable)
 
     def _projected(self, camera: Camera, T_cam_marker: Float, but: Container[int]) -> dict[int, Float]:
@@ -204,7 +224,9 @@ class MarkerTracker:
 
     def _corners(self, number: int) -> Float:
         """(4, 3) metres: those of a member, in the frame whose pose is asked for."""
-        return self.side_m * self._members[number].corners if self._folding is None else self._folding.corners(number)
+        if self._folding is not None and number < NUMBER:
+            return self._folding.corners(number)
+        return self.side_m * self._members[number].corners
 
     def _nearest(self, found: list[Float], last_px: Float | None) -> Float | None:
         """Of several equal markers the one that is tracked already, or else the likeliest."""
@@ -226,9 +248,14 @@ class MarkerTracker:
         if self._folding is None:
             return pose_of_squares(self._sightings, camera, self.side_m, previous, refines)
         pose = pose_of_squares(self._sightings, camera, self.side_m, previous, refines, most_rms=FOLDED_RMS)
+        if self._beside is not None and self._beside.has_moved(squares, pose, camera):
+            self._beside.forget()
+            squares.pop(NUMBER, None)
+            return self._pose(squares, camera, last)
         if pose is None:
             return None
-        if self._folding.add(dict(zip(squares, self._sightings, strict=True)), pose.T_cam_marker, camera):
+        faces = {number: one for number, one in zip(squares, self._sightings, strict=True) if number < NUMBER}
+        if faces and self._folding.add(faces, pose.T_cam_marker, camera):
             self._sightings = [self._sighting(number, square) for number, square in squares.items()]
             pose = pose_of_squares(self._sightings, camera, self.side_m, pose, refines, most_rms=FOLDED_RMS) or pose
         return self._folding.stated(pose)

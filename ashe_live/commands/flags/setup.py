@@ -13,8 +13,7 @@ from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.models.caster import read_caster
 from ashe_live.process.messages import tell
 from ashe_live.quality import BALANCED, QUALITIES, Quality
-from ashe_live.tracking.cube.faces import CUBE
-from ashe_live.tracking.families.layout import parse_target, usual_side_m
+from ashe_live.tracking.families.layout import is_of_cube, parse_target, usual_side_m
 from ashe_live.tracking.focal.focal_memory import FocalMemory
 from ashe_live.tracking.focal_tracker import FocalTracker
 from ashe_live.tracking.plane_markers import PlaneMarkers
@@ -36,7 +35,7 @@ def light_steps(options: argparse.Namespace) -> ProxySteps:
     steps = replace(quality_of(options).light, light=options.light)
     if options.caster is None:
         return steps
-    if options.marker == CUBE:
+    if is_of_cube(options.marker):
         raise UserError("the paper cube casts the shadow that is looked for", "leave out --caster")
     return steps.with_caster(read_caster(options.caster))
 

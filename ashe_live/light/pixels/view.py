@@ -1,5 +1,6 @@
 """The undistorted frame at a working size, or a window of it, with the mask of the ground."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -8,6 +9,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Image, Mask
 from ashe_live.core.camera import Camera
 from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import PlaneMarker
 from ashe_live.core.transforms import project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.light.pixels.sheet import USUAL_SHEET, Sheet, measured_sheet
@@ -29,6 +31,7 @@ class View:
     is_ground: Mask  # (h, w) where the marker's plane is visible, outside of the printed sheet or body
     sheet: Sheet = USUAL_SHEET
     body: Proxy | None = None  # that the marker is printed on, if it is no sheet
+    beside: tuple[PlaneMarker, ...] = ()  # other printed sheets on the plane
 
     @staticmethod
     def of(tracked: TrackedFrame, width_px: int) -> "View":
@@ -40,7 +43,7 @@ class View:
             camera = camera.without_distortion()
         T_cam_marker, side_m, body = tracked.marker.T_cam_marker, tracked.marker.side_m, tracked.marker.body
         sheet = measured_sheet(image, camera, T_cam_marker, side_m) if body is None else USUAL_SHEET
-        return _made(image, camera, T_cam_marker, side_m, sheet, body)
+        return _made(image, camera, T_cam_marker, side_m, sheet, body, tracked.others)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -51,7 +54,7 @@ class View:
         if width_px >= self.size[0]:
             return self
         image, camera = _scaled(self.image_bgr, self.camera, width_px)
-        return _made(image, camera, self.T_cam_marker, self.side_m, self.sheet, self.body)
+        return _made(image, camera, self.T_cam_marker, self.side_m, self.sheet, self.body, self.beside)
 
     def cut(self, window: Window) -> "View":
         """The part of the frame in `window`, seen by a camera whose principal point moves along."""
@@ -72,23 +75,34 @@ def _scaled(image: Image, camera: Camera, width_px: int) -> tuple[Image, Camera]
     return image, camera.resized(size)
 
 
-def _made(image: Image, camera: Camera, T_cam_marker: Float, side_m: float, sheet: Sheet, body: Proxy | None) -> View:
-    is_ground = _ground_mask(camera, T_cam_marker, sheet.corners(side_m) if body is None else body.points_marker())
-    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body)
+def _made(
+    image: Image,
+    camera: Camera,
+    T_cam_marker: Float,
+    side_m: float,
+    sheet: Sheet,
+    body: Proxy | None,
+    beside: tuple[PlaneMarker, ...],
+) -> View:
+    printed = [sheet.corners(side_m) if body is None else body.points_marker()]
+    printed += [one.on_plane(USUAL_SHEET.corners(one.side_m)) for one in beside]
+    is_ground = _ground_mask(camera, T_cam_marker, printed)
+    return View(image, camera, T_cam_marker, side_m, is_ground, sheet, body, beside)
 
 
-def _ground_mask(camera: Camera, T_cam_marker: Float, print_marker: Float) -> Mask:
-    """(h, w) pixels whose ray meets the marker's plane, not too far away, outside of the hull of points (n, 3)."""
+def _ground_mask(camera: Camera, T_cam_marker: Float, printed_marker: Sequence[Float]) -> Mask:
+    """(h, w) pixels whose ray meets the marker's plane, not too far away, outside of each hull of points (n, 3)."""
     width, height = camera.size
     line = ground_line(camera, T_cam_marker)
     mask = np.ones((height, width), np.uint8)
     corners = np.array([(x, y, 1) for x in (0, width - 1) for y in (0, height - 1)])
     if not (corners @ line > 0).all():
         mask[:] = line[0] * np.arange(width) + (line[1] * np.arange(height) + line[2])[:, None] > 0
-    outline = project(camera, T_cam_marker, print_marker)
-    if np.isfinite(outline).all():
-        hull = cv2.convexHull(np.clip(outline, -1e6, 1e6).astype(np.float32))[:, 0]
-        cv2.fillConvexPoly(mask, np.round(hull * 16).astype(np.int32), 0, shift=4)
+    for points in printed_marker:
+        outline = project(camera, T_cam_marker, points)
+        if np.isfinite(outline).all():
+            hull = cv2.convexHull(np.clip(outline, -1e6, 1e6).astype(np.float32))[:, 0]
+            cv2.fillConvexPoly(mask, np.round(hull * 16).astype(np.int32), 0, shift=4)
     return mask.view(np.bool_)
 
 

@@ -1,6 +1,6 @@
 """Several markers on one rigid thing, a sheet or a cube, tracked as one: seen by any, and surer than by each alone."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,6 +36,7 @@ class Layout:
     spec: str
     members: tuple[Member, ...]
     is_cube: bool = False  # printed on the faces of the folded cube; else on a sheet
+    beside: Marker | None = None  # flat on the table beside the cube, wherever that is: one board with it
 
     @property
     def extent(self) -> tuple[float, float]:
@@ -47,13 +48,14 @@ class Layout:
 
 def parse_target(spec: str) -> Marker | Layout:
     """The marker that `spec` names, or the layout: grid:DICT:COLSxROWS[:FIRST], numbered row by row from FIRST (0), or
-    the folded cube.
+    the folded cube, alone or as cube+SPEC with a flat marker beside it.
 
     Raises UserError when it names neither.
     """
     kind, _, rest = spec.partition(":")
-    if spec == CUBE:
-        return cube_layout()
+    if is_of_cube(spec):
+        _, plus, beside = spec.partition("+")
+        return replace(cube_layout(), spec=spec, beside=_flat_beside(beside) if plus else None)
     if kind != "grid":
         return parse_marker(spec)
     family, _, numbers = rest.partition(":")
@@ -88,9 +90,20 @@ def cube_layout() -> Layout:
     return Layout(CUBE, members, is_cube=True)
 
 
+def _flat_beside(spec: str) -> Marker:
+    if spec in CUBE_SPECS:
+        raise UserError(f"{spec} is on the cube already", "name a flat marker that is none of its faces")
+    return parse_marker(spec)
+
+
+def is_of_cube(spec: str) -> bool:
+    """Whether `spec` names the folded cube, alone or with a flat marker beside it."""
+    return spec == CUBE or spec.startswith(f"{CUBE}+")
+
+
 def usual_side_m(spec: str) -> float:
     """The size in metres of what `spec` names where nobody gave one: a square's side, the cube's edge."""
-    return USUAL_EDGE_M if spec == CUBE else USUAL_SIDE_M
+    return USUAL_EDGE_M if is_of_cube(spec) else USUAL_SIDE_M
 
 
 def members_of(target: Marker | Layout) -> tuple[Member, ...]:

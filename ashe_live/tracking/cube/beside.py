@@ -1,0 +1,83 @@
+"""A flat marker beside the cube: where it lies is learned, and from then on both are one board.
+
+While the cube is seen from too near, or a hand covers it, the flat marker alone tells the pose; both together are surer
+than each.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.square import PlaneMarker, mean_side_px, square_corners
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Frame, MarkerPose
+from ashe_live.tracking.cube.faces import FACES
+from ashe_live.tracking.edges.squares import FittedSquare
+from ashe_live.tracking.families.markers import Marker
+from ashe_live.tracking.plane_markers import MOVED_SIDES, PlaneMarkers
+from ashe_live.tracking.preset import TrackingPreset
+
+NUMBER = len(FACES)  # of this member, after the cube's faces
+# Frames in a row over which its place is averaged before it counts: what is left of the noise is less than that of the
+# frames that it then helps. After as many in which the cube is seen and it is not where it lay, it may lie anywhere.
+PLACED_AFTER = 12
+# Of its side, by which its corners differ from where it lies once it has been moved, or the cube has: several times
+# what folds and the lens leave unexplained.
+MOVED = 0.1
+
+
+class FlatBeside:
+    """Where one marker lies on the cube's table. For use by one thread at a time."""
+
+    def __init__(self, marker: Marker) -> None:
+        self.marker = marker
+        self._lying = PlaneMarkers((marker,))
+        self.forget()
+
+    def forget(self) -> None:
+        """It may lie anywhere."""
+        self.placed: PlaneMarker | None = None  # once it is known
+        self._lying.reset()
+        self._seen: PlaneMarker | None = None
+        self._frames = self._missed = 0
+
+    @property
+    def corners(self) -> Float:
+        """(4, 3) metres, the cube's frame. Only once it is placed."""
+        assert self.placed is not None
+        return self.placed.on_plane(square_corners(self.placed.side_m))
+
+    def learn(self, frame: Frame, camera: Camera, pose: MarkerPose, preset: TrackingPreset) -> None:
+        """Looks for it in a frame with the cube's own pose, unless it is placed already."""
+        if self.placed is not None:
+            return
+        found = self._lying.found(frame, camera, pose, preset)
+        rests = bool(found and self._seen is not None and _is_near(found[0], self._seen))
+        self._frames = self._frames + 1 if rests else 0
+        self._seen = found[0] if found else None
+        if self._frames >= PLACED_AFTER:
+            self.placed = self._seen
+
+    def has_moved(self, squares: Mapping[int, FittedSquare], pose: MarkerPose | None, camera: Camera) -> bool:
+        """Whether a frame shows it beside faces of the cube, and not where it lay: no pose explains both, or badly.
+
+        Or does not show it where it lay, as frames before did not.
+        """
+        if self.placed is None or not squares or (NUMBER in squares and len(squares) == 1):
+            return False
+        if NUMBER not in squares:
+            self._missed += 1
+            return self._missed >= PLACED_AFTER
+        self._missed = 0
+        if pose is None:
+            return True
+        seen_px = squares[NUMBER].corners_px
+        off_px = project(camera, pose.T_cam_marker, self.corners) - seen_px
+        return not float(np.sqrt((off_px**2).sum(axis=1).mean())) < MOVED * mean_side_px(seen_px)
+
+
+def _is_near(one: PlaneMarker, other: PlaneMarker) -> bool:
+    """Whether both are where a marker that rests may be seen."""
+    return bool(np.linalg.norm(one.centre_m - other.centre_m) < MOVED_SIDES * other.side_m)
