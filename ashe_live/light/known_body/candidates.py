@@ -66,6 +66,7 @@ def refined(
         template, darkening = lights[index], float(beside.everywhere.darkenings[index, -1])
         left[lights[:, :3] @ template[:3] > math.cos(APART_RAD)] = -np.inf
         if score[index] < least and not _edges_in_view(seen, template, darkening, room)[1] > LEAST_CLEAR:
+            tried += 1
             continue
         start, darkening, likelihood = _nearby(seen, template, beside)
         if darkening < LEAST_DARKENING or likelihood < told:
