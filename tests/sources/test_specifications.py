@@ -8,7 +8,7 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
-from scenes.drawing import families
+from scenes.drawing import cubes, families
 from scenes.drawing.families import HELD_OUT
 from scenes.drawing.layout import LIGHTS, MARGIN_PX
 from scenes.drawing.motion import FRAMES
@@ -155,7 +155,7 @@ def test_objects_stand_on_the_ground_and_have_triangles_with_an_area(family: str
 
 
 def test_every_family_of_objects_is_either_drawn_or_held_out_or_outside() -> None:
-    assert set(FAMILIES) == {*families.OBJECTS, *HELD_OUT["object"], "slab", "foliage", "person"}
+    assert set(FAMILIES) == {*families.OBJECTS, *HELD_OUT["object"], "slab", "foliage", "person", cubes.FAMILY}
 
 
 def test_shadows_of_points_by_sun_and_lamp() -> None:

@@ -25,6 +25,7 @@ class Candidate:
     error_rad: float  # of its first light to the nearest true one; pi where there is none
     error_by_axis: Float  # (2,) rad, that error on the light's tangent basis
     covariance_rad2: Float  # (2, 2) rad^2, by the outlines alone
+    lights: int = 1  # that it states
     unseen_end: float = 0.0  # share of the elevation's variance by a shadow's end out of view
 
 
@@ -70,4 +71,13 @@ def _candidate(explanation: Explanation, features: Mapping[str, float], truths: 
     is_whole = max(nearest) < GOOD_RAD and len(lights) == len(truths)
     rightness = int(is_right) + int(is_right and is_whole)
     fitted = explanation.lights[0]
-    return Candidate(features, rightness, first, nearest[0], by_axis, fitted.covariance_rad2, fitted.unseen_end)
+    return Candidate(
+        features,
+        rightness,
+        first,
+        nearest[0],
+        by_axis,
+        fitted.covariance_rad2,
+        len(lights),
+        fitted.unseen_end,
+    )

@@ -69,7 +69,7 @@ def judged(score: Score, looks: Sequence[Sample], average: Average) -> Judged:
         probabilities += (weight * found).tolist()
     if not candidates:
         return Judged(looks[0], None, 0.0)
-    counts = [1 + round(each.features["second"]) for each in candidates]
+    counts = [each.lights for each in candidates]
     index, share = best_direction(np.array(probabilities), [each.to_light_marker for each in candidates], counts)
     return Judged(looks[0], candidates[index], recalibrated(share, average))
 
