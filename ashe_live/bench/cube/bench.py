@@ -50,16 +50,12 @@ class CubeBench(Bench):
         """Poses first, then lights set by set; of path-traced scenes lights alone."""
         if not self.scenes:
             yield {"tracking": self._tracking()}
-        table = figures_table(
-            "light of a cube",
-            "set", "pictures", "answered", "median", "95 %", "largest", "hidden", "95 % of others", "sure and wrong",
-            "in ellipse", "count right", "worse light", "even sky", "leaning", "as lamps", "distance", "ms",
-        )  # fmt: skip
-        rows = []
-        for name, pictures in self._pictures():
-            row = light_row(name, pictures, self.quality)
-            rows.append(row)
-            table.add_row(*(_shown(value) for value in row.values()))
+        rows = [light_row(name, pictures, self.quality) for name, pictures in self._pictures()]
+        # Figures below each other, as there are too many for the width of a page.
+        table = figures_table("light of a cube", "figure", *(row["set"] for row in rows))
+        for figure in rows[0] if rows else ():
+            if figure != "set":
+                table.add_row(figure.replace("_", " "), *(_shown(row[figure]) for row in rows))
         self.console.print(table)
         yield {"light": rows}
 
