@@ -23,11 +23,18 @@ PATIENCE_S = 60.0
 POLL_S = 0.02
 
 
-def await_that(condition: Callable[[], object], what: str) -> None:
-    deadline = time.monotonic() + PATIENCE_S
+def comes(condition: Callable[[], object], patience_s: float = PATIENCE_S) -> bool:
+    """Whether it holds before patience ends."""
+    deadline = time.monotonic() + patience_s
     while not condition():
-        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        if time.monotonic() >= deadline:
+            return False
         time.sleep(POLL_S)
+    return True
+
+
+def await_that(condition: Callable[[], object], what: str) -> None:
+    assert comes(condition), f"waited in vain for {what}"
 
 
 class Screen:
