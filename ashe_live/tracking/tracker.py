@@ -123,7 +123,7 @@ class MarkerTracker:
     @property
     def _members(self) -> tuple[Member, ...]:
         """Those that are known to be one thing; the flat marker beside the cube once it is known where it lies."""
-        if self._beside is None or self._beside.placed is None:
+        if self._beside is None or self._beside.corners is None:
             return self._members_given
         return *self._members_given, Member(self._beside.marker, self._beside.corners / self.side_m)
 
@@ -251,6 +251,8 @@ class MarkerTracker:
         if self._beside is not None and self._beside.has_moved(squares, pose, camera):
             self._beside.forget()
             squares.pop(NUMBER, None)
+            if last is not None:
+                last.corners_px.pop(NUMBER, None)
             return self._pose(squares, camera, last)
         if pose is None:
             return None

@@ -26,9 +26,8 @@ MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found othe
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
 # Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
 LEAST_CLEAR, CLEAR = 0.5, 0.8
-MOST_IN_VIEW = (
-    0.25  # part of a shadow's outline that is in view, from which on it is not hidden: its edges would tell it
-)
+# Part of a shadow's outline that is in view, from which on it is not hidden: its edges would tell it.
+MOST_IN_VIEW = 0.25
 # Part of the table's light: what takes less is no light; and what is no third as deep as this is no step.
 LEAST_DARKENING, DEEP = 0.06, 0.1
 # Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then

@@ -39,15 +39,10 @@ class FlatBeside:
     def forget(self) -> None:
         """It may lie anywhere."""
         self.placed: PlaneMarker | None = None  # once it is known
+        self.corners: Float | None = None  # (4, 3) metres, the cube's frame; once it is placed
         self._lying.reset()
         self._seen: PlaneMarker | None = None
         self._frames = self._missed = 0
-
-    @property
-    def corners(self) -> Float:
-        """(4, 3) metres, the cube's frame. Only once it is placed."""
-        assert self.placed is not None
-        return self.placed.on_plane(square_corners(self.placed.side_m))
 
     def learn(self, frame: Frame, camera: Camera, pose: MarkerPose, preset: TrackingPreset) -> None:
         """Looks for it in a frame with the cube's own pose, unless it is placed already."""
@@ -57,15 +52,16 @@ class FlatBeside:
         rests = bool(found and self._seen is not None and _is_near(found[0], self._seen))
         self._frames = self._frames + 1 if rests else 0
         self._seen = found[0] if found else None
-        if self._frames >= PLACED_AFTER:
+        if self._frames >= PLACED_AFTER and self._seen is not None:
             self.placed = self._seen
+            self.corners = self.placed.on_plane(square_corners(self.placed.side_m))
 
     def has_moved(self, squares: Mapping[int, FittedSquare], pose: MarkerPose | None, camera: Camera) -> bool:
         """Whether a frame shows it beside faces of the cube, and not where it lay: no pose explains both, or badly.
 
         Or does not show it where it lay, as frames before did not.
         """
-        if self.placed is None or not squares or (NUMBER in squares and len(squares) == 1):
+        if self.corners is None or not squares or (NUMBER in squares and len(squares) == 1):
             return False
         if NUMBER not in squares:
             self._missed += 1

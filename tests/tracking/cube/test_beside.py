@@ -123,6 +123,20 @@ def test_one_that_is_moved_is_learned_anew_and_does_not_pull_the_cube_along() ->
     assert lying.centre_m == pytest.approx(ELSEWHERE.centre_m, abs=1e-3)
 
 
+def test_a_frame_that_no_pose_explains_leaves_the_cube_to_be_found_in_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    tracker = MarkerTracker(parse_target(f"cube+{FLAT}"), CAMERA, EDGE_M, BALANCED.tracking)
+    count = PLACED_AFTER + 2
+    for index in range(count):
+        tracker.track(frame_at(index))
+    with monkeypatch.context() as patched:
+        patched.setattr("ashe_live.tracking.tracker.pose_of_squares", lambda *_, **__: None)
+        assert tracker.track(frame_at(count)).marker is None
+    tracked = tracker.track(frame_at(count + 1))
+    assert tracked.marker is not None
+    assert tracked.others == ()  # it is learned anew
+    assert turn_deg(tracked.marker.measured_T_cam_marker, view_of(count + 1)) < 0.5
+
+
 def test_the_cube_is_measured_by_its_edge_whatever_lies_beside_it() -> None:
     assert usual_side_m(f"cube+{FLAT}") == usual_side_m("cube")
     with pytest.raises(UserError, match="on the cube already"):
