@@ -23,18 +23,11 @@ PATIENCE_S = 60.0
 POLL_S = 0.02
 
 
-def comes(condition: Callable[[], object], patience_s: float = PATIENCE_S) -> bool:
-    """Whether it holds before patience ends."""
-    deadline = time.monotonic() + patience_s
-    while not condition():
-        if time.monotonic() >= deadline:
-            return False
-        time.sleep(POLL_S)
-    return True
-
-
 def await_that(condition: Callable[[], object], what: str) -> None:
-    assert comes(condition), f"waited in vain for {what}"
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(POLL_S)
 
 
 class Screen:
