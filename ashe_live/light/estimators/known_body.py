@@ -12,10 +12,10 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
-from ashe_live.light.known_body.ambient import open_sky_rgb, sky_slope_rgb
 from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, masks_of
 from ashe_live.light.known_body.lights import Found, lights_of
 from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.known_body.sides.ambient import open_sky_rgb, sky_slope_rgb
 from ashe_live.light.lamps.lamp import with_size
 from ashe_live.light.lamps.place import Place
 from ashe_live.light.pixels.view import View

@@ -11,7 +11,7 @@ from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.shading import fall_off
+from ashe_live.light.known_body.sides.shading import fall_off
 from ashe_live.light.shape.directions import FittedLight, fitted_lights
 from ashe_live.light.shape.predicted import predicted
 

@@ -8,12 +8,13 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
-from ashe_live.light.known_body.bounce import sent_by_sides
-from ashe_live.light.known_body.evidence import Evidence, Lit, Observed
-from ashe_live.light.known_body.facets import Facets, facets_of
+from ashe_live.light.known_body.evidence import Evidence
+from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.shading import PAPER, Sides, fall_off
 from ashe_live.light.known_body.shadows import shadows_of
+from ashe_live.light.known_body.sides.bounce import sent_by_sides
+from ashe_live.light.known_body.sides.facets import Facets, facets_of
+from ashe_live.light.known_body.sides.shading import PAPER, Sides, fall_off
 from ashe_live.light.known_body.table import (
     BRIGHTEST,
     CELLS_A_HEIGHT,

@@ -10,8 +10,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.bounce import form_factors
 from ashe_live.light.known_body.shadows import Shadows, shadows_of
+from ashe_live.light.known_body.sides.bounce import form_factors
 from ashe_live.light.known_body.table import SIDE, height_of
 from ashe_live.light.shape.light_points import at_infinity
 

@@ -5,9 +5,10 @@ import pytest
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.evidence import Evidence, Lit, Observed
-from ashe_live.light.known_body.shading import Sides
+from ashe_live.light.known_body.evidence import Evidence
+from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.shadows import shadows_of
+from ashe_live.light.known_body.sides.shading import Sides
 from ashe_live.light.known_body.table import SIDE
 from ashe_live.light.known_body.templates import templates_of
 from ashe_live.light.shape.light_points import at_infinity

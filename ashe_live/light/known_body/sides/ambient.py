@@ -7,8 +7,8 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.found_light import FoundLight
 from ashe_live.light.known_body.seen import Seen
-from ashe_live.light.known_body.shading import LOWEST_Z, NOISE, OF_LIGHT, SLOPE, TURN_RAD, direct_light
 from ashe_live.light.known_body.shadows import shadows_of
+from ashe_live.light.known_body.sides.shading import LOWEST_Z, NOISE, OF_LIGHT, SLOPE, TURN_RAD, direct_light
 
 # Of a facet seen from the side, blur mixes the white with the print: in painted pictures its light is right to 3 % from
 # here on, and half of what it is where a facet is five pixels wide.

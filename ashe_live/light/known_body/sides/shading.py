@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.light.known_body.facets import Facets
+from ashe_live.light.known_body.sides.facets import Facets
 from ashe_live.light.shape.light_points import NEAREST
 
 PAPER = 0.8  # reflectance of white paper

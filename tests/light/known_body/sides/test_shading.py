@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.facets import Facets
-from ashe_live.light.known_body.shading import Sides, direct_light, fall_off
+from ashe_live.light.known_body.sides.facets import Facets
+from ashe_live.light.known_body.sides.shading import Sides, direct_light, fall_off
 from tests.painted_cubes import EDGE_M
 
 NORMALS = np.array([(0.0, 0, 1), (1, 0, 0), (0, -1, 0)])

@@ -4,8 +4,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.facets import NORMALS, Facets
-from ashe_live.light.known_body.shading import PAPER
+from ashe_live.light.known_body.sides.facets import NORMALS, Facets
+from ashe_live.light.known_body.sides.shading import PAPER
 from ashe_live.light.known_body.table import SIDE, height_of, places
 
 # Of what falls on a printed face, over what white paper sends back of it: about 0.37 of the cube's faces is ink.

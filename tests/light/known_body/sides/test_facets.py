@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ashe_live.light.known_body.facets import facets_of
+from ashe_live.light.known_body.sides.facets import facets_of
 from ashe_live.light.known_body.table import linear_picture
 from ashe_live.light.pixels.view import View
 from ashe_live.quality import BALANCED

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ashe_live.core.proxy import Proxy
-from ashe_live.light.known_body.bounce import SIDES, form_factors, sent_by_sides
-from ashe_live.light.known_body.facets import Facets
+from ashe_live.light.known_body.sides.bounce import SIDES, form_factors, sent_by_sides
+from ashe_live.light.known_body.sides.facets import Facets
 from ashe_live.light.known_body.table import SIDE, places
 from ashe_live.tracking.cube.faces import CORNERS
 
