@@ -2,24 +2,22 @@
 
 import dataclasses
 import time
-from collections.abc import Callable, Container
+from collections.abc import Callable
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera, Size, fitted
-from ashe_live.core.transforms import project
 from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
-from ashe_live.tracking.cube.beside import NUMBER, FlatBeside
-from ashe_live.tracking.cube.folding import FOLDED_RMS, Folding
 from ashe_live.tracking.edges.flow import flowed_corners
 from ashe_live.tracking.edges.lens import ideal_from_source, source_from_ideal
 from ashe_live.tracking.edges.squares import FittedSquare
-from ashe_live.tracking.families.layout import Layout, Member, members_of
+from ashe_live.tracking.families.layout import Layout
 from ashe_live.tracking.families.markers import Marker
+from ashe_live.tracking.members import Members
 from ashe_live.tracking.memory import Memory, remembered
 from ashe_live.tracking.plane_markers import PlaneMarkers
-from ashe_live.tracking.poses.pose import Sighting, pose_of_squares, poses_of_square
+from ashe_live.tracking.poses.pose import Sighting, poses_of_square
 from ashe_live.tracking.poses.pose_filter import PoseFilter
 from ashe_live.tracking.preset import TrackingPreset
 from ashe_live.tracking.search import Expected, along_edges, anywhere, first_along_edges, in_front, nearby, refined
@@ -51,10 +49,7 @@ class MarkerTracker:
         self.preset = preset
         self.others = PlaneMarkers(())  # that are looked for on the plane of this one
         self.filters = True  # holds the pose still while the marker is; off, every frame's pose is its own
-        self._members_given = members_of(marker)
-        self._beside = FlatBeside(marker.beside) if isinstance(marker, Layout) and marker.beside else None
-        # What it is printed on, where that is folded by hand and no two are alike.
-        self._folding = Folding(side_m) if isinstance(marker, Layout) and marker.is_cube else None
+        self._members = Members(marker, side_m)
         self._camera = camera
         self._camera_now: Camera | None = None
         self._filter = PoseFilter()
@@ -70,8 +65,8 @@ class MarkerTracker:
         self._before_jump: MarkerPose | None = None
         self._filter.reset()
         self.others.reset()
-        if self._beside is not None:
-            self._beside.forget()
+        if self._members.beside is not None:
+            self._members.beside.forget()
 
     def jump(self) -> None:
         """As reset, but between a square's two poses the last one still decides: another time, and no other place.
@@ -107,25 +102,19 @@ class MarkerTracker:
         else:
             pose = self._held(pose, frame.time_s, bridged > 0)
             seen_px = {number: source_from_ideal(camera, square.corners_px) for number, square in squares.items()}
-            corners_px = {0: pose.corners_px} if len(self._members) == 1 else seen_px
+            corners_px = {0: pose.corners_px} if len(self._members.all) == 1 else seen_px
             sigmas = {number: square.aligned_sigma for number, square in squares.items()}
             self._last = remembered(frame, pose, corners_px, sigmas, bridged, last)
             self._lost_frames = 0
             self._before_jump = None
         others = self.others.found(frame, camera, pose, self.preset)
-        if pose is not None and self._beside is not None:
+        beside = self._members.beside
+        if pose is not None and beside is not None:
             if not bridged:
-                self._beside.learn(frame, camera, pose, self.preset)
-            others += () if self._beside.placed is None else (self._beside.placed,)
+                beside.learn(frame, camera, pose, self.preset)
+            others += () if beside.placed is None else (beside.placed,)
         detect_ms = (time.perf_counter() - start) * 1e3
         return TrackedFrame(frame, camera, pose, detect_ms, self._note if pose else None, others)
-
-    @property
-    def _members(self) -> tuple[Member, ...]:
-        """Those that are known to be one thing; the flat marker beside the cube once it is known where it lies."""
-        if self._beside is None or self._beside.corners is None:
-            return self._members_given
-        return *self._members_given, Member(self._beside.marker, self._beside.corners / self.side_m)
 
     def _camera_for(self, size: Size) -> Camera:
         if self._camera_now is None or self._camera_now.size != size:
@@ -147,7 +136,7 @@ class MarkerTracker:
             squares = self._where_expected(image, camera, last, frame.time_s)
             if not any(squares.values()):
                 for number, corners_px in last.corners_px.items():
-                    marker = self._members[number].marker
+                    marker = self._members.all[number].marker
                     coarse_px = self._nearest(nearby(marker, image, corners_px), corners_px)
                     if coarse_px is not None:
                         squares[number] = refined(marker, image, camera, coarse_px, self.preset.edge_samples)
@@ -155,7 +144,7 @@ class MarkerTracker:
             squares = self._with_others(self._search(image, camera, last), image, camera)
         elif self._census_s is None or not 0 <= frame.time_s - self._census_s < CENSUS_EVERY_S:
             self._census_s = frame.time_s
-            (equal,) = anywhere([self._members[0].marker], image, self.preset.detection_width_px, thorough=False)
+            (equal,) = anywhere([self._members.all[0].marker], image, self.preset.detection_width_px, thorough=False)
             self._count(equal)
         return {number: square for number, square in squares.items() if square is not None}
 
@@ -164,32 +153,19 @@ class MarkerTracker:
     ) -> dict[int, FittedSquare | None]:
         """The members where they move on as they did, or where the pose has them; as many as are measured."""
         moved_px = last.expected_px(time_s)
-        expected = self._projected(camera, last.pose.measured_T_cam_marker, moved_px) | moved_px
+        expected = self._members.projected(camera, last.pose.measured_T_cam_marker, moved_px) | moved_px
         numbers = in_front(expected, last.corners_px)
-        if self._beside is not None:
-            numbers.sort(key=lambda number: number != NUMBER)  # whichever faces are measured
+        most = self._members.most_measured(numbers)
         where = {
-            number: Expected(self._members[number].marker, expected[number], last.aligned_sigmas.get(number, 0.0))
+            number: Expected(self._members.all[number].marker, expected[number], last.aligned_sigmas.get(number, 0.0))
             for number in numbers
         }
-        most = len(where)
-        if self._folding is not None and not self._folding.wants_all:
-            most = FACES_MEASURED + (NUMBER in where)
         return first_along_edges(where, most, image, camera, self.preset.edge_samples, last.is_predictable)
-
-    def _projected(self, camera: Camera, T_cam_marker: Float, but: Container[int]) -> dict[int, Float]:
-        """Corners (4, 2), picture pixels, of all members `but` some, where a pose has them."""
-        numbers = [number for number in range(len(self._members)) if number not in but]
-        if not numbers:
-            return {}
-        ideal = project(camera, T_cam_marker, np.concatenate([self._corners(number) for number in numbers]))
-        corners = zip(numbers, ideal.reshape(-1, 4, 2), strict=True)
-        return {number: source_from_ideal(camera, each) for number, each in corners if np.isfinite(each).all()}
 
     def _search(self, image: Image, camera: Camera, last: Memory | None) -> dict[int, FittedSquare | None]:
         """In the whole frame: of a layout, the first of its markers that is found."""
         is_thorough = self._lost_frames < THOROUGH_FRAMES or self._lost_frames % THOROUGH_EVERY == 0
-        markers = [member.marker for member in self._members]
+        markers = [member.marker for member in self._members.all]
         for thorough in (False, True) if is_thorough else (False,):
             several = anywhere(markers, image, self.preset.detection_width_px, thorough)
             for number, (marker, found) in enumerate(zip(markers, several, strict=True)):
@@ -208,25 +184,18 @@ class MarkerTracker:
         A square alone has two poses: the right one is that which finds more of the others.
         """
         best = found
-        for number, square in found.items() if len(self._members) > 1 else ():
+        for number, square in found.items() if len(self._members.all) > 1 else ():
             assert square is not None
-            for T_cam_marker in poses_of_square(self._sighting(number, square), camera):
-                expected = self._projected(camera, T_cam_marker, found)
-                where = [Expected(self._members[other].marker, corners_px) for other, corners_px in expected.items()]
+            for T_cam_marker in poses_of_square(self._members.sighting(number, square), camera):
+                expected = self._members.projected(camera, T_cam_marker, found)
+                where = [
+                    Expected(self._members.all[other].marker, corners_px) for other, corners_px in expected.items()
+                ]
                 others = along_edges(where, image, camera, self.preset.edge_samples)
                 seen = found | dict(zip(expected, others, strict=True))
                 if sum(one is not None for one in seen.values()) > sum(one is not None for one in best.values()):
                     best = seen
         return best
-
-    def _sighting(self, number: int, square: FittedSquare) -> Sighting:
-        return Sighting(self._corners(number), square)
-
-    def _corners(self, number: int) -> Float:
-        """(4, 3) metres: those of a member, in the frame whose pose is asked for."""
-        if self._folding is not None and number < NUMBER:
-            return self._folding.corners(number)
-        return self.side_m * self._members[number].corners
 
     def _nearest(self, found: list[Float], last_px: Float | None) -> Float | None:
         """Of several equal markers the one that is tracked already, or else the likeliest."""
@@ -242,25 +211,12 @@ class MarkerTracker:
         self._note = several if len(found) > 1 else None
 
     def _pose(self, squares: dict[int, FittedSquare], camera: Camera, last: Memory | None) -> MarkerPose | None:
-        self._sightings = [self._sighting(number, square) for number, square in squares.items()]
         previous = self._before_jump if last is None else last.pose
-        refines = self.preset.refines_pose
-        if self._folding is None:
-            return pose_of_squares(self._sightings, camera, self.side_m, previous, refines)
-        pose = pose_of_squares(self._sightings, camera, self.side_m, previous, refines, most_rms=FOLDED_RMS)
-        if self._beside is not None and self._beside.has_moved(squares, pose, camera):
-            self._beside.forget()
-            squares.pop(NUMBER, None)
-            if last is not None:
-                last.corners_px.pop(NUMBER, None)
-            return self._pose(squares, camera, last)
-        if pose is None:
-            return None
-        faces = {number: one for number, one in zip(squares, self._sightings, strict=True) if number < NUMBER}
-        if faces and self._folding.add(faces, pose.T_cam_marker, camera):
-            self._sightings = [self._sighting(number, square) for number, square in squares.items()]
-            pose = pose_of_squares(self._sightings, camera, self.side_m, pose, refines, most_rms=FOLDED_RMS) or pose
-        return self._folding.stated(pose)
+        pose, self._sightings = self._members.pose(squares, camera, previous, self.preset.refines_pose)
+        if last is not None:
+            for number in last.corners_px.keys() - range(len(self._members.all)):
+                del last.corners_px[number]  # of a flat marker that was forgotten
+        return pose
 
     def _flowed(self, image: Image, camera: Camera, last: Memory) -> dict[int, FittedSquare]:
         squares = {}

@@ -129,7 +129,7 @@ def test_a_frame_that_no_pose_explains_leaves_the_cube_to_be_found_in_the_next(m
     for index in range(count):
         tracker.track(frame_at(index))
     with monkeypatch.context() as patched:
-        patched.setattr("ashe_live.tracking.tracker.pose_of_squares", lambda *_, **__: None)
+        patched.setattr("ashe_live.tracking.members.pose_of_squares", lambda *_, **__: None)
         assert tracker.track(frame_at(count)).marker is None
     tracked = tracker.track(frame_at(count + 1))
     assert tracked.marker is not None

@@ -1,0 +1,95 @@
+"""The markers that are followed as one rigid thing, and where on it each one's corners are."""
+
+from collections.abc import Container
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Camera
+from ashe_live.core.transforms import project
+from ashe_live.core.types import MarkerPose
+from ashe_live.tracking.cube.beside import NUMBER, FlatBeside
+from ashe_live.tracking.cube.folding import FOLDED_RMS, Folding
+from ashe_live.tracking.edges.lens import source_from_ideal
+from ashe_live.tracking.edges.squares import FittedSquare
+from ashe_live.tracking.families.layout import Layout, Member, members_of
+from ashe_live.tracking.families.markers import Marker
+from ashe_live.tracking.poses.pose import Sighting, pose_of_squares
+
+# So many of a cube's faces are measured in a frame, once their folds are known: a third costs a third of all time.
+FACES_MEASURED = 2
+
+
+class Members:
+    """One marker, those of a sheet, or a cube's faces, with the flat marker beside it once it is known where that lies.
+
+    A cube is folded by hand, and no two are alike: where its corners are is learned. For use by one thread at a time.
+    """
+
+    def __init__(self, marker: Marker | Layout, side_m: float) -> None:
+        """side_m: a black square's side, or the measure of the body that the markers are printed on."""
+        self.side_m = side_m
+        self.beside = FlatBeside(marker.beside) if isinstance(marker, Layout) and marker.beside else None
+        self._given = members_of(marker)
+        self._folding = Folding(side_m) if isinstance(marker, Layout) and marker.is_cube else None
+
+    @property
+    def all(self) -> tuple[Member, ...]:
+        """Those of which it is known where they are, by their numbers."""
+        if self.beside is None or self.beside.corners is None:
+            return self._given
+        return *self._given, Member(self.beside.marker, self.beside.corners / self.side_m)
+
+    def corners(self, number: int) -> Float:
+        """(4, 3) metres: those of a member, in the frame whose pose is asked for."""
+        if self._folding is not None and number < NUMBER:
+            return self._folding.corners(number)
+        return self.side_m * self.all[number].corners
+
+    def sighting(self, number: int, square: FittedSquare) -> Sighting:
+        """A member's corners with the square that was seen of it."""
+        return Sighting(self.corners(number), square)
+
+    def projected(self, camera: Camera, T_cam_marker: Float, but: Container[int]) -> dict[int, Float]:
+        """Corners (4, 2), picture pixels, of all members `but` some, where a pose (4, 4) has them."""
+        numbers = [number for number in range(len(self.all)) if number not in but]
+        if not numbers:
+            return {}
+        ideal = project(camera, T_cam_marker, np.concatenate([self.corners(number) for number in numbers]))
+        corners = zip(numbers, ideal.reshape(-1, 4, 2), strict=True)
+        return {number: source_from_ideal(camera, each) for number, each in corners if np.isfinite(each).all()}
+
+    def most_measured(self, numbers: list[int]) -> int:
+        """How many of the members with these numbers are worth being measured in a frame.
+
+        The list is sorted so that these come first: what lies beside a cube does whichever of its faces do.
+        """
+        if self.beside is not None:
+            numbers.sort(key=lambda number: number != NUMBER)
+        if self._folding is None or self._folding.wants_all:
+            return len(numbers)
+        return FACES_MEASURED + (NUMBER in numbers)
+
+    def pose(
+        self, squares: dict[int, FittedSquare], camera: Camera, previous: MarkerPose | None, refines: bool
+    ) -> tuple[MarkerPose | None, list[Sighting]]:
+        """The pose that explains the squares of a frame, and what was seen of the members for it.
+
+        previous: that of the frame before. refines: as in `pose_of_squares`. A flat marker that does not lie where it
+        lay is forgotten, and left out of `squares`.
+        """
+        seen = [self.sighting(number, square) for number, square in squares.items()]
+        if self._folding is None:
+            return pose_of_squares(seen, camera, self.side_m, previous, refines), seen
+        pose = pose_of_squares(seen, camera, self.side_m, previous, refines, most_rms=FOLDED_RMS)
+        if self.beside is not None and self.beside.has_moved(squares, pose, camera):
+            self.beside.forget()
+            squares.pop(NUMBER, None)
+            return self.pose(squares, camera, previous, refines)
+        if pose is None:
+            return None, seen
+        faces = {number: one for number, one in zip(squares, seen, strict=True) if number < NUMBER}
+        if faces and self._folding.add(faces, pose.T_cam_marker, camera):
+            seen = [self.sighting(number, square) for number, square in squares.items()]
+            pose = pose_of_squares(seen, camera, self.side_m, pose, refines, most_rms=FOLDED_RMS) or pose
+        return self._folding.stated(pose), seen
