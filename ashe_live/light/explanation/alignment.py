@@ -35,6 +35,7 @@ EARLY_LOSS_FACTOR = 3.0  # times that scale in the rounds before
 # Penalty per parameter: the ln n of the Bayesian information criterion, n the region's pixels, times the number of
 # pixels whose errors are correlated, as a colour model is wrong over whole patches.
 COST_PER_PARAMETER = 250.0
+TRIED_BODIES = 2  # each of another family
 WIDEST_NEARNESS = 10.0  # one over the body's size: sigma of the prior on what nearness no border tells
 
 
@@ -88,8 +89,9 @@ class Start:
 
 
 def aligned(several: Sequence[Start]) -> list[Alignment | None]:
-    """For each start its cheapest body, moved onto the borders around it; None if that body is not in view.
+    """For each start the cheapest of its bodies, moved onto the borders around it; None if that body is not in view.
 
+    The TRIED_BODIES that are cheapest where they begin are moved: masks fit some families better than pixels do.
     Gauss-Newton steps with Cauchy's weights, after Harris and Stennett (docs/maths.md, "Alignment").
     """
     found: list[Alignment | None] = [None] * len(several)
@@ -127,7 +129,8 @@ def criterion(placed: PlacedBody) -> float:
 def _aligned(several: Sequence[Start]) -> list[Alignment | None]:
     """As `aligned`, where all bodies have the same number of lights."""
     candidates = iter(placed_in([(lit, start.sight, start.costs) for start in several for lit in start.bodies]))
-    best = [min((next(candidates) for _ in start.bodies), key=criterion) for start in several]
+    tried = [sorted((next(candidates) for _ in start.bodies), key=criterion)[:TRIED_BODIES] for start in several]
+    best = [one for bodies in tried for one in bodies]
     here = list(best)
     for number, range_share in enumerate(SEARCH_RANGES):
         in_view = [i for i, one in enumerate(here) if one.is_in_view]
@@ -141,8 +144,10 @@ def _aligned(several: Sequence[Start]) -> list[Alignment | None]:
         for i, one in zip(in_view, moved, strict=True):
             here[i] = one
             best[i] = min(best[i], one, key=attrgetter("cost"))
-    seen = iter(measured([one for one in best if one.is_in_view]))
-    return [next(seen) if one.is_in_view else None for one in best]
+    each = iter(best)
+    cheapest = [min((next(each) for _ in bodies), key=criterion) for bodies in tried]
+    seen = iter(measured([one for one in cheapest if one.is_in_view]))
+    return [next(seen) if one.is_in_view else None for one in cheapest]
 
 
 def placed_in(several: Sequence[tuple[LitBody, Sight, Costs]]) -> list[PlacedBody]:
