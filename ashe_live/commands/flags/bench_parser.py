@@ -11,8 +11,19 @@ MEMORY_FRAMES_HELP = "frames, with changes of the model, during which memory is 
 
 def add_benches(bench: argparse.ArgumentParser) -> None:
     benches = bench.add_subparsers(dest="bench", metavar="WHAT", required=True)
+    for name, add, what in (
+        ("viewer", _add_viewer, "the viewer's loop: frames a second, and frame times while estimating"),
+        ("render", _add_render, "the cost of rendering, and the difference from a path tracer's pictures"),
+        ("soak", _add_soak, "a long run: leaks, drift, and the latency from the camera to the screen"),
+        ("light", _add_light, "the estimators' errors on scenes whose light is known"),
+        ("fit-judge", _add_fit_judge, "fits confidence to scenes whose light is known"),
+        ("cube", _add_cube, "the paper cube's pose and light, on pictures with known truth"),
+        ("track", _add_track, "the tracker beside OpenCV's detector, on frames with known poses"),
+    ):
+        add(benches.add_parser(name, help=what))
 
-    viewer = benches.add_parser("viewer", help="the viewer's loop: frames a second, and frame times while estimating")
+
+def _add_viewer(viewer: argparse.ArgumentParser) -> None:
     viewer.add_argument(
         "--frames", type=values.count, default=600, metavar="N", help="frames of each run (default 600)"
     )
@@ -20,9 +31,8 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
     _add_results_folder(viewer)
     add_quality_options(viewer, default="fast")
 
-    render = benches.add_parser(
-        "render", help="the cost of rendering, and the difference from a path tracer's pictures"
-    )
+
+def _add_render(render: argparse.ArgumentParser) -> None:
     render.add_argument(
         "--frames", type=values.count, default=100, metavar="N", help="frames of each measurement (default 100)"
     )
@@ -30,12 +40,14 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
     render.add_argument("--pairs", type=Path, metavar="DIR", help="also against photos of scenes with a model in them")
     _add_results_folder(render)
 
-    soak = benches.add_parser("soak", help="a long run: leaks, drift, and the latency from the camera to the screen")
+
+def _add_soak(soak: argparse.ArgumentParser) -> None:
     soak.add_argument("--frames", type=values.count, default=100_000, metavar="N", help="frames (default 100000)")
     _add_results_folder(soak)
     add_quality_options(soak, default="fast")
 
-    light = benches.add_parser("light", help="the estimators' errors on scenes whose light is known")
+
+def _add_light(light: argparse.ArgumentParser) -> None:
     light.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
     _add_results_folder(light)
     light.add_argument("--quick", action="store_true", help="in less than a minute: fewer scenes, balanced only")
@@ -45,9 +57,18 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
     )
     light.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
 
-    _add_fit_judge(benches.add_parser("fit-judge", help="fits confidence to scenes whose light is known"))
 
-    cube = benches.add_parser("cube", help="the paper cube's pose and light, on pictures with known truth")
+def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
+    judge.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
+    _add_results_folder(judge)
+    judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
+    judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
+    judge.add_argument(
+        "--jobs", type=values.count, default=1, metavar="N", help="processes beside each other (default 1)"
+    )
+
+
+def _add_cube(cube: argparse.ArgumentParser) -> None:
     cube.add_argument("--count", type=values.count, default=40, metavar="N", help="pictures of each set (default 40)")
     cube.add_argument(
         "--seed", type=values.index, default=0, metavar="N", help="other pictures of these kinds (default 0)"
@@ -63,7 +84,8 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
     _add_results_folder(cube)
     cube.add_argument("--quality", choices=QUALITIES, default="balanced")
 
-    tracking = benches.add_parser("track", help="the tracker beside OpenCV's detector, on frames with known poses")
+
+def _add_track(tracking: argparse.ArgumentParser) -> None:
     tracking.add_argument("--real", type=Path, metavar="DIR", help="also follow the real clips listed there")
     tracking.add_argument("--photos", type=Path, metavar="DIR", help="also look for absent ids in the pictures there")
     tracking.add_argument(
@@ -72,16 +94,6 @@ def add_benches(bench: argparse.ArgumentParser) -> None:
     _add_results_folder(tracking)
     tracking.add_argument("--quick", action="store_true", help="fewer frames, and no comparison of settings")
     tracking.add_argument("--quality", choices=QUALITIES, default="balanced")
-
-
-def _add_fit_judge(judge: argparse.ArgumentParser) -> None:
-    judge.add_argument("--scenes", type=Path, nargs="+", required=True, metavar="DIR")
-    _add_results_folder(judge)
-    judge.add_argument("--limit", type=values.count, metavar="N", help="the first N scenes of each folder only")
-    judge.add_argument("--every", type=values.count, default=1, metavar="N", help="of these, every Nth (default 1)")
-    judge.add_argument(
-        "--jobs", type=values.count, default=1, metavar="N", help="processes beside each other (default 1)"
-    )
 
 
 def _add_results_folder(bench: argparse.ArgumentParser) -> None:

@@ -14,7 +14,7 @@ from ashe_live.tracking.edges.corner_errors import corrected
 from ashe_live.tracking.edges.corners import LAST_REACH_PX, fitted_square
 from ashe_live.tracking.edges.edge_profiles import Light
 from ashe_live.tracking.edges.lens import source_from_ideal
-from ashe_live.tracking.edges.print_alignment import Aligned, PrintAlignment, in_units
+from ashe_live.tracking.edges.print_alignment import Aligned, Alignment, PrintAlignment, in_units
 from ashe_live.tracking.edges.squares import FittedSquare, is_front_of_square
 
 # Correlation of the print's inside with what is seen, where a side is covered.
@@ -69,14 +69,12 @@ def checked(
     found = alignment.aligned(blurred, square.corners_px, camera, origin_px, seen)
     if found is None or found.seen.inside < MIN_INSIDE:
         return None
-    square = corrected(square, found.seen.bleed_px)
-    off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
+    square, off = _compared(square, found, tolerance)
     if off.sum() > MOST_COVERED:
         # Other edges than the print's were taken, as of its paper on a bright floor: the inside says where to look.
         again = fitted_square(light, found.corners_px, samples, 1.0, camera, origin_px, LAST_REACH_PX)
         if again is not None:
-            square = corrected(again, found.seen.bleed_px)
-            off = _off(in_units(found.corners_px, square.corners_px), found.seen, tolerance) | ~square.seen
+            square, off = _compared(again, found, tolerance)
             is_print = alignment.is_print(alignment.sampled(blurred, square.corners_px, camera, origin_px))
     if not off.any():
         return dataclasses.replace(square, aligned_sigma=found.seen.sigma) if is_print else None
@@ -85,6 +83,17 @@ def checked(
         astray_px = float(np.linalg.norm(found.corners_px - square.corners_px, axis=1).max())
         is_whole = is_print and square.sides_seen == 4 and astray_px <= MOST_BENT * side_px
         return dataclasses.replace(square, by_side=_no_surer(square.by_side, astray_px)) if is_whole else None
+    return _without_covered(square, found, off)
+
+
+def _compared(square: FittedSquare, found: Alignment, tolerance: float) -> tuple[FittedSquare, Mask]:
+    """The square by the light that bleeds into the print; and (4,) which of its sides are not seen where that is."""
+    even = corrected(square, found.seen.bleed_px)
+    return even, _off(in_units(found.corners_px, even.corners_px), found.seen, tolerance) | ~even.seen
+
+
+def _without_covered(square: FittedSquare, found: Alignment, off: Mask) -> FittedSquare | None:
+    """The square by its other sides and the print inside; None where no square follows. off: (4,) sides left out."""
     sides = square.by_side[~off].sum(axis=0)
     total = sides + found.information
     corners = np.linalg.solve(
