@@ -103,6 +103,7 @@ class LiveViewer:
                 self._idle_until(max(due_s, now_s + IDLE_S) if self._is_idle else due_s)
         finally:
             self._keeper.finish(time.monotonic())
+            self._session.arrangement.keep_places()
             self._opening.close()
             self._pipeline.close()
 

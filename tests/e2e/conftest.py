@@ -64,7 +64,8 @@ class Running:
         self.process = subprocess.Popen(
             [sys.executable, *program, *arguments],
             cwd=folder,
-            env={**screen.environment, "PYTHONPATH": str(CHECKOUT)},
+            # What is remembered belongs to the folder, as no other test's viewer should stand a model there.
+            env={**screen.environment, "PYTHONPATH": str(CHECKOUT), "XDG_CONFIG_HOME": str(folder / ".config")},
             stdout=self._out,
             stderr=subprocess.STDOUT,
             preexec_fn=ignore_none,

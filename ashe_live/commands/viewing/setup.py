@@ -83,7 +83,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     steadiness = Steadiness(1) if setup.source.is_photo else Steadiness()
     first, *others = chosen_models(options)
     side_m, names = setup.tracker.side_m, [other.name for other in others]
-    shelf = Shelf(first.name, side_m, options.up, ModelMemory(), names)
+    shelf = Shelf(first.name, side_m, options.up, ModelMemory(has_places=not options.headless), names)
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)
         session.show_light = setup.shows_light

@@ -83,6 +83,7 @@ class Table:
 
     def begin_anew(self) -> None:
         """Resets what was done by hand, for another clip or photo."""
+        self.arrangement.keep_places()
         self.hand.reset()
         self.arrangement.begin_anew()
         self._undo.forget()
@@ -126,6 +127,7 @@ class Table:
             case Command.RESET:
                 self._undo.note(self.hand, request, now_s)
                 self.hand.reset()
+                self.arrangement.give_back()
             case command if command in SETS_LIGHT | CHANGES_MODEL:
                 self._obey_hand(request, tracked, estimated, now_s)
             case _:
@@ -137,7 +139,9 @@ class Table:
             self._undo.forget()
         if self._shelf.shown_name != self._met_name:
             self._met_name = self._shelf.shown_name
-            if self._shelf.moves and is_quiet:
+            if self.arrangement.is_as_left and is_quiet:
+                self._say(f"{self.model_name} stands as it was left: Backspace gives its first place and size", now_s)
+            elif self._shelf.moves and is_quiet:
                 self._say(f"{self.model_name} moves: K stops it", now_s)
 
     def _rearrange(self, command: Command, now_s: float) -> None:
