@@ -60,6 +60,8 @@ class LiveViewer:
         self._source_error: str | None = None
         self._take_up(pipeline)
         self.followed = Followed(pipeline, session, self._tell)
+        self.flags: list[str] = []  # that it was started with
+        self._keeper.flags = lambda: [*self.flags, *self.followed.flags]
         self._stillness = Stillness()
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),

@@ -40,6 +40,17 @@ class Arrangement:
         return len(self._stands)
 
     @property
+    def stands(self) -> tuple[Stand, ...]:
+        """All of them in their order, the one in hand as it is."""
+        in_hand = self._as_it_is()
+        return tuple(in_hand if number == self.in_hand else stand for number, stand in enumerate(self._stands))
+
+    def stand_as(self, stands: tuple[Stand, ...]) -> None:
+        """In the place of what there is; the first is in the hand."""
+        self._stands = list(stands)
+        self._take_up(0)
+
+    @property
     def marker_in_hand(self) -> str | None:
         """The spec of the marker that the model in hand stands on; None for the one that is followed."""
         return self._stands[self.in_hand].marker
@@ -47,7 +58,7 @@ class Arrangement:
     @property
     def chosen(self) -> list[ChosenModel]:
         """All of them in their order, as they could be named at the start."""
-        return [ChosenModel(stand.name, stand.marker) for stand in self._now]
+        return [ChosenModel(stand.name, stand.marker) for stand in self.stands]
 
     @property
     def moves(self) -> bool:
@@ -58,7 +69,7 @@ class Arrangement:
     def models(self, tracked: TrackedFrame | None) -> list[tuple[str, PlacedModel, Placement | None]]:
         """All of them in their order, by name; no placement where its marker is not in the frame."""
         found = []
-        for stand in self._now:
+        for stand in self.stands:
             anchor = self._anchor(stand, tracked)
             found.append((stand.name, stand.model, None if anchor is None else anchor @ stand.placement))
         return found
@@ -167,13 +178,6 @@ class Arrangement:
         self._put_down()
         self._take_up(number)
         return True
-
-    @property
-    def _now(self) -> list[Stand]:
-        """All of them, the one in hand as it is."""
-        stands = [*self._stands]
-        stands[self.in_hand] = self._as_it_is()
-        return stands
 
     def _as_it_is(self) -> Stand:
         """The stand of the model in hand now."""

@@ -53,8 +53,10 @@ class Shelf:
             self.loaded(name)
 
     def loaded(self, name: str) -> PlacedModel:
-        """The model of that name, waited for. Raises UserError when it cannot be read."""
+        """The model of that name, waited for, from now on one to choose. Raises UserError when it cannot be read."""
         model = self._load(name).result()
+        if name not in self.names:
+            self.names.append(name)
         self._tell_of(name, model)
         return model
 
