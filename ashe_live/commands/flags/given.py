@@ -20,12 +20,16 @@ KEPT = (
 
 
 def flags_given(options: argparse.Namespace) -> list[str]:
-    """Those that `play` has as well and that are not as they come; no quality where the window chooses it."""
-    as_they_come = build_parser().parse_args(["play", "clip.mp4"])
+    """Those that `play`, or `demo` of its own clip, has and that are not as they come.
+
+    No quality where the window chooses it.
+    """
+    command = ["demo"] if getattr(options, "command", None) == "demo" else ["play", "clip.mp4"]
+    as_they_come = vars(build_parser().parse_args(command))
     flags: list[str] = []
     for flag in KEPT:
         name = flag.removeprefix("--").replace("-", "_")
         value = getattr(options, name, None)
-        if value is not None and value != getattr(as_they_come, name) and value != "auto":
+        if name in as_they_come and value not in (None, as_they_come[name], "auto"):
             flags.append(f"{flag}={value}")
     return [*flags, *(["--no-filter"] if getattr(options, "no_filter", False) else [])]

@@ -24,3 +24,11 @@ def test_flags_given_again_are_the_same_flags(flags: list[str]) -> None:
 def test_what_the_window_chooses_by_itself_is_no_flag() -> None:
     options = build_parser().parse_args(["play", "clip.mp4", "--quality", "auto", "--loop", "--out", "here.mp4"])
     assert flags_given(options) == []
+
+
+def test_the_demo_has_no_flags_for_what_is_known_of_its_clip() -> None:
+    parser = build_parser()
+    options = parser.parse_args(["demo", "--quality", "fast", "--light", "sun"])
+    options.marker, options.marker_size = "aruco:4x4_50:0", 0.12
+    again = parser.parse_args(["demo", *flags_given(options)])
+    assert (again.quality, again.light) == ("fast", "sun")
