@@ -99,7 +99,7 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
         raise UserError(f"the model file {path} has no extent", "export a model that is larger than a point")
     if overlaps.overlap_visibly(parts):
         notes.add(overlaps.WORDS)
-    for words in words_on_mirrors(parts):
+    if (words := words_on_mirrors(parts)) is not None:
         notes.add(words)
     return replace(model, notes=notes.lines)
 

@@ -14,6 +14,7 @@ from ashe_live.models.mesh import Mesh
 
 ITSELF = "its polished metal mirrors ground and sky, and not the model's other parts"
 SKY = "its polished metal mirrors a sky that is made up, as the picture shows the ground alone"
+BOTH = "its polished metal mirrors the ground and a sky that is made up, and not the model's other parts"
 POLISHED = 0.6  # roughness, above which what is mirrored is a mere tone
 # And above which the made-up sky's pattern is none any more: half of what is mirrored comes from within 2 roughness^2,
 # and a texel of the pattern is 15 degrees wide (render/lights/surroundings.py).
@@ -28,11 +29,11 @@ LEAST_SHARE = 0.05  # of the surface that is seen: about what is noticed at a gl
 STEP_U, STEP_V = 0.7548776662, 0.5698402910
 
 
-def words_on_mirrors(parts: Sequence[Mesh]) -> list[str]:
-    """Which of ITSELF and SKY are to be seen in metal, on more than LEAST_SHARE of what is seen of the surface."""
+def words_on_mirrors(parts: Sequence[Mesh]) -> str | None:
+    """ITSELF, SKY or BOTH: what would be seen in metal on more than LEAST_SHARE of what is seen of the surface."""
     roughness = np.array([_roughness_of_metal(part) for part in parts])
     if not (roughness < POLISHED).any():
-        return []
+        return None
     part, places, normals = _points_on(parts)
     cells = _Cells(places)
     some = slice(None, None, max(1, len(part) // LOOKED_AT))
@@ -55,7 +56,8 @@ def words_on_mirrors(parts: Sequence[Mesh]) -> list[str]:
         is_itself = cells.filled_along(starts, towards)
         itself += int(is_itself.sum())
         sky += int((~is_itself & (towards[:, 2] > 0) & (rough < CLEAR_AS_MIRRORS)).sum())
-    return [words for words, count in ((ITSELF, itself), (SKY, sky)) if count > LEAST_SHARE * seen]
+    shows_itself, shows_sky = itself > LEAST_SHARE * seen, sky > LEAST_SHARE * seen
+    return {(True, True): BOTH, (True, False): ITSELF, (False, True): SKY}.get((shows_itself, shows_sky))
 
 
 def _roughness_of_metal(part: Mesh) -> float:

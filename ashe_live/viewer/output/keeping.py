@@ -127,11 +127,12 @@ class Keeper:
     def _command(self, clip: Path, recorded: Path, as_shown: AsShown) -> str:
         """That plays the clip with the same models, moved and lit as they were; what needs a file gets one."""
         # Of a clip whose light is known, as the shipped one is, nobody has the file at hand.
-        words = ["demo"] if self._session.true_to_light_marker is not None else ["play", str(clip)]
+        is_demo = self._session.true_to_light_marker is not None
+        words = ["demo"] if is_demo else ["play", str(clip)]
         for chosen in self._session.arrangement.chosen:
             words += ["--model", chosen.name if chosen.marker is None else f"{chosen.marker}={chosen.name}"]
         words += self.flags()
-        if not as_shown.is_plain:
+        if is_demo or not as_shown.is_plain:  # the demo without it has text in the picture
             try:
                 path = write_json(recorded.with_suffix(".json"), as_shown.to_json(), beside=True)
                 words += ["--as-shown", str(path)]

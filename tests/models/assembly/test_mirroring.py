@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.models.assembly.mirroring import ITSELF, SKY, words_on_mirrors
+from ashe_live.models.assembly.mirroring import BOTH, ITSELF, SKY, words_on_mirrors
 from ashe_live.models.material import Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import revolved
@@ -25,7 +25,7 @@ def _ball(material: Material) -> Mesh:
 
 
 def mirrors_itself(parts: list[Mesh]) -> bool:
-    return ITSELF in words_on_mirrors(parts)
+    return words_on_mirrors(parts) in (ITSELF, BOTH)
 
 
 def _tray(material: Material) -> Mesh:
@@ -61,12 +61,15 @@ def test_a_map_says_what_is_metal(metal: int, told: bool) -> None:
 def test_the_sky_is_told_where_it_is_mirrored_clearly_from_above() -> None:
     blurred = replace(METAL, roughness=0.5)
     for mesh in (_tray, _ball):
-        assert words_on_mirrors([mesh(METAL)]) == [SKY]
-        assert words_on_mirrors([mesh(blurred)]) == words_on_mirrors([mesh(PLASTIC)]) == []
+        assert words_on_mirrors([mesh(METAL)]) == SKY
+        assert words_on_mirrors([mesh(blurred)]) is words_on_mirrors([mesh(PLASTIC)]) is None
+    on_tray = _ball(PLASTIC)
+    assert words_on_mirrors([_tray(METAL), on_tray]) == BOTH
+    assert words_on_mirrors([_tray(blurred), on_tray]) == ITSELF
 
 
 def test_walls_that_lean_over_mirror_the_ground_alone() -> None:
     """Of a funnel's outside, seen from 35 degrees, the mirrored direction points down."""
     funnel = _turned(np.linspace(1.0, 2.0, 20), np.linspace(0.0, 1.0, 20), METAL)
     lid = _turned(np.linspace(2.0, 0.0, 20), np.ones(20), PLASTIC)
-    assert words_on_mirrors([funnel, lid]) == []
+    assert words_on_mirrors([funnel, lid]) is None
