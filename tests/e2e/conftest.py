@@ -179,11 +179,12 @@ def launch(screen: Screen, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     """Starts the viewer, its estimator not made to wait, or as shipped; one at a time: the keyboard is its own."""
     running: list[Running] = []
 
-    def launch(*arguments: object, quick: bool = True) -> Running:
+    def launch(*arguments: object, quick: bool = True, folder: Path | None = None) -> Running:
         for each in running:
             each.stop()
         program = (str(QUICK_VIEWER),) if quick else ("-m", "ashe_live")
-        running.append(Running(screen, tmp_path_factory.mktemp("viewer"), tuple(map(str, arguments)), program))
+        folder = folder or tmp_path_factory.mktemp("viewer")
+        running.append(Running(screen, folder, tuple(map(str, arguments)), program))
         running[-1].await_window()
         return running[-1]
 
