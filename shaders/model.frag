@@ -81,6 +81,13 @@ vec3 surface_normal() {
     return n;
 }
 
+// The unit normal of the triangle itself, on the side that is seen; `n` where it is seen edge-on and has no side.
+vec3 triangle_normal(vec3 n) {
+    vec3 across = cross(dFdx(position), dFdy(position));
+    float size2 = dot(across, across);
+    return size2 > 0.0 && size2 < 1e30 ? faceforward(across, position - eye, across) * inversesqrt(size2) : n;
+}
+
 // Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
 // these are the middles of the thirds, as 1 - h / sqrt(h^2 + d^2) of it comes from within d.
 const float THIRDS[3] = float[](0.66, 1.73, 5.92);
@@ -143,13 +150,16 @@ void main() {
     if (base.a < alpha_cutoff) discard;
 #endif
     vec3 n = surface_normal();
+    vec3 facing = triangle_normal(n);
     vec2 open = gl_FrontFacing ? openness.xy : openness.zw;
     float hidden = 1.0 - mix(open.y, open.x, 0.5 + 0.5 * n.z);
 #ifdef OCCLUSION_MAP
     // It says the same of the same parts, and more finely: the smaller of the two.
     open = min(open, 1.0 + occlusion_strength * (texture(occlusion_map, laid_out(OCCLUSION)).r - 1.0));
 #endif
-    vec3 from_around = ambient(n, open);
+    // Where an interpolated or mapped normal leans away from the triangle, light from below this is none: of the cosines
+    // around n a half and half of n.facing are above both planes.
+    vec3 from_around = ambient(n, open) * (0.5 + 0.5 * dot(n, facing));
     vec3 from_suns = vec3(0.0);
     vec3 diffuse = from_around;
     vec3 mirrored = vec3(0.0);
@@ -166,10 +176,6 @@ void main() {
     vec3 f0 = mix(vec3(GLASS), base.rgb, metal);
     albedo *= 1.0 - metal;
     vec3 to_eye = normalize(eye - position);
-    vec3 facing = cross(dFdx(position), dFdy(position));
-    float size2 = dot(facing, facing);
-    // A triangle that is seen edge-on has no side.
-    facing = size2 > 0.0 && size2 < 1e30 ? faceforward(facing, -to_eye, facing) * inversesqrt(size2) : n;
     vec3 shine_n = n;
     vec3 mirror = mirrored_direction(to_eye, facing, shine_n);
     float n_v = max(dot(shine_n, to_eye), 1e-3);
@@ -194,14 +200,14 @@ void main() {
         float falloff;
         vec3 to_light = towards_light(light, position, falloff);
         from_suns += sun[light] * falloff;
-        float cosine = dot(n, to_light);
+        float cosine = max(dot(n, to_light), 0.0);
 #ifdef COATED
         float coat_cosine = max(dot(coat_n, to_light), 0.0);
         if (max(cosine, coat_cosine) <= 0.0) continue;
-        cosine = max(cosine, 0.0);
 #else
         if (cosine <= 0.0) continue;
 #endif
+        if (dot(facing, to_light) <= 0.0) continue;
         vec3 arrives = sun[light] * (falloff * shadow(light, position, n, to_light));
         vec3 direct = arrives * cosine;
         diffuse += direct;

@@ -17,7 +17,7 @@ from ashe_live.drawing.contact_sheet import contact_sheet
 from ashe_live.files.writing import unused_name
 from ashe_live.process.messages import say
 from ashe_live.render.scene import Scene
-from ashe_live.viewer.display import Display
+from ashe_live.viewer.display import Display, bare_scene
 from ashe_live.viewer.session import Session
 
 THUMBNAIL_COUNT = 12
@@ -32,15 +32,20 @@ def run(options: argparse.Namespace) -> int:
     follow_named_marker(options)
     options.takes_any_marker = True  # of what is opened later; that of the clip is known
     tracker = make_tracker(options, clip.camera.resized)
-    setup = ViewerSetup(ClipSource(clip.path), tracker, options, clip.to_light_marker, shows_light=True)
+    # Layers, and what was recorded in a window, are the picture alone.
+    is_bare = options.layers is not None or options.as_shown is not None
+    setup = ViewerSetup(ClipSource(clip.path), tracker, options, clip.to_light_marker, shows_light=not is_bare)
     if options.headless:
-        return _into_files(setup)
+        return _into_files(setup, is_bare)
     options.loop = True
     return show_in_window(setup)
 
 
-def _into_files(setup: ViewerSetup) -> int:
-    """A video, in the current folder if no other is named, and a contact sheet beside it."""
+def _into_files(setup: ViewerSetup, is_bare: bool) -> int:
+    """A video, in the current folder if no other is named, and a contact sheet beside it.
+
+    is_bare: without text.
+    """
     now = datetime.now()
     options = setup.options
     if options.out is None:
@@ -50,6 +55,8 @@ def _into_files(setup: ViewerSetup) -> int:
     thumbnails = Thumbnails(THUMBNAIL_COUNT)
 
     def scene(session: Session) -> Scene:
+        if is_bare:
+            return bare_scene(session)
         now_s = session.tracked.frame.time_s if session.tracked is not None else 0.0
         return display.scene(session, setup.size, options.quality, now_s)
 

@@ -10,9 +10,10 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.errors import UserError
 from ashe_live.files.reading import read_bytes
-from ashe_live.models.assembly import mirroring, overlaps
+from ashe_live.models.assembly import overlaps
 from ashe_live.models.assembly.geometry import RawMesh, placed_mesh
 from ashe_live.models.assembly.merging import merged
+from ashe_live.models.assembly.mirroring import words_on_mirrors
 from ashe_live.models.assembly.up import Y_UP, guessed_up, z_up_from
 from ashe_live.models.formats.obj import read_obj
 from ashe_live.models.formats.ply import read_ply
@@ -98,8 +99,8 @@ def _model(path: Path, meshes: list[tuple[Float, RawMesh]], notes: Notes) -> Mod
         raise UserError(f"the model file {path} has no extent", "export a model that is larger than a point")
     if overlaps.overlap_visibly(parts):
         notes.add(overlaps.WORDS)
-    if mirroring.mirrors_itself(parts):
-        notes.add(mirroring.WORDS)
+    if (words := words_on_mirrors(parts)) is not None:
+        notes.add(words)
     return replace(model, notes=notes.lines)
 
 

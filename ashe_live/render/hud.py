@@ -89,7 +89,7 @@ def _blocks(text: HudText, size: Size, content_scale: float, gap: int, width: in
         fits &= all(_extent(block.rows, font_px)[0] <= width for block in corners)
         centred = []
         if text.help:
-            one_or_two = [rows for rows in (text.help, _in_two(text.help)) if _fits(rows, font_px, size, gap)]
+            one_or_two = [rows for rows in (text.help, in_two(text.help)) if _fits(rows, font_px, size, gap)]
             centred = [_Block("centre", (one_or_two or [text.help])[0], font_px)]
             fits &= bool(one_or_two)
         if fits or font_px <= MIN_FONT_PX:
@@ -97,8 +97,8 @@ def _blocks(text: HudText, size: Size, content_scale: float, gap: int, width: in
         font_px = max(MIN_FONT_PX, SMALLER * font_px)
 
 
-def _in_two(rows: Rows) -> Rows:
-    """The second half beside the first."""
+def in_two(rows: Rows) -> Rows:
+    """The second half of the rows beside the first."""
     half = (len(rows) + 1) // 2
     columns = max(len(row) for row in rows)
     filled = [row + ("",) * (columns - len(row)) for row in rows]

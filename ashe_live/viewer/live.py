@@ -60,6 +60,8 @@ class LiveViewer:
         self._source_error: str | None = None
         self._take_up(pipeline)
         self.followed = Followed(pipeline, session, self._tell)
+        self.flags: list[str] = []  # that it was started with
+        self._keeper.flags = lambda: [*self.flags, *self.followed.flags]
         self._stillness = Stillness()
         self._commands: dict[Command, Callable[[float], None]] = {
             Command.SNAPSHOT: lambda now_s: self._keeper.snapshot(self._renderer.preset, now_s),
@@ -103,6 +105,7 @@ class LiveViewer:
                 self._idle_until(max(due_s, now_s + IDLE_S) if self._is_idle else due_s)
         finally:
             self._keeper.finish(time.monotonic())
+            self._session.arrangement.keep_places()
             self._opening.close()
             self._pipeline.close()
 

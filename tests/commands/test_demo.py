@@ -1,10 +1,15 @@
 """`ashe-live demo` without a display: a video and a contact sheet, in the current folder."""
 
+import json
+
+import numpy as np
 import PIL.Image
 import pytest
 
 from ashe_live.capture.clips.clip import ClipSource
+from ashe_live.capture.clips.known_clip import shipped_clip
 from ashe_live.commands.demo import Thumbnails
+from ashe_live.viewer.before_after import VIDEO_ALONE, WHOLE
 
 
 def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, instant, tmp_path, monkeypatch):  # noqa: ARG001
@@ -23,6 +28,23 @@ def test_without_a_display_it_leaves_a_video_and_a_sheet_and_says_where(run, ins
         assert len(list(iter(clip.read, None))) == 20
     with PIL.Image.open(sheet) as picture:
         assert picture.width > 1000
+
+
+def test_what_was_recorded_in_a_window_is_shown_again_without_text(run, instant, tmp_path, monkeypatch):  # noqa: ARG001
+    monkeypatch.chdir(tmp_path)
+    stand = {"model": "mug", "marker": None, "seat": 0, "scale": 1.5, "turn_rad": 1.0, "shift_m": [0.0, 0.0]}
+    shown = [
+        {"frame": frame, "models": [stand], "estimate": None, "parts": parts, "hides_marker": False}
+        for frame, parts in ((0, WHOLE), (3, VIDEO_ALONE))
+    ]
+    (tmp_path / "shown.json").write_text(json.dumps({"schema": 1, "shown": shown}))
+    flags = ("--headless", "--frames", "6", "--quality", "fast", "--out", "again.mp4")
+    assert run("demo", "--as-shown", "shown.json", *flags).status == 0
+    with ClipSource(tmp_path / "again.mp4") as again, ClipSource(shipped_clip().path) as clip:
+        pairs = [(again.read().image_bgr.astype(int), clip.read().image_bgr.astype(int)) for _ in range(6)]
+    differs = [np.abs(mine - bare).mean() for mine, bare in pairs]
+    assert min(differs[:3]) > 3 > 2.5 > max(differs[3:])
+    assert np.abs(pairs[0][0] - pairs[0][1])[:40, :200].mean() < 2.5, "where text would be"
 
 
 @pytest.mark.parametrize("frames", [1, 5, 12, 24, 25, 26, 240, 1000])

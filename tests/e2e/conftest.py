@@ -57,7 +57,8 @@ class Running:
         self.process = subprocess.Popen(
             [sys.executable, *program, *arguments],
             cwd=folder,
-            env={**screen.environment, "PYTHONPATH": str(CHECKOUT)},
+            # What is remembered belongs to the folder, as no other test's viewer should stand a model there.
+            env={**screen.environment, "PYTHONPATH": str(CHECKOUT), "XDG_CONFIG_HOME": str(folder / ".config")},
             stdout=self._out,
             stderr=subprocess.STDOUT,
             preexec_fn=ignore_none,
@@ -171,11 +172,12 @@ def launch(screen: Screen, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     """Starts the viewer, its estimator not made to wait, or as shipped; one at a time: the keyboard is its own."""
     running: list[Running] = []
 
-    def launch(*arguments: object, quick: bool = True) -> Running:
+    def launch(*arguments: object, quick: bool = True, folder: Path | None = None) -> Running:
         for each in running:
             each.stop()
         program = (str(QUICK_VIEWER),) if quick else ("-m", "ashe_live")
-        running.append(Running(screen, tmp_path_factory.mktemp("viewer"), tuple(map(str, arguments)), program))
+        folder = folder or tmp_path_factory.mktemp("viewer")
+        running.append(Running(screen, folder, tuple(map(str, arguments)), program))
         running[-1].await_window()
         return running[-1]
 

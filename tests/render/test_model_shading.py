@@ -1,5 +1,6 @@
 """Light on the model: even where it must be even, as bright as the formula says."""
 
+import math
 from dataclasses import replace
 
 import cv2
@@ -59,6 +60,38 @@ def test_face_turned_away_gets_no_sun(make_renderer, stage) -> None:
         )
         shades.append(np.median(_face(renderer.read_bgr(), tracked, FRONT)))
     assert shades[0] > shades[1] + 50
+
+
+def _leaning_wall(leaning_deg: float) -> Mesh:
+    """FRONT alone, with normals that lean to the right by that."""
+    leaning = math.radians(leaning_deg)
+    normals = np.tile(np.float32((math.sin(leaning), -math.cos(leaning), 0)), (4, 1))
+    return Mesh(np.float32(FRONT), normals, np.array([(0, 1, 2), (0, 2, 3)]), material=Material(roughness=1.0))
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+def test_a_normal_that_leans_towards_the_sun_lights_no_triangle_that_is_turned_away(
+    make_renderer, stage, quality
+) -> None:
+    renderer = make_renderer(QUALITIES[quality].render)
+    tracked = stage.tracked(90, stage.pose(-90, 35, 0.25))
+    light = Illumination((stage.light(15, 40, (0.5, 0.5, 0.5)),))  # from the right, and 15 degrees from behind the wall
+    shades = []
+    for leaning_deg in (-60, 60):
+        renderer.render(Scene(tracked, stage.placed(_leaning_wall(leaning_deg)), light))
+        shades.append(np.median(linear_from_srgb(_face(renderer.read_bgr(), tracked, FRONT) / 255)))
+    assert shades[1] == pytest.approx(shades[0], rel=0.1)  # the ground to both sides differs by the wall's shadow
+
+
+def test_from_all_around_a_leaning_normal_gets_what_both_it_and_its_triangle_see(make_renderer, stage) -> None:
+    """Of light from everywhere a half and half the cosine between them."""
+    renderer = make_renderer()
+    tracked = stage.tracked(90, stage.pose(-90, 35, 0.25))
+    shades = []
+    for leaning_deg in (0, 60):
+        renderer.render(Scene(tracked, stage.placed(_leaning_wall(leaning_deg))))
+        shades.append(np.median(linear_from_srgb(_face(renderer.read_bgr(), tracked, FRONT) / 255)))
+    assert shades[1] / shades[0] == pytest.approx(0.75, abs=0.02)
 
 
 def test_model_shadows_itself(make_renderer, stage) -> None:

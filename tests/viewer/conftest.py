@@ -16,7 +16,7 @@ from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.live.worker import Outcome
 from ashe_live.light.live.worker_process import Answer, Draw, WorkerFailure
 from ashe_live.models.mesh import Model
-from ashe_live.models.placement import PlacedModel, placed_on_marker
+from ashe_live.models.placement import UNMOVED, PlacedModel, Placement, placed_on_marker
 from ashe_live.models.primitives import box
 from ashe_live.tracking.families.markers import parse_marker
 
@@ -195,6 +195,12 @@ class FakeShelf:
 
     def progress(self, _is_drawn: bool) -> str | None:
         return None
+
+    def placement(self, _name: str, _where: str) -> Placement:
+        return UNMOVED
+
+    def keep_placement(self, _name: str, _where: str, _placement: Placement) -> None:
+        pass
 
     def take_up(self, name: str, _model: object) -> None:
         self.at = self.names.index(name)

@@ -106,10 +106,10 @@ def test_the_name_is_that_of_the_model_in_the_picture(session, monkeypatch):
     monkeypatch.setattr(display_module, "status_lines", noted)
     before, chosen = object(), object()
     for drawn, model in ((before, before), (before, chosen), (chosen, chosen)):
-        monkeypatch.setattr(session.table._shelf, "model", lambda model=model: model)
+        monkeypatch.setattr(session.table.shelf, "model", lambda model=model: model)
         session.table.drawn = (drawn,)
         display.scene(session, (640, 480), "fast", 0.0)
         if drawn is model:
-            session.table._shelf.step(1)
+            session.table.shelf.step(1)
     assert names[0] == names[1] == "cube"
     assert names[2] == "lantern"

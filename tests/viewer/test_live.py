@@ -521,7 +521,7 @@ def test_the_menu_does_what_its_row_says(stage):
         overlay = stage.renderer.scenes[-1].overlays[-1]
         return MouseEvent(MouseAction.PRESSED, overlay.left_px + 5.0, overlay.top_px + 6.0)
 
-    stage.session.table._shelf.at = 2
+    stage.session.table.shelf.at = 2
     stage.run(None, MouseEvent(MouseAction.MENU, 1.0, 1.0), None, first_row, None)
     assert stage.session.table.model_name == "cube"
 

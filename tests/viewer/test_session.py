@@ -151,7 +151,7 @@ def test_a_failure_is_said_and_keeps_the_last_light(make, fakes):
 
 def test_a_model_that_cannot_be_read_is_said(make):
     session = make()
-    session.table._shelf.error = UserError("broken.glb is damaged", "export it again")
+    session.table.shelf.error = UserError("broken.glb is damaged", "export it again")
     session.poll(0.0)
     assert "broken.glb" in session.notice(0.0)
 
@@ -647,7 +647,7 @@ def test_only_an_estimate_that_a_person_waits_for_is_urgent(make, fakes):
 
 def test_what_is_left_out_of_a_model_is_told_in_the_window_and_the_terminal(make, capsys):
     session = make()
-    session.table._shelf.words = ["duck.glb: points and lines are left out"]
+    session.table.shelf.words = ["duck.glb: points and lines are left out"]
     session.poll(1.0)
     assert session.notice(1.0) == "duck.glb: points and lines are left out"
     assert capsys.readouterr().err == "ashe-live: duck.glb: points and lines are left out\n"
@@ -666,7 +666,7 @@ def test_long_messages_stay_long_enough_to_be_read(make):
 def test_a_key_stands_the_model_on_another_side(make):
     session = make()
     assert session.handle(Request(Command.TURN_UP), 0.0)
-    assert session.table._shelf.turned == 1
+    assert session.table.shelf.turned == 1
     assert session.notice(0.0) == "cube: z is up"
 
 
@@ -674,7 +674,7 @@ def test_a_moving_model_goes_on_until_it_is_stopped(make, fakes):
     session = make()
     session.handle(Request(Command.STOP_MOTION), 0.0)
     assert session.notice(0.0) == "cube stands still: it has no animation that is played"
-    session.table._shelf.moves = True
+    session.table.shelf.moves = True
     session.take(fakes.tracked(0), 10.0)
     shown = []
     for now_s in (10.5, 11.0, 11.5, 12.0):
@@ -730,7 +730,7 @@ def test_each_model_stays_where_it_was_put(make, fakes):
 def test_a_lamp_where_no_light_can_come_from_is_told(make, fakes, monkeypatch, place, told):
     session = make()
     model = placed_on_marker(Model("box", (box((1, 1, 1)),)), 0.08)
-    monkeypatch.setattr(session.table._shelf, "model", lambda: model)
+    monkeypatch.setattr(session.table.shelf, "model", lambda: model)
     session.take(fakes.tracked(), 0.0)
     lamp = Light(place, inverse_distance=1 / np.linalg.norm(place))
     session.hand.light = Illumination((lamp,))

@@ -88,6 +88,12 @@ def add_view_options(parser: argparse.ArgumentParser) -> None:
         help="record what is drawn alone, with its transparency: --out FILE.mov (ProRes 4444), .webm (VP9) or .png",
     )
     output.add_argument(
+        "--as-shown",
+        type=Path,
+        metavar="FILE.json",
+        help="as it was moved and lit by hand while it was recorded (V names the file when it stops)",
+    )
+    output.add_argument(
         "--report", type=Path, metavar="REPORT.json", help="poses, estimates and times (docs/contract.md)"
     )
     output.add_argument("--overwrite", action="store_true", help="replace existing files")

@@ -20,6 +20,7 @@ from ashe_live.render.renderer import SceneRenderer
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.families.in_view import markers_in_view
 from ashe_live.viewer.headless import HeadlessRun, play_headless
+from ashe_live.viewer.output.as_shown import AsShown, read_as_shown
 from ashe_live.viewer.output.report import Report
 from ashe_live.viewer.session import Session
 from ashe_live.viewer.status import camera_line, light_line
@@ -43,10 +44,12 @@ def show_without_window(
             recorder = _recorder(setup)
             stack.enter_context(recorder)
             takers = (*takers, recorder.write)
+        as_shown = AsShown() if options.as_shown is None else read_as_shown(options.as_shown, session.table.shelf)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
 
         def next_scene(session: Session) -> Scene:
             end_if_asked()
+            as_shown.set_up(session)
             return _layers(scene(session), options.layers)
 
         run = HeadlessRun(next_scene, options.frames, options.loop, takers, options.layers is not None)

@@ -50,7 +50,7 @@ class ViewerSetup:
 def check_outputs(options: argparse.Namespace) -> None:
     """Raises UserError before anything is opened when a file must not or cannot be written."""
     models = (Path(name) for name in names_of(options) if name not in model_names())
-    inputs = (getattr(options, "file", None), options.camera_file, *models)
+    inputs = (getattr(options, "file", None), options.camera_file, options.as_shown, *models)
     files.check_outputs((options.out, options.report), inputs, options.overwrite)
     if options.headless and options.loop and options.frames is None:
         raise UserError("--loop without a window never ends", "give --frames N too")
@@ -58,6 +58,8 @@ def check_outputs(options: argparse.Namespace) -> None:
         raise UserError(
             "--layers are written without a window", "give --headless --out FILE.mov too; Shift+S saves one"
         )
+    if options.as_shown is not None and not options.headless:
+        raise UserError("--as-shown is shown without a window only", "give --headless --out FILE.mp4 too")
     if options.report is not None and not options.headless:
         raise UserError("--report is written without a window only", "give --headless too")
     if options.out is not None and options.out.suffix.lower() == PICTURE_SUFFIX and not options.headless:
@@ -83,7 +85,7 @@ def opened_session(setup: ViewerSetup) -> Iterator[Session]:
     steadiness = Steadiness(1) if setup.source.is_photo else Steadiness()
     first, *others = chosen_models(options)
     side_m, names = setup.tracker.side_m, [other.name for other in others]
-    shelf = Shelf(first.name, side_m, options.up, ModelMemory(), names)
+    shelf = Shelf(first.name, side_m, options.up, ModelMemory(has_places=not options.headless), names)
     with LightWorker(options.estimator) as worker:
         session = Session(shelf, worker, policy, steadiness, setup.true_to_light_marker, others)
         session.show_light = setup.shows_light

@@ -2,6 +2,7 @@
 
 import contextlib
 
+from ashe_live.commands.flags.given import flags_given
 from ashe_live.commands.flags.setup import quality_of
 from ashe_live.commands.viewing.headless import show_without_window
 from ashe_live.commands.viewing.setup import ViewerSetup, has_display, opened_session, tell_of_recordings_cut_short
@@ -50,5 +51,6 @@ def show_in_window(setup: ViewerSetup) -> int:
             window, renderer, pipeline, session, options.quality, recording, options.loop, LaterSources(options)
         )
         viewer.followed.takes_any_marker = options.takes_any_marker
+        viewer.flags = flags_given(options)
         viewer.run(options.frames, end_if_asked)
     return ExitStatus.ANSWERED

@@ -1,4 +1,4 @@
-"""Does polished metal mirror the model's own parts? Only ground and sky are drawn in it, so that this is worth a word.
+"""What does polished metal mirror? The ground is seen, the model's own parts are left out, and the sky is made up.
 
 The model is a grid of cells, a point on its surface in each that it fills; rays are looked up in it in steps.
 """
@@ -12,8 +12,13 @@ from ashe_live.core.arrays import Float
 from ashe_live.models.assembly.shading_normals import unit_rows
 from ashe_live.models.mesh import Mesh
 
-WORDS = "its polished metal mirrors ground and sky, and not the model's other parts"
+ITSELF = "its polished metal mirrors ground and sky, and not the model's other parts"
+SKY = "its polished metal mirrors a sky that is made up, as the picture shows the ground alone"
+BOTH = "its polished metal mirrors the ground and a sky that is made up, and not the model's other parts"
 POLISHED = 0.6  # roughness, above which what is mirrored is a mere tone
+# And above which the made-up sky's pattern is none any more: half of what is mirrored comes from within 2 roughness^2,
+# and a texel of the pattern is 15 degrees wide (render/lights/surroundings.py).
+CLEAR_AS_MIRRORS = 0.36
 CELLS = 48  # along the longest side
 POINTS, LOOKED_AT = 20_000, 1_000  # on the surface; of these so many are looked at
 LOOKED_FROM_RAD, WAYS = np.radians(35.0), 6  # as people look at a table, from all around
@@ -24,17 +29,17 @@ LEAST_SHARE = 0.05  # of the surface that is seen: about what is noticed at a gl
 STEP_U, STEP_V = 0.7548776662, 0.5698402910
 
 
-def mirrors_itself(parts: Sequence[Mesh]) -> bool:
-    """Whether more than LEAST_SHARE of what is seen of the surface is metal in which the model itself is to be seen."""
-    polished = np.array([_is_polished(part) for part in parts])
-    if not polished.any():
-        return False
+def words_on_mirrors(parts: Sequence[Mesh]) -> str | None:
+    """ITSELF, SKY or BOTH: what would be seen in metal on more than LEAST_SHARE of what is seen of the surface."""
+    roughness = np.array([_roughness_of_metal(part) for part in parts])
+    if not (roughness < POLISHED).any():
+        return None
     part, places, normals = _points_on(parts)
     cells = _Cells(places)
     some = slice(None, None, max(1, len(part) // LOOKED_AT))
     part, places, normals = part[some], places[some], normals[some]
     both_sides = np.array([each.material.double_sided for each in parts])[part]
-    seen = mirroring = 0
+    seen = itself = sky = 0
     for turn in range(WAYS):
         azimuth = 2 * np.pi * turn / WAYS
         flat = np.cos(LOOKED_FROM_RAD)
@@ -42,21 +47,27 @@ def mirrors_itself(parts: Sequence[Mesh]) -> bool:
         facing = np.where((normals @ view < 0)[:, None] & both_sides[:, None], -normals, normals)
         starts = places + CLEAR * cells.size * facing
         ahead = facing @ view > LEAST_FACING
-        starts, facing, mirrors = starts[ahead], facing[ahead], polished[part[ahead]]
+        starts, facing, rough = starts[ahead], facing[ahead], roughness[part[ahead]]
         is_seen = ~cells.filled_along(starts, np.broadcast_to(view, starts.shape))
         seen += int(is_seen.sum())
-        starts, facing = starts[is_seen & mirrors], facing[is_seen & mirrors]
-        mirroring += int(cells.filled_along(starts, 2 * (facing @ view)[:, None] * facing - view).sum())
-    return mirroring > LEAST_SHARE * seen
+        mirrors = is_seen & (rough < POLISHED)
+        starts, facing, rough = starts[mirrors], facing[mirrors], rough[mirrors]
+        towards = 2 * (facing @ view)[:, None] * facing - view
+        is_itself = cells.filled_along(starts, towards)
+        itself += int(is_itself.sum())
+        sky += int((~is_itself & (towards[:, 2] > 0) & (rough < CLEAR_AS_MIRRORS)).sum())
+    shows_itself, shows_sky = itself > LEAST_SHARE * seen, sky > LEAST_SHARE * seen
+    return {(True, True): BOTH, (True, False): ITSELF, (False, True): SKY}.get((shows_itself, shows_sky))
 
 
-def _is_polished(part: Mesh) -> bool:
+def _roughness_of_metal(part: Mesh) -> float:
+    """1 for what is none."""
     metal, roughness = part.material.metallic, part.material.roughness
     texels = part.material.metallic_roughness_map
     if texels is not None:
         roughness *= float(texels[..., 1].mean()) / 255
         metal *= float(texels[..., 2].mean()) / 255
-    return metal > 0.5 and roughness < POLISHED
+    return roughness if metal > 0.5 else 1.0
 
 
 def _points_on(parts: Sequence[Mesh]) -> tuple[NDArray[np.int64], Float, Float]:

@@ -13,11 +13,13 @@ Y_UP, Z_UP = UPS[:2]
 # Log odds of y over z. Programs write OBJ with y up unless asked otherwise; STL is for printers, whose bed is z = 0;
 # PLY comes from scanners of both kinds.
 OF_FORMAT = {".obj": 1.5, ".ply": 0.3, ".stl": -1.5}
-STANDS_ON_ZERO = 1.5  # the lowest point is at 0, as modellers put it
-MOST_OF_BASE = 1.5  # how broad a base the model has either way
+# Of what `evidence` has, in its order, as log odds of each: assets/sources/odd_models/compare_up.py --fit, seed 1.
+WEIGHTS = (2.3, 1.0, 4.7, 1.4)
 NEAR = 0.02  # of the extent
 LEVEL = 0.99  # of a base's normals, along up
 LEAST_BASE = 0.02  # of the box's floor: less may be an accident
+LEAST_UNEVEN = 0.05
+DIRECTIONS = 32  # around the model, in which it may topple
 MOST_TRIANGLES = 200_000  # that are looked at
 
 
@@ -37,16 +39,46 @@ def z_up_from(up: str) -> Float:
 
 def guessed_up(suffix: str, meshes: Sequence[RawMesh]) -> str:
     """Y_UP or Z_UP, for a file of that format whose meshes these are."""
-    odds = OF_FORMAT[suffix]
-    corners, step = _corners(meshes)
-    if len(corners) and np.isfinite(corners).all():
-        lower, upper = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-        extents = np.maximum(upper - lower, 1e-9 * (upper - lower).max() + 1e-30)
-        on_zero = np.abs(lower) < NEAR * extents
-        odds += STANDS_ON_ZERO * (float(on_zero[1]) - float(on_zero[2]))
-        of_y, of_z = (LEAST_BASE + _base(corners, step, axis, lower, extents) for axis in (1, 2))
-        odds += min(max(math.log(of_y / of_z), -MOST_OF_BASE), MOST_OF_BASE)
+    odds = OF_FORMAT[suffix] + float(evidence(meshes) @ WEIGHTS)
     return Y_UP if odds > 0 else Z_UP
+
+
+def evidence(meshes: Sequence[RawMesh]) -> Float:
+    """(4,) of how much more it speaks for y than for z being up; nothing where there is no shape.
+
+    That the lowest point is at 0, as modellers put it; how broad a flat base the model stands on; by how far it would
+    have to be tilted to topple; and how alike it is to all sides, as what is turned on a wheel or stands free.
+    """
+    corners, step = _corners(meshes)
+    if not len(corners) or not np.isfinite(corners).all():
+        return np.zeros(4)
+    lower, upper = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    extents = np.maximum(upper - lower, 1e-9 * (upper - lower).max() + 1e-30)
+    of_y, of_z = (_standing(corners, step, axis, lower, extents) for axis in (1, 2))
+    return of_y - of_z
+
+
+def _standing(corners: Float, step: int, axis: int, lower: Float, extents: Float) -> Float:
+    """(4,) of the model with that axis up."""
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+    sizes = np.linalg.norm(areas, axis=1)
+    flat = [other for other in range(3) if other != axis]
+    bottom = lower[axis] + NEAR * extents[axis]
+    is_base = (corners[:, :, axis] < bottom).all(axis=1) & (np.abs(areas[:, axis]) > LEVEL * sizes)
+    base = min(1.0, step * float(np.abs(areas[is_base, axis]).sum() / np.prod(extents[flat])))
+    middles, share = corners.mean(axis=1), sizes / max(float(sizes.sum()), 1e-300)
+    centre = share @ middles
+    points = corners.reshape(-1, 3)
+    support = points[points[:, axis] < bottom][:, flat]
+    angles = np.arange(DIRECTIONS) * (2 * np.pi / DIRECTIONS)
+    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    margin = float(((support - centre[flat]) @ around.T).max(axis=0).min())
+    topples = math.atan2(margin, max(float(centre[axis] - lower[axis]), 1e-30))
+    spread = ((middles - centre)[:, flat] * share[:, None]).T @ (middles - centre)[:, flat]
+    least, most = np.linalg.eigvalsh(spread)
+    uneven = float((most - least) / max(most + least, 1e-300))
+    on_zero = float(abs(lower[axis]) < NEAR * extents[axis])
+    return np.array([on_zero, math.log(LEAST_BASE + base), topples, -math.log(LEAST_UNEVEN + uneven)])
 
 
 def _corners(meshes: Sequence[RawMesh]) -> tuple[Float, int]:
@@ -60,13 +92,3 @@ def _corners(meshes: Sequence[RawMesh]) -> tuple[Float, int]:
 def _is_whole(mesh: RawMesh) -> bool:
     """What names vertices that are not there is refused later."""
     return bool(len(mesh.triangles) and mesh.triangles.min() >= 0 and mesh.triangles.max() < len(mesh.vertices))
-
-
-def _base(corners: Float, step: int, axis: int, lower: Float, extents: Float) -> float:
-    """The share of the box's floor that level triangles cover, were that axis up."""
-    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
-    sizes = np.linalg.norm(areas, axis=1)
-    is_low = (corners[:, :, axis] < lower[axis] + NEAR * extents[axis]).all(axis=1)
-    is_base = is_low & (np.abs(areas[:, axis]) > LEVEL * sizes)
-    floor = np.prod(np.delete(extents, axis))
-    return min(1.0, step * float(np.abs(areas[is_base, axis]).sum() / floor))

@@ -81,11 +81,20 @@ class ModelSwitch:
         self._coming: PreparedModel | None = None
         self._make = make
         self._followed_s = -math.inf
+        self._placement: Placement | None = None  # of the one that is shown
 
     @property
     def is_settled(self) -> bool:
         """Whether no model is being prepared."""
         return self._coming is None
+
+    def standing(self, placement: Placement | None, time_s: float) -> StandingModel | None:
+        """What is shown, where the wanted one is to be; where it stood last, as long as that one is not ready."""
+        if self.shown is None or placement is None:
+            return None
+        if self._coming is None or self._placement is None:
+            self._placement = placement
+        return self.shown.standing(self._placement, time_s)
 
     def is_among(self, wanted: Sequence[PlacedModel]) -> bool:
         """Whether what it shows is."""
@@ -161,11 +170,8 @@ class ModelSwitches:
     def standing(self, placements: Sequence[Placement | None], time_s: float) -> StandingGroup | None:
         """Those that can be drawn and have a placement; the same object while each of them is. None: there are none."""
         pairs = zip(self._switches, placements, strict=True)
-        members = tuple(
-            switch.shown.standing(placement, time_s)
-            for switch, placement in pairs
-            if switch.shown is not None and placement is not None
-        )
+        standing = (switch.standing(placement, time_s) for switch, placement in pairs)
+        members = tuple(each for each in standing if each is not None)
         if self._group is None or not same_objects(self._group.members, members):
             self._group = StandingGroup(members) if members else None
         return self._group

@@ -8,7 +8,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Image, frozen_view
 from ashe_live.core.camera import Size
-from ashe_live.render.hud import FONT_PT, MIN_FONT_PX, SMALLER, RowLayout, row_layout, rows_plate
+from ashe_live.render.hud import FONT_PT, MIN_FONT_PX, SMALLER, RowLayout, Rows, in_two, row_layout, rows_plate
 from ashe_live.render.scene import Overlay
 from ashe_live.viewer.hands.controls import BINDINGS
 from ashe_live.viewer.hands.requests import Command, MouseAction, MouseEvent, Request
@@ -28,7 +28,9 @@ OFFERED = (
     Command.REMOVE_MODEL,
     Command.TURN_UP,
     Command.STOP_MOTION,
+    Command.UNDO,
     Command.RESET,
+    Command.PAUSE,
     Command.OPEN,
     Command.SNAPSHOT,
     Command.CUT_OUT,
@@ -41,6 +43,8 @@ OFFERED = (
 )
 POINTED_AT_SRGBA = (246, 246, 242, 56)
 CHOSEN, OTHER = ">", " "
+CELLS = 3  # of an entry
+HIGHEST = 0.6  # of the window: a higher menu stands in two columns, if these fit beside each other
 MOST_MODELS = 9  # as many as there are keys for
 
 
@@ -61,7 +65,8 @@ def entries_for(models: Sequence[str], chosen: int) -> tuple[Entry, ...]:
         Entry(name, str(at + 1), Request(Command.CHOOSE_MODEL, at), is_chosen=at == chosen) for at, name in numbered
     ]
     bindings = {binding.command: binding for binding in BINDINGS}
-    rest = [Entry(bindings[each].help, bindings[each].shown, Request(each)) for each in OFFERED]
+    # Of several ways to ask for it the last is a key.
+    rest = [Entry(bindings[each].help, bindings[each].shown.split(", ")[-1], Request(each)) for each in OFFERED]
     return tuple(first + rest)
 
 
@@ -72,14 +77,34 @@ class _Opened:
     font_px: float
     left: int
     top: int
+    rows: Rows
     layout: RowLayout
 
     def at(self, x_px: float, y_px: float) -> int | None:
-        """The row at a place of the framebuffer."""
+        """The number of the entry at a place of the framebuffer."""
         if not 0 <= x_px - self.left < self.layout.size[0]:
             return None
         row = int((y_px - self.top - self.layout.padding) // self.layout.line)
-        return row if 0 <= row < len(self.entries) else None
+        column = sum(x_px - self.left >= begin for begin in self._begins[1:])
+        number = row + column * len(self.rows)
+        return number if 0 <= row < len(self.rows) and number < len(self.entries) else None
+
+    def place_of(self, number: int) -> tuple[int, int, Size]:
+        """Left, top and size of an entry's bar."""
+        column, row = divmod(number, len(self.rows))
+        begin, end = [*self._begins, self.layout.size[0]][column : column + 2]
+        top = self.top + self.layout.padding + row * self.layout.line
+        return self.left + begin, top, (end - begin, self.layout.line)
+
+    @property
+    def _begins(self) -> list[int]:
+        """Of each column of entries, from the plate's left edge; within the gap between two."""
+        widths, gap = self.layout.column_widths, self.layout.column_gap
+        ends = [
+            self.layout.padding + sum(widths[:cell]) + cell * gap - gap // 2
+            for cell in range(CELLS, len(widths), CELLS)
+        ]
+        return [0, *ends]
 
     def holds(self, x_px: float, y_px: float) -> bool:
         width, height = self.layout.size
@@ -143,31 +168,34 @@ class Menu:
         if opened is None or opened.size != size:
             return ()
         if self._drawn is None or self._drawn[0] is not opened or self._drawn[1] != self._pointed_at:
-            plate = Overlay(_plate(_rows(opened.entries), opened.font_px), opened.left, opened.top)
+            plate = Overlay(_plate(opened.rows, opened.font_px), opened.left, opened.top)
             shown: tuple[Overlay, ...] = (plate,)
             if self._pointed_at is not None:
-                layout = opened.layout
-                top = opened.top + layout.padding + self._pointed_at * layout.line
-                shown += (Overlay(_bar(), opened.left, top, (layout.size[0], layout.line)),)
+                shown += (Overlay(_bar(), *opened.place_of(self._pointed_at)),)
             self._drawn = opened, self._pointed_at, shown
         return self._drawn[2]
 
 
 def _placed(entries: tuple[Entry, ...], at_px: tuple[float, float], size: Size, content_scale: float) -> _Opened:
-    """Its corner at the pointer, or as near as it fits, with smaller letters where it is too high."""
-    rows, font_px = _rows(entries), FONT_PT * content_scale
-    while (layout := row_layout(rows, font_px)).size[1] > size[1] and font_px > MIN_FONT_PX:
+    """Its corner at the pointer, or as near as it fits; with smaller letters where it is too large."""
+    one, font_px = _rows(entries), FONT_PT * content_scale
+    rows = one if row_layout(one, font_px).size[1] <= HIGHEST * size[1] else in_two(one)
+    while font_px > MIN_FONT_PX:
+        layout = row_layout(rows, font_px)
+        if all(own <= whole for own, whole in zip(layout.size, size, strict=True)):
+            break
         font_px = max(MIN_FONT_PX, SMALLER * font_px)
+    layout = row_layout(rows, font_px)
     left, top = (max(0, min(round(at), whole - own)) for at, whole, own in zip(at_px, size, layout.size, strict=True))
-    return _Opened(entries, size, font_px, left, top, layout)
+    return _Opened(entries, size, font_px, left, top, rows, layout)
 
 
-def _rows(entries: tuple[Entry, ...]) -> tuple[tuple[str, ...], ...]:
+def _rows(entries: tuple[Entry, ...]) -> Rows:
     return tuple((CHOSEN if entry.is_chosen else OTHER, entry.text, entry.keys) for entry in entries)
 
 
 @lru_cache(maxsize=1)
-def _plate(rows: tuple[tuple[str, ...], ...], font_px: float) -> Image:
+def _plate(rows: Rows, font_px: float) -> Image:
     return frozen_view(rows_plate(rows, font_px))
 
 

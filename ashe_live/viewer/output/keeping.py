@@ -18,6 +18,7 @@ from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.lights.light_map import write_light_map
 from ashe_live.render.renderer import SceneRenderer
 from ashe_live.viewer.display import bare_scene
+from ashe_live.viewer.output.as_shown import AsShown, shown_now
 from ashe_live.viewer.output.recording import Recording
 from ashe_live.viewer.session import Session
 
@@ -35,6 +36,8 @@ class Keeper:
         self._recording = recording
         self._renderer: SceneRenderer | None = None
         self.clip_path: Path | None = None  # of what is played, where it can be played again without a window
+        self.flags: Callable[[], list[str]] = list  # with which
+        self._as_shown = AsShown()
 
     @property
     def is_recording(self) -> bool:
@@ -105,6 +108,7 @@ class Keeper:
             return
         # All frames of a clip have one size, so another source ends the recording.
         if self._recording.size == drawn_size(self._session.tracked.frame.size):
+            self._as_shown.add(self._session.tracked.frame.index, shown_now(self._session))
             self._recording.take(lambda: self._picture(preset), is_new, now_s)
             if self._recording.failure is None:
                 return
@@ -114,18 +118,27 @@ class Keeper:
         """Ends the recording, if there is one."""
         if self._recording is not None:
             recording, self._recording = self._recording, None
+            as_shown, self._as_shown = self._as_shown, AsShown()
             said = recording.finish()
             if self.clip_path is not None and recording.has_gaps:
-                said += f"; every frame: {self._command(self.clip_path)} --headless --out FILE.mp4"
+                said += f"; every frame: {self._command(self.clip_path, recording.path, as_shown)}"
             self._tell(said, now_s)
 
-    def _command(self, clip: Path) -> str:
-        """That plays the clip with the same models, where they stood first."""
+    def _command(self, clip: Path, recorded: Path, as_shown: AsShown) -> str:
+        """That plays the clip with the same models, moved and lit as they were; what needs a file gets one."""
         # Of a clip whose light is known, as the shipped one is, nobody has the file at hand.
-        words = ["demo"] if self._session.true_to_light_marker is not None else ["play", str(clip)]
+        is_demo = self._session.true_to_light_marker is not None
+        words = ["demo"] if is_demo else ["play", str(clip)]
         for chosen in self._session.arrangement.chosen:
             words += ["--model", chosen.name if chosen.marker is None else f"{chosen.marker}={chosen.name}"]
-        return shlex.join(["ashe-live", *words])
+        words += self.flags()
+        if is_demo or not as_shown.is_plain:  # the demo without it has text in the picture
+            try:
+                path = write_json(recorded.with_suffix(".json"), as_shown.to_json(), beside=True)
+                words += ["--as-shown", str(path)]
+            except UserError as error:
+                return f"not as it was moved by hand: {error}"
+        return shlex.join(["ashe-live", *words, "--headless", "--out", "FILE.mp4"])
 
     def _picture(self, preset: RenderPreset, is_cut_out: bool = False) -> Image:
         """(h, w, 3) uint8 BGR, or BGRA where it is cut out."""

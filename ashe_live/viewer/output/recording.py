@@ -74,6 +74,10 @@ class Recording:
         return f"saved {self._recorder.path} ({frames} frames{lost})"
 
     @property
+    def path(self) -> Path:
+        return self._recorder.path
+
+    @property
     def has_gaps(self) -> bool:
         """Whether pictures are missing that a machine with more time would have shown."""
         return self._slots.missed > 0

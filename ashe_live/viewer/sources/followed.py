@@ -26,6 +26,14 @@ class Followed:
         self._hunt = MarkerHunt()
         self._hfov_deg: float | None = None  # that a person chose
 
+    @property
+    def flags(self) -> list[str]:
+        """That choose the same from the start, of a clip or photo whose marker is not known anyhow."""
+        if not self._pipeline.may_follow_others:
+            return []
+        seen_by = [] if self._hfov_deg is None else [f"--hfov={self._hfov_deg:g}"]
+        return [f"--marker={self._pipeline.marker}", *seen_by]
+
     def look(self, now_s: float) -> None:
         """Says which other markers are in view; follows the only one where nobody has named any."""
         session = self._session

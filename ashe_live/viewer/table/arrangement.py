@@ -1,7 +1,7 @@
 """The models on the table: one in hand, which keys and mouse change, and others that stand as they were left."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,17 +16,7 @@ from ashe_live.viewer.estimates.beside import first_placement
 from ashe_live.viewer.hands.hand import Hand
 from ashe_live.viewer.hands.pointing import Pixel
 from ashe_live.viewer.table.shelf import Shelf
-
-
-@dataclass(frozen=True, slots=True)
-class Stand:
-    """A model on its place. That of the model in hand is as it was when that was taken up."""
-
-    name: str
-    model: PlacedModel
-    placement: Placement = UNMOVED  # by hand, counted from its place
-    seat: int = 0  # of those on its marker: 0 in the middle, 1 to the right, 2 to the left, ...
-    marker: str | None = None
+from ashe_live.viewer.table.stand import LeftPlaces, Stand
 
 
 class Arrangement:
@@ -41,12 +31,24 @@ class Arrangement:
         for other in others:
             seat = self._free_seat(other.marker)
             self._stands.append(Stand(other.name, shelf.loaded(other.name), UNMOVED, seat, other.marker))
-        self._left: dict[str, Placement] = {}  # of models that were shown, by their names
+        self._left = LeftPlaces(shelf)
         self._first = UNMOVED  # of models that nobody has moved
         self._first_is_due = True  # where they stand depends on the light, and on what the marker is
+        self._stand_as_left()
 
     def __len__(self) -> int:
         return len(self._stands)
+
+    @property
+    def stands(self) -> tuple[Stand, ...]:
+        """All of them in their order, the one in hand as it is."""
+        in_hand = self._as_it_is()
+        return tuple(in_hand if number == self.in_hand else stand for number, stand in enumerate(self._stands))
+
+    def stand_as(self, stands: tuple[Stand, ...]) -> None:
+        """In the place of what there is; the first is in the hand."""
+        self._stands = list(stands)
+        self._take_up(0)
 
     @property
     def marker_in_hand(self) -> str | None:
@@ -56,7 +58,7 @@ class Arrangement:
     @property
     def chosen(self) -> list[ChosenModel]:
         """All of them in their order, as they could be named at the start."""
-        return [ChosenModel(stand.name, stand.marker) for stand in self._now]
+        return [ChosenModel(stand.name, stand.marker) for stand in self.stands]
 
     @property
     def moves(self) -> bool:
@@ -67,7 +69,7 @@ class Arrangement:
     def models(self, tracked: TrackedFrame | None) -> list[tuple[str, PlacedModel, Placement | None]]:
         """All of them in their order, by name; no placement where its marker is not in the frame."""
         found = []
-        for stand in self._now:
+        for stand in self.stands:
             anchor = self._anchor(stand, tracked)
             found.append((stand.name, stand.model, None if anchor is None else anchor @ stand.placement))
         return found
@@ -128,11 +130,10 @@ class Arrangement:
             return
         self._first_is_due = False
         before, self._first = self._first, first_placement(tracked, light, in_its_place)
-        if self._hand.placement == before:
-            self._hand.placement = self._first
+        in_hand = replace(self._stands[self.in_hand], placement=self._hand.placement)
+        self._hand.placement = self._left.cleared(in_hand, before, self._first)
         self._stands = [
-            replace(stand, placement=self._first) if stand.placement == before and stand.marker is None else stand
-            for stand in self._stands
+            replace(stand, placement=self._left.cleared(stand, before, self._first)) for stand in self._stands
         ]
 
     def stand_clear_again(self, tracked: TrackedFrame | None, light: Light | None, in_its_place: bool) -> None:
@@ -141,18 +142,34 @@ class Arrangement:
         self.stand_clear(tracked, light, in_its_place)
 
     def begin_anew(self) -> None:
-        """Another clip or photo: every model is where it was at first."""
-        self._stands = [replace(stand, placement=UNMOVED) for stand in self._stands]
+        """Another clip or photo: every model stands as it would in another run."""
+        self._left.forget_this_run()
         self._first, self._first_is_due = UNMOVED, True
+        self._stand_as_left()
+
+    def give_back(self) -> None:
+        """The model in the hand stands as if nobody had ever moved it."""
+        self._hand.placement = self._first if self.marker_in_hand is None else UNMOVED
+        self.keep_places()
+
+    def keep_places(self) -> None:
+        """Has the model in the hand stand as it does when it comes there again, also in another run."""
+        self._left.keep(self._as_it_is(), self._first)
+
+    @property
+    def is_as_left(self) -> bool:
+        """Whether the model in the hand stands otherwise than at first, since a person left it so before."""
+        stand = self._as_it_is()
+        return stand.placement not in (UNMOVED, self._first) and stand.placement == self._left.of(stand, self._first)
 
     def follow_shelf(self) -> bool:
         """Each model stays where it was put, and as large; returns whether another one has come into the hand."""
         stand, shown = self._stands[self.in_hand], self._as_it_is().name
         if shown == stand.name:
             return False
-        self._left[stand.name] = self._hand.placement
-        self._hand.placement = self._left.get(shown, self._first)
+        self._left.keep(replace(stand, placement=self._hand.placement), self._first)
         self._stands[self.in_hand] = replace(stand, name=shown)
+        self._hand.placement = self._left.of(self._stands[self.in_hand], self._first)
         return True
 
     def _change_to(self, number: int) -> bool:
@@ -162,13 +179,6 @@ class Arrangement:
         self._take_up(number)
         return True
 
-    @property
-    def _now(self) -> list[Stand]:
-        """All of them, the one in hand as it is."""
-        stands = [*self._stands]
-        stands[self.in_hand] = self._as_it_is()
-        return stands
-
     def _as_it_is(self) -> Stand:
         """The stand of the model in hand now."""
         model = self._shelf.model()  # first, as it may be another one from here on
@@ -176,7 +186,12 @@ class Arrangement:
         return replace(self._stands[self.in_hand], name=name, model=model, placement=placement)
 
     def _put_down(self) -> None:
+        self.keep_places()
         self._stands[self.in_hand] = self._as_it_is()
+
+    def _stand_as_left(self) -> None:
+        self._stands = [replace(stand, placement=self._left.of(stand, self._first)) for stand in self._stands]
+        self._hand.placement = self._stands[self.in_hand].placement
 
     def _take_up(self, number: int) -> None:
         self.in_hand, stand = number, self._stands[number]

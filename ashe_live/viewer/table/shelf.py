@@ -9,7 +9,7 @@ from ashe_live.errors import UserError
 from ashe_live.models.assembly.up import UPS
 from ashe_live.models.catalogue import model_names
 from ashe_live.models.memory import ModelMemory
-from ashe_live.models.placement import PlacedModel
+from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
 from ashe_live.models.reading import read_model
 from ashe_live.viewer.sources.background import begun
 
@@ -53,8 +53,10 @@ class Shelf:
             self.loaded(name)
 
     def loaded(self, name: str) -> PlacedModel:
-        """The model of that name, waited for. Raises UserError when it cannot be read."""
+        """The model of that name, waited for, from now on one to choose. Raises UserError when it cannot be read."""
         model = self._load(name).result()
+        if name not in self.names:
+            self.names.append(name)
         self._tell_of(name, model)
         return model
 
@@ -92,6 +94,16 @@ class Shelf:
             self._memory.keep_up(name, up)
         self._loading.pop(name, None)
         return up
+
+    def placement(self, name: str, where: str) -> Placement:
+        """How a person left the model at that place on the marker, in this run or one before."""
+        known = None if self._memory is None else self._memory.placement(name, where, self.marker_side_m)
+        return known or UNMOVED
+
+    def keep_placement(self, name: str, where: str, placement: Placement) -> None:
+        """Has it stand so again; of an unmoved one nothing is kept."""
+        if self._memory is not None:
+            self._memory.keep_placement(name, where, placement, self.marker_side_m)
 
     def take_words(self) -> list[str]:
         """What a person should know of the models that have come to be shown, each once."""

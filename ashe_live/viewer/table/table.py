@@ -35,7 +35,7 @@ class Table:
         self.arrangement = Arrangement(shelf, self.hand, others)
         self.motion = MotionClock()
         self.drawn: tuple[PlacedModel, ...] = ()  # what the picture before showed; none: nobody says
-        self._shelf = shelf
+        self.shelf = shelf
         self._say = say
         self._undo = Undo()
         self._met_name: str | None = None  # of the model in the hand, once it is known whether it moves
@@ -43,12 +43,12 @@ class Table:
     @property
     def model(self) -> PlacedModel:
         """The one in the hand."""
-        return self._shelf.model()
+        return self.shelf.model()
 
     @property
     def model_name(self) -> str:
         """Of that, as it is shown: of a file its name without the folders."""
-        return Path(self._shelf.shown_name).name
+        return Path(self.shelf.shown_name).name
 
     @property
     def in_hand_said(self) -> str:
@@ -59,8 +59,8 @@ class Table:
     @property
     def offered(self) -> tuple[tuple[str, ...], int]:
         """The models to choose from, as they are shown, and the place of what was chosen."""
-        names = tuple(Path(name).name for name in self._shelf.names)
-        return names, self._shelf.names.index(self._shelf.chosen_name)
+        names = tuple(Path(name).name for name in self.shelf.names)
+        return names, self.shelf.names.index(self.shelf.chosen_name)
 
     @property
     def is_drawn(self) -> bool:
@@ -70,7 +70,7 @@ class Table:
     @property
     def progress(self) -> str | None:
         """A message while a model is being loaded, or prepared for drawing, if that takes long."""
-        return self._shelf.progress(self.is_drawn)
+        return self.shelf.progress(self.is_drawn)
 
     @property
     def motion_s(self) -> float:
@@ -79,10 +79,11 @@ class Table:
 
     def open(self, path: str) -> None:
         """Shows the model in the file as soon as it is read."""
-        self._shelf.add(path)
+        self.shelf.add(path)
 
     def begin_anew(self) -> None:
         """Resets what was done by hand, for another clip or photo."""
+        self.arrangement.keep_places()
         self.hand.reset()
         self.arrangement.begin_anew()
         self._undo.forget()
@@ -92,11 +93,11 @@ class Table:
 
         `is_quiet`: no message is shown that a hint could hide.
         """
-        if (error := self._shelf.take_error()) is not None:
+        if (error := self.shelf.take_error()) is not None:
             is_quiet = False
             self._say(str(error), now_s)
         self.motion.tick(now_s)
-        if words := self._shelf.take_words():
+        if words := self.shelf.take_words():
             self._say("; ".join(words), now_s)
             for line in words:
                 tell(line)
@@ -109,14 +110,14 @@ class Table:
         """
         match request.command:
             case Command.CHOOSE_MODEL:
-                if not self._shelf.choose(request.number):
-                    self._say(f"there are {len(self._shelf.names)} models", now_s)
+                if not self.shelf.choose(request.number):
+                    self._say(f"there are {len(self.shelf.names)} models", now_s)
             case Command.PREVIOUS_MODEL:
-                self._shelf.step(-1)
+                self.shelf.step(-1)
             case Command.NEXT_MODEL:
-                self._shelf.step(+1)
+                self.shelf.step(+1)
             case Command.TURN_UP:
-                self._say(f"{self.model_name}: {self._shelf.turn_up()} is up", now_s)
+                self._say(f"{self.model_name}: {self.shelf.turn_up()} is up", now_s)
             case Command.STOP_MOTION:
                 self._stop_motion(now_s)
             case Command.ADD_MODEL | Command.REMOVE_MODEL | Command.NEXT_IN_HAND:
@@ -126,6 +127,7 @@ class Table:
             case Command.RESET:
                 self._undo.note(self.hand, request, now_s)
                 self.hand.reset()
+                self.arrangement.give_back()
             case command if command in SETS_LIGHT | CHANGES_MODEL:
                 self._obey_hand(request, tracked, estimated, now_s)
             case _:
@@ -135,9 +137,11 @@ class Table:
     def _follow_shelf(self, now_s: float, is_quiet: bool = False) -> None:
         if self.arrangement.follow_shelf():
             self._undo.forget()
-        if self._shelf.shown_name != self._met_name:
-            self._met_name = self._shelf.shown_name
-            if self._shelf.moves and is_quiet:
+        if self.shelf.shown_name != self._met_name:
+            self._met_name = self.shelf.shown_name
+            if self.arrangement.is_as_left and is_quiet:
+                self._say(f"{self.model_name} stands as it was left: Backspace gives its first place and size", now_s)
+            elif self.shelf.moves and is_quiet:
                 self._say(f"{self.model_name} moves: K stops it", now_s)
 
     def _rearrange(self, command: Command, now_s: float) -> None:

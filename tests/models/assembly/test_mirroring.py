@@ -1,4 +1,4 @@
-"""Polished metal is worth a word where it would mirror the model, as geometry has it, and nowhere else."""
+"""Polished metal is worth a word where it would mirror the model, as geometry has it, or the sky, and nowhere else."""
 
 import math
 from dataclasses import replace
@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ashe_live.models.assembly.mirroring import mirrors_itself
+from ashe_live.models.assembly.mirroring import BOTH, ITSELF, SKY, words_on_mirrors
 from ashe_live.models.material import Material
 from ashe_live.models.mesh import Mesh
 from ashe_live.models.primitives import revolved
@@ -22,6 +22,10 @@ def _turned(radii: np.ndarray, heights: np.ndarray, material: Material) -> Mesh:
 def _ball(material: Material) -> Mesh:
     polar = np.linspace(0, math.pi, 33)
     return _turned(np.sin(polar), 1.05 - np.cos(polar), material)
+
+
+def mirrors_itself(parts: list[Mesh]) -> bool:
+    return words_on_mirrors(parts) in (ITSELF, BOTH)
 
 
 def _tray(material: Material) -> Mesh:
@@ -52,3 +56,20 @@ def test_a_map_says_what_is_metal(metal: int, told: bool) -> None:
     texels = np.full((2, 2, 4), (0, 60, metal, 255), np.uint8)
     tray = _tray(Material(metallic=1.0, roughness=1.0, metallic_roughness_map=texels))
     assert mirrors_itself([tray, _ball(PLASTIC)]) is told
+
+
+def test_the_sky_is_told_where_it_is_mirrored_clearly_from_above() -> None:
+    blurred = replace(METAL, roughness=0.5)
+    for mesh in (_tray, _ball):
+        assert words_on_mirrors([mesh(METAL)]) == SKY
+        assert words_on_mirrors([mesh(blurred)]) is words_on_mirrors([mesh(PLASTIC)]) is None
+    on_tray = _ball(PLASTIC)
+    assert words_on_mirrors([_tray(METAL), on_tray]) == BOTH
+    assert words_on_mirrors([_tray(blurred), on_tray]) == ITSELF
+
+
+def test_walls_that_lean_over_mirror_the_ground_alone() -> None:
+    """Of a funnel's outside, seen from 35 degrees, the mirrored direction points down."""
+    funnel = _turned(np.linspace(1.0, 2.0, 20), np.linspace(0.0, 1.0, 20), METAL)
+    lid = _turned(np.linspace(2.0, 0.0, 20), np.ones(20), PLASTIC)
+    assert words_on_mirrors([funnel, lid]) is None

@@ -40,6 +40,34 @@ def test_what_stands_on_a_foot_stands_in_every_format(tmp_path: Path, suffix: st
     assert radii[heights < 1].max() > radii[heights > 2.9].max()
 
 
+def stool() -> trimesh.Trimesh:
+    """Three legs, none of whose feet is flat, below a seat that is as flat above as below."""
+    seat = trimesh.creation.cylinder(0.5, 0.1, sections=24)
+    legs = []
+    for turn in np.arange(3) * 2 * np.pi / 3:
+        leg = trimesh.creation.capsule(0.8, 0.04, count=[8, 8])
+        leg.apply_translation((0.4 * np.cos(turn), 0.4 * np.sin(turn), -0.85))
+        legs.append(leg)
+    return trimesh.util.concatenate([seat, *legs])
+
+
+def bottle() -> trimesh.Trimesh:
+    """It stands on a rim, and is long enough to lie more firmly than it stands, had it edges to lie on."""
+    return trimesh.creation.revolve(
+        [(0, 0.05), (0.6, 0.05), (0.8, 0), (1, 0.1), (1, 4), (0.3, 5), (0.3, 7)], sections=24
+    )
+
+
+@pytest.mark.parametrize("middle_m", [0.0, 40.0])
+@pytest.mark.parametrize("made", [stool, bottle, tapered])
+@pytest.mark.parametrize("up", ["y", "z"])
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_what_cannot_lie_stands_wherever_its_origin_is(tmp_path: Path, suffix: str, up: str, made, middle_m) -> None:
+    mesh = made()
+    mesh.apply_translation(middle_m - mesh.bounds.mean(axis=0))
+    assert load_model_file(saved(mesh, tmp_path / f"thing{suffix}", up)).up == up
+
+
 @pytest.mark.parametrize(("suffix", "up"), [(".obj", "y"), (".ply", "y"), (".stl", "z")])
 def test_a_shape_that_tells_nothing_is_as_most_of_its_format(tmp_path: Path, suffix: str, up: str) -> None:
     trimesh.creation.icosphere(subdivisions=2).export(tmp_path / f"ball{suffix}")

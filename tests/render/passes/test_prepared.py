@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.types import Illumination
+from ashe_live.models.placement import UNMOVED, Placement
 from ashe_live.models.primitives import box
 from ashe_live.quality import FAST
 from ashe_live.render.gl.offscreen import live_gl_objects
@@ -20,8 +21,11 @@ def test_the_model_before_is_shown_until_the_next_is_ready(ctx, stage, monkeypat
     renderer = SceneRenderer(ctx, FAST.render, (480, 360), switches_at_once=False)
     at_once = SceneRenderer(ctx, FAST.render, (480, 360))
 
+    # Each model has a place of its own, which no other is drawn at.
+    placements = {small: Placement(1.3, 0.4, (0.01, 0.0)), large: UNMOVED, None: UNMOVED}
+
     def picture(of: SceneRenderer, model) -> np.ndarray:
-        of.render(Scene(tracked, model, Illumination((stage.light(10, 40),))))
+        of.render(Scene(tracked, model, Illumination((stage.light(10, 40),)), placement=placements[model]))
         return of.read_bgr()
 
     small_alone, large_alone = picture(at_once, small), picture(at_once, large)

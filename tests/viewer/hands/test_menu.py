@@ -42,15 +42,41 @@ def test_the_chosen_model_is_marked():
 @pytest.mark.parametrize("corner", [(0, 0), (639, 0), (0, 479), (639, 479)])
 def test_every_row_can_be_chosen_wherever_it_was_opened(corner):
     found = set()
-    for row in range(480):
-        menu = opened(*corner)
-        left, top, width, height = plate(menu)
-        assert min(left, top) >= 0
-        assert (left + width, top + height) <= SIZE
-        assert top + height <= SIZE[1]
-        if top <= row < top + height:
-            found.add(chosen_at(left + width / 2, row, menu))
+    for share in (0.1, 0.4, 0.6, 0.9):  # of two columns, from left to right
+        for row in range(480):
+            menu = opened(*corner)
+            left, top, width, height = plate(menu)
+            assert min(left, top) >= 0
+            assert left + width <= SIZE[0]
+            assert top + height <= SIZE[1]
+            if top <= row < top + height:
+                found.add(chosen_at(left + share * width, row, menu))
     assert found - {None} == {entry.request for entry in ENTRIES}
+
+
+@pytest.mark.parametrize("size", [SIZE, (1280, 720), (1920, 1080)])
+def test_the_picture_stays_in_view_beside_it(size: tuple[int, int]):
+    _, _, width, height = plate(opened(0, 0, size), size)
+    assert width * height < 0.6 * size[0] * size[1]
+    assert height < 0.8 * size[1]
+
+
+@pytest.mark.parametrize("size", [SIZE, (1280, 720), (1000, 2000)])
+def test_what_is_pointed_at_is_what_is_brighter(size: tuple[int, int]):
+    for x in np.linspace(1, size[0] - 1, 12):
+        for y in np.linspace(1, size[1] - 1, 60):
+            menu = opened(0, 0, size)
+            menu.take_mouse(MouseEvent(MOVED, x, y), lambda: ENTRIES, size, 1.0)
+            bars = menu.overlays(size)[1:]
+            wanted = chosen_at(x, y, menu, size) if menu.is_open and bars else None
+            assert bool(bars) == (wanted is not None)
+            for bar in bars:
+                assert 0 <= x - bar.left_px < bar.shown_size[0]
+                assert 0 <= y - bar.top_px < bar.shown_size[1]
+
+
+def test_what_was_done_can_be_undone_and_the_clip_paused_without_knowing_a_key():
+    assert {Command.UNDO, Command.PAUSE} <= set(OFFERED)
 
 
 def test_a_press_beside_it_closes_it_and_reaches_nothing_below():

@@ -102,8 +102,8 @@ def test_one_more_is_put_beside_and_taken_away_again(make, fakes):
     asked(session, Command.ADD_MODEL)
     assert names(session) == ["cube", "cube"]
     asked(session, Request(Command.CHOOSE_MODEL, 2))
-    name = session.table._shelf.chosen_name
-    session.table._shelf.loaded(name)
+    name = session.table.shelf.chosen_name
+    session.table.shelf.loaded(name)
     session.poll(0.0)
     assert names(session) == ["cube", name]
     assert session.table.in_hand_said == f"{name} (2 of 2)"
@@ -167,8 +167,8 @@ def test_they_are_named_as_a_command_takes_them(make, fakes):
     session = make(ChosenModel("mug"), ChosenModel("tree", OTHER))
     session.take(fakes.tracked(0), 0.0)
     asked(session, Request(Command.CHOOSE_MODEL, 2))
-    name = session.table._shelf.chosen_name
-    session.table._shelf.loaded(name)
+    name = session.table.shelf.chosen_name
+    session.table.shelf.loaded(name)
     session.poll(0.0)
     assert session.arrangement.chosen == [ChosenModel(name), ChosenModel("mug"), ChosenModel("tree", OTHER)]
 

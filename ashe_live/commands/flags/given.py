@@ -1,0 +1,35 @@
+"""The flags that a command was given, to be given again."""
+
+import argparse
+
+from ashe_live.commands.flags.parser import build_parser
+
+# Of how a clip is looked at; which models there are, and what becomes of the pictures, is told anew.
+KEPT = (
+    "--marker-size",
+    "--caster",
+    "--camera-file",
+    "--focal-px",
+    "--hfov",
+    "--up",
+    "--estimate-at",
+    "--quality",
+    "--estimator",
+    "--light",
+)
+
+
+def flags_given(options: argparse.Namespace) -> list[str]:
+    """Those that `play`, or `demo` of its own clip, has and that are not as they come.
+
+    No quality where the window chooses it.
+    """
+    command = ["demo"] if getattr(options, "command", None) == "demo" else ["play", "clip.mp4"]
+    as_they_come = vars(build_parser().parse_args(command))
+    flags: list[str] = []
+    for flag in KEPT:
+        name = flag.removeprefix("--").replace("-", "_")
+        value = getattr(options, name, None)
+        if name in as_they_come and value not in (None, as_they_come[name], "auto"):
+            flags.append(f"{flag}={value}")
+    return [*flags, *(["--no-filter"] if getattr(options, "no_filter", False) else [])]

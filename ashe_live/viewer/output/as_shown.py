@@ -1,0 +1,157 @@
+"""What a person did while a clip was recorded, frame by frame, so that it can be shown again without a window."""
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ashe_live.core.contract import SCHEMA, Json, light_by_hand_json
+from ashe_live.core.types import Illumination, Light
+from ashe_live.errors import UserError
+from ashe_live.files.reading import read_json
+from ashe_live.models.placement import UNMOVED, Placement
+from ashe_live.viewer.before_after import PARTS, WHOLE
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.table.shelf import Shelf
+from ashe_live.viewer.table.stand import Stand
+
+MOST_BYTES = 100_000_000  # an hour in which something is moved in every frame
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """All that keys and mouse had set when a frame was shown."""
+
+    stands: tuple[Stand, ...]
+    by_hand: Illumination | None  # the light, where it is not the estimated one
+    by_hand_frame: int  # in which that was set
+    parts: str  # of PARTS
+    hides_marker: bool
+
+    def is_as(self, other: "Shown") -> bool:
+        """Whether nothing was done in between; every light by hand is an object of its own."""
+        same_switches = (self.parts, self.hides_marker) == (other.parts, other.hides_marker)
+        return self.by_hand is other.by_hand and self.stands == other.stands and same_switches
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the same models stand as they come, in the estimated light."""
+        moved = any(stand.placement != UNMOVED for stand in self.stands)
+        return not (moved or self.by_hand is not None or self.hides_marker or self.parts != WHOLE)
+
+
+def shown_now(session: Session) -> Shown:
+    hand = session.hand
+    return Shown(session.arrangement.stands, hand.light, hand.frame_index, session.parts_shown, session.hides_marker)
+
+
+class AsShown:
+    """By the indices of the clip's frames; what was shown last of each counts."""
+
+    def __init__(self, by_frame: dict[int, Shown] | None = None) -> None:
+        self._by_frame = by_frame or {}
+        self._last = -1  # that was added
+        self._order: list[int] = sorted(self._by_frame)
+
+    def add(self, frame: int, shown: Shown) -> None:
+        # A clip that is played again: frames that are skipped now count as those before them.
+        for skipped in range(self._last + 1, frame):
+            self._by_frame.pop(skipped, None)
+        self._by_frame[frame], self._last = shown, frame
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether a command that names the models of the last frame shows the same."""
+        return len(self._changes()) <= 1 and all(shown.is_plain for shown in self._by_frame.values())
+
+    def to_json(self) -> Json:
+        return {"schema": SCHEMA, "shown": [_shown_json(at, shown) for at, shown in self._changes()]}
+
+    def set_up(self, session: Session) -> None:
+        """Has `session` show its present frame as it was shown."""
+        if session.tracked is None or not self._order:
+            return
+        at = self._order[max(0, bisect_right(self._order, session.tracked.frame.index) - 1)]
+        shown = self._by_frame[at]
+        session.hand.light = None
+        if shown.by_hand is not None:
+            # What the light falls on is what was estimated here.
+            lights, ambient = shown.by_hand.lights, shown.by_hand.ambient_rgb_ratio
+            session.hand.light = replace(session.lit_by, lights=lights, ambient_rgb_ratio=ambient)
+        session.arrangement.stand_as(shown.stands)
+        session.parts_shown, session.hides_marker = shown.parts, shown.hides_marker
+        session.shown = session.lit_by
+
+    def _changes(self) -> list[tuple[int, Shown]]:
+        """The frames that are shown otherwise than the one before."""
+        frames = sorted(self._by_frame.items())
+        return [
+            (at, shown)
+            for place, (at, shown) in enumerate(frames)
+            if place == 0 or not shown.is_as(frames[place - 1][1])
+        ]
+
+
+def read_as_shown(path: Path, shelf: Shelf) -> AsShown:
+    """What `AsShown.to_json` wrote; its models are read. Raises UserError for what is none, or cannot be read."""
+    content = read_json(path, MOST_BYTES)
+    try:
+        if content["schema"] != SCHEMA or not content["shown"]:
+            raise ValueError("nothing of this version is in it")
+        return AsShown({int(each["frame"]): _shown(each, shelf) for each in content["shown"]})
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise UserError(f"{path} does not say how a recording was shown ({error})", "record again") from error
+
+
+def _shown_json(frame: int, shown: Shown) -> Json:
+    light = None if shown.by_hand is None else light_by_hand_json(shown.by_hand, shown.by_hand_frame)
+    return {
+        "frame": frame,
+        "models": [
+            {
+                "model": stand.name,
+                "marker": stand.marker,
+                "seat": stand.seat,
+                "scale": stand.placement.scale,
+                "turn_rad": stand.placement.turn_rad,
+                "shift_m": list(stand.placement.shift_m),
+            }
+            for stand in shown.stands
+        ],
+        "estimate": light,
+        "parts": shown.parts,
+        "hides_marker": shown.hides_marker,
+    }
+
+
+def _shown(known: Json, shelf: Shelf) -> Shown:
+    if known["parts"] not in PARTS or not known["models"]:
+        raise ValueError("a frame shows nothing")
+    light = known["estimate"]
+    by_hand = None
+    if light is not None:
+        lights = tuple(_light(each) for each in light["lights"])
+        by_hand = Illumination(lights, ambient_rgb_ratio=light["ambient_rgb_ratio"])
+    stands = tuple(_stand(each, shelf) for each in known["models"])
+    frame = 0 if light is None else int(light["frame"])
+    return Shown(stands, by_hand, frame, known["parts"], bool(known["hides_marker"]))
+
+
+def _stand(known: Json, shelf: Shelf) -> Stand:
+    x, y = known["shift_m"]
+    placement = Placement(known["scale"], known["turn_rad"], (x, y))
+    return Stand(known["model"], shelf.loaded(known["model"]), placement, int(known["seat"]), known["marker"])
+
+
+def _light(known: Json) -> Light:
+    place: Any = known["position_marker_m"]
+    size_deg = known["angular_size_deg"]
+    return Light(
+        known["to_light_marker"],
+        angular_size_rad=None if size_deg is None else math.radians(size_deg),
+        shadow_rgb_ratio=known["shadow_rgb_ratio"],
+        inverse_distance=0.0 if place is None else 1 / math.hypot(*place),
+        radius_m=known["radius_m"],
+        intensity_rgb_ratio=known["intensity_rgb_ratio"],
+    )

@@ -1,0 +1,67 @@
+"""A model on its place, and how models were left on theirs, in this run and in others before."""
+
+from dataclasses import dataclass, replace
+
+from ashe_live.models.placement import UNMOVED, PlacedModel, Placement
+from ashe_live.viewer.table.shelf import Shelf
+
+AT_FIRST = UNMOVED.shift_m  # of what is kept: where a model stands that nobody has moved, wherever that is
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """A model on its place. That of the model in hand is as it was when that was taken up."""
+
+    name: str
+    model: PlacedModel
+    placement: Placement = UNMOVED  # by hand, counted from its place
+    seat: int = 0  # of those on its marker: 0 in the middle, 1 to the right, 2 to the left, ...
+    marker: str | None = None
+
+    @property
+    def where(self) -> str:
+        """Its place among those on all markers."""
+        return str(self.seat) if self.marker is None else f"{self.marker} {self.seat}"
+
+    @property
+    def key(self) -> tuple[str, str]:
+        return self.name, self.where
+
+
+class LeftPlaces:
+    """How models were left, by their names and places.
+
+    `first` is where models stand on the followed marker that nobody has moved: beside it where that is a body.
+    """
+
+    def __init__(self, shelf: Shelf) -> None:
+        self._shelf = shelf
+        self._left: dict[tuple[str, str], Placement] = {}  # in this run
+
+    def of(self, stand: Stand, first: Placement) -> Placement:
+        """How the model stands when it comes there."""
+        left = self._left.get(stand.key)
+        known = self._shelf.placement(*stand.key) if left is None else left
+        # What was remembered of another marker counts for nothing beside a body, which may be there.
+        is_at_first = known.shift_m == AT_FIRST or (left is None and first != UNMOVED)
+        return replace(known, shift_m=first.shift_m) if is_at_first and stand.marker is None else known
+
+    def cleared(self, stand: Stand, before: Placement, first: Placement) -> Placement:
+        """How it stands from now on, where the first place is another one than `before`."""
+        if stand.key not in self._left and stand.placement == self.of(stand, before):
+            return self.of(stand, first)
+        is_at_first = stand.marker is None and stand.placement.shift_m == before.shift_m
+        return replace(stand.placement, shift_m=first.shift_m) if is_at_first else stand.placement
+
+    def keep(self, stand: Stand, first: Placement) -> None:
+        """For when it comes there again, in this run or another."""
+        if stand.key in self._left or stand.placement != self.of(stand, first):
+            at_first = stand.marker is None and stand.placement.shift_m == first.shift_m
+            kept = replace(stand.placement, shift_m=AT_FIRST) if at_first else stand.placement
+            if self._left.get(stand.key) != kept:
+                self._left[stand.key] = kept
+                self._shelf.keep_placement(*stand.key, kept)
+
+    def forget_this_run(self) -> None:
+        """What other runs would not know."""
+        self._left.clear()

@@ -1,0 +1,34 @@
+"""The flags that a command was given mean the same when they are given again."""
+
+import pytest
+
+from ashe_live.commands.flags.given import flags_given
+from ashe_live.commands.flags.parser import build_parser
+
+
+@pytest.mark.parametrize(
+    "flags",
+    [
+        [],
+        ["--marker-size", "0.15", "--focal-px", "812.5", "--quality", "fast"],
+        ["--hfov", "71", "--caster", "box:0.06x0.04x0.12", "--light", "lamp", "--no-filter"],
+        ["--camera-file", "camera.json", "--up=-z", "--estimate-at", "12", "--estimator", "paper"],
+    ],
+)
+def test_flags_given_again_are_the_same_flags(flags: list[str]) -> None:
+    parser = build_parser()
+    options = parser.parse_args(["play", "clip.mp4", *flags])
+    assert parser.parse_args(["play", "clip.mp4", *flags_given(options)]) == options
+
+
+def test_what_the_window_chooses_by_itself_is_no_flag() -> None:
+    options = build_parser().parse_args(["play", "clip.mp4", "--quality", "auto", "--loop", "--out", "here.mp4"])
+    assert flags_given(options) == []
+
+
+def test_the_demo_has_no_flags_for_what_is_known_of_its_clip() -> None:
+    parser = build_parser()
+    options = parser.parse_args(["demo", "--quality", "fast", "--light", "sun"])
+    options.marker, options.marker_size = "aruco:4x4_50:0", 0.12
+    again = parser.parse_args(["demo", *flags_given(options)])
+    assert (again.quality, again.light) == ("fast", "sun")

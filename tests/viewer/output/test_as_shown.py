@@ -1,0 +1,139 @@
+"""What was done by hand while a clip was recorded comes back frame by frame, through the file that says so."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ashe_live.core.contract import SCHEMA
+from ashe_live.core.types import Illumination, Light
+from ashe_live.errors import UserError
+from ashe_live.models.catalogue import ChosenModel
+from ashe_live.models.placement import Placement
+from ashe_live.tracking.poses.steadiness import Steadiness
+from ashe_live.viewer.before_after import PARTS, WHOLE
+from ashe_live.viewer.estimates.policy import EstimatePolicy
+from ashe_live.viewer.output.as_shown import AsShown, read_as_shown, shown_now
+from ashe_live.viewer.session import Session
+from ashe_live.viewer.table.shelf import Shelf
+
+MOVED = Placement(1.5, 0.7, (0.02, -0.04))
+LAMP = Light((0.2, -0.3, 0.7), shadow_rgb_ratio=(0.5, 0.4, 0.3), inverse_distance=2.5, radius_m=0.02)
+SUN = Light((0.2, 0.3, 0.7), angular_size_rad=0.1, shadow_rgb_ratio=(0.5, 0.4, 0.3))
+
+
+@pytest.fixture
+def begun(fakes):
+    def session(model: str = "cube", *others: ChosenModel) -> Session:
+        shelf = Shelf(model, 0.08, others=[other.name for other in others])
+        return Session(shelf, fakes.Worker(), EstimatePolicy(), Steadiness(3), others=others)
+
+    return session
+
+
+def written(as_shown: AsShown, folder: Path, session: Session) -> AsShown:
+    path = folder / "shown.json"
+    path.write_text(json.dumps(as_shown.to_json(), allow_nan=False))
+    return read_as_shown(path, session.table.shelf)
+
+
+def test_every_frame_is_as_it_was_shown(begun, fakes, tmp_path: Path) -> None:
+    window, as_shown = begun("mug", ChosenModel("tree")), AsShown()
+    as_shown.add(3, shown_now(window))
+    window.hand.placement, window.hand.light = MOVED, Illumination((LAMP,))
+    as_shown.add(5, shown_now(window))
+    as_shown.add(6, shown_now(window))
+    window.hand.light, window.parts_shown, window.hides_marker = Illumination((SUN,)), PARTS[1], True
+    as_shown.add(9, shown_now(window))
+    assert not as_shown.is_plain
+    assert [each["frame"] for each in as_shown.to_json()["shown"]] == [3, 5, 9]
+
+    session = begun("cube")
+    again = written(as_shown, tmp_path, session)
+    for frame, placement, light in (
+        (0, Placement(), None), (4, Placement(), None), (5, MOVED, LAMP), (8, MOVED, LAMP), (20, MOVED, SUN),
+    ):  # fmt: skip
+        session.take(fakes.tracked(frame), 0.0)
+        again.set_up(session)
+        (name, _, at), (other, _, beside) = session.arrangement.models(session.tracked)
+        assert (name, at, other, beside.shift_m) == ("mug", placement, "tree", (0.1, 0.0))
+        if light is None:
+            assert session.shown.lights == ()
+        else:
+            np.testing.assert_allclose(session.shown.light.homogeneous, light.homogeneous, atol=1e-12)
+            np.testing.assert_allclose(session.shown.light.shadow_rgb_ratio, light.shadow_rgb_ratio)
+            assert session.shown.light.radius_m == light.radius_m
+            assert session.shown.light.angular_size_rad == pytest.approx(light.angular_size_rad)
+        assert (session.parts_shown, session.hides_marker) == ((PARTS[1], True) if frame == 20 else (WHOLE, False))
+
+
+def test_of_a_clip_that_was_played_again_the_last_time_counts(begun) -> None:
+    window, as_shown = begun(), AsShown()
+    for frame in range(10):
+        as_shown.add(frame, shown_now(window))
+    window.hand.placement = MOVED
+    for frame in (0, 4, 6):  # on a machine that skips some
+        as_shown.add(frame, shown_now(window))
+    shown = as_shown.to_json()["shown"]
+    assert [(each["frame"], each["models"][0]["scale"]) for each in shown] == [(0, MOVED.scale), (7, 1.0)]
+
+
+def test_a_light_by_hand_shines_on_what_was_estimated(begun, fakes, tmp_path: Path) -> None:
+    """On its ground and its real object, which the file does not hold."""
+    window, as_shown = begun(), AsShown()
+    window.hand.light = Illumination((SUN,))
+    as_shown.add(0, shown_now(window))
+    session = begun()
+    ground = np.array((0.1, 0.2, 0.3))
+    session.take(fakes.tracked(0), 0.0)
+    session._estimated = Illumination((LAMP,), ground_rgb=ground, seen_in=session.tracked)
+    written(as_shown, tmp_path, session).set_up(session)
+    np.testing.assert_array_equal(session.shown.ground_rgb, ground)
+    assert session.shown.seen_in is session.tracked
+    np.testing.assert_allclose(session.shown.light.to_light_marker, SUN.to_light_marker)
+
+
+def test_what_a_command_shows_anyhow_is_plain(begun) -> None:
+    window, as_shown = begun(), AsShown()
+    as_shown.add(0, shown_now(window))
+    as_shown.add(1, shown_now(window))
+    assert as_shown.is_plain
+    window.hand.placement = Placement(turn_rad=math.radians(5))
+    as_shown.add(2, shown_now(window))
+    assert not as_shown.is_plain
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "[]",
+        "3",
+        "{}",
+        '{"schema": 1, "shown": []}',
+        '{"schema": 2, "shown": [1]}',
+        '{"schema": 1, "shown": [{"frame": 0}]}',
+    ],
+)
+def test_another_file_is_refused_in_one_line(begun, tmp_path: Path, content: str) -> None:
+    path = tmp_path / "shown.json"
+    path.write_text(content)
+    with pytest.raises(UserError, match="does not say how a recording was shown"):
+        read_as_shown(path, begun().table.shelf)
+
+
+def test_a_damaged_light_or_place_is_refused(begun, tmp_path: Path) -> None:
+    window, as_shown = begun(), AsShown()
+    window.hand.light = Illumination((SUN,))
+    as_shown.add(0, shown_now(window))
+    for path, value in ((("models", 0, "scale"), 0), (("models", 0, "shift_m"), [1]), (("parts",), "none")):
+        record = as_shown.to_json()
+        assert record["schema"] == SCHEMA
+        at = record["shown"][0]
+        for key in path[:-1]:
+            at = at[key]
+        at[path[-1]] = value
+        (tmp_path / "shown.json").write_text(json.dumps(record))
+        with pytest.raises(UserError, match="does not say"):
+            read_as_shown(tmp_path / "shown.json", begun().table.shelf)
