@@ -1,6 +1,7 @@
 """Cubes painted by the bench's painter, as tests want them."""
 
-from ashe_live.bench.cube.painter import CubeScene, Folds, PaintedLight, painted
+from ashe_live.bench.cube.painted_scene import CubeScene, Folds, PaintedLight
+from ashe_live.bench.cube.painter import painted
 from ashe_live.bench.cube.scenes import CAMERA, EDGE_M, looking, sun
 from ashe_live.core.types import Frame
 

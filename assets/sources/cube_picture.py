@@ -14,7 +14,8 @@ import cv2
 import numpy as np
 
 import ashe_live as al
-from ashe_live.bench.cube.painter import CubeScene, painted
+from ashe_live.bench.cube.painted_scene import CubeScene
+from ashe_live.bench.cube.painter import painted
 from ashe_live.bench.cube.scenes import CAMERA, looking, sun
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.predicted import outlines

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ashe_live.bench.cube.painter import CubeScene, level_of
+from ashe_live.bench.cube.painted_scene import CubeScene, level_of
 from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.core.types import Illumination
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from ashe_live.bench.bench import Bench
 from ashe_live.bench.cube.lights import light_row, median
-from ashe_live.bench.cube.painter import CubeScene, painted
+from ashe_live.bench.cube.painted_scene import CubeScene
+from ashe_live.bench.cube.painter import painted
 from ashe_live.bench.cube.pictures import CubePicture, painted_pictures, traced_picture, traced_pictures
 from ashe_live.bench.cube.scenes import CAMERA, EDGE_M, SETS, looking, sun
 from ashe_live.bench.tables import figures_table

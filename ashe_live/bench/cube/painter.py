@@ -6,8 +6,6 @@ linear, averaged over a finer grid of pixels, then blurred, encoded, made noisy 
 """
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import cv2
@@ -15,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.bench.cube.bounce import light_from_table, part_from_facet
+from ashe_live.bench.cube.painted_scene import CubeScene, PaintedLight, hull_of, level_of, on_table
 from ashe_live.core.arrays import Float, Float32, Image
 from ashe_live.core.camera import Camera
 from ashe_live.core.colour import srgb_from_linear
@@ -30,54 +29,6 @@ DISC = 48  # points of a light's disc
 HIDDEN_SKY, FADING = 0.45, 0.55
 AROUND, MAPPED = 4.0, 129  # edges around the cube to which its sides send light, and places of a map along these
 BITS = 6  # of a finer pixel's fractions in OpenCV's polygons
-
-
-@dataclass(frozen=True, slots=True)
-class Folds:
-    """How each of the five faces lies off where a perfect cube has it."""
-
-    turns: Float = field(default_factory=lambda: np.zeros((5, 3)))  # (5, 3) rotation vectors about their centres
-    shifts: Float = field(default_factory=lambda: np.zeros((5, 3)))  # (5, 3) edges
-
-    @classmethod
-    def drawn(cls, rng: np.random.Generator, edge_m: float, most_m: float = 1e-3, most_deg: float = 1.5) -> "Folds":
-        """Evenly up to so much along and about each axis."""
-        shifts = rng.uniform(-most_m, most_m, (5, 3)) / edge_m
-        return cls(np.radians(rng.uniform(-most_deg, most_deg, (5, 3))), shifts)
-
-    def placed(self, number: int, points: Float) -> Float:
-        """(n, 3) points of a face, as they lie."""
-        centre = FACES[number].centre
-        R = cv2.Rodrigues(self.turns[number])[0]
-        return np.asarray((points - centre) @ R.T + centre + self.shifts[number])
-
-
-@dataclass(frozen=True, slots=True)
-class PaintedLight:
-    """A sun, or a lamp near by."""
-
-    point: Float  # (4,) homogeneous, the cube's frame, metres: w = 0 for a sun
-    irradiance_rgb: Float  # (3,) over pi, of what faces it at the origin
-    size_rad: float = math.radians(0.53)  # angular diameter, seen from the origin
-
-
-@dataclass(frozen=True, slots=True)
-class CubeScene:
-    """All that is in a picture."""
-
-    camera: Camera  # without distortion
-    T_cam_cube: Float  # (4, 4)
-    lights: Sequence[PaintedLight]
-    sky_rgb: Float = field(default_factory=lambda: np.full(3, 0.3))  # (3,) irradiance over pi of level ground
-    sky_slope: Float = field(default_factory=lambda: np.zeros(3))  # (3,) how much brighter the sky is along an axis
-    edge_m: float = 0.06
-    folds: Folds = field(default_factory=Folds)
-    table_rgb: Float = field(default_factory=lambda: np.array([0.42, 0.36, 0.3]))  # (3,) reflectance
-    mottled: float = 0.06  # relative deviation of the table's reflectance
-    exposure: float = 0.9  # linear value of a white surface in the light of level ground
-    noise: float = 2.0  # standard deviation, grey levels
-    blur_px: float = 0.7
-    seed: int = 0
 
 
 def painted(scene: CubeScene) -> Image:
@@ -112,16 +63,6 @@ def painted(scene: CubeScene) -> Image:
     return _developed(scene, np.asarray(averaged, dtype=np.float32))
 
 
-def hull_of(scene: CubeScene) -> Float:
-    """(20, 3) metres, the cube's frame: the corners of all faces as they lie, whose hull casts the shadow.
-
-    The bottom's are those of the sides' lower edges, on the table.
-    """
-    corners = np.concatenate([scene.folds.placed(number, face.corners()) for number, face in enumerate(FACES)])
-    corners[:, 2] = np.maximum(corners[:, 2], 0.0)
-    return np.asarray(scene.edge_m * corners)
-
-
 def _irradiance(scene: CubeScene, normal: Float, place: Float) -> Float:
     """(3,) over pi, linear RGB, of a facet: the lights that it faces, the sky, and what the table sends back."""
     sky = scene.sky_rgb * ((1 + normal[2]) / 2 + 0.5 * float(scene.sky_slope @ (normal - (0, 0, normal[2]))))
@@ -131,7 +72,7 @@ def _irradiance(scene: CubeScene, normal: Float, place: Float) -> Float:
         nearer = 1.0 if one.point[3] == 0 else float(np.linalg.norm(one.point[:3]) / np.linalg.norm(way)) ** 2
         total = total + nearer * one.irradiance_rgb * max(float(normal @ way) / float(np.linalg.norm(way)), 0.0)
     body = hull_of(scene)
-    lit = [(_on_table(one), cast_on_table(body, one.point)[:, :2]) for one in scene.lights]
+    lit = [(on_table(one), cast_on_table(body, one.point)[:, :2]) for one in scene.lights]
     table = light_from_table(normal, place, lambda x, y: (1 - _hidden_sky(scene, x, y))[:, None] * scene.sky_rgb, lit)
     return np.asarray(total + scene.table_rgb * table)
 
@@ -165,16 +106,6 @@ def _from_sides(scene: CubeScene, x: Float, y: Float) -> Float:
     )
 
 
-def level_of(scene: CubeScene) -> Float:
-    """(3,) irradiance over pi of the open table."""
-    return np.asarray(scene.sky_rgb + sum(map(_on_table, scene.lights), np.zeros(3)))
-
-
-def _on_table(one: PaintedLight) -> Float:
-    """(3,) irradiance over pi of the open table at the origin."""
-    return np.asarray(one.irradiance_rgb * one.point[2] / np.linalg.norm(one.point[:3]))
-
-
 def _table(scene: CubeScene, fine: Camera) -> Float32:
     """(h, w, 3) linear light of the table with the cube's shadows."""
     size = scene.camera.size
@@ -199,7 +130,7 @@ def _table(scene: CubeScene, fine: Camera) -> Float32:
         from_sides = _from_sides(scene, x / w, y / w)
     light = finer(reflectance * ((1 - hidden)[..., None] * scene.sky_rgb + from_sides))
     for one in scene.lights:
-        light += finer(reflectance * _on_table(one) * _falloff(one, x, y, w)) * _seen(scene, fine, body, one)[..., None]
+        light += finer(reflectance * on_table(one) * _falloff(one, x, y, w)) * _seen(scene, fine, body, one)[..., None]
     return light
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ashe_live.bench.cube.painter import CubeScene, Folds, PaintedLight
+from ashe_live.bench.cube.painted_scene import CubeScene, Folds, PaintedLight
 from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import angle_between, direction_from_angles

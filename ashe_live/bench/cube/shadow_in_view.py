@@ -3,7 +3,8 @@
 import cv2
 import numpy as np
 
-from ashe_live.bench.cube.painter import CubeScene, PaintedLight, cast_on_table, hull_of, projected
+from ashe_live.bench.cube.painted_scene import CubeScene, PaintedLight, hull_of
+from ashe_live.bench.cube.painter import cast_on_table, projected
 from ashe_live.core.arrays import Float
 
 # Of the cube's area in the picture, from which on a shadow is seen: less is a sliver beside the cube's foot.

@@ -7,7 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.cube.painter import PAPER, CubeScene, PaintedLight, hull_of, painted
+from ashe_live.bench.cube.painted_scene import CubeScene, PaintedLight, hull_of
+from ashe_live.bench.cube.painter import PAPER, painted
 from ashe_live.bench.cube.scenes import SETS, looking, sun
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.camera import Camera
