@@ -58,7 +58,10 @@ class AsShown:
         # A clip that is played again: frames that are skipped now count as those before them.
         for skipped in range(self._last + 1, frame):
             self._by_frame.pop(skipped, None)
-        self._by_frame[frame], self._last = shown, frame
+        before = self._by_frame.get(self._last)
+        # As a rule nothing has changed: one value for all these frames.
+        self._by_frame[frame] = before if before is not None and shown.is_as(before) else shown
+        self._last = frame
 
     @property
     def is_plain(self) -> bool:

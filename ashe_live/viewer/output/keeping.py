@@ -108,7 +108,8 @@ class Keeper:
             return
         # All frames of a clip have one size, so another source ends the recording.
         if self._recording.size == drawn_size(self._session.tracked.frame.size):
-            self._as_shown.add(self._session.tracked.frame.index, shown_now(self._session))
+            if self.clip_path is not None:
+                self._as_shown.add(self._session.tracked.frame.index, shown_now(self._session))
             self._recording.take(lambda: self._picture(preset), is_new, now_s)
             if self._recording.failure is None:
                 return
