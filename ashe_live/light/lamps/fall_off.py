@@ -67,8 +67,7 @@ class FallOff:
         view: the one that `ground` was fitted to.
         """
         exposed = view.image_bgr.max(axis=2) < CLIPPED
-        dull = ~grown(ground.sheen, BESIDE_PX)
-        lit = np.flatnonzero(free & exposed & dull & view.is_ground & (ground.squared_distance < LIT))
+        lit = np.flatnonzero(free & exposed & view.is_ground & (ground.squared_distance < LIT))
         if len(lit) < FEWEST:
             return None
         chosen = lit if len(lit) <= SAMPLES else np.sort(np.random.default_rng(0).choice(lit, SAMPLES, replace=False))
