@@ -7,25 +7,19 @@ import numpy as np
 
 from ashe_live.core.transforms import view_direction
 from ashe_live.core.types import LightEstimate, TrackedFrame
-from ashe_live.light.estimators.steps import ProxySteps
+from ashe_live.light.estimators.steps import FAST, ProxySteps
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import Judge
-from ashe_live.light.ground.lit_ground import fit_lit_ground, with_on_plane
-from ashe_live.light.ground.steps import GroundSteps
-from ashe_live.light.pixels.log_colour import log_opponent
+from ashe_live.light.lamps.lit_by_lamp import lit_ground_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.views.agreement import WIDTH_PX, agreeing
 from ashe_live.light.views.joint import in_each_view
-from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
-from ashe_live.light.views.seen import SceneView
+from ashe_live.light.views.seen import SceneView, with_plane
 from ashe_live.light.views.which import span_rad, usable
 
-# Number of others that the plane in the first view is compared with, and in another: more repeat what these tell.
-COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
 # Log odds by which an explanation may be less likely in a view than in the first one, if that view shows its body and
 # shadow as well. A view of another scene has no borders there, and is behind by more.
 MOST_BEHIND_FIRST = 1.0
-GROUND_OF_OTHERS = GroundSteps(12, 8, 1)  # how finely the ground is modelled in views in which nothing is looked for
 
 
 def fine_and_coarse(tracked: TrackedFrame, steps: ProxySteps) -> tuple[View, View]:
@@ -42,17 +36,18 @@ def scene_views(
     fine, coarse: views of `tracked`. Another view with too little lit ground is left out; if there is too little in
     `tracked`, there are no views.
     """
-    first = _scene_view(tracked.frame.index, fine, coarse, steps.ground)
+    first = _scene_view(tracked.frame.index, fine, coarse, steps)
     if first is None:
         return []
     views = [first]
     for number, other in enumerate(usable(tracked, others, steps.views - 1)):
         fine = View.of(other, steps.fine_width_px)
-        ground_steps = steps.ground if number < steps.companions else GROUND_OF_OTHERS
-        view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), ground_steps)
+        # Where nothing is looked for, a coarser model of the ground will do.
+        searched = steps if number < steps.companions else replace(steps, ground=FAST.ground)
+        view = _scene_view(other.frame.index, fine, fine.scaled(steps.coarse_width_px), searched)
         if view is not None:
             views.append(view)
-    return views if len(views) == 1 else _with_plane(views)
+    return views if len(views) == 1 else with_plane(views)
 
 
 def span_of(views: Sequence[SceneView]) -> float | None:
@@ -90,18 +85,6 @@ def without_confirming(several: Sequence[TrackedFrame], explanation: Explanation
     return [each for each, pose in poses if not any(np.array_equal(pose, one) for one in confirming)]
 
 
-def _scene_view(index: int, fine: View, coarse: View, steps: GroundSteps) -> SceneView | None:
-    ground = fit_lit_ground(coarse.image_bgr, coarse.is_ground, steps)
+def _scene_view(index: int, fine: View, coarse: View, steps: ProxySteps) -> SceneView | None:
+    ground = lit_ground_of(coarse, steps.ground, steps.light)
     return None if ground is None else SceneView(index, fine, coarse, ground)
-
-
-def _with_plane(views: Sequence[SceneView]) -> list[SceneView]:
-    """The views with what others tell about which of their pixels lie on the plane."""
-    found, colours = [], [log_opponent(view.coarse.image_bgr) for view in views]
-    for number, view in enumerate(views):
-        others = [i for i in range(len(views)) if i != number]
-        others = others[: COMPARED_WITH_ANOTHER if number else COMPARED_WITH_FIRST]
-        seen = [on_plane(view.coarse, colours[number], views[i].coarse, colours[i]) for i in others]
-        ratio = log_likelihood_ratio([each for each in seen if each is not None], view.coarse.is_ground.shape)
-        found.append(replace(view, ground=with_on_plane(view.ground, ratio)))
-    return found

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Float32, Image, Mask
 from ashe_live.light.ground.sheen import sheen_on, without_sheen
+from ashe_live.light.ground.slow_shading import LightFall, field_beside, robust_trend, slow_bases
 from ashe_live.light.ground.steps import GroundSteps
 from ashe_live.light.pixels.areas import cleaned, grown, large_areas, shrunk, smoothed
 from ashe_live.light.pixels.log_colour import linear_rgb, log_opponent
@@ -48,23 +49,27 @@ class LitGround:
     """The ground's palette of colours, and each pixel's distance from it."""
 
     colours: Float32  # (h, w, 3) log-opponent colours without the ground's own slow shading
-    field: Float32  # (5, 3) that shading: coefficients of a quadratic in the image's coordinates, without a constant
+    field: Float32  # (b, 3) that shading: coefficients of b functions of the image's coordinates, `slow_bases`
     palette: Mixture  # of the lit ground
     rare: Mask  # (h, w) where the pixel's colour has a small spread over the frame
     squared_distance: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from rare colours
     sheen: Mask  # (h, w) ground that is brighter than the palette by specular or reflected light
+    fall: LightFall | None = None  # of a lamp's light, one of these functions; None: they are a quadratic
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
 
 
-def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> LitGround | None:
+def fit_lit_ground(
+    image_bgr: Image, is_ground: Mask, steps: GroundSteps, fall: LightFall | None = None
+) -> LitGround | None:
     """The lit ground of `image_bgr` (h, w, 3), where `is_ground` (h, w) leaves out the marker and the sky.
 
-    None when too little of the frame is ground, or none of its colours is widely spread.
+    fall: of the light of a lamp near by, if there is one. None when too little of the frame is ground, or none of its
+    colours is widely spread.
     """
     colours = log_opponent(image_bgr)
     if np.count_nonzero(is_ground) < LEAST_SAMPLES:
         return None
-    bases = _slow_bases((*is_ground.shape,))
+    bases = slow_bases((*is_ground.shape,), fall)
     field, spread = _wider_spread(colours, bases, is_ground, steps.spread_colours)
     typical, spread = float(_median(spread[is_ground])), smoothed(spread)
     lit = is_ground & (spread > min(WIDE, WIDE_OF_TYPICAL * typical))
@@ -75,7 +80,7 @@ def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> Lit
     labels = None
     for _ in range(steps.field_rounds):
         labels, centres = clusters(values - slow @ field, steps.palette_colours, labels)
-        field = _field_beside(values - centres[labels], slow, field)
+        field = field_beside(values - centres[labels], slow, field)
     palette = mixture_of(values - slow @ field, steps.palette_colours, widening=1.3, start=labels)
     if palette is None:
         return None
@@ -85,7 +90,8 @@ def fit_lit_ground(image_bgr: Image, is_ground: Mask, steps: GroundSteps) -> Lit
     squared = np.zeros(lit.shape, np.float32)
     squared[near] = np.minimum(nearest_squared_distance(flat[near], palette), MOST_DISTANCE)
     squared_distance = np.asarray(cv2.GaussianBlur(squared, (0, 0), 0.7), dtype=np.float32)
-    return LitGround(flat, field, palette, rare, squared_distance, sheen_on(flat, squared_distance, is_ground, palette))
+    sheen = sheen_on(flat, squared_distance, is_ground, palette)
+    return LitGround(flat, field, palette, rare, squared_distance, sheen, fall)
 
 
 def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float32:
@@ -94,7 +100,7 @@ def ground_colours(image_bgr: Image, ground: LitGround, window: Window) -> Float
     image_bgr: the whole frame at that scale. Sheen takes the palette's colours.
     """
     colours = log_opponent(image_bgr[window])
-    flat = colours - (_slow_bases(image_bgr.shape[:2], window) @ ground.field).reshape(colours.shape)
+    flat = colours - (slow_bases(image_bgr.shape[:2], ground.fall, window) @ ground.field).reshape(colours.shape)
     size = image_bgr.shape[1::-1]
     sheen = cv2.resize(ground.sheen.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST)[window].astype(bool)
     return without_sheen(flat, sheen, ground.palette)
@@ -141,14 +147,6 @@ def with_unlit_on_average(unlit: Mask, view: View) -> Mask:
     return unlit | (thick & view.is_ground)
 
 
-def _slow_bases(shape: tuple[int, ...], window: Window = (slice(None), slice(None))) -> Float32:
-    """(h * w, 5) basis functions of the ground's slow shading: a quadratic in u, v in [-1, 1] without a constant."""
-    rows, columns = (np.arange(size, dtype=np.float32)[part] + 0.5 for size, part in zip(shape, window, strict=True))
-    v, u = np.meshgrid(rows, columns, indexing="ij")
-    u, v = 2 * u / shape[1] - 1, 2 * v / shape[0] - 1
-    return np.stack([u, v, u * u, u * v, v * v], axis=2).reshape(-1, 5)
-
-
 def _samples(mask: Mask) -> NDArray[np.intp]:
     """Up to SAMPLES flat indices of `mask`, chosen at random but always the same."""
     inside = np.flatnonzero(mask)
@@ -158,14 +156,14 @@ def _samples(mask: Mask) -> NDArray[np.intp]:
 
 
 def _wider_spread(colours: Float32, bases: Float32, is_ground: Mask, count: int) -> tuple[Float32, Float32]:
-    """(5, 3) the slow field, or zeros, whichever spreads the ground's colours more widely; and that spread (h, w)."""
+    """(b, 3) the slow field, or zeros, whichever spreads the ground's colours more widely; and that spread (h, w)."""
     chosen, cells = _samples(is_ground), _cells(is_ground.shape).ravel()
     values, slow = colours.reshape(-1, 3)[chosen], bases[chosen]
 
     def typical(labels: NDArray[np.intp]) -> float:
         return float(_median(_spreads(labels, cells[chosen])[labels]))
 
-    trend = _robust_trend(values, slow)
+    trend = robust_trend(values, slow)
     labels, centres = clusters(values, count)
     flat_labels, flat_centres = clusters(values - slow @ trend, count, labels)
     field = np.zeros_like(trend)
@@ -200,32 +198,3 @@ def _median(values: Floats) -> Floats:
     separated_shadows = np.partition(values, middle, axis=-1)
     upper = separated_shadows[..., middle]
     return upper if values.shape[-1] % 2 else 0.5 * (upper + separated_shadows[..., :middle].max(axis=-1))
-
-
-def _robust_trend(values: Float32, slow: Float32) -> Float32:
-    """(5, 3) slow field of colours (n, 3) with basis functions `slow` (n, 5), by iteratively reweighted least squares.
-
-    Cauchy's weights against outliers. The constant is fitted too, but not returned.
-    """
-    design = np.column_stack([np.ones(len(slow), np.float32), slow]).astype(np.float64)
-    columns = values.T.astype(np.float64)
-    ridge = 2e-5 * len(slow) * np.diag([0.0, 1, 1, 3, 3, 3])
-    weights = np.ones(len(slow))
-    for _ in range(6):
-        weighted = design * weights[:, None]
-        coefficients = np.linalg.solve(weighted.T @ design + ridge, (columns @ weighted).T)
-        residuals = columns - coefficients.T @ design.T
-        scale = 1.48 * _median(np.abs(residuals))[:, None] + 0.01
-        weights = 1 / (1 + ((residuals / (2 * scale)) ** 2).sum(axis=0))
-    return np.asarray(coefficients[1:], dtype=np.float32)
-
-
-def _field_beside(rest: Float32, slow: Float32, before: Float32) -> Float32:
-    """(5, 3) the slow field refitted to the colours' differences from their clusters' centres (n, 3).
-
-    before: (5, 3) the last field, whose residuals give the weights against outliers.
-    """
-    weights = 1 / (1 + (((rest - slow @ before) / 0.15) ** 2).sum(axis=1))
-    weighted = slow * weights[:, None]
-    ridge = 5e-4 * len(slow) * np.eye(5, dtype=np.float32)
-    return np.asarray(np.linalg.solve(weighted.T @ slow + ridge, weighted.T @ rest), dtype=np.float32)

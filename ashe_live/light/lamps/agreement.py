@@ -39,20 +39,35 @@ class FallDirections:
         return float(np.clip(_log_mean(here) - _log_mean(self._anywhere), -MOST, MOST))
 
     @cached_property
-    def _anywhere(self) -> Float:
-        """(n,) costs of lamps all over the hemisphere."""
-        x, y, z = directions_on_spiral(DIRECTIONS, LOWEST_Z, 1.0).T
-        displacements = np.column_stack([x / z, y / z])
-        seen_there = self.fall_off.places.mean(axis=0)
-        return self._costs(np.array([[*(s + k * seen_there), k] for s in displacements for k in NEARNESSES]))
+    def likeliest(self) -> tuple[Float, float]:
+        """The displacement and nearness (3,) of the likeliest lamp of all, and the deviance of a sun beside it."""
+        (sun,) = self._costs(np.zeros((1, 3)))
+        best = int(np.argmin(self._anywhere))
+        return self._lamps[best], float(sun - self._anywhere[best])
+
+    @property
+    def _is_lamp(self) -> bool:
+        return self.likeliest[1] > LAMP_DEVIANCE
 
     @cached_property
-    def _is_lamp(self) -> bool:
-        (sun,) = self._costs(np.zeros((1, 3)))
-        return float(sun - self._anywhere.min()) > LAMP_DEVIANCE
+    def _lamps(self) -> Float:
+        """(n, 3) lamps all over the hemisphere."""
+        x, y, z = directions_on_spiral(DIRECTIONS, LOWEST_Z, 1.0).T
+        displacements = np.column_stack([x / z, y / z])
+        return np.array([[*(s + k * self.reference), k] for s in displacements for k in NEARNESSES])
+
+    @cached_property
+    def _anywhere(self) -> Float:
+        """(n,) costs of these."""
+        return self._costs(self._lamps)
+
+    @cached_property
+    def reference(self) -> Float:
+        """(2,) the middle of the lit ground in view, on the plane."""
+        return np.asarray(self.fall_off.places.mean(axis=0))
 
     def _costs(self, parameters: Float) -> Float:
-        return self.fall_off.worst_costs(parameters, SHARE, self.fall_off.places.mean(axis=0))
+        return self.fall_off.worst_costs(parameters, SHARE, self.reference)
 
 
 def _log_mean(costs: Float) -> float:

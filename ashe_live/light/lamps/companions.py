@@ -6,6 +6,7 @@ its direction is where the light that is known so far puts it. That settles the 
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from operator import itemgetter
 
 import numpy as np
@@ -53,7 +54,8 @@ def companions(
         here = _silhouette(explanation, view)
         if here.any() and not any(_share(here, other) > OVERLAP for other in taken):
             taken.append(here)
-            found.append(SeenObject(explanation, probability, covariance_of(explanation, probability)))
+            spread = covariance_of(explanation, probability)
+            found.append(replace(first, explanation=explanation, probability=probability, covariance_rad2=spread))
     return found
 
 

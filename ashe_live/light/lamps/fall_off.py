@@ -2,9 +2,10 @@
 
 A lamp at (X, Y, Z) lights a point p of the plane by Z / |X - p|^3, which is (1 + |s - p w / z|^2)^(-3/2) in the
 light's parameters but for a factor; a sun lights all of it alike. The picture's brightness also has the ground's paint
-and texture, vignetting, and what else is uneven (sheen, relief, a wall near by, the camera's tone mapping). Paint,
-vignetting and a little unevenness are fitted along; the rest has its own, larger variance (docs/maths.md, "The fall of
-light").
+and texture, vignetting, and what else is uneven (sheen, relief, a wall near by, the camera's tone mapping). Vignetting
+and a little unevenness are fitted along; the rest has its own, larger variance (docs/maths.md, "The fall of light").
+Paint and texture are noise that is correlated over their size. No colour has a level of its own: a plain ground's
+colours are the steps of its own brightness, and their levels would explain a lamp away.
 """
 
 import math
@@ -17,16 +18,15 @@ from numpy.typing import NDArray
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.slow_shading import irradiances
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import log_opponent
-from ashe_live.light.pixels.mixtures import nearest_centres
 from ashe_live.light.pixels.view import View
 
 BESIDE_PX = 4  # of the coarse picture: ground nearer than this to an object or a shadow is not lit as the rest
 LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's palette
 CLIPPED = 250  # value of the brightest channel from which on it tells nothing
 SAMPLES, FEWEST = 1500, 300  # pixels of lit ground: as many as are used, and as few as tell anything
-LEAST_OF_COLOUR = 10  # samples of a colour of the palette, which has a level of its own
 CELLS = (12, 9)  # in which samples' errors may be correlated: texture is larger than a pixel
 # Sigmas of what is fitted along: vignetting at the picture's corner (of log brightness), the ground's own unevenness as
 # a gradient (1/m) and a curvature (1/m^2) of log irradiance, and the camera's contrast beside that of sRGB.
@@ -56,7 +56,7 @@ class FallOff:
     places: Float  # (n, 2) metres on the plane, marker frame
     brightness: Float  # (n,) log of linear light
     weights: Float  # (n,) information on each sample
-    fitted: Float  # (n, c) what is fitted along: levels of colours, vignetting, gradient and curvature
+    fitted: Float  # (n, c) what is fitted along: level, vignetting, gradient and curvature
     factor: Float  # (c, c) Cholesky factor of the information on these, with their priors
     uneven: Float  # (n, 5) gradient and curvature
 
@@ -72,21 +72,16 @@ class FallOff:
             return None
         chosen = lit if len(lit) <= SAMPLES else np.sort(np.random.default_rng(0).choice(lit, SAMPLES, replace=False))
         brightness = log_opponent(view.image_bgr)[..., 0].ravel()[chosen].astype(np.float64)
-        labels = nearest_centres(ground.colours.reshape(-1, 3)[chosen], ground.palette.centres)
         rows, columns = np.divmod(chosen, view.size[0])
         places = _on_ground(view, columns, rows)
         uneven = _uneven(places - places.mean(axis=0))
-        levels = (labels[:, None] == np.arange(labels.max() + 1)).astype(np.float64)
-        levels = levels[:, levels.sum(axis=0) >= LEAST_OF_COLOUR]
-        corner = _vignetting(view, columns, rows)
-        fitted = np.column_stack([levels, corner, uneven])
+        fitted = np.column_stack([np.ones(len(chosen)), _vignetting(view, columns, rows), uneven])
         cells = rows * CELLS[1] // view.size[1] * CELLS[0] + columns * CELLS[0] // view.size[0]
         weights = _robust_weights(brightness, fitted, cells, uneven.shape[1] + 1)
-        prior = np.concatenate(
-            [np.full(levels.shape[1], 1e-6), [1 / VIGNETTING**2], [1 / GRADIENT**2] * 2, [1 / CURVATURE**2] * 3]
-        )
+        prior: Float = np.array([1e-6, 1 / VIGNETTING**2, *[1 / GRADIENT**2] * 2, *[1 / CURVATURE**2] * 3])
         information = (fitted * weights[:, None]).T @ fitted + np.diag(prior)
-        return FallOff(places, brightness, weights, fitted, np.linalg.cholesky(information), uneven)
+        factor = np.asarray(np.linalg.cholesky(information), dtype=np.float64)
+        return FallOff(places, brightness, weights, fitted, factor, uneven)
 
     def pull(self, parameters: Float, shares: Sequence[float], reference: Float, number: int = 0) -> Pull:
         """The pull on light `number` of l lights whose displacements and nearness are `parameters` (l, 3).
@@ -117,7 +112,7 @@ class FallOff:
 
     def worst_costs(self, parameters: Float, share: float, reference: Float) -> Float:
         """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), all of one share, as in `pull`."""
-        relative = _falls(self.places, parameters) / _falls(reference[None], parameters)
+        relative = irradiances(self.places, parameters) / irradiances(reference[None], parameters)
         lights = np.log(np.maximum(1 - share + share * relative, 1e-3))
         known = np.column_stack([self.uneven, self.brightness])
         both = self._gram(np.column_stack([known, lights]))
@@ -168,12 +163,6 @@ def log_irradiance(
             slopes = part[:, None] * (by_light - by_light_there)
     total = np.maximum(total, 1e-3)
     return np.log(total), slopes / total[:, None]
-
-
-def _falls(places: Float, parameters: Float) -> Float:
-    """(p, n) irradiance by each of n lights (n, 3) at places (p, 2), but for a factor."""
-    aside_x, aside_y = (parameters[:, i] - places[:, i : i + 1] * parameters[:, 2] for i in (0, 1))
-    return np.asarray((1 + aside_x**2 + aside_y**2) ** -1.5)
 
 
 def _log_fall(places: Float, light: Float) -> tuple[Float, Float]:

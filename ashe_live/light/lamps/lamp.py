@@ -17,12 +17,11 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Light
 from ashe_live.light.explanation.explain import NearFit
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.judge import probability_of_good
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.lamps.borders import lamp_borders
 from ashe_live.light.lamps.companions import companions
+from ashe_live.light.lamps.doubt import confidence_within, with_doubt
 from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
@@ -38,8 +37,6 @@ from ashe_live.light.lamps.sources import (
     shadow_middle,
 )
 from ashe_live.light.pixels.view import View
-from ashe_live.light.shape.directions import direction_by_displacement
-from ashe_live.light.shape.layout import light_parameters
 from ashe_live.light.shape.predicted import predicted
 
 SURE_DEVIANCE = 60.0  # of a sun, from which on there is a lamp even if the ground's slope does not tell: one overhead
@@ -52,9 +49,6 @@ WORTH_ALIGNING = 1.5  # standard errors from which on borders are aligned as a l
 WORTH_LOOKING = 1.0  # standard errors from which on other objects are looked for
 UNTOLD_NEARNESS = 0.5  # 1/m, standard error of the nearness above which a sun is not certain either
 ALIGNMENTS = 2
-# Sigma of the nearness of lamps (1/m), and the probability of a lamp before a picture is seen: both count only where
-# the evidence leaves it open, in how far a direction may be off at the marker.
-LAMPS_NEARNESS, LAMPS_SHARE = 1.5, 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -103,7 +97,7 @@ def stated(
         assert covariance is not None
         return covariance
 
-    first = SeenObject(explanation, confidence, covariance_of(explanation, confidence))
+    first = SeenObject(explanation, confidence, covariance_of(explanation, confidence), scene.overdispersion)
     seen = Witnesses([first], ratios, fall_off, places_by_glints(scene.glints, first.place))
     place, from_sun = place_by_all(seen), place_seen_from_a_sun(seen)
     if kind == SUN:
@@ -123,12 +117,12 @@ def stated(
         worth = WORTH_ALIGNING if kind == AUTO else 0.0
         seen, at = _fitted_as_lamps(seen, place, covariance_of, worth, scene)
         if _is_near(at, TOLD_SIGMAS if kind == AUTO else 0.0):
-            aligned = seen.objects[0]
-            best, at = aligned.explanation, _as_wide_as_outlines(at, aligned, scene.overdispersion)
+            best = seen.objects[0].explanation
             alone, *others_lights = lights_of(best, confidence)
             return Answer(best, (_lamp(alone, at, ratios[0], shadow_middle(best)), *others_lights), at)
     alone, *others_lights = lights
-    return Answer(explanation, (_with_doubt(alone, explanation, from_sun), *others_lights), place)
+    unsure = with_doubt(alone, place, from_sun, deviance_of_sun(seen, place))
+    return Answer(explanation, (unsure, *others_lights), place)
 
 
 def _is_lamp(seen: Witnesses, place: Place, from_sun: Place) -> bool:
@@ -163,7 +157,11 @@ def _fitted_as_lamps(
         ]
         if again[0][0] is None:
             break
-        objects = [SeenObject(one, sure, covariance_of(one, sure)) for one, sure in again if one is not None]
+        objects = [
+            SeenObject(one, sure, covariance_of(one, sure), scene.overdispersion)
+            for one, sure in again
+            if one is not None
+        ]
         seen = replace(seen, objects=objects)
         place = place_by_all(seen)
     return seen, place
@@ -186,16 +184,6 @@ def _is_near(place: Place, sigmas: float) -> bool:
     return place.mean[2] > 0 and place.standard_errors > sigmas
 
 
-def _as_wide_as_outlines(place: Place, first: SeenObject, overdispersion: float) -> Place:
-    """The place with a nearness by steps of light as overdispersed as the directions by outlines are."""
-    if first.explanation.nearness is None:
-        return place
-    covariance = place.covariance
-    along = covariance[:, 2] / math.sqrt(covariance[2, 2])
-    wider = covariance + (overdispersion - 1) * np.outer(along, along)
-    return Place(place.mean, np.asarray(np.linalg.inv(wider)))
-
-
 def _lamp(light: Light, place: Place, ratio: Float, reference: Float) -> Light:
     """The direction `light` restated as a lamp; ratio: (3,) the shadow ratio, measured at `reference` (2,)."""
     covariance = place.lamp_covariance
@@ -209,36 +197,8 @@ def _lamp(light: Light, place: Place, ratio: Float, reference: Float) -> Light:
         to_light_marker=np.array([x, y, z]),
         covariance_rad2=of_direction,
         sigma_rad=radius_of_68_percent(of_direction),
-        confidence=_confidence(light, of_direction),
+        confidence=confidence_within(light, of_direction),
         inverse_distance=float(inverse_distance),
         lamp_covariance=covariance,
         intensity_rgb_ratio=np.maximum(intensity, 0.0),
     )
-
-
-def _with_doubt(light: Light, explanation: Explanation, place: Place) -> Light:
-    """The direction with the error that it has at the marker if it is a lamp, as far as it may be one."""
-    assert light.covariance_rad2 is not None
-    nearness, variance = float(place.mean[2]), place.nearness_sigma**2
-    total = variance + LAMPS_NEARNESS**2
-    mean = nearness * LAMPS_NEARNESS**2 / total
-    left = variance * LAMPS_NEARNESS**2 / total
-    likelihood_ratio = math.sqrt(variance / total) * math.exp(min(0.5 * mean**2 / left, 50.0))
-    likelihood_ratio *= 1 + math.erf(mean / math.sqrt(2 * left))  # lamps are nearer than infinity, not farther
-    odds = likelihood_ratio * LAMPS_SHARE / (1 - LAMPS_SHARE)
-    expected = odds / (1 + odds) * (mean**2 + left)
-    moved = (
-        direction_by_displacement(light_parameters(explanation.lights[0].light))
-        @ lamp_borders(explanation)[0].by_nearness
-    )
-    covariance = light.covariance_rad2 + expected * np.outer(moved, moved)
-    sigma_rad, confidence = radius_of_68_percent(covariance), _confidence(light, covariance)
-    return replace(light, covariance_rad2=covariance, sigma_rad=sigma_rad, confidence=confidence)
-
-
-def _confidence(light: Light, covariance_rad2: Float) -> float | None:
-    """The light's confidence, lowered by what a wider covariance leaves of directions within 10 degrees."""
-    if light.confidence is None or light.covariance_rad2 is None:
-        return None
-    before, after = (probability_of_good(each) for each in (light.covariance_rad2, covariance_rad2))
-    return light.confidence * min(after / before, 1.0)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,12 +33,18 @@ class SeenObject:
     explanation: Explanation
     probability: float  # that it is right
     covariance_rad2: Float  # (2, 2) of all causes, on the direction's tangent basis
+    # Factor on the variance of a nearness that steps of light tell: their errors are correlated along borders, as those
+    # of directions are. Other sources of the nearness are weighed against that.
+    overdispersion: float
 
     @property
     def place(self) -> Place:
         """Where the first light is, by this object's borders."""
         fitted = FittedLight(self.explanation.lights[0].light, self.covariance_rad2)
-        return place_by_borders(fitted, lamp_borders(self.explanation)[0])
+        borders = lamp_borders(self.explanation)[0]
+        if self.explanation.nearness is not None:
+            borders = replace(borders, nearness_sigma=math.sqrt(self.overdispersion) * borders.nearness_sigma)
+        return place_by_borders(fitted, borders)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

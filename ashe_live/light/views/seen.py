@@ -1,21 +1,25 @@
 """A view of the scene with its own lit ground, and what the pixels cost there around a body that another view shows."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.ground.lit_ground import LitGround, unlit_mask
+from ashe_live.light.ground.lit_ground import LitGround, unlit_mask, with_on_plane
 from ashe_live.light.ground.regions import Region, region_of
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import Materials, materials_of, object_cost
 from ashe_live.light.labels.two_lights import materials_of_two
 from ashe_live.light.pixels.areas import overlapping
+from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.predicted import predicted
+from ashe_live.light.views.plane import log_likelihood_ratio, on_plane
 
+# Number of others that the plane in the first view is compared with, and in another: more repeat what these tell.
+COMPARED_WITH_FIRST, COMPARED_WITH_ANOTHER = 4, 1
 LEAST_PX = 60  # of a body with its shadow, in the coarse picture: what shows less tells nothing
 
 
@@ -27,6 +31,18 @@ class SceneView:
     fine: View
     coarse: View
     ground: LitGround
+
+
+def with_plane(views: Sequence[SceneView]) -> list[SceneView]:
+    """The views with what others tell about which of their pixels lie on the plane."""
+    found, colours = [], [log_opponent(view.coarse.image_bgr) for view in views]
+    for number, view in enumerate(views):
+        others = [i for i in range(len(views)) if i != number]
+        others = others[: COMPARED_WITH_ANOTHER if number else COMPARED_WITH_FIRST]
+        seen = [on_plane(view.coarse, colours[number], views[i].coarse, colours[i]) for i in others]
+        ratio = log_likelihood_ratio([each for each in seen if each is not None], view.coarse.is_ground.shape)
+        found.append(replace(view, ground=with_on_plane(view.ground, ratio)))
+    return found
 
 
 def costs_around(lit: LitBody, shifts: Sequence[Float], view: SceneView, region_px: int) -> Costs | None:

@@ -44,7 +44,7 @@ def place_of(explanation: Explanation) -> Place:
 
 @pytest.fixture(scope="module")
 def first() -> SeenObject:
-    return SeenObject(seen(BOX), 0.9, SURE_RAD2)
+    return SeenObject(seen(BOX), 0.9, SURE_RAD2, 1.0)
 
 
 def found(first: SeenObject, *candidates: tuple[Explanation, float]) -> list[Explanation]:

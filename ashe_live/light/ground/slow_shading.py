@@ -1,0 +1,89 @@
+"""The lit ground's own slow shading: by what its colours change over the picture, whatever they are.
+
+A quadratic in the image's coordinates follows vignetting, a wall near by, and what a lamp far away does. Near below a
+lamp the light falls by a factor of ten within a metre, which no quadratic follows: there its fall is one function more.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float, Float32
+from ashe_live.core.transforms import image_from_plane
+from ashe_live.light.pixels.view import View, Window
+
+LEAST_LIGHT = 1e-3  # of that at the reference, so that the log is finite
+HORIZON = 1e-9  # of a homogeneous coordinate: a pixel that is nearer to the horizon sees no ground
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LightFall:
+    """How a lamp's light falls off over the plane, in a picture at any scale."""
+
+    plane_from_picture: Float  # (3, 3) to metres on the plane, from coordinates that are -1 and 1 at the borders
+    lamp: Float  # (3,) its displacement at the marker's centre, and its nearness w / z (1/m)
+    share: float  # of all light on the plane at the reference that is the lamp's
+    reference: Float  # (2,) metres on the plane
+
+    @staticmethod
+    def of(view: View, lamp: Float, share: float, reference: Float) -> "LightFall":
+        width, height = view.size
+        to_picture = np.array([[2 / width, 0, 1 / width - 1], [0, 2 / height, 1 / height - 1], [0, 0, 1]])
+        plane = np.linalg.inv(to_picture @ image_from_plane(view.camera, view.T_cam_marker))
+        return LightFall(np.asarray(plane), lamp, share, reference)
+
+    def log_light(self, u: Float32, v: Float32) -> Float32:
+        """(n,) log of all light over that at the reference, at picture coordinates (n,) each."""
+        x, y, w = self.plane_from_picture @ np.stack([u, v, np.ones_like(u)]).astype(np.float64)
+        w = np.where(np.abs(w) < HORIZON, HORIZON, w)
+        relative = irradiances(np.column_stack([x / w, y / w]), self.lamp[None])[:, 0]
+        relative /= irradiances(self.reference[None], self.lamp[None])[0, 0]
+        return np.log(np.maximum(1 - self.share + self.share * relative, LEAST_LIGHT)).astype(np.float32)
+
+
+def irradiances(places: Float, lamps: Float) -> Float:
+    """(p, n) irradiance by each of n lamps (n, 3) at places (p, 2), but for a factor: (1 + |s - p w / z|^2)^(-3/2)."""
+    aside_x, aside_y = (lamps[:, i] - places[:, i : i + 1] * lamps[:, 2] for i in (0, 1))
+    return np.asarray((1 + aside_x**2 + aside_y**2) ** -1.5)
+
+
+def slow_bases(shape: tuple[int, ...], fall: LightFall | None, window: Window = (slice(None), slice(None))) -> Float32:
+    """(h * w, b) functions of a window of a picture (h, w): a quadratic in u, v in [-1, 1] without a constant, b = 5,
+    and the fall of light where it is given, b = 6.
+    """
+    rows, columns = (np.arange(size, dtype=np.float32)[part] + 0.5 for size, part in zip(shape, window, strict=True))
+    v, u = np.meshgrid(rows, columns, indexing="ij")
+    u, v = 2 * u / shape[1] - 1, 2 * v / shape[0] - 1
+    functions = [u, v, u * u, u * v, v * v]
+    if fall is not None:
+        functions.append(fall.log_light(u.ravel(), v.ravel()).reshape(u.shape))
+    return np.stack(functions, axis=2).reshape(-1, len(functions))
+
+
+def robust_trend(values: Float32, slow: Float32) -> Float32:
+    """(b, 3) slow field of colours (n, 3) with basis functions `slow` (n, b), by iteratively reweighted least squares.
+
+    Cauchy's weights against outliers. The constant is fitted too, but not returned.
+    """
+    design = np.column_stack([np.ones(len(slow), np.float32), slow]).astype(np.float64)
+    columns = values.T.astype(np.float64)
+    ridge = 2e-5 * len(slow) * np.diag([0.0, 1, 1, 3, 3, 3, 1][: design.shape[1]])
+    weights = np.ones(len(slow))
+    for _ in range(6):
+        weighted = design * weights[:, None]
+        coefficients = np.linalg.solve(weighted.T @ design + ridge, (columns @ weighted).T)
+        residuals = columns - coefficients.T @ design.T
+        scale = 1.48 * np.median(np.abs(residuals), axis=1, keepdims=True) + 0.01
+        weights = 1 / (1 + ((residuals / (2 * scale)) ** 2).sum(axis=0))
+    return np.asarray(coefficients[1:], dtype=np.float32)
+
+
+def field_beside(rest: Float32, slow: Float32, before: Float32) -> Float32:
+    """(b, 3) the slow field refitted to the colours' differences from their clusters' centres (n, 3).
+
+    before: (b, 3) the last field, whose residuals give the weights against outliers.
+    """
+    weights = 1 / (1 + (((rest - slow @ before) / 0.15) ** 2).sum(axis=1))
+    weighted = slow * weights[:, None]
+    ridge = 5e-4 * len(slow) * np.eye(slow.shape[1], dtype=np.float32)
+    return np.asarray(np.linalg.solve(weighted.T @ slow + ridge, weighted.T @ rest), dtype=np.float32)
