@@ -19,9 +19,11 @@ from ashe_live.light.views.joint import (
     in_each_view,
     lit_body_of,
     own_costs,
+    turned_from,
+)
+from ashe_live.light.views.joint_refinement import (
     refined_by_all_tangents,
     sharpened_in_views,
-    turned_from,
     with_likeliest_family,
     with_steps,
 )

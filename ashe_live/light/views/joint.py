@@ -13,25 +13,20 @@ import numpy as np
 from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import angle_between, project
 from ashe_live.light.explanation.alignment import (
-    COST_PER_PARAMETER,
     SEARCH_RANGES,
     Alignment,
     PlacedBody,
-    criterion,
     measured,
     normal_equations,
     placed_in,
 )
-from ashe_live.light.explanation.explain import lights_of, refined_by_tangents, refitted_bodies
-from ashe_live.light.explanation.explanation import LIKELY_FAMILIES, Explanation
+from ashe_live.light.explanation.explain import lights_of
+from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.judge import GOOD_RAD
-from ashe_live.light.explanation.sharpen import Sharpener, lights_by_steps
 from ashe_live.light.labels.associate import Split
 from ashe_live.light.labels.costs import Costs
-from ashe_live.light.labels.relabel import relabelled
-from ashe_live.light.outline_fit.preset import FitPreset
 from ashe_live.light.outline_fit.search import damped_steps, prior_information
-from ashe_live.light.shape.body import LitBody, NearnessPrior
+from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.sight import Sight
 
 EARLY_LOSS_FACTOR = 3.0  # times the scale of Cauchy's loss, in all rounds but the last
@@ -81,13 +76,13 @@ def explained_in_views(several: Sequence[JointStart]) -> list[JointExplanation |
     for count in set(counts):
         members = [i for i, each in enumerate(counts) if each == count]
         for i, lit in zip(members, _aligned([several[i] for i in members]), strict=True):
-            found[i] = _explained(replace(several[i], lit=lit))
+            found[i] = explained_where_it_stands(replace(several[i], lit=lit))
     return found
 
 
 def in_each_view(joint: Explanation) -> JointExplanation:
     """An explanation of several views, with what it is in each of them."""
-    found = _explained(JointStart(joint, joint.alignment.placed.lit, costs_of_views(joint)))
+    found = explained_where_it_stands(JointStart(joint, joint.alignment.placed.lit, costs_of_views(joint)))
     assert found is not None  # as it was aligned where it stands
     return replace(found, joint=joint)
 
@@ -101,84 +96,43 @@ def turned_from(several: Sequence[JointStart], found: Sequence[JointExplanation 
     turned = []
     for start, one in zip(several, found, strict=True):
         if one is None or _apart_rad(start.lit, one.joint.alignment.placed.lit) > GOOD_RAD:
-            turned.append(_explained(start))
+            turned.append(explained_where_it_stands(start))
     return [each for each in turned if each is not None]
 
 
-def with_likeliest_family(explanation: JointExplanation, preset: FitPreset) -> JointExplanation:
-    """The explanation with the body of the family that explains all views best.
-
-    One view's labels are fitted alike by several families.
-    """
-    costs = [own_costs(each) for each in explanation.each]
-    own = explanation.joint.alignment.placed.lit.body.family.name
-    bodies = [lit for lit in refitted_bodies(explanation.origin, preset) if lit.body.family.name != own]
-    others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:LIKELY_FAMILIES]])
-    several = sorted([explanation, *(each for each in others if each is not None)], key=joint_criterion)
-    lits = tuple(each.joint.alignment.placed.lit for each in several)
-    return replace(several[0], joint=replace(several[0].joint, bodies=lits))
-
-
-def refined_by_all_tangents(explanation: JointExplanation) -> JointExplanation:
-    """The explanation with its light refined by the common tangents in each view in turn, which hold for any body.
-
-    One view's tangents leave the light free within a plane through the camera; planes of different views intersect. The
-    first view's pixels are labelled anew.
-    """
-    lights, splits = explanation.joint.lights, []
-    for each in explanation.each:
-        split = relabelled(each.region, each.materials, each.as_object, each.predicted)
-        splits.append(split)
-        if split.is_large_enough:
-            lights = refined_by_tangents(replace(each, split=split, lights=lights)).lights
-    return replace(explanation, joint=replace(explanation.joint, split=splits[0], lights=lights))
+def explained_where_it_stands(start: JointStart) -> JointExplanation | None:
+    """What a start explains without being moved; None where it is not in the first view."""
+    placed = placed_in([(start.lit, _sight(start.lit, costs), costs) for costs in start.costs])
+    if not placed[0].is_in_view:
+        return None
+    alignments = measured([one for one in placed if one.is_in_view])
+    joint = _together(alignments)
+    lights = lights_of(joint)
+    each = []
+    for alignment in (joint, *alignments):
+        seen, costs = alignment.placed.predicted, alignment.placed.costs
+        ground = costs.region.is_ground
+        split = Split(seen.body & ground, seen.shadow & ground, None, seen.parts)
+        each.append(Explanation(costs.region, costs.materials, split, alignment, lights, costs.as_object))
+    # How much the light depends on the family is what one view tells, until all views choose it.
+    together = replace(each[0], bodies=start.origin.bodies)
+    return JointExplanation(together, tuple(each[1:]), start.origin)
 
 
-def with_steps(several: Sequence[JointExplanation], sharpener: Sharpener) -> list[JointExplanation]:
-    """The explanations where they stand, each with its costs by the steps of light in all views."""
-    measured_ones = sharpener.measured([each.joint for each in several])
-    return [replace(each, joint=joint) for each, joint in zip(several, measured_ones, strict=True)]
+def pixels_cost(placed: Sequence[PlacedBody]) -> float:
+    """The unary costs of all views' pixels."""
+    return sum(one.cost for one in placed)
 
 
-def sharpened_in_views(
-    explanation: JointExplanation, sharpener: Sharpener, near: NearnessPrior | None = None
-) -> JointExplanation:
-    """The explanation moved onto the steps of light in all views; as it is where they show none.
-
-    sharpener: of all views at full resolution, that of the answer first. near: of its only light's nearness, where that
-    is not held.
-    """
-    best = sharpener.best_fit(explanation.joint, near)
-    if best is None:
-        return explanation
-    costs = [own_costs(each) for each in explanation.each]
-    moved = _explained(JointStart(explanation.origin, best.lit, costs))
-    if moved is None:
-        return explanation
-    as_one, before = views_as_one(len(sharpener.pictures)), explanation.joint
-    pixels_cost = _cost([each.alignment.placed for each in moved.each])
-    joint = replace(
-        moved.joint,
-        split=before.split,
-        lights=lights_by_steps(best, moved.joint.alignment, as_one),
-        steps=best.mean_costs,
-        bodies=before.bodies,
-        criterion=(best.criterion + pixels_cost / COST_PER_PARAMETER) / as_one,
-        nearness=None if best.nearness is None else best.nearness.over(as_one),
-    )
-    return replace(moved, joint=joint)
-
-
-def joint_criterion(explanation: JointExplanation) -> float:
-    """As `alignment.criterion`, over all views: their unary costs, and one penalty per shape parameter."""
-    first, *others = (each.alignment.placed for each in explanation.each)
-    return criterion(first) + sum(one.cost for one in others)
+def views_as_one(count: int) -> float:
+    """How many of so many views tell as much as one that shares no errors with the others."""
+    return 1 + SHARED * (count - 1)
 
 
 def _aligned(several: Sequence[JointStart]) -> list[LitBody]:
     """The cheapest state of each body along Gauss-Newton steps of its views' normal equations, added up."""
     here = _placed(several)
-    best, least = list(here), [_cost(placed) for placed in here]
+    best, least = list(here), [pixels_cost(placed) for placed in here]
     for number, share in enumerate(RANGES):
         flat = [one for placed in here for one in placed if one.is_in_view]
         if not flat:
@@ -196,7 +150,7 @@ def _aligned(several: Sequence[JointStart]) -> list[LitBody]:
             at = end
         here = _placed(moved)
         for i, placed in enumerate(here):
-            if (cost := _cost(placed)) < least[i]:
+            if (cost := pixels_cost(placed)) < least[i]:
                 best[i], least[i] = placed, cost
     return [placed[0].lit for placed in best]
 
@@ -219,10 +173,6 @@ def _apart_rad(one: LitBody, other: LitBody) -> float:
     return max(angle_between(a, b) for a, b in pairs)
 
 
-def _cost(placed: Sequence[PlacedBody]) -> float:
-    return sum(one.cost for one in placed)
-
-
 def _summed(normals: Float, lit: LitBody) -> Float:
     """(t, t) the sum of normal matrices (v, t, t), each of which includes the prior, with the prior counted once."""
     total = normals.sum(axis=0)
@@ -230,29 +180,6 @@ def _summed(normals: Float, lit: LitBody) -> Float:
     diagonal = np.arange(len(prior))
     total[diagonal, diagonal] -= (len(normals) - 1) * prior
     return np.asarray(total)
-
-
-def views_as_one(count: int) -> float:
-    """How many of so many views tell as much as one that shares no errors with the others."""
-    return 1 + SHARED * (count - 1)
-
-
-def _explained(start: JointStart) -> JointExplanation | None:
-    placed = placed_in([(start.lit, _sight(start.lit, costs), costs) for costs in start.costs])
-    if not placed[0].is_in_view:
-        return None
-    alignments = measured([one for one in placed if one.is_in_view])
-    joint = _together(alignments)
-    lights = lights_of(joint)
-    each = []
-    for alignment in (joint, *alignments):
-        seen, costs = alignment.placed.predicted, alignment.placed.costs
-        ground = costs.region.is_ground
-        split = Split(seen.body & ground, seen.shadow & ground, None, seen.parts)
-        each.append(Explanation(costs.region, costs.materials, split, alignment, lights, costs.as_object))
-    # How much the light depends on the family is what one view tells, until all views choose it.
-    together = replace(each[0], bodies=start.origin.bodies)
-    return JointExplanation(together, tuple(each[1:]), start.origin)
 
 
 def _together(alignments: Sequence[Alignment]) -> Alignment:

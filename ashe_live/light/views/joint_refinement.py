@@ -1,0 +1,91 @@
+"""A joint explanation made sharper in all views: its family, its light by tangents, then all by the steps of light."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ashe_live.light.explanation.alignment import COST_PER_PARAMETER, criterion
+from ashe_live.light.explanation.explain import refined_by_tangents, refitted_bodies
+from ashe_live.light.explanation.explanation import LIKELY_FAMILIES
+from ashe_live.light.explanation.sharpen import Sharpener, lights_by_steps
+from ashe_live.light.labels.relabel import relabelled
+from ashe_live.light.outline_fit.preset import FitPreset
+from ashe_live.light.shape.body import NearnessPrior
+from ashe_live.light.views.joint import (
+    JointExplanation,
+    JointStart,
+    explained_in_views,
+    explained_where_it_stands,
+    own_costs,
+    pixels_cost,
+    views_as_one,
+)
+
+
+def with_likeliest_family(explanation: JointExplanation, preset: FitPreset) -> JointExplanation:
+    """The explanation with the body of the family that explains all views best.
+
+    One view's labels are fitted alike by several families.
+    """
+    costs = [own_costs(each) for each in explanation.each]
+    own = explanation.joint.alignment.placed.lit.body.family.name
+    bodies = [lit for lit in refitted_bodies(explanation.origin, preset) if lit.body.family.name != own]
+    others = explained_in_views([JointStart(explanation.origin, lit, costs) for lit in bodies[:LIKELY_FAMILIES]])
+    several = sorted([explanation, *(each for each in others if each is not None)], key=joint_criterion)
+    lits = tuple(each.joint.alignment.placed.lit for each in several)
+    return replace(several[0], joint=replace(several[0].joint, bodies=lits))
+
+
+def refined_by_all_tangents(explanation: JointExplanation) -> JointExplanation:
+    """The explanation with its light refined by the common tangents in each view in turn, which hold for any body.
+
+    One view's tangents leave the light free within a plane through the camera; planes of different views intersect. The
+    first view's pixels are labelled anew.
+    """
+    lights, splits = explanation.joint.lights, []
+    for each in explanation.each:
+        split = relabelled(each.region, each.materials, each.as_object, each.predicted)
+        splits.append(split)
+        if split.is_large_enough:
+            lights = refined_by_tangents(replace(each, split=split, lights=lights)).lights
+    return replace(explanation, joint=replace(explanation.joint, split=splits[0], lights=lights))
+
+
+def with_steps(several: Sequence[JointExplanation], sharpener: Sharpener) -> list[JointExplanation]:
+    """The explanations where they stand, each with its costs by the steps of light in all views."""
+    measured_ones = sharpener.measured([each.joint for each in several])
+    return [replace(each, joint=joint) for each, joint in zip(several, measured_ones, strict=True)]
+
+
+def sharpened_in_views(
+    explanation: JointExplanation, sharpener: Sharpener, near: NearnessPrior | None = None
+) -> JointExplanation:
+    """The explanation moved onto the steps of light in all views; as it is where they show none.
+
+    sharpener: of all views at full resolution, that of the answer first. near: of its only light's nearness, where that
+    is not held.
+    """
+    best = sharpener.best_fit(explanation.joint, near)
+    if best is None:
+        return explanation
+    costs = [own_costs(each) for each in explanation.each]
+    moved = explained_where_it_stands(JointStart(explanation.origin, best.lit, costs))
+    if moved is None:
+        return explanation
+    as_one, before = views_as_one(len(sharpener.pictures)), explanation.joint
+    by_pixels = pixels_cost([each.alignment.placed for each in moved.each])
+    joint = replace(
+        moved.joint,
+        split=before.split,
+        lights=lights_by_steps(best, moved.joint.alignment, as_one),
+        steps=best.mean_costs,
+        bodies=before.bodies,
+        criterion=(best.criterion + by_pixels / COST_PER_PARAMETER) / as_one,
+        nearness=None if best.nearness is None else best.nearness.over(as_one),
+    )
+    return replace(moved, joint=joint)
+
+
+def joint_criterion(explanation: JointExplanation) -> float:
+    """As `alignment.criterion`, over all views: their unary costs, and one penalty per shape parameter."""
+    first, *others = (each.alignment.placed for each in explanation.each)
+    return criterion(first) + sum(one.cost for one in others)
