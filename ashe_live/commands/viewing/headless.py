@@ -39,12 +39,12 @@ def show_without_window(
         renderer = SceneRenderer(offscreen_context(), quality_of(options).render, setup.size)
         stack.callback(renderer.release)
         session = stack.enter_context(opened_session(setup))
+        as_shown = AsShown() if options.as_shown is None else read_as_shown(options.as_shown, session.table.shelf)
         recorder: Recorder | TransparentRecorder | LastPicture | None = None
         if options.out is not None:
             recorder = _recorder(setup)
             stack.enter_context(recorder)
             takers = (*takers, recorder.write)
-        as_shown = AsShown() if options.as_shown is None else read_as_shown(options.as_shown, session.table.shelf)
         report = Report(renderer.gl_renderer, renderer.gl_version, options.quality)
 
         def next_scene(session: Session) -> Scene:

@@ -104,7 +104,8 @@ def read_as_shown(path: Path, shelf: Shelf) -> AsShown:
             raise ValueError("nothing of this version is in it")
         return AsShown({int(each["frame"]): _shown(each, shelf) for each in content["shown"]})
     except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise UserError(f"{path} does not say how a recording was shown ({error})", "record again") from error
+        said = f"it lacks {error}" if isinstance(error, KeyError) else error
+        raise UserError(f"{path} does not say how a recording was shown ({said})", "record again") from error
 
 
 def _shown_json(frame: int, shown: Shown) -> Json:
