@@ -26,6 +26,7 @@ from ashe_live.light.shape.directions import (
 LAMPS_NEARNESS, LAMPS_SHARE = 1.5, 0.5
 # Deviance of a sun that leaves sun and lamp even: 3 sigmas, which ground that is uneven in another way shows, too.
 EVEN_DEVIANCE = 9.0
+CHANCE_DEVIANCE = 3.84  # that chance exceeds once in twenty: below it a sun's direction stays as it was measured
 MOST_LOG_ODDS = 20.0  # of a lamp against a sun, either way
 
 
@@ -46,8 +47,10 @@ def with_doubt(light: Light, place: Place, from_sun: Place, deviance: float) -> 
     sun = FittedLight(np.append(light.to_light_marker, 0.0), light.covariance_rad2)
     as_sun, of_sun = displacement_of(light.to_light_marker), np.linalg.inv(information_on_displacement(sun))
     apart = as_lamp - as_sun
-    spread = probability * of_lamp + (1 - probability) * (of_sun + probability * np.outer(apart, apart))
-    expected = as_sun + probability * apart
+    moved = probability if deviance > CHANCE_DEVIANCE and mean > 0 else 0.0
+    expected = as_sun + moved * apart
+    about_it = probability * (1 - moved) ** 2 + (1 - probability) * moved**2
+    spread = probability * of_lamp + (1 - probability) * of_sun + about_it * np.outer(apart, apart)
     slope = direction_by_displacement(expected)
     covariance = slope @ spread @ slope.T
     return replace(
@@ -64,9 +67,10 @@ def _if_lamp(place: Place) -> tuple[float, float, float]:
     nearness, variance = float(place.mean[2]), place.nearness_sigma**2
     total = variance + LAMPS_NEARNESS**2
     mean, left = nearness * LAMPS_NEARNESS**2 / total, variance * LAMPS_NEARNESS**2 / total
-    log_ratio = 0.5 * math.log(variance / total) + 0.5 * mean**2 / left
-    # Lamps are nearer than infinity, not farther.
-    return mean, left, log_ratio + math.log(max(1 + math.erf(mean / math.sqrt(2 * left)), 1e-9))
+    apart = mean / math.sqrt(2 * left)
+    # Lamps are nearer than infinity, not farther: exp(x²) (1 + erf(x)), by its asymptote where rounding leaves none.
+    log_side = apart**2 + math.log1p(math.erf(apart)) if apart > -5 else -math.log(-apart * math.sqrt(math.pi))
+    return mean, left, 0.5 * math.log(variance / total) + log_side
 
 
 def confidence_within(light: Light, covariance_rad2: Float) -> float | None:
