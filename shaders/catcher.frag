@@ -11,10 +11,13 @@ uniform vec3 sky;  // its fraction of the light on level ground at the marker, l
 #if LIGHTS > 0 && CASTERS > 1
 uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video, linear; 0 if it is not known
 const float RIM_PX = 2.5;  // error of the real shadow's outline
+const float MATTERS = 0.02;  // share of the sky or of a light that the model takes
 const float FAR_RIM = 0.012;  // its error where the proxy is a poor one: a fraction of the picture's width
 #endif
 uniform sampler2D contact;  // fraction of the sky that the model hides, and its mean direction's x and y times that
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
+uniform vec4 model_bounds;  // the same of the model itself
+uniform float model_height;
 uniform mat4 marker_from_placed;
 uniform vec3 model_albedo;  // its mean, linear RGB
 uniform vec3 ground_bounce;
@@ -46,13 +49,13 @@ const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 // Fraction of a light that the real object lets through. Near its shadow's outline it is measured in the video, as an
 // outline that is off by a pixel would leave a seam where the ground is darkened twice, or not at all. Farther away, what
-// is clearly in shadow counts as such.
-float lit_past_real(int light, float covered) {
+// is clearly in shadow counts as such. Where the model changes next to nothing (not `matters`) so does an error.
+float lit_past_real(int light, float covered, bool matters) {
     float known = lit_on_ground(1, light, ground);
     vec2 across = dFdx(ground), along = dFdy(ground);
     float least = known, most = known, far = known;
     float far_px = FAR_RIM * viewport.z;
-    for (int side = -1; side <= 1; side += 2) {
+    for (int side = matters ? -1 : 3; side <= 1; side += 2) {
         vec2 beside = vec2(lit_on_ground(1, light, ground + side * RIM_PX * across),
                            lit_on_ground(1, light, ground + side * RIM_PX * along));
         far = min(far, min(lit_on_ground(1, light, ground + side * far_px * across),
@@ -76,6 +79,27 @@ float lit_past_real(int light, float covered) {
 }
 #endif
 
+// Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
+// these are the middles of the thirds, and their widths (as in model.frag).
+const float THIRDS[3] = float[](0.66, 1.73, 5.92);
+const float WIDTHS[3] = float[](0.55, 0.85, 2.9);
+
+// The light that the ground throws onto what is seen from here of the nearest wall, which faces `outward`, in the model's
+// own frame: at its foot the model's shadow, farther up what lies beyond.
+vec3 from_ground_on_wall(vec2 outward, float share) {
+    vec2 foot = clamp(ground_placed, model_bounds.xy, model_bounds.zw);
+    // Half of what a wall hides of the sky is below the direction whose cosine is the mean of 1 and that of its top.
+    float away = distance(ground_placed, foot);
+    float cosine = 0.5 + 0.5 * away * inversesqrt(max(away * away + model_height * model_height, 1e-12));
+    float height = away * sqrt(1.0 - cosine * cosine) / cosine;
+    vec3 light = vec3(0.0);
+    for (int third = 0; third < (share > 0.01 ? 3 : 0); ++third) {
+        vec2 at = foot + THIRDS[third] * height * outward;
+        light += light_on_ground((marker_from_placed * vec4(at, 0.0, 1.0)).xy, WIDTHS[third] * height);
+    }
+    return ground_bounce * light / 3.0;
+}
+
 // Horizontal part of the mean direction to half of the sky, by cosine: that which a wall hides at its foot.
 const float WALL = 0.4244;  // 4 / (3 pi)
 
@@ -91,7 +115,8 @@ void main() {
     // What hides the sky is as much of a wall as it does so on one side; the rest of it hangs above.
     vec3 hidden = texture(contact, at).rgb * (inside.x * inside.y);
     float is_wall = min(length(hidden.yz) / max(WALL * hidden.x, 1e-4), 1.0);
-    vec2 outward = normalize((marker_from_placed * vec4(-hidden.yz, 0.0, 0.0)).xy + vec2(1e-9, 0.0));
+    vec2 outward_placed = normalize(-hidden.yz + vec2(1e-9, 0.0));
+    vec2 outward = normalize((marker_from_placed * vec4(outward_placed, 0.0, 0.0)).xy);
     vec3 on_walls = vec3(0.0);  // what the lights give them
     vec3 before = sky;
     vec3 after = sky;
@@ -99,13 +124,6 @@ void main() {
     for (int light = 0; light < LIGHTS; ++light) {
         float falloff;
         vec3 towards = towards_light(light, vec3(ground, 0.0), falloff);
-        vec3 seen = sun_on_ground[light] * ground_falloff(light, ground);
-        float share = 1.0;
-#if CASTERS > 1
-        share = lit_past_real(light, covered);
-        seen *= share;
-#endif
-        before += seen;
 #ifdef SOFT_BORDER
         // Four taps have the variance of their offsets.
         vec2 across = border_px * dFdx(ground), along = border_px * dFdy(ground);
@@ -114,6 +132,13 @@ void main() {
 #else
         float lit = lit_on_ground(0, light, ground);
 #endif
+        vec3 seen = sun_on_ground[light] * ground_falloff(light, ground);
+        float share = 1.0;
+#if CASTERS > 1
+        share = lit_past_real(light, covered, max(hidden.x, 1.0 - lit) > MATTERS);
+        seen *= share;
+#endif
+        before += seen;
         after += seen * lit;
         // A shadow on the ground goes on up the walls beside it.
         on_walls += sun[light] * (falloff * share * lit * max(dot(outward, towards.xy), 0.0));
@@ -125,7 +150,8 @@ void main() {
 #endif
     // In the place of the hidden sky the ground sees the model, lit by the ground before it, and if a wall by half the sky.
     vec3 from_ground = ground_bounce * after / max(before, 1e-3);
-    vec3 facing = model_albedo * mix(from_ground, 0.5 * (sky + from_ground) + on_walls, is_wall);
+    vec3 on_wall = 0.5 * (sky + from_ground_on_wall(outward_placed, hidden.x * is_wall)) + on_walls;
+    vec3 facing = model_albedo * mix(from_ground, on_wall, is_wall);
     after += hidden.x * (facing - sky);
     vec3 ratio = mix(vec3(1.0), after / max(before, 1e-3), strength);
     vec3 change = abs(1.0 - ratio);

@@ -12,11 +12,12 @@ uniform float weights[REACH + 1];  // of a row's middle, and of its neighbours o
 uniform float wide_weights[REACH + 1];  // of a blur a pixel wider, which sharpening takes away
 uniform float sharpening;
 #endif
-#ifdef COARSE_REACH
-uniform float coarse_weights[COARSE_REACH + 1];  // of the colours' blur
+#ifdef COARSE
+uniform sampler2D coarse_light;  // both layers as blurred as colours are, at half the resolution
+uniform sampler2D coarse_gone;
 #endif
 #ifdef OVEREXPOSED
-uniform float overexposure;  // how much brighter than the picture shows what it shows as white is
+uniform vec3 paper;  // what the picture shows as white, linear RGB as the picture would have it if it could
 const vec2 WHITE = vec2(0.88, 0.94);  // linear brightness from which, and from which fully (as in camera/white.py)
 #endif
 uniform float noise_sigmas[4];  // standard deviations of encoded values, at the middles of four ranges of brightness
@@ -55,8 +56,10 @@ float noise_sigma(float brightness) {
 
 // Layers at a whole number of pixels from `middle`, which is a pixel or, where the lens bends, between pixels.
 #ifdef BENDS
+#define MIDDLE_OF_PIXEL 0.0
 #define READ(layer, middle, column, row) textureLod(layer, (middle + vec2(column, row)) / vec2(textureSize(layer, 0)), 0.0)
 #else
+#define MIDDLE_OF_PIXEL 0.5
 #define READ(layer, middle, column, row) \
     texelFetch(layer, clamp(middle + ivec2(column, row), ivec2(0), textureSize(layer, 0) - 1), 0)
 #endif
@@ -74,7 +77,7 @@ vec3 left_of(vec3 seen, vec3 gone) {
 #ifdef OVEREXPOSED
     float share = smoothstep(WHITE.x, WHITE.y, dot(seen, LUMINANCE));
     // What was too bright to be seen is lost first.
-    return min(seen * mix(1.0, overexposure, share) * (1.0 - gone), max(seen, seen * (1.0 - gone)));
+    return min(mix(seen, max(seen, paper), share) * (1.0 - gone), max(seen, seen * (1.0 - gone)));
 #else
     return seen * (1.0 - gone);
 #endif
@@ -95,22 +98,10 @@ void main() {
     vec4 differs = vec4(0.0);
     DIFFERS(light, gone, middle, REACH, differs)
     bool is_even = all(lessThan(differs, vec4(EVEN)));
-#ifdef COARSE_REACH
-    DIFFERS(light, gone, middle, COARSE_REACH, differs)
-    bool is_coarsely_even = all(lessThan(differs, vec4(EVEN)));
-    vec4 coarse_light = is_coarsely_even ? light : vec4(0.0);
-    vec3 coarse_gone = is_coarsely_even ? gone : vec3(0.0);
-    int last = is_coarsely_even ? -COARSE_REACH - 1 : COARSE_REACH;
-    // Every second pixel will do, as of a chessboard: nothing in so wide a blur is as fine as a pixel.
-    for (int row = -COARSE_REACH; row <= last; ++row) {
-        int columns = max(COARSE_REACH, 2) - abs(row);
-        columns = min(columns, COARSE_REACH);
-        for (int column = -columns + ((columns + row) & 1); column <= columns; column += 2) {
-            float weight = coarse_weights[abs(row)] * coarse_weights[abs(column)];
-            coarse_light += weight * READ(added_light, middle, column, row);
-            coarse_gone += weight * READ(removed, middle, column, row).rgb;
-        }
-    }
+#ifdef COARSE
+    vec2 half_at = (vec2(middle) + MIDDLE_OF_PIXEL) / (2.0 * vec2(textureSize(coarse_light, 0)));
+    vec4 coarse_added = textureLod(coarse_light, half_at, 0.0);
+    vec3 coarse_removed = textureLod(coarse_gone, half_at, 0.0).rgb;
 #endif
     float blurred = is_even ? 0.0 : 1.0;
     light *= 1.0 - blurred;
@@ -141,8 +132,8 @@ void main() {
 #ifdef WIDE
     change = max(change, abs(wide_gone));
 #endif
-#ifdef COARSE_REACH
-    change = max(change, max(abs(coarse_gone), coarse_light.aaa));
+#ifdef COARSE
+    change = max(change, max(abs(coarse_removed), coarse_added.aaa));
 #endif
     if (max(light.a, max(change.r, max(change.g, change.b))) < 0.0005) discard;
     vec3 seen = linear_from_srgb(texture(video, at).rgb);
@@ -154,8 +145,8 @@ void main() {
 #else
     float sharpened = 0.0;
 #endif
-#ifdef COARSE_REACH
-    vec3 coarse = srgb_from_linear(left_of(seen, coarse_gone) + coarse_light.rgb);
+#ifdef COARSE
+    vec3 coarse = srgb_from_linear(left_of(seen, coarse_removed) + coarse_added.rgb);
     composed = luma + coarse - dot(coarse, LUMINANCE);
 #endif
     composed += sharpened;

@@ -13,10 +13,10 @@ vec3 ground_seen(vec2 at, float width_m) {
     return textureLod(ground_map, 0.5 + 0.5 * at / far, log2(width_m / texel_m + 1e-3)).rgb / exposure;
 }
 
-// What the model leaves of the light there.
-vec3 left_on_ground(vec2 at) {
+// What the model leaves of the light there, over about `width_m`.
+vec3 left_on_ground(vec2 at, float width_m) {
 #if LIGHTS > 0
-    return light_on_ground(at) / max(level_at(at), 1e-3);
+    return light_on_ground(at, width_m) / max(level_at(at), 1e-3);
 #else
     return vec3(1.0);
 #endif
@@ -39,7 +39,7 @@ vec3 surrounding_radiance(vec3 from, vec3 towards, float alpha) {
     vec2 meets = from.xy + towards.xy * distance;
     vec3 ground = ground_seen(meets, TEXELS * alpha * distance * inversesqrt(down));  // the lobe's mean width there
     // A wide lobe would blur the shadow into a gradient, which the surface's shading contains already.
-    ground *= mix(left_on_ground(meets), vec3(1.0), min(2.0 * alpha, 1.0));
+    ground *= mix(left_on_ground(meets, 0.0), vec3(1.0), min(2.0 * alpha, 1.0));
     float up = max(towards.z, 0.0);
     // A texel of the sky's map spans 4 / size radians in its middle, half of that at the horizon.
     vec2 at = 0.5 + 0.5 * normalize(towards.xy + vec2(1e-6, 0.0)) * sqrt((1.0 - up) / (1.0 + up));

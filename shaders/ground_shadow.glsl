@@ -6,6 +6,8 @@ uniform sampler2D ground_shadows;  // fraction of a light that a caster lets thr
 uniform mat4 ground_shadow_from_marker[MAPS];
 uniform vec2 ground_shadow_lower[MAPS];  // lower left corners of the tiles
 uniform vec2 ground_shadow_upper[MAPS];
+uniform float ground_shadow_texels_per_m[MAPS];  // at the marker's centre
+uniform float ground_shadow_levels;  // of the texture's pyramid, in each of which a tile is still some texels
 
 // Fraction of a light that a caster (0: the model, 1: the real object) lets through to a point of the plane.
 float lit_on_ground(int caster, int light, vec2 ground) {
@@ -16,19 +18,38 @@ float lit_on_ground(int caster, int light, vec2 ground) {
     if (at.w < 1e-3) return 1.0;
     at.xy /= at.w;
 #endif
-    return texture(ground_shadows, clamp(at.xy, ground_shadow_lower[map], ground_shadow_upper[map])).r;
+    return textureLod(ground_shadows, clamp(at.xy, ground_shadow_lower[map], ground_shadow_upper[map]), 0.0).r;
 }
 
-// The light on level ground, as far as the model leaves it, over that at the marker's centre with nothing there.
-vec3 light_on_ground(vec2 at) {
+// Its mean over about `width_m` of the plane.
+float lit_around(int caster, int light, vec2 ground, float width_m) {
+    int map = caster * LIGHTS + light;
+    vec4 at = ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0);
+#if LAMPS
+    if (at.w < 1e-3) return 1.0;
+    at.xy /= at.w;
+#endif
+    float level = clamp(log2(max(width_m * ground_shadow_texels_per_m[map], 1.0)), 0.0, ground_shadow_levels);
+    vec2 texel = exp2(level) / vec2(textureSize(ground_shadows, 0));
+    vec2 within = 0.5 * texel * (1.0 - exp2(-level));  // to the middle of a coarser texel at the tile's border
+    vec2 nearest = clamp(at.xy, ground_shadow_lower[map] + within, ground_shadow_upper[map] - within);
+    // Beyond the tile nothing is shaded.
+    vec2 beyond = abs(at.xy - nearest) / texel;
+    float lit = textureLod(ground_shadows, nearest, level).r;
+    return mix(lit, 1.0, min(max(beyond.x, beyond.y), 1.0));
+}
+
+// The light on level ground, as far as the model leaves it, over that at the marker's centre with nothing there; the mean
+// over about `width_m`.
+vec3 light_on_ground(vec2 at, float width_m) {
     vec3 light = vec3(1.0);
     for (int number = 0; number < LIGHTS; ++number) {
-        light += sun_on_ground[number] * (ground_falloff(number, at) * lit_on_ground(0, number, at) - 1.0);
+        light += sun_on_ground[number] * (ground_falloff(number, at) * lit_around(0, number, at, width_m) - 1.0);
     }
     return light;
 }
 #else
-vec3 light_on_ground(vec2 at) {
+vec3 light_on_ground(vec2 at, float width_m) {
     return vec3(1.0);
 }
 #endif

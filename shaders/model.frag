@@ -91,6 +91,7 @@ vec3 triangle_normal(vec3 n) {
 // Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
 // these are the middles of the thirds, as 1 - h / sqrt(h^2 + d^2) of it comes from within d.
 const float THIRDS[3] = float[](0.66, 1.73, 5.92);
+const float WIDTHS[3] = float[](0.55, 0.85, 2.9);  // and half of how wide these are, to either side of which is looked
 const float NEARER = 1.2;  // the middle of the nearer two thirds,
 const float NEARER_WIDTH = 1.5;  // and about how far they reach to both sides of it
 
@@ -101,9 +102,10 @@ vec3 ambient(vec3 direction, vec2 open) {
     float height = max(position.z, 0.0);
     vec2 away = height * direction.xy;
     // Near by it has the colours of the picture there: the marker's paper is brighter than what it lies on.
-    vec3 ground = left_on_ground(position.xy + THIRDS[0] * away) + left_on_ground(position.xy + THIRDS[1] * away);
+    vec3 ground = left_on_ground(position.xy + THIRDS[0] * away, WIDTHS[0] * height);
+    ground += left_on_ground(position.xy + THIRDS[1] * away, WIDTHS[1] * height);
     ground *= ground_seen(position.xy + NEARER * away, NEARER_WIDTH * height) / 3.0;
-    ground += ground_bounce * light_on_ground(position.xy + THIRDS[2] * away) / 3.0;
+    ground += ground_bounce * light_on_ground(position.xy + THIRDS[2] * away, WIDTHS[2] * height) / 3.0;
     vec3 from_sky = sky * upward + sky_slope[0] * direction.x + sky_slope[1] * direction.y;
     return max(from_sky, 0.0) * open.x + ground * ((1.0 - upward) * open.y);
 }

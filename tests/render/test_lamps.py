@@ -20,6 +20,7 @@ from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.scene import Scene
 
 GREEN = (0.0, 1.0, 0.0, 1.0)
+DARK_GREEN = (0.0, 0.3, 0.0, 1.0)  # which throws little of its colour onto its shadow
 GROUND = 200
 POLE = (0.02, 0.03, 0.07)
 POLE_CORNERS = box_corners(np.array([(-POLE[0] / 2, -POLE[1] / 2, 0), (POLE[0] / 2, POLE[1] / 2, POLE[2])]))
@@ -71,7 +72,7 @@ def test_shadow_falls_where_the_planar_projection_says(make_renderer, stage, qua
     """And begins where the model stands: no light gets in between, not even 15 cm from the lamp."""
     renderer = make_renderer(QUALITIES[quality].render)
     tracked = stage.tracked(GROUND, stage.pose(-90, 50, 0.5))
-    renderer.render(Scene(tracked, stage.placed(box(POLE, GREEN)), Illumination((lamp_at(place, FAINT),))))
+    renderer.render(Scene(tracked, stage.placed(box(POLE, DARK_GREEN)), Illumination((lamp_at(place, FAINT),))))
     is_model, is_shadow = split(renderer.read_bgr())
     T_cam_marker = tracked.marker.T_cam_marker
     in_model = inside_px(project(tracked.camera, T_cam_marker, POLE_CORNERS))
@@ -79,7 +80,7 @@ def test_shadow_falls_where_the_planar_projection_says(make_renderer, stage, qua
     assert is_model[in_model > 1].all()
     assert (is_shadow | is_model)[in_shadow > 1.5].all()
     assert not is_shadow[in_shadow < -1.5].any()
-    assert is_shadow.sum() > 100
+    assert is_shadow.sum() > 40
 
 
 @pytest.mark.parametrize("quality", list(QUALITIES))

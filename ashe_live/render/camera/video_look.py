@@ -20,9 +20,9 @@ from ashe_live.render.camera.white import OVEREXPOSED, PAPER_ALBEDO, print_corne
 from ashe_live.render.lights.lighting import RGB, Lighting
 
 HALF_RESOLUTION_PX = 1.0  # sigma of colours that are means of two pixels, interpolated: variances of 1/4 and 3/4
-# Encoders round off weak colours more than strong ones: in the variance of the blur that is measured on the ground. Of
-# 0, 1.5, 2.5 and 3.5 the one with the least dE on the models of `bench render --pairs`; the minimum is a flat one.
-WEAK_COLOURS_PX2 = 1.5
+# Encoders round off weak colours more than strong ones: what the variance of the blur on the ground has over that of
+# denoising and half resolution; median of 21 photos of `bench render --pairs`, whose cameras are known (1.5 to 8).
+WEAK_COLOURS_PX2 = 3.0
 WINDOW_PX = 160  # a side of the part of the picture whose noise and colours stand for the whole
 
 
@@ -38,10 +38,14 @@ class VideoLook:
     chroma_blur_px: float = 0.0  # sigma of what colours are blurred beyond brightness, pixels of the video
 
     @property
-    def overexposure(self) -> float:
-        """How much brighter than the picture can show its paper is; 1 where it can."""
-        paper = PAPER_ALBEDO * float(np.array(self.white_rgb) @ REC709_LUMINANCE)
-        return max(1.0, paper / OVEREXPOSED[1])
+    def paper_rgb(self) -> Float:
+        """(3,) linear RGB of its fully lit paper, over 1 where the picture cannot show it."""
+        return PAPER_ALBEDO * np.array(self.white_rgb)
+
+    @property
+    def is_overexposed(self) -> bool:
+        """Whether its paper is brighter than the picture can show."""
+        return float(self.paper_rgb @ REC709_LUMINANCE) > OVEREXPOSED[1]
 
 
 def look_of(

@@ -99,7 +99,8 @@ def _as_exposed(paper: Float, ink: Float) -> Float:
 
     Ink is as colourless as paper and has the light's colours, where paper has lost them. How bright paper is, a
     channel tells that is not overexposed, else ink's brightness: half of the logarithm by which ink is brighter than
-    as a rule, as exposure and ink vary alike, and the less of it, the likelier it is that the print is a pale one.
+    as a rule, as exposure and ink vary alike, more near none, as paper is not less than fully exposed, and the less of
+    it, the likelier it is that the print is a pale one.
     """
     low, high = OVEREXPOSED
     ink = np.maximum(ink, BLACKEST)
@@ -108,7 +109,7 @@ def _as_exposed(paper: Float, ink: Float) -> Float:
     excess = math.log(darkness / INK_RATIO / brightness)
     variance = INK_SPREAD**2 + EXPOSURE_SPREAD**2
     black = math.exp(-(excess**2) / (2 * variance))
-    over = math.exp(EXPOSURE_SPREAD**2 / variance * excess * black / (black + PALE))
+    over = math.exp(_mean_over(excess) * black / (black + PALE))
     by_ink = brightness * float(np.clip(over, 1.0, MOST_OVER)) * ink / darkness
     # No channel is darker than it is seen.
     by_ink *= max(1.0, float((paper / by_ink).max()))
@@ -117,6 +118,20 @@ def _as_exposed(paper: Float, ink: Float) -> Float:
         by_channel = ink * (known @ paper) / (known @ ink)
         by_ink += (by_channel - by_ink) * known.max()
     return np.asarray(paper + shares * np.maximum(by_ink - paper, 0.0), np.float64)
+
+
+def _mean_over(excess: float) -> float:
+    """Mean logarithm of how much brighter paper is than it can be seen, by that of black ink's excess over the rule.
+
+    Of exposures and inks that are normally distributed, those exposures that are positive.
+    """
+    variance = INK_SPREAD**2 + EXPOSURE_SPREAD**2
+    middle = EXPOSURE_SPREAD**2 / variance * excess
+    spread = INK_SPREAD * EXPOSURE_SPREAD / math.sqrt(variance)
+    # Far below none the tail's mean is near it.
+    z = max(middle / spread, -5.0)
+    above = 0.5 * math.erfc(-z / math.sqrt(2))
+    return spread * (z + math.exp(-(z**2) / 2) / (math.sqrt(2 * math.pi) * above))
 
 
 def _level(lighting: Lighting | None, real_object: Proxy | None, ground: Float) -> Float:

@@ -29,4 +29,6 @@ UNIT_OF = {
     "added_light": 13,
     "removed": 14,
     "straight_from_bent": 15,
+    "coarse_light": 12,
+    "coarse_gone": 10,
 }

@@ -4,6 +4,8 @@ Each caster and light has a tile that shows the ground as that light sees it: as
 is seen at a grazing angle, too.
 """
 
+import math
+
 import moderngl
 import numpy as np
 
@@ -18,6 +20,7 @@ from ashe_live.render.lights.shadow_maps import NOTHING_SEEN, ShadowMaps, tile_c
 
 # A penumbra wider than this share of the caster's width is cut off.
 WIDEST_PENUMBRA = 1.0
+COARSEST = 4  # texels a side of a tile in the last level of its pyramid
 
 
 class GroundShadows:
@@ -28,6 +31,7 @@ class GroundShadows:
         self._programs = programs
         self._preset = preset
         self._size = preset.ground_shadow_size
+        self._levels = round(math.log2(self._size / COARSEST))
         self._canvas = Canvas(ctx, 1, "f2")
         self._texture: moderngl.Texture | None = None
         self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
@@ -70,8 +74,12 @@ class GroundShadows:
                 self._rectangle[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
             texture_from_tile = translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1))
             texture_from_marker.append(texture_from_tile @ tile_from_marker)
+        # A wall gets light from shaded and lit ground at once.
+        self._texture.build_mipmaps(0, self._levels)
         self._uniforms = {
             "ground_shadow_from_marker": np.array(texture_from_marker),
+            "ground_shadow_texels_per_m": np.array([_per_metre(each, texture_size) for each in texture_from_marker]),
+            "ground_shadow_levels": np.array(float(self._levels)),
             "ground_shadow_lower": (corners + 0.5) / texture_size,
             "ground_shadow_upper": (corners + self._size - 0.5) / texture_size,
             "light_point": lighting.light_points,
@@ -98,3 +106,12 @@ def _ground_from_tile(tile_from_marker: Float) -> Float:
     found = np.zeros((4, 4))
     found[on_plane] = np.linalg.inv(tile_from_marker[on_plane])
     return found
+
+
+def _per_metre(texture_from_marker: Float, texture_size: Float) -> float:
+    """Texels of the texture a metre of the plane has at the marker's centre; 0 where a lamp does not see it."""
+    (x, y), w = texture_from_marker[:2, 3], texture_from_marker[3, 3]
+    if w <= 0:
+        return 0.0
+    moves = (texture_from_marker[:2, :2] - np.outer((x / w, y / w), texture_from_marker[3, :2])) / w
+    return math.sqrt(abs(float(np.linalg.det(moves * texture_size[:, None]))))

@@ -15,11 +15,12 @@ from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.adding import draw_added
 
-PATCH_SIZE = 96  # texels a side
+PATCH_SIZE = 104  # texels a side
 BLUR_TEXELS = 1.5  # of a Gaussian that merges the single directions' shadows
-REACH_HEIGHTS = 0.75  # how far the patch goes beyond the model's bounds, in heights of the model
+LEAST_BLUR_TEXELS = 0.1
+REACH_HEIGHTS = 1.0  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
-FADE = 0.3  # share of the patch's side along which the darkening ends
+FADE = 0.2  # share of the patch's side along which the darkening ends
 
 
 class ContactPatch:
@@ -30,6 +31,9 @@ class ContactPatch:
         reach = REACH_HEIGHTS * max(upper[2], MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
         # (2, 2) least, largest x, y; metres, marker frame
         self.bounds: Float = np.array([lower[:2] - reach, upper[:2] + reach])
+        texel = (upper - lower)[:2].max() / PATCH_SIZE + 2 * reach / PATCH_SIZE
+        # No wider than the model is high: beside what is flat nothing is hidden.
+        self._blur_texels = float(np.clip(upper[2] / texel, LEAST_BLUR_TEXELS, BLUR_TEXELS))
         self._ctx = ctx
         self._programs = programs
         self._rectangle: moderngl.VertexArray | None = None
@@ -54,7 +58,7 @@ class ContactPatch:
     def smoothed(self) -> NDArray[np.float16]:
         """(PATCH_SIZE, PATCH_SIZE, 4) what was added, once every direction was."""
         occlusion = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE, 4)
-        return cv2.GaussianBlur(occlusion.astype(np.float32), (0, 0), BLUR_TEXELS).astype(np.float16)
+        return cv2.GaussianBlur(occlusion.astype(np.float32), (0, 0), self._blur_texels).astype(np.float16)
 
     def fill(self, smooth: NDArray[np.float16]) -> None:
         """Has it hold what `smoothed` gave."""

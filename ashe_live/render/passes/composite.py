@@ -18,14 +18,13 @@ from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
 from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.passes.coarse import KERNEL_SIGMAS, CoarseBlur, CoarseLayers
 from ashe_live.render.passes.lens import Lens
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 
 MAX_REACH = 4  # pixels; a wider blur is cut off there
-MAX_COARSE_REACH = 7  # and one of colours there
 SMALLEST = 2  # rows and columns together from the middle of a kernel to its farthest pixels, at least
-KERNEL_SIGMAS = 2.0  # of a Gaussian within its kernel's reach
 
 
 class Composite:
@@ -34,12 +33,12 @@ class Composite:
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
         self._programs = programs
+        self._coarse = CoarseLayers(ctx, programs)
         self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
 
     def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
         """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
-        blurs = _blurs_of(viewport[2] / frame.size[0], look)
-        return max(blurs.reach, blurs.coarse_reach)
+        return _blurs_of(viewport[2] / frame.size[0], look).farthest
 
     def draw(
         self,
@@ -63,13 +62,17 @@ class Composite:
         blurs = _blurs_of(viewport[2] / frame.size[0], look)
         switches = {
             "wide": blurs.widest > blurs.variance,
-            "coarse_reach": blurs.coarse_reach,
-            "overexposed": look.overexposure > 1,
+            "coarse": blurs.coarse is not None,
+            "overexposed": look.is_overexposed,
             "bends": lens is not None,
             "cut_out": is_cut_out,
         }
         constants = {name: int(value) for name, value in switches.items() if value}
         program, rectangle = self._rectangle_of(self._programs.get("composite", reach=blurs.reach, **constants))
+        within = grown(region, blurs.farthest, surface.size)
+        if blurs.coarse is not None:
+            self._coarse.draw(surface, within, blurs.coarse)
+            self._coarse.bind()
         surface.bind_layers()
         video.bind()
         set_uniforms(
@@ -77,14 +80,12 @@ class Composite:
             viewport=tuple(map(float, viewport)),
             weights=_weights(blurs.variance, blurs.reach),
             wide_weights=_weights(blurs.widest, blurs.reach),
-            coarse_weights=_weights(blurs.coarsest, blurs.coarse_reach, every_second=True),
             sharpening=look.sharpening,
-            overexposure=look.overexposure,
+            paper=look.paper_rgb,
             noise_sigmas=np.array(look.noise_sigmas),
             grain_px=(viewport[2] / frame.size[0], viewport[3] / frame.size[1]),
             seed=frame.index,
         )
-        within = grown(region, max(blurs.reach, blurs.coarse_reach), surface.size)
         if lens is not None:
             lens.bind(tracked.camera)
             set_uniforms(program, region=tuple(map(float, within)))
@@ -98,6 +99,7 @@ class Composite:
         surface.colour.use()
 
     def release(self) -> None:
+        self._coarse.release()
         self._release_rectangle()
 
     def _rectangle_of(self, program: moderngl.Program) -> tuple[moderngl.Program, moderngl.VertexArray]:
@@ -124,9 +126,12 @@ class _Blurs(NamedTuple):
 
     variance: float
     widest: float  # with which its brightness is compared; as `variance` where nothing is sharpened
-    coarsest: float  # of its colours; 0 where they are as sharp as its brightness
-    reach: int  # of both blurs of its brightness
-    coarse_reach: int
+    reach: int  # of both
+    coarse: CoarseBlur | None  # of its colours; None where they are as sharp as its brightness
+
+    @property
+    def farthest(self) -> int:
+        return self.reach if self.coarse is None else max(self.reach, self.coarse.reach_px)
 
 
 def _blurs_of(scale: float, look: VideoLook) -> _Blurs:
@@ -137,19 +142,17 @@ def _blurs_of(scale: float, look: VideoLook) -> _Blurs:
     """
     variance = 0.0 if look.blur_sigma_px is None else scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2)
     widest = variance + (scale**2 * SHARPENING_SIGMA_PX**2 if look.sharpening > 0 else 0.0)
-    coarsest = variance + scale**2 * look.chroma_blur_px**2 if look.chroma_blur_px > 0 else 0.0
-    return _Blurs(variance, widest, coarsest, _reach(widest), _reach(coarsest, MAX_COARSE_REACH))
+    coarse = CoarseBlur.of(variance + scale**2 * look.chroma_blur_px**2) if look.chroma_blur_px > 0 else None
+    return _Blurs(variance, widest, _reach(widest), coarse)
 
 
-def _reach(variance: float, most: int = MAX_REACH) -> int:
-    return min(most, math.ceil(KERNEL_SIGMAS * math.sqrt(variance) - 1)) if variance > 0 else 0
+def _reach(variance: float) -> int:
+    return min(MAX_REACH, math.ceil(KERNEL_SIGMAS * math.sqrt(variance) - 1)) if variance > 0 else 0
 
 
-@lru_cache(maxsize=8)  # a frame's three are the next frame's as a rule: a search of 0.4 ms each
-def _weights(variance: float, reach: int, every_second: bool = False) -> Float:
+@lru_cache(maxsize=8)  # a frame's two are the next frame's as a rule: a search of 0.4 ms each
+def _weights(variance: float, reach: int) -> Float:
     """(reach + 1,) factors by row and column; over the diamond of pixels that is used, their products sum to 1.
-
-    `every_second`: as of a chessboard's fields only those of the middle's colour are used.
 
     The Gaussian's variance is raised until that of the kernel, which is cut off and sampled, is the wanted one.
     """
@@ -157,8 +160,6 @@ def _weights(variance: float, reach: int, every_second: bool = False) -> Float:
         return np.where(np.arange(reach + 1) == 0, 1.0, 0.0)
     at = np.arange(-reach, reach + 1)
     used = np.abs(at)[:, None] + np.abs(at) <= max(reach, SMALLEST)
-    if every_second:
-        used &= (at[:, None] + at) % 2 == 0
     low, high = variance / 40, 40.0 * variance
     for _ in range(40):
         raised = math.sqrt(low * high)

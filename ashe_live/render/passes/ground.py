@@ -119,6 +119,8 @@ class ShadowCatcher:
             placed_from_marker=model.placed_from_marker,
             marker_from_placed=model.marker_from_placed,
             model_albedo=tuple(model.model.albedo),
+            model_bounds=tuple(model.model.placed.bounds[:, :2].ravel()),
+            model_height=float(model.model.placed.bounds[1, 2]),
             **uniforms,
         )
         if program not in self._fans:

@@ -1,6 +1,8 @@
 """What is measured of the video, and that the model takes it on."""
 
+import math
 from dataclasses import replace
+from statistics import NormalDist
 
 import cv2
 import numpy as np
@@ -14,7 +16,15 @@ from ashe_live.quality import BALANCED, FAST
 from ashe_live.render.camera.edges import blur_and_sharpening, edge_blur_px
 from ashe_live.render.camera.grain import has_coarse_chroma, noise_levels
 from ashe_live.render.camera.video_look import look_of
-from ashe_live.render.camera.white import ASSUMED_WHITE, BODY_PRINT_SHARE, INK_RATIO, PAPER_ALBEDO, white_of
+from ashe_live.render.camera.white import (
+    ASSUMED_WHITE,
+    BODY_PRINT_SHARE,
+    EXPOSURE_SPREAD,
+    INK_RATIO,
+    INK_SPREAD,
+    PAPER_ALBEDO,
+    white_of,
+)
 from ashe_live.render.scene import Scene
 from ashe_live.tracking.cube.faces import TAG_SHARE
 from ashe_live.tracking.families.layout import cube_layout
@@ -68,10 +78,23 @@ def test_white_of_overexposed_paper_is_told_by_the_ink(stage) -> None:
     """Paper is at most 1 in the picture; ink goes on becoming brighter. It may be pale, so no more than half counts."""
     whites = [1.3, 1.6, 2.2]
     found = [white_of(_sheet(stage, (white,) * 3, ink=INK_RATIO * PAPER_ALBEDO * white))[1] for white in whites]
-    least = np.full(3, 0.98 / PAPER_ALBEDO)
-    most = [1.03 * np.sqrt(PAPER_ALBEDO * white) / PAPER_ALBEDO for white in whites]
-    assert (np.diff([*least[:1], *found]) > 0).all()
-    assert (np.array(found) < most).all()
+    least = 0.98 / PAPER_ALBEDO
+    assert (np.diff([least, *found]) > 0).all()
+    assert (np.diff(np.log(found)) < 0.5 * np.diff(np.log(whites))).all()
+
+
+def test_overexposed_paper_is_on_the_whole_as_bright_as_it_is_found(stage) -> None:
+    """Over exposures and inks as they are assumed to occur; no more than a twentieth for prints that might be pale."""
+    quantiles = [NormalDist().inv_cdf(share) for share in (0.1, 0.3, 0.5, 0.7, 0.9)]
+    overs = [NormalDist().inv_cdf(0.5 + share / 2) for share in (0.1, 0.3, 0.5, 0.7, 0.9)]
+    errors = []
+    for over in overs:
+        paper = math.exp(EXPOSURE_SPREAD * over)
+        for each in quantiles:
+            ink = INK_RATIO * paper * math.exp(INK_SPREAD * each)
+            found = white_of(_sheet(stage, (paper / PAPER_ALBEDO,) * 3, ink=ink))[1]
+            errors.append(math.log(found * PAPER_ALBEDO / paper))
+    assert abs(np.mean(errors)) < 0.06
 
 
 def test_white_of_overexposed_paper_has_the_colours_of_the_ink(stage) -> None:

@@ -15,6 +15,7 @@ from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
 from ashe_live.render.gl.framing import box_corners
+from ashe_live.render.passes.coarse import CoarseBlur, line_weights
 from ashe_live.render.passes.composite import SMALLEST, _weights
 from ashe_live.render.scene import Scene
 from tests.render.camera.test_video_look import _sheet
@@ -87,3 +88,21 @@ def test_a_shadow_is_as_soft_as_the_real_one_though_the_camera_sharpens_its_mark
         for picture, body_points in ((renderer.read_bgr(), points), (image, body))
     )
     assert 0.85 < ours / real < 1.2
+
+
+@pytest.mark.parametrize("sigma", [1.0, 1.5, 2.5, 3.5])
+def test_blur_at_half_the_resolution_has_the_variance_that_was_asked_for(sigma: float) -> None:
+    """With the mean of two pixels before it and interpolation after it, in the mean of both phases."""
+    blur = CoarseBlur.of(sigma**2)
+    weights = line_weights(*blur)
+    line = weights[np.abs(np.arange(-blur.taps, blur.taps + 1))]
+    size = 80
+    variances = []
+    for lit in (40, 41):
+        row = np.zeros(size)
+        row[lit] = 1.0
+        half = np.convolve(row.reshape(-1, 2).mean(axis=1), line, mode="same")
+        result = np.interp(np.arange(size) + 0.5, 2 * np.arange(size // 2) + 1.0, half)
+        assert result.sum() == pytest.approx(1)
+        variances.append(float(result @ (np.arange(size) - lit) ** 2))
+    assert np.mean(variances) == pytest.approx(sigma**2, rel=0.02)

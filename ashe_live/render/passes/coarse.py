@@ -1,0 +1,154 @@
+"""The layers, blurred as the video's colours are: at half the resolution, and along one axis after the other.
+
+Nothing in so wide a blur is as fine as a pixel, and a Gaussian is the product of its rows and columns.
+"""
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.core.camera import Size
+from ashe_live.render.gl.framing import Rectangle, grown
+from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.texture_units import UNIT_OF
+from ashe_live.render.passes.surface import Surface
+
+# px²: the mean of 2 x 2 pixels has 1/4; interpolated a quarter of the way between two of them it gets 3/4 more.
+LEAST_VARIANCE = 1.0
+MOST_TAPS = 6  # to each side of the middle, of a wider blur is cut off there
+KERNEL_SIGMAS = 2.0  # of a Gaussian within its kernel's reach
+
+
+class CoarseBlur(NamedTuple):
+    """A Gaussian at half the resolution."""
+
+    variance: float  # of its kernel, in pixels of half the resolution
+    taps: int  # to each side of the middle one
+
+    @classmethod
+    def of(cls, variance_px2: float) -> "CoarseBlur":
+        """That whose result has the variance, in pixels of the framebuffer; at least LEAST_VARIANCE."""
+        variance = max(variance_px2 - LEAST_VARIANCE, 0.0) / 4
+        return cls(variance, min(MOST_TAPS, math.ceil(KERNEL_SIGMAS * math.sqrt(variance))))
+
+    @property
+    def reach_px(self) -> int:
+        """How far a pixel of the framebuffer counts."""
+        return 2 * self.taps + 3
+
+
+class _Target(NamedTuple):
+    light: moderngl.Texture
+    gone: moderngl.Texture
+    framebuffer: moderngl.Framebuffer
+
+    def bind(self, names: tuple[str, str]) -> None:
+        for texture, name in zip((self.light, self.gone), names, strict=True):
+            texture.use(UNIT_OF[name])
+
+
+class CoarseLayers:
+    """Of a surface, read by programs as `coarse_light` and `coarse_gone`."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
+        self._ctx = ctx
+        self._programs = programs
+        self._targets: tuple[_Target, _Target] | None = None
+        self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
+
+    def draw(self, surface: Surface, region: Rectangle, blur: CoarseBlur) -> None:
+        """Blurs `surface`'s layers where they are looked up in `region`, beside which they must be empty.
+
+        As far as `blur.reach_px` beyond it. Leaves another framebuffer bound.
+        """
+        width, height = surface.size
+        size = (width + 1) // 2, (height + 1) // 2
+        rows, both = self._targets_of(size)
+        program, rectangle = self._rectangle_of(self._programs.get("coarse", taps=blur.taps))
+        set_uniforms(program, weights=line_weights(*blur))
+        wanted = _halved(grown(region, 2, surface.size))
+        self._ctx.viewport = (0, 0, *size)
+        self._ctx.enable_only(moderngl.NOTHING)
+        surface.bind_layers()
+        passes = (
+            (rows, _above_and_below(wanted, blur.taps, size), (2 / width, 2 / height), (2 / width, 0.0)),
+            (both, wanted, (1 / size[0], 1 / size[1]), (0.0, 1 / size[1])),
+        )
+        for target, within, texel, along in passes:
+            target.framebuffer.scissor = within
+            target.framebuffer.use()
+            self._ctx.viewport = (0, 0, *size)
+            set_uniforms(program, texel=texel, along=along)
+            rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+            target.bind(("added_light", "removed"))
+
+    def bind(self) -> None:
+        if self._targets is not None:
+            self._targets[1].bind(("coarse_light", "coarse_gone"))
+
+    def release(self) -> None:
+        self._release_targets()
+        self._release_rectangle()
+
+    def _targets_of(self, size: Size) -> tuple[_Target, _Target]:
+        if self._targets is None or self._targets[0].light.size != size:
+            self._release_targets()
+            self._targets = self._new_target(size), self._new_target(size)
+        return self._targets
+
+    def _new_target(self, size: Size) -> _Target:
+        light, gone = (self._ctx.texture(size, 4, dtype="f2") for _ in range(2))
+        for texture in (light, gone):
+            texture.repeat_x = texture.repeat_y = False
+        return _Target(light, gone, self._ctx.framebuffer([light, gone]))
+
+    def _rectangle_of(self, program: moderngl.Program) -> tuple[moderngl.Program, moderngl.VertexArray]:
+        if self._rectangle is None or self._rectangle[0] is not program:
+            self._release_rectangle()
+            self._rectangle = program, self._ctx.vertex_array(program, [])
+        return self._rectangle
+
+    def _release_targets(self) -> None:
+        for target in self._targets or ():
+            for held in (target.framebuffer, target.light, target.gone):
+                held.release()
+        self._targets = None
+
+    def _release_rectangle(self) -> None:
+        if self._rectangle is not None:
+            self._rectangle[1].release()
+        self._rectangle = None
+
+
+def _halved(rectangle: Rectangle) -> Rectangle:
+    """All pixels of half the resolution in which it lies."""
+    left, bottom, width, height = rectangle
+    return left // 2, bottom // 2, (left + width + 1) // 2 - left // 2, (bottom + height + 1) // 2 - bottom // 2
+
+
+def _above_and_below(rectangle: Rectangle, by: int, size: Size) -> Rectangle:
+    left, bottom, width, height = rectangle
+    lowest = max(0, bottom - by)
+    return left, lowest, width, min(size[1], bottom + height + by) - lowest
+
+
+@lru_cache(maxsize=4)
+def line_weights(variance: float, taps: int) -> Float:
+    """(taps + 1,) of a line's middle and its neighbours on either side, which sum to 1 and have that variance.
+
+    As a Gaussian that is cut off has too little, its own is raised.
+    """
+    at = np.arange(-taps, taps + 1)
+    if taps == 0 or variance <= 0:
+        return np.where(at[taps:] == 0, 1.0, 0.0)
+    low, high = variance / 40, 40.0 * variance
+    for _ in range(40):
+        raised = math.sqrt(low * high)
+        line = np.exp(-(at**2) / (2 * raised))
+        line /= line.sum()
+        low, high = (raised, high) if float(line @ at**2) < variance else (low, raised)
+    return np.asarray(line[taps:], np.float64)
