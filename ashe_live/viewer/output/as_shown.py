@@ -16,6 +16,7 @@ from ashe_live.viewer.session import Session
 from ashe_live.viewer.table.shelf import Shelf
 from ashe_live.viewer.table.stand import Stand
 
+SEATS = range(100)  # of a marker: more models than anybody sees
 MOST_BYTES = 100_000_000  # an hour in which something is moved in every frame
 
 
@@ -103,7 +104,7 @@ def read_as_shown(path: Path, shelf: Shelf) -> AsShown:
         if content["schema"] != SCHEMA or not content["shown"]:
             raise ValueError("nothing of this version is in it")
         return AsShown({int(each["frame"]): _shown(each, shelf) for each in content["shown"]})
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         said = f"it lacks {error}" if isinstance(error, KeyError) else error
         raise UserError(f"{path} does not say how a recording was shown ({said})", "record again") from error
 
@@ -145,7 +146,12 @@ def _shown(known: Json, shelf: Shelf) -> Shown:
 def _stand(known: Json, shelf: Shelf) -> Stand:
     x, y = known["shift_m"]
     placement = Placement(known["scale"], known["turn_rad"], (x, y))
-    return Stand(known["model"], shelf.loaded(known["model"]), placement, int(known["seat"]), known["marker"])
+    if known["seat"] not in SEATS:
+        raise ValueError(f"seat {known['seat']!r:.40} is too far away")
+    marker = known["marker"]
+    if not (marker is None or isinstance(marker, str)):
+        raise TypeError(f"no marker is called {marker!r:.40}")
+    return Stand(known["model"], shelf.loaded(known["model"]), placement, known["seat"], marker)
 
 
 def _light(known: Json) -> Light:

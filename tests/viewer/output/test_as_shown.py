@@ -127,7 +127,15 @@ def test_a_damaged_light_or_place_is_refused(begun, tmp_path: Path) -> None:
     window, as_shown = begun(), AsShown()
     window.hand.light = Illumination((SUN,))
     as_shown.add(0, shown_now(window))
-    for path, value in ((("models", 0, "scale"), 0), (("models", 0, "shift_m"), [1]), (("parts",), "none")):
+    for path, value in (
+        (("models", 0, "scale"), 0),
+        (("models", 0, "shift_m"), [1]),
+        (("parts",), "none"),
+        (("estimate", "lights", 0, "position_marker_m"), [0, 0, 0]),
+        (("estimate", "lights", 0, "to_light_marker"), [0, 0, 0]),
+        (("models", 0, "seat"), 10**400),
+        (("models", 0, "marker"), [7]),
+    ):
         record = as_shown.to_json()
         assert record["schema"] == SCHEMA
         at = record["shown"][0]
