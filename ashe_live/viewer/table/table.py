@@ -125,6 +125,8 @@ class Table:
             case Command.UNDO:
                 self._say(self._undo.undo(self.hand) or "nothing was done by hand that could be undone", now_s)
             case Command.RESET:
+                if self.arrangement.is_as_left:
+                    self._say(f"{self.model_name} stands as at first: Ctrl+Z takes that back", now_s)
                 self._undo.note(self.hand, request, now_s)
                 self.hand.reset()
                 self.arrangement.give_back()

@@ -66,6 +66,7 @@ def test_what_is_given_back_is_forgotten_unless_that_is_undone(run) -> None:
     left(run(), LEFT)
     session = run()
     session.handle(Request(Command.RESET), 0.0)
+    assert "mug stands as at first: Ctrl+Z" in str(session.notice(0.0))
     assert session.hand.placement == run().hand.placement == UNMOVED
     session.handle(Request(Command.UNDO), 1.0)
     session.arrangement.keep_places()
