@@ -79,11 +79,6 @@ float lit_past_real(int light, float covered, bool matters) {
 }
 #endif
 
-// Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
-// these are the middles of the thirds, and their widths (as in model.frag).
-const float THIRDS[3] = float[](0.66, 1.73, 5.92);
-const float WIDTHS[3] = float[](0.55, 0.85, 2.9);
-
 // The light that the ground throws onto what is seen from here of the nearest wall, which faces `outward`, in the model's
 // own frame: at its foot the model's shadow, farther up what lies beyond.
 vec3 from_ground_on_wall(vec2 outward, float share) {

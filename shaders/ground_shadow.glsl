@@ -1,4 +1,10 @@
 // Look-up of the shadows on the ground, which render/lights/ground_shadows.py has filtered.
+
+// Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
+// these are the middles of the thirds, as 1 - h / sqrt(h^2 + d^2) of it comes from within d.
+const float THIRDS[3] = float[](0.66, 1.73, 5.92);
+const float WIDTHS[3] = float[](0.55, 0.85, 2.9);  // and half of how wide these are, to either side of which is looked
+
 #if LIGHTS > 0
 #define MAPS (LIGHTS * CASTERS)
 
@@ -9,32 +15,37 @@ uniform vec2 ground_shadow_upper[MAPS];
 uniform float ground_shadow_texels_per_m[MAPS];  // at the marker's centre
 uniform float ground_shadow_levels;  // of the texture's pyramid, in each of which a tile is still some texels
 
+// Where a map has a point of the plane, in the texture's coordinates; not behind a lamp that sees its caster beside it, where
+// nothing is shaded.
+bool is_on_map(int map, vec2 ground, out vec2 at) {
+    vec4 seen = ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0);
+    at = seen.xy;
+#if LAMPS
+    if (seen.w < 1e-3) return false;
+    at /= seen.w;
+#endif
+    return true;
+}
+
 // Fraction of a light that a caster (0: the model, 1: the real object) lets through to a point of the plane.
 float lit_on_ground(int caster, int light, vec2 ground) {
     int map = caster * LIGHTS + light;
-    vec4 at = ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0);
-#if LAMPS
-    // Nothing is shaded on the ground behind a lamp that sees its caster beside it.
-    if (at.w < 1e-3) return 1.0;
-    at.xy /= at.w;
-#endif
-    return textureLod(ground_shadows, clamp(at.xy, ground_shadow_lower[map], ground_shadow_upper[map]), 0.0).r;
+    vec2 at;
+    if (!is_on_map(map, ground, at)) return 1.0;
+    return textureLod(ground_shadows, clamp(at, ground_shadow_lower[map], ground_shadow_upper[map]), 0.0).r;
 }
 
 // Its mean over about `width_m` of the plane.
 float lit_around(int caster, int light, vec2 ground, float width_m) {
     int map = caster * LIGHTS + light;
-    vec4 at = ground_shadow_from_marker[map] * vec4(ground, 0.0, 1.0);
-#if LAMPS
-    if (at.w < 1e-3) return 1.0;
-    at.xy /= at.w;
-#endif
+    vec2 at;
+    if (!is_on_map(map, ground, at)) return 1.0;
     float level = clamp(log2(max(width_m * ground_shadow_texels_per_m[map], 1.0)), 0.0, ground_shadow_levels);
     vec2 texel = exp2(level) / vec2(textureSize(ground_shadows, 0));
     vec2 within = 0.5 * texel * (1.0 - exp2(-level));  // to the middle of a coarser texel at the tile's border
-    vec2 nearest = clamp(at.xy, ground_shadow_lower[map] + within, ground_shadow_upper[map] - within);
+    vec2 nearest = clamp(at, ground_shadow_lower[map] + within, ground_shadow_upper[map] - within);
     // Beyond the tile nothing is shaded.
-    vec2 beyond = abs(at.xy - nearest) / texel;
+    vec2 beyond = abs(at - nearest) / texel;
     float lit = textureLod(ground_shadows, nearest, level).r;
     return mix(lit, 1.0, min(max(beyond.x, beyond.y), 1.0));
 }

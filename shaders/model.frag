@@ -88,11 +88,7 @@ vec3 triangle_normal(vec3 n) {
     return size2 > 0.0 && size2 < 1e30 ? faceforward(across, position - eye, across) * inversesqrt(size2) : n;
 }
 
-// Of the ground's light on a wall, a third each comes from nearer than 1.1 and from farther than 2.8 times the height:
-// these are the middles of the thirds, as 1 - h / sqrt(h^2 + d^2) of it comes from within d.
-const float THIRDS[3] = float[](0.66, 1.73, 5.92);
-const float WIDTHS[3] = float[](0.55, 0.85, 2.9);  // and half of how wide these are, to either side of which is looked
-const float NEARER = 1.2;  // the middle of the nearer two thirds,
+const float NEARER = 1.2;  // the middle of the nearer two THIRDS, in heights of the wall,
 const float NEARER_WIDTH = 1.5;  // and about how far they reach to both sides of it
 
 // Light from all around, over pi, on a surface or from a direction: the sky above, the ground below, with the model's

@@ -14,6 +14,7 @@ from ashe_live.core.transforms import translated_and_scaled
 from ashe_live.render.gl.canvas import Canvas
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.lights.lighting import Lighting
 from ashe_live.render.lights.shadow_maps import NOTHING_SEEN, ShadowMaps, tile_corners
@@ -34,7 +35,7 @@ class GroundShadows:
         self._levels = round(math.log2(self._size / COARSEST))
         self._canvas = Canvas(ctx, 1, "f2")
         self._texture: moderngl.Texture | None = None
-        self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
+        self._rectangle = WholeRectangle(ctx)
         self._drawn = 0
         self._uniforms: dict[str, Float] = {}
 
@@ -52,9 +53,6 @@ class GroundShadows:
             "ground_shadow",
             **shadows.constants | {"casters": shadows.caster_count, "blocker_taps": self._preset.blocker_taps},
         )
-        if self._rectangle is None or self._rectangle[0] is not program:
-            self._release_rectangle()
-            self._rectangle = program, self._ctx.vertex_array(program, [])
         shadows.bind(program)
         framebuffer.use()
         framebuffer.clear(1.0)
@@ -71,7 +69,7 @@ class GroundShadows:
                 self._ctx.viewport = (int(corner[0]), int(corner[1]), self._size, self._size)
                 ground = _ground_from_tile(tile_from_marker)
                 set_uniforms(program, marker_from_tile=ground, caster=caster, light=light)
-                self._rectangle[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+                self._rectangle.draw(program)
             texture_from_tile = translated_and_scaled((*(corner / self._size), 0), (*(self._size / texture_size), 1))
             texture_from_marker.append(texture_from_tile @ tile_from_marker)
         # A wall gets light from shaded and lit ground at once.
@@ -91,13 +89,8 @@ class GroundShadows:
             set_uniforms(program, **self._uniforms)
 
     def release(self) -> None:
-        self._release_rectangle()
+        self._rectangle.release()
         self._canvas.release()
-
-    def _release_rectangle(self) -> None:
-        if self._rectangle is not None:
-            self._rectangle[1].release()
-        self._rectangle = None
 
 
 def _ground_from_tile(tile_from_marker: Float) -> Float:

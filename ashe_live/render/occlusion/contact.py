@@ -17,7 +17,7 @@ from ashe_live.render.occlusion.adding import draw_added
 
 PATCH_SIZE = 104  # texels a side
 BLUR_TEXELS = 1.5  # of a Gaussian that merges the single directions' shadows
-LEAST_BLUR_TEXELS = 0.1
+LEAST_BLUR_TEXELS = 0.1  # which changes nothing: OpenCV chooses a blur of its own for none
 REACH_HEIGHTS = 1.0  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
 FADE = 0.2  # share of the patch's side along which the darkening ends
@@ -31,7 +31,7 @@ class ContactPatch:
         reach = REACH_HEIGHTS * max(upper[2], MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
         # (2, 2) least, largest x, y; metres, marker frame
         self.bounds: Float = np.array([lower[:2] - reach, upper[:2] + reach])
-        texel = (upper - lower)[:2].max() / PATCH_SIZE + 2 * reach / PATCH_SIZE
+        texel = float((self.bounds[1] - self.bounds[0]).max()) / PATCH_SIZE
         # No wider than the model is high: beside what is flat nothing is hidden.
         self._blur_texels = float(np.clip(upper[2] / texel, LEAST_BLUR_TEXELS, BLUR_TEXELS))
         self._ctx = ctx

@@ -14,6 +14,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.camera import Size
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.passes.surface import Surface
 
@@ -58,7 +59,7 @@ class CoarseLayers:
         self._ctx = ctx
         self._programs = programs
         self._targets: tuple[_Target, _Target] | None = None
-        self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
+        self._rectangle = WholeRectangle(ctx)
 
     def draw(self, surface: Surface, region: Rectangle, blur: CoarseBlur) -> None:
         """Blurs `surface`'s layers where they are looked up in `region`, beside which they must be empty.
@@ -68,10 +69,9 @@ class CoarseLayers:
         width, height = surface.size
         size = (width + 1) // 2, (height + 1) // 2
         rows, both = self._targets_of(size)
-        program, rectangle = self._rectangle_of(self._programs.get("coarse", taps=blur.taps))
+        program = self._programs.get("coarse", taps=blur.taps)
         set_uniforms(program, weights=line_weights(*blur))
         wanted = _halved(grown(region, 2, surface.size))
-        self._ctx.viewport = (0, 0, *size)
         self._ctx.enable_only(moderngl.NOTHING)
         surface.bind_layers()
         passes = (
@@ -83,7 +83,7 @@ class CoarseLayers:
             target.framebuffer.use()
             self._ctx.viewport = (0, 0, *size)
             set_uniforms(program, texel=texel, along=along)
-            rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+            self._rectangle.draw(program)
             target.bind(("added_light", "removed"))
 
     def bind(self) -> None:
@@ -92,7 +92,7 @@ class CoarseLayers:
 
     def release(self) -> None:
         self._release_targets()
-        self._release_rectangle()
+        self._rectangle.release()
 
     def _targets_of(self, size: Size) -> tuple[_Target, _Target]:
         if self._targets is None or self._targets[0].light.size != size:
@@ -106,22 +106,11 @@ class CoarseLayers:
             texture.repeat_x = texture.repeat_y = False
         return _Target(light, gone, self._ctx.framebuffer([light, gone]))
 
-    def _rectangle_of(self, program: moderngl.Program) -> tuple[moderngl.Program, moderngl.VertexArray]:
-        if self._rectangle is None or self._rectangle[0] is not program:
-            self._release_rectangle()
-            self._rectangle = program, self._ctx.vertex_array(program, [])
-        return self._rectangle
-
     def _release_targets(self) -> None:
         for target in self._targets or ():
             for held in (target.framebuffer, target.light, target.gone):
                 held.release()
         self._targets = None
-
-    def _release_rectangle(self) -> None:
-        if self._rectangle is not None:
-            self._rectangle[1].release()
-        self._rectangle = None
 
 
 def _halved(rectangle: Rectangle) -> Rectangle:

@@ -18,6 +18,7 @@ from ashe_live.render.camera.edges import BOX_VARIANCE_PX2, SHARPENING_SIGMA_PX
 from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.passes.coarse import KERNEL_SIGMAS, CoarseBlur, CoarseLayers
 from ashe_live.render.passes.lens import Lens
 from ashe_live.render.passes.surface import Surface
@@ -34,7 +35,7 @@ class Composite:
         self._ctx = ctx
         self._programs = programs
         self._coarse = CoarseLayers(ctx, programs)
-        self._rectangle: tuple[moderngl.Program, moderngl.VertexArray] | None = None
+        self._rectangle = WholeRectangle(ctx)
 
     def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
         """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
@@ -68,7 +69,7 @@ class Composite:
             "cut_out": is_cut_out,
         }
         constants = {name: int(value) for name, value in switches.items() if value}
-        program, rectangle = self._rectangle_of(self._programs.get("composite", reach=blurs.reach, **constants))
+        program = self._programs.get("composite", reach=blurs.reach, **constants)
         within = grown(region, blurs.farthest, surface.size)
         if blurs.coarse is not None:
             self._coarse.draw(surface, within, blurs.coarse)
@@ -94,25 +95,13 @@ class Composite:
         surface.colour.use()
         self._ctx.viewport = (0, 0, *surface.size)
         self._ctx.enable_only(moderngl.NOTHING)
-        rectangle.render(moderngl.TRIANGLE_STRIP, vertices=4)
+        self._rectangle.draw(program)
         surface.colour.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
         surface.colour.use()
 
     def release(self) -> None:
         self._coarse.release()
-        self._release_rectangle()
-
-    def _rectangle_of(self, program: moderngl.Program) -> tuple[moderngl.Program, moderngl.VertexArray]:
-        """What draws all of the framebuffer with that program."""
-        if self._rectangle is None or self._rectangle[0] is not program:
-            self._release_rectangle()
-            self._rectangle = program, self._ctx.vertex_array(program, [])
-        return self._rectangle
-
-    def _release_rectangle(self) -> None:
-        if self._rectangle is not None:
-            self._rectangle[1].release()
-        self._rectangle = None
+        self._rectangle.release()
 
 
 def _right_of(column: int, rectangle: Rectangle) -> Rectangle:

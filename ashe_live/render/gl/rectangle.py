@@ -1,0 +1,23 @@
+"""A rectangle over all of the viewport, for passes whose program changes with what a picture needs."""
+
+import moderngl
+
+
+class WholeRectangle:
+    """Drawn by the last program only: a vertex array belongs to one."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self._of: tuple[moderngl.Program, moderngl.VertexArray] | None = None
+
+    def draw(self, program: moderngl.Program) -> None:
+        """With the program's vertex shader, which places four vertices by their number."""
+        if self._of is None or self._of[0] is not program:
+            self.release()
+            self._of = program, self._ctx.vertex_array(program, [])
+        self._of[1].render(moderngl.TRIANGLE_STRIP, vertices=4)
+
+    def release(self) -> None:
+        if self._of is not None:
+            self._of[1].release()
+        self._of = None
