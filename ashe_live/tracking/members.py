@@ -59,13 +59,12 @@ class Members:
         corners = zip(numbers, ideal.reshape(-1, 4, 2), strict=True)
         return {number: source_from_ideal(camera, each) for number, each in corners if np.isfinite(each).all()}
 
-    def most_measured(self, numbers: list[int]) -> int:
-        """How many of the members with these numbers are worth being measured in a frame.
+    def in_order_of_worth(self, numbers: list[int]) -> list[int]:
+        """These members, what lies beside a cube first: that is measured whichever of the faces are."""
+        return sorted(numbers, key=lambda number: number != NUMBER) if self.beside is not None else numbers
 
-        The list is sorted so that these come first: what lies beside a cube does whichever of its faces do.
-        """
-        if self.beside is not None:
-            numbers.sort(key=lambda number: number != NUMBER)
+    def most_measured(self, numbers: list[int]) -> int:
+        """How many of the members with these numbers are worth being measured in a frame."""
         if self._folding is None or self._folding.wants_all:
             return len(numbers)
         return FACES_MEASURED + (NUMBER in numbers)

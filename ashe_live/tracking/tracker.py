@@ -154,7 +154,7 @@ class MarkerTracker:
         """The members where they move on as they did, or where the pose has them; as many as are measured."""
         moved_px = last.expected_px(time_s)
         expected = self._members.projected(camera, last.pose.measured_T_cam_marker, moved_px) | moved_px
-        numbers = in_front(expected, last.corners_px)
+        numbers = self._members.in_order_of_worth(in_front(expected, last.corners_px))
         most = self._members.most_measured(numbers)
         where = {
             number: Expected(self._members.all[number].marker, expected[number], last.aligned_sigmas.get(number, 0.0))

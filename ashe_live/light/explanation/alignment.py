@@ -35,7 +35,9 @@ EARLY_LOSS_FACTOR = 3.0  # times that scale in the rounds before
 # Penalty per parameter: the ln n of the Bayesian information criterion, n the region's pixels, times the number of
 # pixels whose errors are correlated, as a colour model is wrong over whole patches.
 COST_PER_PARAMETER = 250.0
-TRIED_BODIES = 2  # each of another family
+# Each of another family. A second one costs 6 % of an estimate's time; of 250 training pictures 13 answers are sure and
+# wrong with it, and 18 without.
+TRIED_BODIES = 2
 WIDEST_NEARNESS = 10.0  # one over the body's size: sigma of the prior on what nearness no border tells
 
 

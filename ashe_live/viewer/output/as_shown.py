@@ -53,7 +53,6 @@ class AsShown:
     def __init__(self, by_frame: dict[int, Shown] | None = None) -> None:
         self._by_frame = by_frame or {}
         self._last = -1  # that was added
-        self._order: list[int] = sorted(self._by_frame)
 
     def add(self, frame: int, shown: Shown) -> None:
         # A clip that is played again: frames that are skipped now count as those before them.
@@ -74,10 +73,10 @@ class AsShown:
 
     def set_up(self, session: Session) -> None:
         """Has `session` show its present frame as it was shown."""
-        if session.tracked is None or not self._order:
+        if session.tracked is None or not self._by_frame:
             return
-        at = self._order[max(0, bisect_right(self._order, session.tracked.frame.index) - 1)]
-        shown = self._by_frame[at]
+        frames = sorted(self._by_frame)
+        shown = self._by_frame[frames[max(0, bisect_right(frames, session.tracked.frame.index) - 1)]]
         session.hand.light = None
         if shown.by_hand is not None:
             # What the light falls on is what was estimated here.
