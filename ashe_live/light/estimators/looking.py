@@ -11,7 +11,7 @@ from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.refining import refined_and_others
 from ashe_live.light.estimators.scene_views import fine_and_coarse, scene_views
 from ashe_live.light.estimators.steps import FAST, ProxySteps
-from ashe_live.light.estimators.together import explained_together
+from ashe_live.light.estimators.together import different_ones, explained_together
 from ashe_live.light.estimators.trace import Look, Trace
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
@@ -20,11 +20,12 @@ from ashe_live.light.explanation.judgement.judge import Judge, best_direction, e
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
-from ashe_live.light.ground.regions import unlit_regions
+from ashe_live.light.ground.regions import compared, unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.evidence import no_less_sure
-from ashe_live.light.views.seen import SceneView
+from ashe_live.light.views.joint import JointExplanation
+from ashe_live.light.views.seen import SceneView, without_plane
 
 # Least area of an unlit region, as a fraction of the coarse picture: smaller ones are specks.
 LEAST_SHARE = 0.0005
@@ -34,6 +35,7 @@ FIRST_COMPANIONS = 1  # number of views beside the first that are searched in an
 # Probability of a direction from which explanations are not looked for in more views: what hides the shadow in one view
 # does not in another, but where nothing hides it, more views find the same.
 SETTLED = 0.7
+SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
 
 # The log odds of an explanation, judged beside these several.
 LogOddsAmong = Callable[[Sequence[Explanation]], Callable[[Explanation], float]]
@@ -54,7 +56,7 @@ def looked(
     if len(views) > 1:
         together = _explained_together((views[0], candidates), views, steps, judge, lamps, clock)
         alone, alone_log_odds = _directions(candidates), log_odds
-        candidates, log_odds = [each for each, _ in together], [odds for _, odds in together]
+        candidates, log_odds = [each.joint for each, _ in together], [odds for _, odds in together]
         log_odds = no_less_sure(_directions(candidates), log_odds, alone, alone_log_odds)
         clock.end("views")
     trace.judged, trace.probabilities = candidates, probabilities_of(log_odds).tolist()
@@ -68,10 +70,11 @@ def _explained_together(
     judge: Judge,
     lamps: LampHypotheses,
     clock: StageClock,
-) -> list[tuple[Explanation, float]]:
+) -> list[tuple[JointExplanation, float]]:
     """As `explained_together`, of what is found in the first view and in as many others as it takes to be sure.
 
-    first: the first view with its explanations.
+    Where that leaves doubt, views are searched as if each were the only one as well: what is plain does not shear, and
+    is taken for its own shadow where other views have a say in the labels. first: the first view with its explanations.
     """
 
     def searched(several: Sequence[SceneView]) -> Iterator[tuple[SceneView, Sequence[Explanation]]]:
@@ -83,16 +86,30 @@ def _explained_together(
     companions = views[1 : 1 + steps.companions]
     found = [first, *searched(companions[:FIRST_COMPANIONS])]
     together = explained_together(found, views, steps, judge, lamps)
-    more = companions[FIRST_COMPANIONS:]
-    if not more or (together and _sureness(together) > SETTLED):
+    if _is_settled(together) or not companions:
         return together
-    return explained_together([*found, *searched(more)], views, steps, judge, lamps)
+    if more := companions[FIRST_COMPANIONS:]:
+        together = explained_together([*found, *searched(more)], views, steps, judge, lamps)
+        if _is_settled(together):
+            return together
+    alone = [(view, _found_alone(view, steps, judge, clock)) for view in views[:SEARCHED_ALONE]]
+    return different_ones([*together, *explained_together(alone, views, steps, judge, lamps)])
 
 
-def _sureness(together: Sequence[tuple[Explanation, float]]) -> float:
-    """The probability of the likeliest direction."""
+def _is_settled(together: Sequence[tuple[JointExplanation, float]]) -> bool:
+    """Whether one direction is so likely that more views need not be searched."""
+    if not together:
+        return False
     several, log_odds = zip(*together, strict=True)
-    return best_direction(probabilities_of(log_odds), _directions(several))[1]
+    directions = _directions([each.joint for each in several])
+    return best_direction(probabilities_of(log_odds), directions)[1] > SETTLED
+
+
+def _found_alone(view: SceneView, steps: ProxySteps, judge: Judge, clock: StageClock) -> list[Explanation]:
+    """What a view shows where no other is known, with what the others tell of its pixels, by which it is judged."""
+    found, *_ = _explanations(without_plane(view), Trace(view.coarse), steps, judge, clock)
+    regions = {id(each.region): compared(each.region, view.ground) for each in found}
+    return [replace(each, region=regions[id(each.region)]) for each in found]
 
 
 def _directions(several: Sequence[Explanation]) -> list[Float]:

@@ -43,7 +43,7 @@ def explained_together(
     steps: ProxySteps,
     judge: Judge,
     lamps: LampHypotheses,
-) -> list[tuple[Explanation, float]]:
+) -> list[tuple[JointExplanation, float]]:
     """The likeliest different candidates of some of the views, aligned in all, and their log odds; the likeliest first.
 
     found: views with their explanations. views: all, that of the answer first. lamps: what that one's ground tells.
@@ -86,7 +86,14 @@ def explained_together(
     sharp = [_decided(each, lamps.decided(each.joint, fit, sharpener)) for each in moved]
     # A known caster is no body of any shape.
     likely[:REFITTED] = sharp if steps.caster else [with_hull(each, sharpener) for each in sharp]
-    return sorted(((each.joint, log_odds(each)) for each in likely), key=itemgetter(1), reverse=True)
+    return sorted(((each, log_odds(each)) for each in likely), key=itemgetter(1), reverse=True)
+
+
+def different_ones(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
+    """Explanations with their log odds, the likeliest first, without those that are like a likelier one."""
+    ranked = sorted(several, key=itemgetter(1), reverse=True)
+    kept = distinct_explanations([each for each, _ in ranked])
+    return [(each, odds) for each, odds in ranked if any(each is one for one in kept)]
 
 
 def _decided(explanation: JointExplanation, decided: Explanation) -> JointExplanation:

@@ -1,7 +1,7 @@
 """Regions of the frame in which something stands, each resampled to a resolution that suits its size."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 
 import cv2
@@ -104,12 +104,22 @@ def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region
     enlarged = cv2.resize(area.astype(np.uint8), view.size, interpolation=cv2.INTER_NEAREST)[window].astype(bool)
     cut = view.cut(window)
     unlit, faint = _unlit(colours, ground, enlarged, cut.is_ground)
-    on_plane = None
-    if ground.on_plane is not None:
-        on_plane = np.asarray(
-            cv2.resize(ground.on_plane, view.size, interpolation=cv2.INTER_LINEAR)[window], dtype=np.float32
-        )
-    return Region(cut, colours, unlit, window, view.is_ground.shape, on_plane, faint)
+    shape = view.is_ground.shape
+    return Region(cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint)
+
+
+def compared(region: Region, ground: LitGround) -> Region:
+    """A region that was cut out of one view alone, with what other views tell of `ground`, that view's lit ground."""
+    return replace(region, on_plane=_on_plane(ground, region.frame_shape, region.window))
+
+
+def _on_plane(ground: LitGround, frame_shape: tuple[int, ...], window: Window) -> Float32 | None:
+    """(h, w) what other views tell of a window's pixels; frame_shape: of the whole frame at the window's scale."""
+    if ground.on_plane is None:
+        return None
+    height, width = frame_shape
+    whole = cv2.resize(ground.on_plane, (width, height), interpolation=cv2.INTER_LINEAR)
+    return np.asarray(whole[window], dtype=np.float32)
 
 
 def _window(box: tuple[int, int, int, int], scale_x: float, scale_y: float, shape: tuple[int, ...]) -> Window:

@@ -45,6 +45,11 @@ def with_plane(views: Sequence[SceneView]) -> list[SceneView]:
     return found
 
 
+def without_plane(view: SceneView) -> SceneView:
+    """The view as it is alone, without what others tell about which of its pixels lie on the plane."""
+    return replace(view, ground=replace(view.ground, on_plane=None))
+
+
 def costs_around(lit: LitBody, shifts: Sequence[Float], view: SceneView, region_px: int) -> Costs | None:
     """What the pixels around a body and its shadows cost in a view; the object's colours are learned in its silhouette.
 
