@@ -13,8 +13,10 @@ from ashe_live.core.types import Frame, TrackedFrame
 from ashe_live.light.estimators.looking import looked
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.scene_views import without_confirming
-from ashe_live.light.estimators.steps import FAST
+from ashe_live.light.estimators.steps import BALANCED, FAST
+from ashe_live.light.estimators.together import different_ones
 from ashe_live.light.explanation.judgement.judge import fitted_judge
+from ashe_live.light.views.joint import in_each_view
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
 from tests.light.synthetic_masks import camera_towards, direction
 
@@ -76,6 +78,25 @@ def test_views_of_another_scene_are_left_out(change: str) -> None:
     assert estimate.views == (0, 1)
     assert estimate.light is not None
     assert math.degrees(angle_between(estimate.light.to_light_marker, direction(200, 40))) < 1.0
+
+
+def test_a_plain_grey_box_under_a_high_sun_is_found_by_what_each_view_shows_alone() -> None:
+    # Its sides are as dark as its short shadow, and shear at their edges alone.
+    grey = dataclasses.replace(BOX, width_m=0.03, height_m=0.05, rgb=(0.08, 0.08, 0.09))
+    first, *others = (seen_from(heading, grey, elevation_deg=70) for heading in (90, 85, 95, 87.5, 92.5))
+    light = ProxyEstimator(BALANCED).estimate(first, others).light
+    assert light is not None
+    assert math.degrees(angle_between(light.to_light_marker, direction(200, 70))) < 3.0
+
+
+def test_of_two_searches_each_explanation_counts_once() -> None:
+    moved = dataclasses.replace(BOX, at=(0.15, 0.01))
+    one, other = (
+        in_each_view(looked(views[0], views[1:], FAST, fitted_judge(), StageClock()).trace.judged[0])
+        for views in (views_of(BOX), views_of(moved))
+    )
+    again = in_each_view(one.joint)
+    assert different_ones([(one, 0.5), (other, 1.0), (again, 2.0)]) == [(again, 2.0), (other, 1.0)]
 
 
 def test_views_without_a_marker_count_for_nothing() -> None:

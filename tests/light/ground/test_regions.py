@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.ground.lit_ground import ground_colours, with_unlit_on_average
-from ashe_live.light.ground.regions import unlit_regions
+from ashe_live.light.ground.lit_ground import ground_colours, with_on_plane, with_unlit_on_average
+from ashe_live.light.ground.regions import compared, unlit_regions
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import in_region, painted_region
@@ -153,3 +153,20 @@ def test_any_unlit_mask_has_regions_within_the_frame() -> None:
         for region in regions:
             assert region.in_frame(region.unlit).shape == region.frame_shape
             assert region.unlit.size > 0
+
+
+def test_what_other_views_tell_is_the_same_for_a_region_that_was_found_without_them() -> None:
+    here = painted_region(BOX)
+    told = np.random.default_rng(3).normal(size=here.ground.colours.shape[:2]).astype(np.float32)
+    ground = with_on_plane(here.ground, told)
+    fine = fine_of()
+    (alone,), (beside,) = (unlit_regions(fine, here.unlit, each, 130, 1) for each in (here.ground, ground))
+    assert alone.on_plane is None
+    assert beside.on_plane is not None
+    np.testing.assert_array_equal(compared(alone, ground).on_plane, beside.on_plane)
+    # Odds of the whole frame, at the region's scale: on average they are those of its window.
+    rows, columns = (
+        slice(each.start * len(told) // alone.frame_shape[0], each.stop * len(told) // alone.frame_shape[0] + 1)
+        for each in alone.window
+    )
+    assert beside.on_plane.mean() == pytest.approx(told[rows, columns].mean(), abs=0.05)
