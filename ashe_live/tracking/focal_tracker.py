@@ -73,12 +73,17 @@ class FocalTracker(MarkerTracker):
             return self._known.camera()
         return self._assumed(size) if self._told is None or self._told.size != size else self._told
 
+    def _is_better(self, new: FocalEstimate) -> bool:
+        """Whether what several views say is worth a change of the camera; one view takes bent paper for perspective."""
+        if self._known is None:
+            return new.relative_sigma <= KNOWN_SIGMA
+        share = 1.0 if self._known.views == 1 else MUCH_SURER
+        return new.relative_sigma <= share * self._known.relative_sigma
+
     def _learn_from(self, tracked: TrackedFrame) -> None:
         assert self._estimator is not None
         new = self._estimator.add(tracked)
-        if new is None or new.relative_sigma > KNOWN_SIGMA:
-            return
-        if self._known is not None and new.relative_sigma > MUCH_SURER * self._known.relative_sigma:
+        if new is None or not self._is_better(new):
             return
         self._known = new
         self.use_camera(new.camera())

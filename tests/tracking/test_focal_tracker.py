@@ -72,6 +72,19 @@ def test_the_next_run_begins_with_what_this_one_learned(frames: list[TrackedFram
     assert first.focal_sigma_px == frames[-1].camera.focal_sigma_px
 
 
+def test_several_views_are_believed_before_one_as_soon_as_they_are_surer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    size, tracker = CLIP.camera.size, tracker_with(None)
+    for known, new, is_taken in (
+        (FocalEstimate(size, 500.0, 60.0, 1), FocalEstimate(size, 700.0, 70.0, 12), True),
+        (FocalEstimate(size, 500.0, 60.0, 12), FocalEstimate(size, 700.0, 70.0, 20), False),
+        (FocalEstimate(size, 500.0, 60.0, 1), FocalEstimate(size, 700.0, 90.0, 12), False),
+    ):
+        monkeypatch.setattr(tracker, "_known", known)
+        assert tracker._is_better(new) is is_taken
+
+
 def test_what_is_known_well_is_left_alone(tmp_path: Path) -> None:
     memory = FocalMemory("table", tmp_path / "focal_lengths.json")
     memory.keep(FocalEstimate(CLIP.camera.size, 700.0, 2.0, 60))

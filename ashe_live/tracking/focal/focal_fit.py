@@ -68,8 +68,10 @@ def fit_focal(corners_px: Float, R_cam_marker: Float, focal_px: float, size: Siz
         (problem.fitted(R_cam_marker, factor / focal_px) for factor in STARTS),
         key=lambda found: problem.misfit(found.state),
     )
-    q = float(best.state.g[Q])
-    if q <= 0:
+    # With all poses mirrored in depth, and the paper's curl, -q predicts the very same corners: where the fit began
+    # from mirrored poses, the size of q is the answer.
+    q = abs(float(best.state.g[Q]))
+    if q == 0:
         return FocalFit(math.inf, math.inf)
     sigma_q = max(math.sqrt(float(best.covariance[Q, Q])), _jackknife(corners_px - middle, size, best.state))
     return FocalFit(1 / q, sigma_q / q)

@@ -13,6 +13,7 @@ from ashe_live.core.types import Frame, MarkerPose, TrackedFrame
 from ashe_live.quality import BALANCED
 from ashe_live.tracking.families.markers import parse_marker
 from ashe_live.tracking.focal.focal import KNOWN_SIGMA, FocalEstimate, FocalEstimator
+from ashe_live.tracking.focal.focal_fit import fit_focal
 from ashe_live.tracking.focal.focal_model import SQUARE
 from ashe_live.tracking.poses.pose import estimate_pose
 from ashe_live.tracking.tracker import MarkerTracker
@@ -52,6 +53,25 @@ def estimated(camera: Camera, poses: list[Float], noise_px: float, print_m: Floa
         pose = estimate_pose(corners, ASSUMED, SIDE_M, pose)
         estimator.add(TrackedFrame(Frame(PICTURE, index, index / 30), ASSUMED, pose))
     return estimator
+
+
+@pytest.mark.parametrize("share", [0.3, 1.0], ids=["some mirrored", "all mirrored"])
+def test_poses_that_were_taken_for_their_mirror_images_change_nothing(share: float) -> None:
+    # Without perspective, a square that is mirrored in depth looks the same.
+    poses = hand_held(620, 40, 10, 6)[::10]
+    bent_m = SIDE_M * (SQUARE + 0.01 * np.array([(0, 0, 1), (0, 0, -1), (0, 0, 1), (0, 0, -1)]))
+    camera, random = Camera.from_focal(SIZE, 620), np.random.default_rng(6)
+    corners = np.array([project(camera, pose, bent_m) + random.normal(0, 0.1, (4, 2)) for pose in poses])
+    R, depth = np.array([pose[:3, :3] for pose in poses]), np.diag((1.0, 1.0, -1.0))
+    is_mirrored = random.permutation(len(R)) < share * len(R)
+    found, other = (
+        fit_focal(corners, np.where(mirrored[:, None, None], depth @ R @ depth, R), 400, SIZE)
+        for mirrored in (np.zeros(len(R), np.bool_), is_mirrored)
+    )
+    assert found.relative_sigma < 0.05
+    assert abs(found.focal_px / 620 - 1) < 3 * found.relative_sigma
+    assert other.focal_px == pytest.approx(found.focal_px, rel=0.01)
+    assert other.relative_sigma == pytest.approx(found.relative_sigma, rel=0.3)
 
 
 @pytest.mark.parametrize(
