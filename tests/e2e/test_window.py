@@ -95,11 +95,14 @@ def shared(play):
 
 
 @pytest.fixture
-def estimated(shared):
-    """A viewer that plays and whose light is known. Tests that do not end it leave it as they found it."""
-    viewer = shared()
+def estimated(shared, request):
+    """A viewer that plays and whose light is known. Tests that do not end it leave it as they found it, or fail."""
+    viewer, failed = shared(), request.session.testsfailed
     yield viewer
     print(viewer.output)  # shown where the test fails
+    if request.session.testsfailed > failed:
+        # It was left anyhow: the next test gets another.
+        viewer.stop()
 
 
 @pytest.fixture
