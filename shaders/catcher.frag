@@ -14,7 +14,7 @@ const float RIM_PX = 2.5;  // error of the real shadow's outline
 const float MATTERS = 0.02;  // share of the sky or of a light that the model takes
 const float FAR_RIM = 0.012;  // its error where the proxy is a poor one: a fraction of the picture's width
 #endif
-uniform sampler2D contact;  // fraction of the sky that the model hides, and its mean direction's x and y times that
+uniform sampler2D contact;  // fraction of the sky that the model hides, and its mean direction's x and y times that; ends in 0
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
 uniform vec4 model_bounds;  // the same of the model itself
 uniform float model_height;
@@ -100,15 +100,13 @@ const float WALL = 0.4244;  // 4 / (3 pi)
 
 void main() {
     vec2 at = (ground_placed - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
-    // Fades out at the patch's border, so that the video beyond it is unchanged.
-    vec2 inside = smoothstep(0.0, CONTACT_FADE, 0.5 - abs(at - 0.5));
     float covered = 0.0;
 #ifdef COVERS
     vec4 covering = texture(cover, 0.5 + 0.5 * ground / cover_half_m);
     covered = covering.a;
 #endif
     // What hides the sky is as much of a wall as it does so on one side; the rest of it hangs above.
-    vec3 hidden = texture(contact, at).rgb * (inside.x * inside.y);
+    vec3 hidden = texture(contact, at).rgb;
     float is_wall = min(length(hidden.yz) / max(WALL * hidden.x, 1e-4), 1.0);
     vec2 outward_placed = normalize(-hidden.yz + vec2(1e-9, 0.0));
     vec2 outward = normalize((marker_from_placed * vec4(outward_placed, 0.0, 0.0)).xy);
