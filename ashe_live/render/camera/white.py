@@ -22,7 +22,7 @@ INK_RATIO = 0.07
 # but pale grey, over how often it is black, at the black's likeliest brightness.
 INK_SPREAD, EXPOSURE_SPREAD, PALE = 0.3, 0.3, 0.15
 # Standard deviations of logarithms of one channel over another: of paper, whose white a camera has balanced, and of
-# black print over that of paper. Black is warm as a rule: its red over green is 1.1 to 1.2 times paper's on six of six photos
+# black print over that of paper. Black is warm: its red over green is 1.1 to 1.2 times paper's on six of six photos
 # in sunlight, and more beside terracotta, some of whose light a lens scatters.
 WHITE_TINT, INK_TINT = 0.09, 0.15
 # Linear brightness of paper from which, and from which fully, it counts as overexposed: tone curves bend the last bit.
