@@ -26,6 +26,7 @@ def written_pair(folder: Path, T_cam_marker: Float) -> Pair:
         "t": T_cam_marker[:3, 3].tolist(), "marker_side_m": 0.08, "paper_side_m": 0.1, "angular_diameter_deg": 0.5,
         "to_light": direction_from_angles(0.3, 0.8).tolist(), "shadow_ratio": [0.3, 0.3, 0.3],
         "body_m": [[5.0, 5.0, 0.0], [5.1, 5.0, 0.1], [5.0, 5.1, 0.1]],
+        "white_rgb": [0.9, 0.9, 0.9], "sky": [0.2, 0.25, 0.3],
     }  # fmt: skip
     (folder / "pairs.json").write_text(json.dumps({"model": "cube", "pairs": [entry]}))
     (pair,) = read_pairs(folder)

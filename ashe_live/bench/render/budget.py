@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 from rich.progress import track
@@ -139,13 +140,12 @@ def figures_of(pair: Pair, picture: Image, where: Regions | None = None) -> Json
 
 
 def read_truth(pair: Pair) -> Truth:
-    path = pair.file("truth.npz")
-    try:
-        with np.load(path) as file:
-            bare, model = (file[name].astype(np.float32) for name in ("bare", "model"))
-            return Truth(bare, model, file["white_rgb"].astype(np.float64), file["sky"].astype(np.float64))
-    except (OSError, ValueError, KeyError) as error:
-        raise UserError(f"{path} holds no truth ({error})", "develop the pairs again with scenes.pairs") from error
+    paths = [pair.file(f"{version}_light.tiff") for version in ("bare", "model")]
+    bare, model = (cv2.imread(str(path), cv2.IMREAD_UNCHANGED) if path.exists() else None for path in paths)
+    if bare is None or model is None or pair.white_rgb is None or pair.sky is None:
+        raise UserError(f"{pair.name} was developed without its truth", "develop the pairs again with scenes.pairs")
+    light = (np.asarray(each[..., ::-1], np.float32) for each in (bare, model))
+    return Truth(*light, pair.white_rgb, pair.sky)
 
 
 def rendition(pair: Pair, name: str) -> Pair:

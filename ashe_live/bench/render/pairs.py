@@ -55,6 +55,8 @@ class Pair:
     is_model: Mask  # (h, w)
     is_sheet: Mask  # (h, w)
     angular_diameter_deg: float
+    white_rgb: Float | None  # (3,) what white of radiance 1 was exposed to, linear RGB; None: not stated, as
+    sky: Float | None  # (3,) share of the sky in the light on level ground
 
     @property
     def tracked(self) -> TrackedFrame:
@@ -242,4 +244,5 @@ def _pair(folder: Path, entry: Json, model: str) -> Pair:
         is_model,
         is_sheet > 0,
         entry["angular_diameter_deg"],
+        *(np.array(entry[key]) if key in entry else None for key in ("white_rgb", "sky")),
     )

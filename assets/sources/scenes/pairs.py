@@ -137,8 +137,8 @@ def placed_model(name: str, side_m: float) -> list[Any]:
 def develop(out: Path) -> None:
     """Writes ID_VERSION.jpg, ID_mask.png and pairs.json; exposure is that of the picture without the model.
 
-    Besides, for `ashe-live bench render --budget`: photos as `renditions` has them, and in ID_truth.npz the linear
-    light of both pictures as it was exposed, what white became, and the sky's share.
+    Besides, for `ashe-live bench render --budget`: photos as `renditions` has them, and ID_VERSION_light.tiff,
+    the linear light as it was exposed.
     """
     import cv2
 
@@ -172,14 +172,14 @@ def develop(out: Path) -> None:
         assert gains is not None
         for name, image, jpeg in renditions(linear, on_ground, settings, gains):
             cv2.imwrite(str(out / f"{spec['id']}_{name}.jpg"), image, [cv2.IMWRITE_JPEG_QUALITY, jpeg])
-        exposed = {version: np.float16(linear[version] * gains) for version in ("bare", "model")}
+        for version in ("bare", "model"):
+            exposed = np.float32(linear[version] * gains)[..., ::-1]
+            cv2.imwrite(str(out / f"{spec['id']}_{version}_light.tiff"), exposed)
         (number,) = picture["lights"]
         light = spec["lights"][number]
         colour = np.asarray(light["colour"])
         sun = picture["gains"][0] * light["strength"] * colour / (colour @ LUMINANCE)
         sky = np.asarray(irradiance(radiance(spec["surroundings"])))
-        white = np.asarray(gains) * on_ground / math.pi
-        np.savez_compressed(out / f"{spec['id']}_truth.npz", **exposed, white_rgb=white, sky=sky / on_ground)
         entries.append({
             "id": spec["id"], "ground": spec["ground"]["family"], "camera": settings["family"], "size": spec["size"],
             "K": spec["camera"]["K"], "R": spec["camera"]["R"], "t": spec["camera"]["t"],
@@ -187,7 +187,8 @@ def develop(out: Path) -> None:
             "to_light": np.round(direction(light["azimuth_deg"], light["elevation_deg"]), 8).tolist(),
             "angular_diameter_deg": light["angular_diameter_deg"],
             "shadow_ratio": np.round(sky / (sky + sun) if seen_ratio is None else seen_ratio, 4).tolist(),
-            "body_m": body,
+            "body_m": body, "white_rgb": (np.asarray(gains) * on_ground / math.pi).tolist(),
+            "sky": (sky / on_ground).tolist(),
         })  # fmt: skip
         assert math.isclose(float(np.linalg.norm(entries[-1]["to_light"])), 1, abs_tol=1e-6)
     (out / "pairs.json").write_text(json.dumps({"model": content["model"], "pairs": entries}, indent=1) + "\n")

@@ -34,7 +34,8 @@ def written_truth(folder: Path) -> Pair:
         cv2.imwrite(str(folder / f"one_bare{name}.jpg"), pair.bare, [cv2.IMWRITE_JPEG_QUALITY, 100])
     for name in ("", "_untoned", "_linear", "_noise", "_moved_25", "_moved_50"):
         cv2.imwrite(str(folder / f"one_model{name}.jpg"), photo, [cv2.IMWRITE_JPEG_QUALITY, 100])
-    np.savez(folder / "one_truth.npz", bare=bare, model=with_model, white_rgb=np.full(3, 0.9), sky=SKY)
+    for name, light in (("bare", bare), ("model", with_model)):
+        cv2.imwrite(str(folder / f"one_{name}_light.tiff"), light[..., ::-1])
     is_model = np.zeros(pair.is_model.shape, bool)
     is_model[40:80, 60:100] = True
     return replace(pair, expected=photo, is_model=is_model)
@@ -92,5 +93,5 @@ def test_the_table_has_the_means_of_what_each_scene_has(tmp_path) -> None:
 
 def test_pairs_that_were_developed_without_their_truth_are_named(tmp_path) -> None:
     pair = written_pair(tmp_path, OBLIQUE)
-    with pytest.raises(UserError, match="holds no truth"):
+    with pytest.raises(UserError, match="developed without its truth"):
         next(budget(offscreen_context(), pair, FAST.render))
