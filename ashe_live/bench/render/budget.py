@@ -12,7 +12,6 @@ from typing import ClassVar
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from rich.progress import track
 
 from ashe_live.bench.bench import Bench
@@ -60,8 +59,8 @@ LEAST_RADIANCE = 1e-4  # of full scale; what is darker has no ratio
 class Truth:
     """What a pair's photos are of."""
 
-    bare: NDArray[np.float32]  # (h, w, 3) linear RGB as it was exposed, before the lens
-    model: NDArray[np.float32]  # the same with the model
+    bare: Float  # (h, w, 3) linear RGB as it was exposed, before the lens
+    model: Float  # the same with the model
     white_rgb: Float  # (3,) what white of radiance 1 was exposed to
     sky: Float  # (3,) share of the sky in the light on level ground
 
@@ -144,8 +143,8 @@ def read_truth(pair: Pair) -> Truth:
     bare, model = (cv2.imread(str(path), cv2.IMREAD_UNCHANGED) if path.exists() else None for path in paths)
     if bare is None or model is None or pair.white_rgb is None or pair.sky is None:
         raise UserError(f"{pair.name} was developed without its truth", "develop the pairs again with scenes.pairs")
-    light = (np.asarray(each[..., ::-1], np.float32) for each in (bare, model))
-    return Truth(*light, pair.white_rgb, pair.sky)
+    rgb = [np.asarray(each[..., ::-1], np.float64) for each in (bare, model)]
+    return Truth(rgb[0], rgb[1], pair.white_rgb, pair.sky)
 
 
 def rendition(pair: Pair, name: str) -> Pair:
