@@ -206,6 +206,8 @@ def composed(ctx: Context, scene: Scene, preset: RenderPreset, truth: Truth, is_
     look = InTrueWhite(preset, truth.white_rgb).look(tracked, scene.illumination)
     composite.draw(surface, whole, whole, video, tracked, look)
     picture = surface.read_bgr()
+    # moderngl binds again what was bound before, which must not have been released by then.
+    ctx.detect_framebuffer(0).use()
     for held in (composite, video, surface, programs):
         held.release()
     return picture
