@@ -12,9 +12,10 @@ uniform vec3 sky;  // its fraction of the light on level ground at the marker, l
 uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video, linear; 0 if it is not known
 const float RIM_PX = 2.5;  // error of the real shadow's outline
 const float MATTERS = 0.02;  // share of the sky or of a light that the model takes
+const float BORDER_PX = 2.0;  // from within a border to lit ground
 const float FAR_RIM = 0.012;  // its error where the proxy is a poor one: a fraction of the picture's width
 #endif
-uniform sampler2D contact;  // fraction of the sky that the model hides, and its mean direction's x and y times that
+uniform sampler2D contact;  // fraction of the sky that the model hides, and its mean direction's x and y times that; ends in 0
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
 uniform vec4 model_bounds;  // the same of the model itself
 uniform float model_height;
@@ -40,8 +41,8 @@ in vec2 ground_placed;
 layout(location = 0) out vec4 added_light;  // the cover's, if any
 layout(location = 1) out vec4 removed;
 
-vec3 video_here() {
-    return linear_from_srgb(texture(video, (gl_FragCoord.xy - viewport.xy) / viewport.zw).rgb);
+vec3 video_at(vec2 pixel) {
+    return linear_from_srgb(texture(video, (pixel - viewport.xy) / viewport.zw).rgb);
 }
 
 #if LIGHTS > 0 && CASTERS > 1
@@ -67,11 +68,21 @@ float lit_past_real(int light, float covered, bool matters) {
     far = min(far, least);
     if (far == most || lit_ground <= 0.0 || covered > 0.0) return known;
     float share = dot(sun_on_ground[light], LUMINANCE) * ground_falloff(light, ground);
-    float seen = dot(video_here(), LUMINANCE) / lit_ground;
-    float gone = clamp((dot(level_at(ground), LUMINANCE) - seen) / max(share, 1e-3), 0.0, 1.0);
+    float level = dot(level_at(ground), LUMINANCE);
+    float seen = dot(video_at(gl_FragCoord.xy), LUMINANCE) / lit_ground;
+    float gone = clamp((level - seen) / max(share, 1e-3), 0.0, 1.0);
     float measured = mix(known, 1.0 - gone, most - least);
 #if LAMPS == 0
-    return min(measured, 1.0 - smoothstep(0.4, 0.8, gone) * (most - far));
+    // Beside lit ground is the shadow's border, where light is left that the model takes: else a bright line stays there.
+    float brightest = seen;
+    for (int side = -1; side <= 1; side += 2) {
+        brightest = max(brightest, dot(video_at(gl_FragCoord.xy + vec2(side * BORDER_PX, 0.0)), LUMINANCE) / lit_ground);
+        brightest = max(brightest, dot(video_at(gl_FragCoord.xy + vec2(0.0, side * BORDER_PX)), LUMINANCE) / lit_ground);
+    }
+    // What is hardly darker than lit ground is lit ground of another colour.
+    float is_border = smoothstep(0.1, 0.35, gone) * (1.0 - smoothstep(0.4, 0.7, (level - brightest) / max(share, 1e-3)));
+    float in_shadow = min(measured, 1.0 - smoothstep(0.4, 0.8, gone) * (most - far));
+    return mix(in_shadow, 1.0 - gone, is_border * min(16.0 * (most - far), 1.0));
 #else
     // Beside an object that a lamp lights, hidden sky is as dark as a shadow.
     return measured;
@@ -100,15 +111,13 @@ const float WALL = 0.4244;  // 4 / (3 pi)
 
 void main() {
     vec2 at = (ground_placed - patch_bounds.xy) / (patch_bounds.zw - patch_bounds.xy);
-    // Fades out at the patch's border, so that the video beyond it is unchanged.
-    vec2 inside = smoothstep(0.0, CONTACT_FADE, 0.5 - abs(at - 0.5));
     float covered = 0.0;
 #ifdef COVERS
     vec4 covering = texture(cover, 0.5 + 0.5 * ground / cover_half_m);
     covered = covering.a;
 #endif
     // What hides the sky is as much of a wall as it does so on one side; the rest of it hangs above.
-    vec3 hidden = texture(contact, at).rgb * (inside.x * inside.y);
+    vec3 hidden = texture(contact, at).rgb;
     float is_wall = min(length(hidden.yz) / max(WALL * hidden.x, 1e-4), 1.0);
     vec2 outward_placed = normalize(-hidden.yz + vec2(1e-9, 0.0));
     vec2 outward = normalize((marker_from_placed * vec4(outward_placed, 0.0, 0.0)).xy);

@@ -39,8 +39,12 @@ def _fixed_quality(options: argparse.Namespace) -> Quality:
 
 def _render(options: argparse.Namespace) -> None:
     from ashe_live.bench.render.bench import RenderBench
+    from ashe_live.bench.render.budget import BudgetBench
     from ashe_live.capture.clips.known_clip import shipped_clip
 
+    if options.budget is not None:
+        BudgetBench(options.budget).run(options.out, options.overwrite)
+        return
     RenderBench(shipped_clip(), options.frames, max(10, options.memory_frames), options.pairs).run(
         options.out, options.overwrite
     )

@@ -14,10 +14,11 @@ from scenes.geometry.parts import box
 from scenes.geometry.poses import cast, direction, intrinsics, look_at, projected
 from scenes.photo.camera import camera_settings, finished, photographed, sensed, streak, through_lens, toned
 from scenes.photo.masks import mask_of_triangles, masks
+from scenes.photo.renditions import renditions
 from scenes.photo.truth import corners_m, still_entry
 from scenes.specify import specification
 
-from ashe_live.core.colour import REC709_LUMINANCE
+from ashe_live.core.colour import REC709_LUMINANCE, srgb_from_linear
 
 WHITE = np.ones(3)
 QUIET = {"shot_noise": 0.0, "read_noise": 0.0, "row_noise": 0.0}
@@ -215,3 +216,19 @@ def test_comparison_allows_noise_and_finds_what_moved() -> None:
     assert numbers_differ({"a": [1.0, 2.0]}, {"a": [1.1, 2.0]}) == [".a[0]: 1.0 and 1.1"]
     assert numbers_differ({"a": 1}, {"b": 1})
     assert numbers_differ({"a": "cup"}, {"a": "mug"})
+
+
+def test_renditions_differ_from_the_photo_in_what_they_are_called() -> None:
+    settings = camera_settings(np.random.default_rng(3), "phone") | QUIET | {"blur_px": 0.3, "motion_px": 0.0}
+    bare = np.full((60, 256, 3), 0.2, np.float32)
+    light, gains = {"bare": bare, "model": 0.1 + 0.8 * ramp()}, [1.0, 1.0, 1.0]
+    found = {name: picture.astype(float) for name, picture, _ in renditions(light, WHITE, settings, gains)}
+    exact = np.round(255 * srgb_from_linear(light["model"]))
+    inside = (slice(10, -10), slice(10, -10))
+    assert np.abs(found["model_linear"] - exact)[inside].max() <= 1
+    assert np.abs(found["bare_linear"] - np.round(255 * srgb_from_linear(bare))).max() <= 1
+    assert np.abs(found["model_untoned"] - exact)[inside].mean() < np.abs(found["model_noise"] - exact)[inside].mean()
+    for name, shift in (("model_moved_25", 0.25), ("model_moved_50", 0.5)):
+        slope = np.gradient(found["model_noise"], axis=1)
+        off = (found["model_noise"] - found[name])[inside].mean() / slope[inside].mean()
+        assert off == pytest.approx(shift, abs=0.1)

@@ -7,6 +7,7 @@ import json
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -36,6 +37,7 @@ from ashe_live.render.scene import Scene
 CHANGED_LEVELS = 8  # of any channel, by which the model or its shadow has changed a photo
 SEEN_SHADOW = 0.5  # of the sun's light that is gone where a pixel counts as shadow
 DARKEST_LEVEL = 8.0  # of 255, added to brightness before its logarithm: below it there is but noise
+BORDER_PX = 2  # to either side of an outline, that count as neither
 FINE_PX = 2.0  # standard deviation of the blur that relief is finer than
 LEAST_RELIEF_PX = 100  # pixels of ground well within the shadow, of which its relief is told
 TINY = 0.02  # a model that hides nothing, for the sheet is covered only where there is one
@@ -46,12 +48,38 @@ class Pair:
     """A scene as the renderer gets it, with its true light, and the photos of what it should become."""
 
     name: str
+    stem: Path  # with which the names of its files begin
     scene: Scene
     expected: Image  # (h, w, 3) BGR, with the model
     without_sheet: Image  # (h, w, 3) BGR, and without the model
     is_model: Mask  # (h, w)
     is_sheet: Mask  # (h, w)
     angular_diameter_deg: float
+    white_rgb: Float | None  # (3,) what white of radiance 1 was exposed to, linear RGB; None: not stated, as
+    sky: Float | None  # (3,) share of the sky in the light on level ground
+
+    @property
+    def tracked(self) -> TrackedFrame:
+        assert self.scene.tracked is not None
+        return self.scene.tracked
+
+    @property
+    def bare(self) -> Image:
+        """The photo as it is, (h, w, 3) BGR."""
+        return self.tracked.frame.image_bgr
+
+    def file(self, name: str) -> Path:
+        """One of its files by what follows its own name."""
+        return self.stem.with_name(f"{self.stem.name}_{name}")
+
+
+class Regions(NamedTuple):
+    """Of a pair's photo, (h, w) each."""
+
+    changed: Mask  # by model or shadow, in either picture
+    model: Mask  # within its outline
+    beside: Mask  # away from it
+    shadow: Mask  # of that, the model's
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,34 +107,44 @@ def read_pairs(folder: Path) -> list[Pair]:
 
 
 def pair_error(ctx: Context, pair: Pair, preset: RenderPreset) -> PairError:
-    tracked = pair.scene.tracked
-    assert tracked is not None
-    bare = tracked.frame.image_bgr
     ours = drawn(ctx, pair.scene, preset)
-    changed = np.zeros(bare.shape[:2], bool)
-    for image in (ours, pair.expected):
-        smooth = [cv2.GaussianBlur(each, (0, 0), 1.0).astype(int) for each in (image, bare)]
-        changed |= np.abs(smooth[0] - smooth[1]).max(axis=2) > CHANGED_LEVELS
-    kernel = np.ones((5, 5), np.uint8)
-    model = pair.is_model.astype(np.uint8)
-    beside, within = cv2.dilate(model, kernel) == 0, cv2.erode(model, kernel) > 0
-    shadow = beside & _is_shadow(pair, bare)
-    difference = colour_difference(_smooth(ours, 1.0), _smooth(pair.expected, 1.0))
+    where = regions(pair, ours)
+    difference = smooth_difference(ours, pair.expected)
     widths = [_border(pair, image) for image in (ours, pair.expected)]
     both = np.isfinite(widths[0]) & np.isfinite(widths[1])
     return PairError(
-        _mean(flip_error(ours, pair.expected), changed),
+        mean_where(flip_error(ours, pair.expected), where.changed),
         float(np.median(widths[0][both] / widths[1][both])) if both.any() else math.nan,
         int(both.sum()),
-        _mean(difference, shadow & ~pair.is_sheet),
-        _mean(difference, shadow & pair.is_sheet),
-        _mean(difference, within),
-        relief_ratio(ours, pair.expected, cv2.erode((shadow & ~pair.is_sheet).astype(np.uint8), kernel) > 0),
-        seam_pixels(ours, (pair.expected, bare), cv2.erode(beside.astype(np.uint8), kernel) > 0),
+        mean_where(difference, where.shadow & ~pair.is_sheet),
+        mean_where(difference, where.shadow & pair.is_sheet),
+        mean_where(difference, where.model),
+        relief_ratio(ours, pair.expected, eroded(where.shadow & ~pair.is_sheet)),
+        seam_pixels(ours, (pair.expected, pair.bare), eroded(where.beside)),
         crop_features(ours, pair.is_model),
         crop_features(pair.expected, pair.is_model),
         hidden_error(ctx, pair, preset),
     )
+
+
+def regions(pair: Pair, ours: Image) -> Regions:
+    """Of a picture (h, w, 3) that was drawn beside its photo."""
+    changed = np.zeros(pair.is_model.shape, bool)
+    for image in (ours, pair.expected):
+        smooth = [cv2.GaussianBlur(each, (0, 0), 1.0).astype(int) for each in (image, pair.bare)]
+        changed |= np.abs(smooth[0] - smooth[1]).max(axis=2) > CHANGED_LEVELS
+    beside = ~dilated(pair.is_model)
+    return Regions(changed, eroded(pair.is_model), beside, beside & _is_shadow(pair))
+
+
+def eroded(mask: Mask) -> Mask:
+    """Pixels (h, w) whose neighbours within BORDER_PX are all of the mask's."""
+    return ~dilated(~mask)
+
+
+def dilated(mask: Mask) -> Mask:
+    """Pixels (h, w) within BORDER_PX of the mask's."""
+    return cv2.dilate(mask.astype(np.uint8), np.ones((2 * BORDER_PX + 1,) * 2, np.uint8)) > 0
 
 
 def relief_ratio(ours: Image, expected: Image, where: Mask) -> float:
@@ -124,33 +162,35 @@ def hidden_error(ctx: Context, pair: Pair, preset: RenderPreset) -> float:
     """Mean colour difference of the covered sheet from the ground without one, means over some pixels compared."""
     scene = replace(pair.scene, placement=Placement(scale=TINY), hides_marker=True)
     covered = drawn(ctx, scene, preset)
-    difference = colour_difference(_smooth(covered, 2.0), _smooth(pair.without_sheet, 2.0))
-    return _mean(difference, pair.is_sheet)
+    return mean_where(smooth_difference(covered, pair.without_sheet, 2.0), pair.is_sheet)
 
 
 def drawn(ctx: Context, scene: Scene, preset: RenderPreset) -> Image:
     assert scene.tracked is not None
-    renderer = SceneRenderer(ctx, preset, scene.tracked.frame.size)
+    return pictured(SceneRenderer(ctx, preset, scene.tracked.frame.size), scene)
+
+
+def pictured(renderer: SceneRenderer, scene: Scene) -> Image:
+    """The picture (h, w, 3) BGR of a scene by a renderer that is released then."""
     renderer.render(scene)
     picture = renderer.read_bgr()
     renderer.release()
     return picture
 
 
-def _is_shadow(pair: Pair, bare: Image) -> Mask:
+def _is_shadow(pair: Pair) -> Mask:
     """(h, w) where the path tracer's model takes more than half of what the sun gives."""
     (light,) = pair.scene.illumination.lights
     assert light.shadow_rgb_ratio is not None
     ratio = float(np.mean(light.shadow_rgb_ratio))
     with_model, without = (
-        cv2.GaussianBlur(LINEAR_FROM_SRGB_8BIT[each].sum(axis=2), (0, 0), 1.0) for each in (pair.expected, bare)
+        cv2.GaussianBlur(LINEAR_FROM_SRGB_8BIT[each].sum(axis=2), (0, 0), 1.0) for each in (pair.expected, pair.bare)
     )
     return np.asarray(with_model < (1 - SEEN_SHADOW * (1 - ratio)) * without)
 
 
 def _border(pair: Pair, image: Image) -> Float:
-    tracked = pair.scene.tracked
-    assert tracked is not None
+    tracked = pair.tracked
     assert tracked.marker is not None
     assert pair.scene.model is not None
     points = np.concatenate([part.vertices for part in pair.scene.model.model.parts]).astype(np.float64)
@@ -159,11 +199,17 @@ def _border(pair: Pair, image: Image) -> Float:
     return border_widths(image, places, outward)
 
 
-def _smooth(image: Image, sigma_px: float) -> Image:
-    return np.asarray(cv2.GaussianBlur(image, (0, 0), sigma_px), np.uint8)
+def smooth_difference(one: Image, other: Image, sigma_px: float = 1.0) -> Float:
+    """(h, w) CIE 1976 colour differences of pictures (h, w, 3) BGR that are blurred so much before."""
+    return colour_difference(*(cv2.GaussianBlur(each, (0, 0), sigma_px).astype(np.uint8) for each in (one, other)))
 
 
-def _mean(values: Float, where: Mask) -> float:
+def ground_rgb(bare: Image) -> Float:
+    """(3,) median of a photo (h, w, 3) BGR, linear."""
+    return np.asarray(np.median(LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3), axis=0))
+
+
+def mean_where(values: Float, where: Mask) -> float:
     return float(values[where].mean()) if where.any() else math.nan
 
 
@@ -185,9 +231,18 @@ def _pair(folder: Path, entry: Json, model: str) -> Pair:
     is_sheet = np.zeros(bare.shape[:2], np.uint8)
     cv2.fillConvexPoly(is_sheet, np.round(sheet).astype(np.int32), 1)
     is_model = read_picture(folder / f"{entry['id']}_mask.png")[..., 0] > 127
-    ground = LINEAR_FROM_SRGB_8BIT[bare[..., ::-1]].reshape(-1, 3)
     body = Proxy("hull", np.pad(np.array(entry["body_m"]), ((0, 0), (0, 2))))
-    illumination = Illumination((light,), real_object=body, ground_rgb=np.median(ground, axis=0), seen_in=tracked)
+    illumination = Illumination((light,), real_object=body, ground_rgb=ground_rgb(bare), seen_in=tracked)
     scene = Scene(tracked, placed_on_marker(load_model(model), side_m), illumination)
     name = f"{entry['id']} ({entry['ground']}, {entry['camera']}, {entry['angular_diameter_deg']:.1f} deg)"
-    return Pair(name, scene, expected, without_sheet, is_model, is_sheet > 0, entry["angular_diameter_deg"])
+    return Pair(
+        name,
+        folder / entry["id"],
+        scene,
+        expected,
+        without_sheet,
+        is_model,
+        is_sheet > 0,
+        entry["angular_diameter_deg"],
+        *(np.array(entry[key]) if key in entry else None for key in ("white_rgb", "sky")),
+    )

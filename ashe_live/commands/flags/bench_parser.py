@@ -38,6 +38,9 @@ def _add_render(render: argparse.ArgumentParser) -> None:
     )
     render.add_argument("--memory-frames", type=values.count, default=1000, metavar="N", help=MEMORY_FRAMES_HELP)
     render.add_argument("--pairs", type=Path, metavar="DIR", help="also against photos of scenes with a model in them")
+    render.add_argument(
+        "--budget", type=Path, metavar="DIR", help="only what each cause of the difference from such photos costs"
+    )
     _add_results_folder(render)
 
 

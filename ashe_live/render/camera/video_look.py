@@ -21,8 +21,9 @@ from ashe_live.render.lights.lighting import RGB, Lighting
 
 HALF_RESOLUTION_PX = 1.0  # sigma of colours that are means of two pixels, interpolated: variances of 1/4 and 3/4
 # Encoders round off weak colours more than strong ones: what the variance of the blur on the ground has over that of
-# denoising and half resolution; median of 21 photos of `bench render --pairs`, whose cameras are known (1.5 to 8).
-WEAK_COLOURS_PX2 = 3.0
+# denoising and half resolution; median of 824 photos whose cameras are known (the quartiles are 1.7 and 4.7), which
+# assets/sources/scenes/weak_colours.py prints of the set `training --every 4`; of `development` it is 2.9.
+WEAK_COLOURS_PX2 = 3.1
 WINDOW_PX = 160  # a side of the part of the picture whose noise and colours stand for the whole
 
 
@@ -66,15 +67,19 @@ def look_of(
         return VideoLook(white, None, SILENT)
     grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
     corners = print_corners_px(tracked)
-    middle = corners.mean(axis=0)
     sigma_px, sharpening = blur_and_sharpening(grey, corners) if blur else (None, 0.0)
     return VideoLook(
         white,
         sigma_px,
-        noise_levels(_window(grey, middle)) if noise else SILENT,
+        noise_levels(_window(grey, corners.mean(axis=0))) if noise else SILENT,
         sharpening,
-        _chroma_blur_px(_window(tracked.frame.image_bgr, middle), chroma_blur) if blur else 0.0,
+        _chroma_blur_px(around_print(tracked), chroma_blur) if blur else 0.0,
     )
+
+
+def around_print(tracked: TrackedFrame) -> Image:
+    """The part of a frame with a marker in which the blur of colours is looked for, (h, w, 3) BGR."""
+    return _window(tracked.frame.image_bgr, print_corners_px(tracked).mean(axis=0))
 
 
 def _chroma_blur_px(image: Image, known: float | None) -> float:

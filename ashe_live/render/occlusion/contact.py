@@ -16,11 +16,16 @@ from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.adding import draw_added
 
 PATCH_SIZE = 104  # texels a side
-BLUR_TEXELS = 1.5  # of a Gaussian that merges the single directions' shadows
+BLUR_TEXELS = 1.5  # standard deviation of a Gaussian that merges the single directions' shadows beside the model,
+SPREAD = (
+    0.2  # and of one farther away, over the distance: half of what lies between neighbouring directions, in radians
+)
 LEAST_BLUR_TEXELS = 0.1  # which changes nothing: OpenCV chooses a blur of its own for none
 REACH_HEIGHTS = 1.0  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
-FADE = 0.2  # share of the patch's side along which the darkening ends
+FADES_FROM = (
+    0.5  # share of that reach from which on the darkening ends, so that the video beyond the patch is unchanged
+)
 
 
 class ContactPatch:
@@ -28,12 +33,13 @@ class ContactPatch:
 
     def __init__(self, ctx: moderngl.Context, programs: Programs, model: GpuModel) -> None:
         lower, upper = model.placed.bounds
-        reach = REACH_HEIGHTS * max(upper[2], MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
+        self._reach = REACH_HEIGHTS * max(upper[2], MIN_HEIGHT_RATIO * float((upper - lower)[:2].max()))
         # (2, 2) least, largest x, y; metres, marker frame
-        self.bounds: Float = np.array([lower[:2] - reach, upper[:2] + reach])
-        texel = float((self.bounds[1] - self.bounds[0]).max()) / PATCH_SIZE
+        self.bounds: Float = np.array([lower[:2] - self._reach, upper[:2] + self._reach])
+        self._texel = float((self.bounds[1] - self.bounds[0]).max()) / PATCH_SIZE
         # No wider than the model is high: beside what is flat nothing is hidden.
-        self._blur_texels = float(np.clip(upper[2] / texel, LEAST_BLUR_TEXELS, BLUR_TEXELS))
+        self._blur_texels = float(np.clip(upper[2] / self._texel, LEAST_BLUR_TEXELS, BLUR_TEXELS))
+        self._model_bounds = np.array([lower[:2], upper[:2]])
         self._ctx = ctx
         self._programs = programs
         self._rectangle: moderngl.VertexArray | None = None
@@ -56,9 +62,25 @@ class ContactPatch:
         draw_added(self._ctx, self._framebuffer, self._rectangle)
 
     def smoothed(self) -> NDArray[np.float16]:
-        """(PATCH_SIZE, PATCH_SIZE, 4) what was added, once every direction was."""
-        occlusion = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE, 4)
-        return cv2.GaussianBlur(occlusion.astype(np.float32), (0, 0), self._blur_texels).astype(np.float16)
+        """(PATCH_SIZE, PATCH_SIZE, 4) of all the sky, from what was added once all of its samples were."""
+        halves = np.frombuffer(self._texture.read(), dtype=np.float16).reshape(PATCH_SIZE, PATCH_SIZE, 4)
+        occlusion = halves.astype(np.float32)
+        away = self._away()
+        doublings = np.log2(np.maximum(SPREAD * away / (self._texel * self._blur_texels), 1.0))
+        smooth = np.zeros_like(occlusion)
+        for doubling in range(int(np.ceil(doublings.max())) + 1):
+            sigma = self._blur_texels * 2**doubling
+            blurred = cv2.GaussianBlur(occlusion, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
+            smooth += np.maximum(1 - np.abs(doublings - doubling), 0.0)[..., None] * blurred
+        left = np.clip((1 - away / self._reach) / (1 - FADES_FROM), 0.0, 1.0)
+        return (smooth * (left**2 * (3 - 2 * left))[..., None]).astype(np.float16)
+
+    def _away(self) -> Float:
+        """(PATCH_SIZE, PATCH_SIZE) metres from the model's bounds; rows along y."""
+        shares = (np.arange(PATCH_SIZE)[:, None] + 0.5) / PATCH_SIZE
+        places = self.bounds[0] + shares * (self.bounds[1] - self.bounds[0])
+        beyond = np.maximum(np.maximum(self._model_bounds[0] - places, places - self._model_bounds[1]), 0.0)
+        return np.asarray(np.hypot(beyond[None, :, 0], beyond[:, None, 1]))
 
     def fill(self, smooth: NDArray[np.float16]) -> None:
         """Has it hold what `smoothed` gave."""

@@ -59,7 +59,7 @@ class CoarseLayers:
         self._ctx = ctx
         self._programs = programs
         self._targets: tuple[_Target, _Target] | None = None
-        self._rectangle = WholeRectangle(ctx)
+        self._rectangles = WholeRectangle(ctx), WholeRectangle(ctx)
 
     def draw(self, surface: Surface, region: Rectangle, blur: CoarseBlur) -> None:
         """Blurs `surface`'s layers where they are looked up in `region`, beside which they must be empty.
@@ -69,21 +69,21 @@ class CoarseLayers:
         width, height = surface.size
         size = (width + 1) // 2, (height + 1) // 2
         rows, both = self._targets_of(size)
-        program = self._programs.get("coarse", taps=blur.taps)
-        set_uniforms(program, weights=line_weights(*blur))
         wanted = _halved(grown(region, 2, surface.size))
         self._ctx.enable_only(moderngl.NOTHING)
         surface.bind_layers()
+        halving, plain = self._rectangles
         passes = (
-            (rows, _above_and_below(wanted, blur.taps, size), (2 / width, 2 / height), (2 / width, 0.0)),
-            (both, wanted, (1 / size[0], 1 / size[1]), (0.0, 1 / size[1])),
+            (rows, 1, halving, _above_and_below(wanted, blur.taps, size), (2 / width, 2 / height), (2 / width, 0.0)),
+            (both, 0, plain, wanted, (1 / size[0], 1 / size[1]), (0.0, 1 / size[1])),
         )
-        for target, within, texel, along in passes:
+        for target, halves, rectangle, within, texel, along in passes:
             target.framebuffer.scissor = within
             target.framebuffer.use()
             self._ctx.viewport = (0, 0, *size)
-            set_uniforms(program, texel=texel, along=along)
-            self._rectangle.draw(program)
+            program = self._programs.get("coarse", taps=blur.taps, halves=halves)
+            set_uniforms(program, weights=line_weights(*blur), texel=texel, along=along)
+            rectangle.draw(program)
             target.bind(("added_light", "removed"))
 
     def bind(self) -> None:
@@ -92,7 +92,8 @@ class CoarseLayers:
 
     def release(self) -> None:
         self._release_targets()
-        self._rectangle.release()
+        for rectangle in self._rectangles:
+            rectangle.release()
 
     def _targets_of(self, size: Size) -> tuple[_Target, _Target]:
         if self._targets is None or self._targets[0].light.size != size:

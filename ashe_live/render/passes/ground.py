@@ -14,7 +14,6 @@ from ashe_live.render.lights.cast_shadows import LEAST_DISTANCE, MAX_SHADOW_HEIG
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import Lighting, Sun
 from ashe_live.render.lights.shadow_maps import ShadowMaps
-from ashe_live.render.occlusion.contact import FADE
 from ashe_live.render.passes.standing import StandingGroup, StandingModel
 from ashe_live.render.passes.video import Video
 
@@ -70,7 +69,7 @@ class ShadowCatcher:
         """
         if framing.eye_marker[2] <= 0 or self._buffer is None:
             return
-        constants: dict[str, float] = {**lighting.constants, "contact_fade": FADE, "casters": casters}
+        constants: dict[str, float] = {**lighting.constants, "casters": casters}
         if hidden is not None:
             constants["covers"] = 1
         if border_px >= LEAST_BORDER_PX:

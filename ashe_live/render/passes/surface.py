@@ -29,6 +29,8 @@ class Surface:
         self._colour = ctx.renderbuffer(size)
         self.colour = ctx.framebuffer([self._colour])
         self.layers = [ctx.texture(size, 4, dtype="f2") for _ in range(2)]
+        for layer in self.layers:  # what is at one border of the picture is not blurred into the other
+            layer.repeat_x = layer.repeat_y = False
         many = [ctx.renderbuffer(size, samples=self.samples, dtype="f2") for _ in range(2)] if self.samples else []
         self._depth = ctx.depth_renderbuffer(size, samples=self.samples)
         self._drawn = ctx.framebuffer(many or self.layers, self._depth)

@@ -135,7 +135,11 @@ def placed_model(name: str, side_m: float) -> list[Any]:
 
 
 def develop(out: Path) -> None:
-    """Writes ID_VERSION.jpg, ID_model_mask.png and pairs.json; exposure is that of the picture without the model."""
+    """Writes ID_VERSION.jpg, ID_mask.png and pairs.json; exposure is that of the picture without the model.
+
+    Besides, for `ashe-live bench render --budget`: photos as `renditions` has them, and ID_VERSION_light.tiff,
+    the linear light as it was exposed.
+    """
     import cv2
 
     from scenes.develop import mixed
@@ -143,6 +147,7 @@ def develop(out: Path) -> None:
     from scenes.geometry.surroundings import LUMINANCE, irradiance, radiance
     from scenes.photo.camera import photographed
     from scenes.photo.masks import masks
+    from scenes.photo.renditions import renditions
 
     content = json.loads((out / "specifications.json").read_text())
     entries = []
@@ -151,20 +156,25 @@ def develop(out: Path) -> None:
         if not all(path.exists() for path in paths.values()):
             continue
         (picture,) = spec["pictures"]
-        gains = None
-        settings = picture["camera"]
+        gains, linear, settings = None, {}, picture["camera"]
+        quality = [cv2.IMWRITE_JPEG_QUALITY, settings["jpeg_quality"]]
         for number, (version, path) in enumerate(paths.items()):
             raw = dict(np.load(path))
-            light, on_ground = mixed(spec, picture, raw)
-            image, used = photographed(light, on_ground, settings | {"seed": settings["seed"] + number}, gains)
-            gains = used
+            linear[version], on_ground = mixed(spec, picture, raw)
+            own = settings | {"seed": settings["seed"] + number}
+            image, gains = photographed(linear[version], on_ground, own, gains)
             if version == "bare":
                 found = masks(spec, picture["lights"], raw)
                 body, seen_ratio = caster_hull(spec, raw), ratio_seen(image, raw["index"], found)
-            quality = [cv2.IMWRITE_JPEG_QUALITY, settings["jpeg_quality"]]
             cv2.imwrite(str(out / f"{spec['id']}_{version}.jpg"), image, quality)
             if version == "model":
                 cv2.imwrite(str(out / f"{spec['id']}_mask.png"), np.uint8(raw["index"] == MODEL_INDEX) * 255)
+        assert gains is not None
+        for name, image, jpeg in renditions(linear, on_ground, settings, gains):
+            cv2.imwrite(str(out / f"{spec['id']}_{name}.jpg"), image, [cv2.IMWRITE_JPEG_QUALITY, jpeg])
+        for version in ("bare", "model"):
+            exposed = np.float32(linear[version] * gains)[..., ::-1]
+            cv2.imwrite(str(out / f"{spec['id']}_{version}_light.tiff"), exposed)
         (number,) = picture["lights"]
         light = spec["lights"][number]
         colour = np.asarray(light["colour"])
@@ -177,7 +187,8 @@ def develop(out: Path) -> None:
             "to_light": np.round(direction(light["azimuth_deg"], light["elevation_deg"]), 8).tolist(),
             "angular_diameter_deg": light["angular_diameter_deg"],
             "shadow_ratio": np.round(sky / (sky + sun) if seen_ratio is None else seen_ratio, 4).tolist(),
-            "body_m": body,
+            "body_m": body, "white_rgb": (np.asarray(gains) * on_ground / math.pi).tolist(),
+            "sky": (sky / on_ground).tolist(),
         })  # fmt: skip
         assert math.isclose(float(np.linalg.norm(entries[-1]["to_light"])), 1, abs_tol=1e-6)
     (out / "pairs.json").write_text(json.dumps({"model": content["model"], "pairs": entries}, indent=1) + "\n")

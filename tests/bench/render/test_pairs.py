@@ -1,20 +1,19 @@
 """What the pairs are compared by, on pictures whose differences are known."""
 
-import json
 from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
 
-from ashe_live.bench.render.pairs import Pair, drawn, pair_error, read_pairs, relief_ratio
-from ashe_live.core.camera import Camera
+from ashe_live.bench.render.pairs import drawn, pair_error, read_pairs, relief_ratio
 from ashe_live.core.colour import srgb_from_linear
-from ashe_live.core.transforms import direction_from_angles, rigid
+from ashe_live.core.transforms import rigid
 from ashe_live.errors import UserError
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.quality import FAST
 from ashe_live.render.gl.offscreen import offscreen_context
+from tests.plain_pair import written_pair
 
 TEN_TO_NINETY_SIGMAS = 2.563
 
@@ -49,26 +48,6 @@ def test_relief_of_half_the_contrast_is_half_of_it_and_that_of_little_ground_is_
     where = np.ones((80, 120), bool)
     assert relief_ratio(weak, strong, where) == pytest.approx(0.5, rel=0.05)
     assert np.isnan(relief_ratio(weak, strong, np.arange(120)[None] + 120 * np.arange(80)[:, None] < 50))
-
-
-def written_pair(tmp_path, T_cam_marker) -> Pair:
-    """A plain grey ground, on which nothing stands and no sheet lies."""
-    size = (160, 120)
-    K = Camera.from_hfov(size, 50.0).K
-    picture = np.full((120, 160, 3), 140, np.uint8)
-    for version in ("bare", "model", "open"):
-        cv2.imwrite(str(tmp_path / f"one_{version}.jpg"), picture)
-    cv2.imwrite(str(tmp_path / "one_mask.png"), np.zeros((120, 160), np.uint8))
-    entry = {
-        "id": "one", "ground": "plain", "camera": "plain", "size": size, "K": K.tolist(),
-        "R": T_cam_marker[:3, :3].tolist(),
-        "t": T_cam_marker[:3, 3].tolist(), "marker_side_m": 0.08, "paper_side_m": 0.1, "angular_diameter_deg": 0.5,
-        "to_light": direction_from_angles(0.3, 0.8).tolist(), "shadow_ratio": [0.3, 0.3, 0.3],
-        "body_m": [[5.0, 5.0, 0.0], [5.1, 5.0, 0.1], [5.0, 5.1, 0.1]],
-    }  # fmt: skip
-    (tmp_path / "pairs.json").write_text(json.dumps({"model": "cube", "pairs": [entry]}))
-    (pair,) = read_pairs(tmp_path)
-    return pair
 
 
 def test_a_pair_without_any_difference_has_none(tmp_path) -> None:

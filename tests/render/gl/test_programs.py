@@ -27,9 +27,14 @@ def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> N
         assert shader_source(name + suffix).startswith("#version 330 core\n")
     for lights, casters, blocker_taps in ((0, 1, 0), (1, 1, 0), (1, 2, 8), (4, 2, 16)):
         constants = {"lights": lights, "casters": casters, "blocker_taps": blocker_taps, "soft_taps": 16}
-        constants |= {"reach": casters, "taps": casters, **({"bends": 1, "coarse": 1} if casters == 2 else {})}
+        constants |= {
+            "reach": casters,
+            "taps": casters,
+            "halves": casters - 1,
+            **({"bends": 1, "coarse": 1} if casters == 2 else {}),
+        }
         if name not in ("contact", "ground_shadow", "self_occlusion") or lights:
-            programs.build_program(ctx, name, pcf_radius=1, contact_fade=0.3, **constants).release()
+            programs.build_program(ctx, name, pcf_radius=1, **constants).release()
 
 
 @pytest.mark.parametrize("name", PASSES)
@@ -84,7 +89,7 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 ctx = offscreen_context()
 sys.setprofile(interrupt)
 try:
-    build_program(ctx, "model", lights=1, casters=1, blocker_taps=0, soft_taps=16, pcf_radius=1, contact_fade=0.3)
+    build_program(ctx, "model", lights=1, casters=1, blocker_taps=0, soft_taps=16, pcf_radius=1)
 except KeyboardInterrupt:
     print("interrupted")
 """

@@ -14,9 +14,14 @@ from ashe_live.core.types import Illumination
 from ashe_live.light.explanation.border_widths import border_widths
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
+from ashe_live.render.camera.grain import SILENT
+from ashe_live.render.camera.video_look import VideoLook
 from ashe_live.render.gl.framing import box_corners
+from ashe_live.render.gl.programs import Programs
 from ashe_live.render.passes.coarse import CoarseBlur, line_weights
-from ashe_live.render.passes.composite import SMALLEST, _weights
+from ashe_live.render.passes.composite import SMALLEST, Composite, _weights
+from ashe_live.render.passes.surface import Surface
+from ashe_live.render.passes.video import Video
 from ashe_live.render.scene import Scene
 from tests.render.camera.test_video_look import _sheet
 
@@ -106,3 +111,29 @@ def test_blur_at_half_the_resolution_has_the_variance_that_was_asked_for(sigma: 
         assert result.sum() == pytest.approx(1)
         variances.append(float(result @ (np.arange(size) - lit) ** 2))
     assert np.mean(variances) == pytest.approx(sigma**2, rel=0.02)
+
+
+def test_lights_that_a_picture_shows_alike_have_the_same_borders(ctx, stage) -> None:
+    """White and gold that are both overexposed, on red ground whose colours are coarse: gold's had green rims."""
+    tracked = stage.tracked(np.full((64, 64, 3), (30, 90, 170), np.uint8), None)
+    whole = (0, 0, 64, 64)
+    look = VideoLook((0.8, 0.8, 0.8), 0.4, SILENT, 0.0, chroma_blur_px=2.0)
+    surface, video, programs = Surface(ctx, (64, 64), 0), Video(ctx), Programs(ctx)
+    composite = Composite(ctx, programs)
+    video.show(tracked, whole)
+    pictures = []
+    for light in ((4.0, 4.0, 4.0), (6.0, 4.0, 1.2)):
+        added = np.zeros((64, 64, 4), np.float16)
+        added[:, :32] = (*light, 1.0)
+        for layer, values in zip(surface.layers, (added, np.repeat(added[..., 3:], 4, axis=2)), strict=True):
+            layer.write(np.ascontiguousarray(values).tobytes())
+        video.copy_or_draw(surface.colour, whole)
+        composite.draw(surface, whole, whole, video, tracked, look)
+        pictures.append(surface.read_bgr().astype(int))
+    ctx.detect_framebuffer(0).use()  # what is bound must not be released
+    for held in (composite, video, surface, programs):
+        held.release()
+    white, gold = pictures
+    assert white[:, :20].min() >= 254
+    assert np.abs(white[:, 45:] - (30, 90, 170)).max() <= 1
+    assert np.abs(white - gold).max() <= 8

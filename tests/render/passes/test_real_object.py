@@ -1,15 +1,16 @@
 """Real and virtual share the light: what hides, shades and is shaded by what."""
 
+import cv2
 import numpy as np
 import pytest
 
-from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
 from ashe_live.core.proxy import Mesh, Proxy
 from ashe_live.core.transforms import project
 from ashe_live.core.types import Illumination
 from ashe_live.light.hull.surface import surface_of
 from ashe_live.models.primitives import box
-from ashe_live.quality import QUALITIES
+from ashe_live.quality import FAST, QUALITIES
 from ashe_live.render.camera.white import ASSUMED_WHITE
 from ashe_live.render.lights.lighting import lighting_of
 from ashe_live.render.scene import Scene
@@ -175,3 +176,25 @@ def test_a_shadow_in_the_video_is_not_darkened_again_where_a_poor_proxy_knows_of
     strip = [(0.08, y, 0.0) for y in np.linspace(0.0405, 0.0435, 7)]
     left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in strip]) / lit / RATIO
     np.testing.assert_allclose(left, 1, atol=0.3)
+
+
+@pytest.mark.parametrize("off_m", [-0.0015, 0.0, 0.003])
+def test_no_bright_line_is_left_in_the_border_of_a_dark_soft_shadow(make_renderer, stage, off_m: float) -> None:
+    """What little light a border has is the model's to take: half of the sun's is five times as much as the sky's."""
+    dark = (0.1, 0.1, 0.1)
+    renderer = make_renderer(FAST.render)
+    light = stage.light(180, 30, dark)
+    pose = stage.pose(-90, 60, 0.5)
+    double = stage.placed(box((0.04, 0.04, 0.08), (0.0, 0.0, 0.0, 1.0)).moved(1.0, np.array([0.0, 0.06, 0.0])))
+    renderer.render(Scene(stage.tracked(GREY, pose), double, Illumination((light,))))
+    soft = cv2.GaussianBlur(LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()], (0, 0), 1.3)
+    tracked = stage.tracked(np.round(255 * srgb_from_linear(soft)).astype(np.uint8), pose)
+    lit = LINEAR_FROM_SRGB_8BIT[GREY]
+    caster = _proxy_box(0.0, 0.06 + off_m, 0.02, 0.08)
+    model = stage.placed(box((0.03, 0.12, 0.05), (0.0, 0.0, 0.0, 1.0)))
+    renderer.render(Scene(tracked, model, Illumination((light,), real_object=caster, ground_rgb=np.full(3, lit))))
+    picture = renderer.read_bgr()
+    across = [(0.08, y, 0.0) for y in np.linspace(0.034, 0.048, 29)]
+    left = np.array([LINEAR_FROM_SRGB_8BIT[_pixel(picture, tracked, place)] for place in across]) / lit / dark
+    assert left.max() < 1.4
+    assert left.min() > 0.6

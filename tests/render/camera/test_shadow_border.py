@@ -1,0 +1,70 @@
+"""How soft the real object's shadow is: painted borders whose blur is known."""
+
+import math
+
+import cv2
+import numpy as np
+import pytest
+
+from ashe_live.core.colour import srgb_from_linear
+from ashe_live.core.proxy import Proxy
+from ashe_live.core.square import square_corners
+from ashe_live.core.transforms import project
+from ashe_live.core.types import Frame, Light, MarkerPose, TrackedFrame
+from ashe_live.render.camera.shadow_border import unexplained_border_px
+from ashe_live.render.lights.cast_shadows import cast_by_point
+from ashe_live.render.lights.lighting import lighting_of
+
+FINE = 4
+SIDE = 0.08
+RATIO = 0.3
+LENS_PX = 0.5
+POST = Proxy("post", np.array([(0.1, 0.0, z, 0.02, 0.0) for z in (0.0, 0.05)]))
+
+
+def _painted(stage, blur_px: float, ratio: float = RATIO, shift_m: float = 0.0, sun_deg: float = 0.01):
+    """A frame with a marker and the post's shadow, blurred by a lens and the shadow by more; and its sun."""
+    light = Light((0.5, 0.8, 1.0), angular_size_rad=math.radians(sun_deg), shadow_rgb_ratio=np.full(3, RATIO))
+    (sun,) = lighting_of((light,)).suns
+    T_cam_marker, camera = stage.pose(-80, 60, 0.5, target=(0, 0, 0)), stage.camera()
+    shadow = cast_by_point(POST.points_marker(), sun.homogeneous) + np.array((shift_m, 0.0))
+    shadow = cv2.convexHull(shadow.astype(np.float32)).reshape(-1, 2)
+    left = np.ones((camera.size[1] * FINE, camera.size[0] * FINE))
+
+    def fill(ground: np.ndarray, value: float) -> np.ndarray:
+        px = (project(camera, T_cam_marker, np.column_stack([ground, np.zeros(len(ground))])) + 0.5) * FINE - 0.5
+        return cv2.fillConvexPoly(np.ones_like(left), np.round(px * 16).astype(int), value, shift=4)
+
+    soft = cv2.GaussianBlur(fill(shadow, ratio), (0, 0), FINE * max(blur_px, 0.05))
+    linear = 0.6 * soft * fill(square_corners(SIDE)[:, :2], 0.05)
+    linear = cv2.resize(cv2.GaussianBlur(linear, (0, 0), FINE * LENS_PX), camera.size, interpolation=cv2.INTER_AREA)
+    grey = 255 * srgb_from_linear(linear) + np.random.default_rng(1).normal(0, 0.7, linear.shape)
+    image = np.repeat(np.round(grey).astype(np.uint8)[..., None], 3, axis=2)
+    corners = project(camera, T_cam_marker, square_corners(SIDE))
+    marker = MarkerPose(T_cam_marker, corners, SIDE, 0.0, None)
+    return TrackedFrame(Frame(image, 0, 0.0), camera, marker), sun
+
+
+@pytest.mark.parametrize("shift_m", [0.0, 0.005])  # by which the outline that is known is off: five pixels
+@pytest.mark.parametrize("blur_px", [0.7, 1.0])
+def test_a_softer_border_is_measured_where_it_is(stage, blur_px: float, shift_m: float) -> None:
+    tracked, sun = _painted(stage, blur_px, shift_m=shift_m)
+    # The renderer's own shadows are as soft as a pixel.
+    expected = math.sqrt(blur_px**2 - 1 / 12)
+    assert unexplained_border_px(tracked, POST, sun) == pytest.approx(expected, abs=0.2)
+
+
+def test_what_the_lens_blurs_is_explained(stage) -> None:
+    tracked, sun = _painted(stage, 0.0)
+    assert unexplained_border_px(tracked, POST, sun) < 0.3
+
+
+def test_what_a_wide_sun_blurs_is_explained(stage) -> None:
+    tracked, sun = _painted(stage, 1.0, sun_deg=3.0)
+    # Its penumbra has a standard deviation of 0 at the foot to 1.3 px at the tip, in the mean square 0.8.
+    assert unexplained_border_px(tracked, POST, sun) == pytest.approx(math.sqrt(1 - 0.8**2 - 1 / 12), abs=0.15)
+
+
+def test_a_border_of_something_else_is_none_of_the_shadows(stage) -> None:
+    tracked, sun = _painted(stage, 1.0, ratio=0.75)  # a stain, which is not as dark
+    assert unexplained_border_px(tracked, POST, sun) == 0.0

@@ -1,0 +1,53 @@
+"""What a model hides of the sky from the ground around it, against a ball's form factor."""
+
+import numpy as np
+import pytest
+
+from ashe_live.models.primitives import revolved
+from ashe_live.render.gl.geometry import GpuModel
+from ashe_live.render.gl.programs import Programs
+from ashe_live.render.occlusion.contact import PATCH_SIZE, ContactPatch
+from ashe_live.render.occlusion.occlusion import Known, occlusion_steps
+
+RADIUS = 0.03
+
+
+@pytest.fixture
+def around_a_ball(ctx, stage) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 2) places around a ball on the ground, over its radius, and (n, 3) of its contact there."""
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 33)
+    profile = RADIUS * np.column_stack([np.cos(angles).round(9), 1 + np.sin(angles)])
+    placed, programs, known = stage.placed(revolved(profile, segments=64)), Programs(ctx), Known()
+    model = GpuModel(ctx, placed, programs)
+    contact = ContactPatch(ctx, programs, model)
+    for _ in (*model.upload(), *occlusion_steps(ctx, programs, model, contact, known)):
+        pass
+    lower, upper = contact.bounds
+    places = lower + (np.indices((PATCH_SIZE, PATCH_SIZE))[::-1].reshape(2, -1).T + 0.5) / PATCH_SIZE * (upper - lower)
+    for held in (contact, model, programs):
+        held.release()
+    return places / RADIUS, known[placed].contact[..., :3].reshape(-1, 3).astype(float)
+
+
+def test_a_ball_hides_its_form_factor_all_around(around_a_ball) -> None:
+    """Of a ball of radius r at the height h, at a distance d: r² h / (d² + h²)^(3/2), which depends on d alone."""
+    places, contact = around_a_ball
+    away = np.hypot(*places.T)
+    ring = (away > 1.6) & (away < 2.0)
+    off = contact[ring, 0] - (away[ring] ** 2 + 1) ** -1.5
+    assert abs(off.mean()) < 0.01
+    assert off.std() < 0.010  # 0.012 where the samples of the sky can be told from one another
+
+
+def test_the_hidden_sky_is_where_the_ball_is(around_a_ball) -> None:
+    places, contact = around_a_ball
+    ring = (np.hypot(*places.T) > 1.3) & (np.hypot(*places.T) < 2.0)
+    towards = contact[ring, 1:] / np.linalg.norm(contact[ring, 1:], axis=1)[:, None]
+    cosine = -(towards * places[ring]).sum(axis=1) / np.hypot(*places[ring].T)
+    assert np.degrees(np.arccos(np.minimum(cosine, 1))).max() < 15
+
+
+def test_nothing_is_left_at_the_border_and_it_ends_on_a_circle(around_a_ball) -> None:
+    places, contact = around_a_ball
+    beyond = np.maximum(np.abs(places) - 1, 0)  # of the ball's bounds
+    assert np.abs(contact[np.hypot(*beyond.T) >= 2.0]).max() == 0
