@@ -7,14 +7,11 @@ shadows where the lamp's light is faint, and too narrow for the corners of the p
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.slow_shading import LightFall
 from ashe_live.light.ground.steps import GroundSteps
-from ashe_live.light.lamps.agreement import SHARE, FallDirections
-from ashe_live.light.lamps.fall_off import FallOff, clear_of
+from ashe_live.light.lamps.agreement import SHARE, UNEVEN_DEVIANCE, FallDirections, fall_of_light
+from ashe_live.light.lamps.fall_off import clear_of
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.pixels.view import View
 
-# Deviance of a sun from which on a lamp's fall is fitted: chance exceeds it once in a thousand, with the lamp's three
-# parameters. Where it does, what is fitted along is one more smooth function, with a small coefficient.
-UNEVEN_DEVIANCE = 16.3
 LEAST_PX = 40  # of what stands out from the ground: specks are texture
 
 
@@ -32,9 +29,13 @@ def lit_ground_of(view: View, steps: GroundSteps, kind: str) -> LitGround | None
 
 def _fall_of_light(view: View, ground: LitGround) -> LightFall | None:
     """That of the lamp which explains the brightness of the lit ground best; None where a sun may have caused it."""
-    fall_off = FallOff.of(view, ground, clear_of(unlit_mask(ground, view.is_ground, LEAST_PX)))
+    fall_off = fall_of_light(view, ground, clear_of(unlit_mask(ground, view.is_ground, LEAST_PX)))
     if fall_off is None:
         return None
     directions = FallDirections(fall_off)
-    lamp, deviance = directions.likeliest
-    return LightFall.of(view, lamp, SHARE, directions.reference) if deviance > UNEVEN_DEVIANCE else None
+    light, deviance = directions.likeliest
+    if deviance < UNEVEN_DEVIANCE:
+        return None
+    if light[2] > 0:
+        light = directions.sharpened(light)
+    return LightFall.of(view, light, SHARE, directions.reference, None if light[2] > 0 else fall_off.gloss)
