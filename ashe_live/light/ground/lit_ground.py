@@ -41,7 +41,6 @@ OFF_PLANE, UNUSUAL_DISTANCE = -1.5, 3.5
 # Log odds from which on it is surely on the plane; what is brighter there, by so much in log brightness than the
 # brightest of the palette's colours with a share of COMMON, is a glow.
 ON_PLANE, BRIGHTER, COMMON = 0.5, 0.1, 0.03
-CLIPPED = 250  # value of all channels from which on a pixel may be brighter than it is shown
 SEEN_SHARE = 0.15  # least ground in a cell that counts, as a fraction of the fullest cell's
 
 
@@ -56,6 +55,7 @@ class LitGround:
     squared_distance: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from rare colours
     sheen: Mask  # (h, w) ground that is brighter than the palette by specular or reflected light
     fall: LightFall | None = None  # of a lamp's light, one of these functions; None: they are a quadratic
+    divided: bool = False  # by edges into surfaces that are lit alike, where a lamp's fall would explain it as one
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
 
 
@@ -90,8 +90,6 @@ def fit_lit_ground(
     near = grown(is_ground & rare, NEAR_PX)
     squared = np.zeros(lit.shape, np.float32)
     squared[near] = np.minimum(nearest_squared_distance(flat[near], palette), MOST_DISTANCE)
-    # What the camera could not show as bright as it is may be ground whose slow shading is beyond white.
-    squared[(image_bgr.min(axis=2) >= CLIPPED) & (flat[..., 0] < palette.centres[:, 0].max())] = 0
     squared_distance = np.asarray(cv2.GaussianBlur(squared, (0, 0), 0.7), dtype=np.float32)
     sheen = sheen_on(flat, squared_distance, is_ground, palette)
     return LitGround(flat, field, palette, rare, squared_distance, sheen, fall)

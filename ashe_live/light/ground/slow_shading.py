@@ -27,7 +27,7 @@ class LightFall:
     share: float  # of all light on the plane at the reference that is this light's
     reference: Float  # (2,) metres on the plane
     eye: Float  # (3,) the camera's centre, metres, marker frame
-    gloss: Gloss | None  # of the ground
+    gloss: Gloss | None  # of the ground under a sun
 
     @staticmethod
     def of(view: View, light: Float, share: float, reference: Float, gloss: Gloss | None = None) -> "LightFall":
@@ -42,7 +42,7 @@ class LightFall:
         w = np.where(np.abs(w) < HORIZON, HORIZON, w)
         places, light = np.column_stack([x / w, y / w]), self.light[None]
         relative = irradiances(places, light)[:, 0] / irradiances(self.reference[None], light)[0, 0]
-        if self.gloss is not None:
+        if self.gloss is not None and self.light[2] == 0:
             relative = relative * (1 + mirrored(places, self.eye, light, self.gloss)[:, 0])
         return np.asarray(np.log(np.maximum(1 - self.share + self.share * relative, LEAST_LIGHT)), dtype=np.float32)
 

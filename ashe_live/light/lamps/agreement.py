@@ -5,46 +5,38 @@ the light comes from before any object is looked at. What explains the picture b
 unlikely, however well it fits.
 """
 
-import itertools
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from ashe_live.core.arrays import Float, Mask, directions_on_spiral
+from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.light.ground.gloss import Gloss
-from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.lamps.fall_off import FallOff
-from ashe_live.light.pixels.view import View
 
-NEARNESSES = (0.6, 1.3, 2.7, 5.5)  # 1/m, equally likely of a lamp; a sun is as likely as a lamp
+NEARNESSES = (0.6, 1.3, 2.7, 5.5)  # 1/m, equally likely of a lamp
 DIRECTIONS, LOWEST_Z = 40, 0.25  # of lamps, spread evenly over the hemisphere, without the lowest
 SUNS, LOWEST_SUN_Z = 60, 0.08  # the same of suns, which gloss mirrors lower
 SHARE = 0.8  # of the light that is the lamp's, where it is not known yet
 # Deviance of a ground that is lit alike all over, from which on its light tells a direction: chance exceeds it once in
 # a thousand, with a lamp's three parameters.
 UNEVEN_DEVIANCE = 16.3
+LAMP_DEVIANCE = 30.0  # of a sun, from which on the ground is taken to be lit by a lamp
 # The fall of light counts as much less: what bends it, as walls do, turns its direction too.
 TEMPERING = 0.25
 MOST = 3.0  # of the log of a likelihood ratio, either way
-MOST_LOG_ODDS = 20.0  # of the log odds of a lamp against a sun, whose exponentials are still numbers
 # Grounds that are tried: a table's varnish, a worn one, stone, and the bumps of a rough ground; pale and dark.
 ROUGHNESSES, ALBEDOS = (0.15, 0.3, 0.5, 0.8), (0.3, 0.08)
 GLOSS_DEVIANCE = 6.0  # of a ground without gloss, that chance exceeds once in twenty with two parameters
-FINER = (0.2, 0.1, 0.05)  # radians, and twice that of the log nearness: steps by which a lamp is found
 EVERY = 4  # samples, of those that choose the gloss
-SURE_DEVIANCE = 9.0  # of the likeliest sun on gloss beside a lamp: 3 sigmas
 
 
-def fall_of_light(view: View, ground: LitGround, free: Mask) -> FallOff | None:
-    """As `FallOff.of`, with the gloss by which a sun explains the ground's brightness best, from wherever it shines.
+def with_gloss(fall_off: FallOff) -> FallOff:
+    """With the gloss by which a sun explains the ground's brightness best, from wherever it shines; or as it is.
 
-    None where any of them is surely less likely than a lamp: what the wrong one cannot explain would tell its gloss.
+    Also where a lamp is likelier than any of them: what the wrong light cannot explain would tell the gloss.
     """
-    fall_off = FallOff.of(view, ground, free)
-    if fall_off is None:
-        return None
     some, suns = fall_off.every(EVERY), _suns()
     directions = FallDirections(some)
 
@@ -53,7 +45,7 @@ def fall_of_light(view: View, ground: LitGround, free: Mask) -> FallOff | None:
 
     found = min((Gloss(alpha, albedo) for alpha in ROUGHNESSES for albedo in ALBEDOS), key=least_cost)
     least, dull = least_cost(found), least_cost(None)
-    is_glossy = dull - least > GLOSS_DEVIANCE and least - directions.of_lamps.min() < SURE_DEVIANCE
+    is_glossy = dull - least > GLOSS_DEVIANCE and least < directions.of_lamps.min()
     return replace(fall_off, gloss=found) if is_glossy else fall_off
 
 
@@ -66,19 +58,19 @@ class FallDirections:
     def log_ratio(self, displacements: Float) -> float:
         """Log of how much likelier a light is that casts displacements (1 + k, 2) than one anywhere.
 
-        0 where the ground is lit alike all over. displacements: at the marker's centre, of a sun and of lamps of each
-        of NEARNESSES.
+        0 where neither gloss nor the fall of light tells. displacements: at the marker's centre, of a sun and of lamps
+        of each of NEARNESSES.
         """
         if self.likeliest[1] < UNEVEN_DEVIANCE:
             return 0.0
         here = self._costs(np.column_stack([displacements, (0.0, *NEARNESSES)]))
-        as_sun, as_lamp = (
-            math.exp(_log_mean(at) - _log_mean(anywhere))
-            for at, anywhere in ((here[:1], self._of_suns), (here[1:], self.of_lamps))
-        )
-        log_odds = 0.5 * float(self._of_suns.min() - self.of_lamps.min())
-        lamp = 1 / (1 + math.exp(-min(max(log_odds, -MOST_LOG_ODDS), MOST_LOG_ODDS)))
-        return float(np.clip(math.log(lamp * as_lamp + (1 - lamp) * as_sun), -MOST, MOST))
+        if self.fall_off.gloss is not None:
+            ratio = _log_mean(here[:1]) - _log_mean(self._of_suns)
+        elif self.likeliest[1] > LAMP_DEVIANCE:
+            ratio = _log_mean(here[1:]) - _log_mean(self.of_lamps)
+        else:
+            return 0.0
+        return float(np.clip(ratio, -MOST, MOST))
 
     @cached_property
     def likeliest(self) -> tuple[Float, float]:
@@ -87,18 +79,6 @@ class FallDirections:
         best = int(np.argmin(costs))
         (even,) = replace(self.fall_off, gloss=None).worst_costs(np.zeros((1, 3)), SHARE, self.reference)
         return lights[best], float(even - costs[best])
-
-    def sharpened(self, lamp: Float) -> Float:
-        """(3,) the likeliest lamp beside one (3,) of those all over the hemisphere, which are 20 degrees apart."""
-        for step in FINER:
-            moves = np.array(list(itertools.product((-step, 0, step), repeat=3)))
-            nearness = lamp[2] * np.exp(2 * moves[:, 2])
-            seen = lamp[:2] - lamp[2] * self.reference
-            # Steps of equal angles, as seen from the middle of the ground.
-            seen = seen + moves[:, :2] * math.sqrt(1 + seen @ seen)
-            near = np.column_stack([seen + nearness[:, None] * self.reference, nearness])
-            lamp = near[int(np.argmin(self._costs(near)))]
-        return lamp
 
     @cached_property
     def reference(self) -> Float:

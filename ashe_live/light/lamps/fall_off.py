@@ -76,7 +76,8 @@ class FallOff:
         view: the one that `ground` was fitted to.
         """
         exposed = view.image_bgr.max(axis=2) < CLIPPED
-        parts = surfaces(view.image_bgr, free & view.is_ground)
+        seen = free & view.is_ground
+        parts = surfaces(view.image_bgr, seen) if ground.divided else seen.astype(np.int32)
         lit = np.flatnonzero((parts > 0) & exposed & (ground.squared_distance < LIT))
         if len(lit) < FEWEST:
             return None
@@ -93,7 +94,8 @@ class FallOff:
         sigmas = np.array([1e3, *[LEVEL] * levels.shape[1], VIGNETTING, *[GRADIENT] * 2, *[CURVATURE] * 3])
         information = (fitted * weights[:, None]).T @ fitted + np.diag(1 / sigmas**2)
         factor = np.asarray(np.linalg.cholesky(information), dtype=np.float64)
-        return FallOff(places, brightness, weights, fitted, factor, uneven, eye_of(view))
+        gloss = None if ground.fall is None else ground.fall.gloss
+        return FallOff(places, brightness, weights, fitted, factor, uneven, eye_of(view), gloss)
 
     def every(self, step: int) -> "FallOff":
         """Every `step`-th sample, which counts as much more: for a first look at many lights."""

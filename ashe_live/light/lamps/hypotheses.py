@@ -20,7 +20,7 @@ from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.shadow_shift import shadow_ratio
 from ashe_live.light.lamps import agreement
-from ashe_live.light.lamps.agreement import FallDirections, fall_of_light
+from ashe_live.light.lamps.agreement import FallDirections
 from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.lamps.near_fits import fitted_near, in_all_views, nearness_prior
@@ -78,7 +78,7 @@ class LampHypotheses:
     @staticmethod
     def of(view: View, ground: LitGround, unlit: Mask, kind: str) -> "LampHypotheses":
         """Of the view that `ground` was fitted to, beside what is `unlit` (h, w); kind: one of KINDS."""
-        return LampHypotheses(None if kind == SUN else fall_of_light(view, ground, clear_of(unlit)), ground)
+        return LampHypotheses(None if kind == SUN else FallOff.of(view, ground, clear_of(unlit)), ground)
 
     def evidence(self, sun: Explanation, fit: NearFit, sharpener: Sharpener) -> LampEvidence:
         """The explanation, whose lights are at infinity and moved onto steps of light, by the likeliest lamp.

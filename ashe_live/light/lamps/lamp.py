@@ -20,10 +20,9 @@ from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import Glint
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.lamps.agreement import fall_of_light
 from ashe_live.light.lamps.companions import companions
 from ashe_live.light.lamps.doubt import confidence_within, with_doubt
-from ashe_live.light.lamps.fall_off import clear_of
+from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.hypotheses import LampHypotheses, is_held_near
 from ashe_live.light.lamps.kinds import AUTO, LAMP, SUN
 from ashe_live.light.lamps.near_fits import fitted_near
@@ -91,7 +90,7 @@ def stated(
     """
     lights = lights_of(explanation, confidence)
     whole = predicted(explanation.proxy, explanation.alignment.placed.lit.lights, scene.view).whole
-    fall_off = fall_of_light(scene.view, scene.ground, clear_of(scene.unlit | whole))
+    fall_off = FallOff.of(scene.view, scene.ground, clear_of(scene.unlit | whole))
 
     def covariance_of(one: Explanation, probability: float) -> Float:
         covariance = lights_of(one, probability)[0].covariance_rad2
