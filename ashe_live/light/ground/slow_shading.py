@@ -4,12 +4,14 @@ A quadratic in the image's coordinates follows vignetting, a wall near by, and w
 lamp the light falls by a factor of ten within a metre, which no quadratic follows: there its fall is one function more.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.transforms import image_from_plane
+from ashe_live.light.ground.gloss import Gloss, eye_of, mirrored
 from ashe_live.light.pixels.view import View, Window
 
 LEAST_LIGHT = 1e-3  # of that at the reference, so that the log is finite
@@ -18,33 +20,74 @@ HORIZON = 1e-9  # of a homogeneous coordinate: a pixel that is nearer to the hor
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LightFall:
-    """How a lamp's light falls off over the plane, in a picture at any scale."""
+    """How a light is distributed over the plane by its distance and the ground's gloss, in a picture at any scale."""
 
     plane_from_picture: Float  # (3, 3) to metres on the plane, from coordinates that are -1 and 1 at the borders
-    lamp: Float  # (3,) its displacement at the marker's centre, and its nearness w / z (1/m)
-    share: float  # of all light on the plane at the reference that is the lamp's
+    light: Float  # (3,) its displacement at the marker's centre, and its nearness w / z (1/m)
+    share: float  # of all light on the plane at the reference that is this light's
     reference: Float  # (2,) metres on the plane
+    eye: Float  # (3,) the camera's centre, metres, marker frame
+    gloss: Gloss | None  # of the ground under a sun
 
     @staticmethod
-    def of(view: View, lamp: Float, share: float, reference: Float) -> "LightFall":
+    def of(view: View, light: Float, share: float, reference: Float, gloss: Gloss | None = None) -> "LightFall":
         width, height = view.size
         to_picture = np.array([[2 / width, 0, 1 / width - 1], [0, 2 / height, 1 / height - 1], [0, 0, 1]])
         plane = np.linalg.inv(to_picture @ image_from_plane(view.camera, view.T_cam_marker))
-        return LightFall(np.asarray(plane), lamp, share, reference)
+        return LightFall(np.asarray(plane), light, share, reference, eye_of(view), gloss)
 
     def log_light(self, u: Float32, v: Float32) -> Float32:
         """(n,) log of all light over that at the reference, at picture coordinates (n,) each."""
         x, y, w = self.plane_from_picture @ np.stack([u, v, np.ones_like(u)]).astype(np.float64)
         w = np.where(np.abs(w) < HORIZON, HORIZON, w)
-        relative = irradiances(np.column_stack([x / w, y / w]), self.lamp[None])[:, 0]
-        relative /= irradiances(self.reference[None], self.lamp[None])[0, 0]
-        return np.log(np.maximum(1 - self.share + self.share * relative, LEAST_LIGHT)).astype(np.float32)
+        places, light = np.column_stack([x / w, y / w]), self.light[None]
+        relative = irradiances(places, light)[:, 0] / irradiances(self.reference[None], light)[0, 0]
+        if self.gloss is not None and self.light[2] == 0:
+            relative = relative * (1 + mirrored(places, self.eye, light, self.gloss)[:, 0])
+        return np.asarray(np.log(np.maximum(1 - self.share + self.share * relative, LEAST_LIGHT)), dtype=np.float32)
 
 
 def irradiances(places: Float, lamps: Float) -> Float:
     """(p, n) irradiance by each of n lamps (n, 3) at places (p, 2), but for a factor: (1 + |s - p w / z|^2)^(-3/2)."""
     aside_x, aside_y = (lamps[:, i] - places[:, i : i + 1] * lamps[:, 2] for i in (0, 1))
     return np.asarray((1 + aside_x**2 + aside_y**2) ** -1.5)
+
+
+def log_irradiance(
+    places: Float,
+    parameters: Float,
+    shares: Sequence[float],
+    reference: Float,
+    number: int,
+    mirrored_share: Float | None = None,
+) -> tuple[Float, Float]:
+    """(n,) log of all light at places (n, 2) over that at `reference` (2,); (n, 3) its slopes by light `number`.
+
+    parameters: (l, 3) displacement and nearness of each light. shares: of all light at the reference. What is no
+    light's share is the same everywhere. mirrored_share: (n, l) what the ground mirrors of each light, over what it
+    scatters; its slopes are left out, as gloss moves along with a light.
+    """
+    total = np.full(len(places), 1.0 - sum(shares))
+    slopes = np.zeros((len(places), 3))
+    for i, (light, share) in enumerate(zip(parameters, shares, strict=True)):
+        here, by_light = _log_fall(places, light)
+        there, by_light_there = _log_fall(reference[None], light)
+        part = share * np.exp(here - there)
+        if mirrored_share is not None:
+            part = part * (1 + mirrored_share[:, i])
+        total += part
+        if i == number:
+            slopes = part[:, None] * (by_light - by_light_there)
+    total = np.maximum(total, LEAST_LIGHT)
+    return np.log(total), slopes / total[:, None]
+
+
+def _log_fall(places: Float, light: Float) -> tuple[Float, Float]:
+    """(n,) log of (1 + |s - p w / z|^2)^(-3/2) at places (n, 2), and (n, 3) its slopes by s and w / z (3,)."""
+    aside = light[:2] - light[2] * places
+    squared = 1 + (aside**2).sum(axis=1)
+    by_displacement = -3 * aside / squared[:, None]
+    return -1.5 * np.log(squared), np.column_stack([by_displacement, -(by_displacement * places).sum(axis=1)])
 
 
 def slow_bases(shape: tuple[int, ...], fall: LightFall | None, window: Window = (slice(None), slice(None))) -> Float32:

@@ -1,73 +1,120 @@
-"""Whether a direction agrees with the fall of light over the ground, in pictures that a lamp lights.
+"""Whether a direction agrees with how light is distributed over the ground: below a lamp, and on gloss in any light.
 
-The ground is brightest where a lamp stands, so that an uneven ground tells which way the light comes from before any
-object is looked at. What explains the picture by a light from elsewhere is then unlikely, however well it fits.
+The ground is brightest where a lamp stands, and where it would mirror a light, so that an uneven ground tells which way
+the light comes from before any object is looked at. What explains the picture by a light from elsewhere is then
+unlikely, however well it fits.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ashe_live.core.arrays import Float, directions_on_spiral
+from ashe_live.light.ground.gloss import Gloss
 from ashe_live.light.lamps.fall_off import FallOff
 
 NEARNESSES = (0.6, 1.3, 2.7, 5.5)  # 1/m, equally likely of a lamp
-DIRECTIONS, LOWEST_Z = 40, 0.25  # spread evenly over the hemisphere, without the lowest
+DIRECTIONS, LOWEST_Z = 40, 0.25  # of lamps, spread evenly over the hemisphere, without the lowest
+SUNS, LOWEST_SUN_Z = 60, 0.08  # the same of suns, which gloss mirrors lower
 SHARE = 0.8  # of the light that is the lamp's, where it is not known yet
+# Deviance of a ground that is lit alike all over, from which on its light tells a direction: chance exceeds it once in
+# a thousand, with a lamp's three parameters.
+UNEVEN_DEVIANCE = 16.3
 LAMP_DEVIANCE = 30.0  # of a sun, from which on the ground is taken to be lit by a lamp
-# The fall of light counts as much less: what bends it, as walls and sheen do, turns its direction too.
+# The fall of light counts as much less: what bends it, as walls do, turns its direction too.
 TEMPERING = 0.25
 MOST = 3.0  # of the log of a likelihood ratio, either way
+# Grounds that are tried: a table's varnish, a worn one, stone, and the bumps of a rough ground; pale and dark.
+ROUGHNESSES, ALBEDOS = (0.15, 0.3, 0.5, 0.8), (0.3, 0.08)
+GLOSS_DEVIANCE = 6.0  # of a ground without gloss, that chance exceeds once in twenty with two parameters
+EVERY = 4  # samples, of those that choose the gloss
+
+
+def with_gloss(fall_off: FallOff) -> FallOff:
+    """With the gloss by which a sun explains the ground's brightness best, from wherever it shines; or as it is.
+
+    Also where a lamp is likelier than any of them: what the wrong light cannot explain would tell the gloss.
+    """
+    some, suns = fall_off.every(EVERY), _suns()
+    directions = FallDirections(some)
+
+    def least_cost(gloss: Gloss | None) -> float:
+        return float(replace(some, gloss=gloss).worst_costs(suns, SHARE, directions.reference).min())
+
+    found = min((Gloss(alpha, albedo) for alpha in ROUGHNESSES for albedo in ALBEDOS), key=least_cost)
+    least, dull = least_cost(found), least_cost(None)
+    is_glossy = dull - least > GLOSS_DEVIANCE and least < directions.of_lamps.min()
+    return replace(fall_off, gloss=found) if is_glossy else fall_off
 
 
 @dataclass(frozen=True, eq=False)
 class FallDirections:
-    """The likelihood of lamps' directions by the fall of light."""
+    """The likelihood of lights' directions by how the ground is lit."""
 
     fall_off: FallOff
 
     def log_ratio(self, displacements: Float) -> float:
-        """Log of how much likelier a lamp is that casts displacements (k, 2) than one anywhere; 0 if there is no lamp.
+        """Log of how much likelier a light is that casts displacements (1 + k, 2) than one anywhere.
 
-        displacements: at the marker's centre, for each of NEARNESSES.
+        0 where neither gloss nor the fall of light tells. displacements: at the marker's centre, of a sun and of lamps
+        of each of NEARNESSES.
         """
-        if not self._is_lamp:
+        if self.likeliest[1] < UNEVEN_DEVIANCE:
             return 0.0
-        here = self._costs(np.column_stack([displacements, NEARNESSES]))
-        return float(np.clip(_log_mean(here) - _log_mean(self._anywhere), -MOST, MOST))
+        here = self._costs(np.column_stack([displacements, (0.0, *NEARNESSES)]))
+        if self.fall_off.gloss is not None:
+            ratio = _log_mean(here[:1]) - _log_mean(self._of_suns)
+        elif self.likeliest[1] > LAMP_DEVIANCE:
+            ratio = _log_mean(here[1:]) - _log_mean(self.of_lamps)
+        else:
+            return 0.0
+        return float(np.clip(ratio, -MOST, MOST))
 
     @cached_property
     def likeliest(self) -> tuple[Float, float]:
-        """The displacement and nearness (3,) of the likeliest lamp of all, and the deviance of a sun beside it."""
-        (sun,) = self._costs(np.zeros((1, 3)))
-        best = int(np.argmin(self._anywhere))
-        return self._lamps[best], float(sun - self._anywhere[best])
-
-    @property
-    def _is_lamp(self) -> bool:
-        return self.likeliest[1] > LAMP_DEVIANCE
-
-    @cached_property
-    def _lamps(self) -> Float:
-        """(n, 3) lamps all over the hemisphere."""
-        x, y, z = directions_on_spiral(DIRECTIONS, LOWEST_Z, 1.0).T
-        displacements = np.column_stack([x / z, y / z])
-        return np.array([[*(s + k * self.reference), k] for s in displacements for k in NEARNESSES])
-
-    @cached_property
-    def _anywhere(self) -> Float:
-        """(n,) costs of these."""
-        return self._costs(self._lamps)
+        """The displacement and nearness (3,) of the likeliest light, and by how much light that is alike costs more."""
+        costs, lights = np.append(self._of_suns, self.of_lamps), np.vstack([self._suns, self.lamps])
+        best = int(np.argmin(costs))
+        (even,) = replace(self.fall_off, gloss=None).worst_costs(np.zeros((1, 3)), SHARE, self.reference)
+        return lights[best], float(even - costs[best])
 
     @cached_property
     def reference(self) -> Float:
         """(2,) the middle of the lit ground in view, on the plane."""
         return np.asarray(self.fall_off.places.mean(axis=0))
 
+    @cached_property
+    def lamps(self) -> Float:
+        """(n, 3) lamps all over the hemisphere."""
+        x, y, z = directions_on_spiral(DIRECTIONS, LOWEST_Z, 1.0).T
+        displacements = np.column_stack([x / z, y / z])
+        return np.array([[*(s + k * self.reference), k] for s in displacements for k in NEARNESSES])
+
+    @cached_property
+    def _suns(self) -> Float:
+        """(n, 3) suns all over the hemisphere; one, where there is no gloss by which they differ."""
+        return np.zeros((1, 3)) if self.fall_off.gloss is None else _suns()
+
+    @cached_property
+    def of_lamps(self) -> Float:
+        """(n,) costs of these."""
+        return self._costs(self.lamps)
+
+    @cached_property
+    def _of_suns(self) -> Float:
+        """(n,) costs of these."""
+        return self._costs(self._suns)
+
     def _costs(self, parameters: Float) -> Float:
         return self.fall_off.worst_costs(parameters, SHARE, self.reference)
+
+
+def _suns() -> Float:
+    """(n, 3) suns all over the hemisphere."""
+    x, y, z = directions_on_spiral(SUNS, LOWEST_SUN_Z, 1.0).T
+    return np.column_stack([x / z, y / z, np.zeros(SUNS)])
 
 
 def _log_mean(costs: Float) -> float:

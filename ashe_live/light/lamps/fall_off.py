@@ -1,24 +1,29 @@
 """How the light falls over the lit ground: it tells a lamp from a sun, and about how far the lamp is.
 
 A lamp at (X, Y, Z) lights a point p of the plane by Z / |X - p|^3, which is (1 + |s - p w / z|^2)^(-3/2) in the
-light's parameters but for a factor; a sun lights all of it alike. The picture's brightness also has the ground's paint
-and texture, vignetting, and what else is uneven (sheen, relief, a wall near by, the camera's tone mapping). Vignetting
-and a little unevenness are fitted along; the rest has its own, larger variance (docs/maths.md, "The fall of light").
-Paint and texture are noise that is correlated over their size. No colour has a level of its own: a plain ground's
-colours are the steps of its own brightness, and their levels would explain a lamp away.
+light's parameters but for a factor; a sun lights all of it alike. A glossy ground mirrors either on top of that. The
+picture's brightness also has the ground's paint and texture, vignetting, and what else is uneven (relief, a wall near
+by, the camera's tone mapping). Vignetting and a little unevenness are fitted along; the rest has its own, larger
+variance (docs/maths.md, "The fall of light"). Paint and texture are noise that is correlated over their size. No colour
+has a level of its own: a plain ground's colours are the steps of its own brightness, and their levels would explain a
+lamp away. Surfaces that an edge divides have one.
 """
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
 from ashe_live.core.transforms import image_from_plane
+from ashe_live.light.ground.gloss import Gloss, eye_of, mirrored
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.ground.slow_shading import irradiances
+from ashe_live.light.ground.slow_shading import irradiances, log_irradiance
+from ashe_live.light.ground.surfaces import surfaces
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.log_colour import log_opponent
 from ashe_live.light.pixels.view import View
@@ -31,10 +36,12 @@ CELLS = (12, 9)  # in which samples' errors may be correlated: texture is larger
 # Sigmas of what is fitted along: vignetting at the picture's corner (of log brightness), the ground's own unevenness as
 # a gradient (1/m) and a curvature (1/m^2) of log irradiance, and the camera's contrast beside that of sRGB.
 VIGNETTING, GRADIENT, CURVATURE, CONTRAST = 0.2, 0.03, 0.05, 0.1
+LEVEL = 0.5  # the same of a surface's log albedo, beside that of the largest
 # The same of what a picture in a hundred shows and no lamp causes: sheen towards the light, the bumps of a rough
 # ground in low light, a shadow's soft rim, tone mapping that differs from place to place.
 WORST_GRADIENT, WORST_CURVATURE, WORST_CONTRAST = 0.25, 0.4, 0.3
 LEAST_CONTRAST, MOST_CONTRAST = 0.3, 3.0
+FAR = 0.2  # 1/m, nearness up to which a light is a sun to the ground's gloss
 ROBUST_ROUNDS = 6
 LEAST_NOISE = 0.01  # of log brightness
 
@@ -56,9 +63,11 @@ class FallOff:
     places: Float  # (n, 2) metres on the plane, marker frame
     brightness: Float  # (n,) log of linear light
     weights: Float  # (n,) information on each sample
-    fitted: Float  # (n, c) what is fitted along: level, vignetting, gradient and curvature
+    fitted: Float  # (n, c) what is fitted along: levels, vignetting, gradient and curvature
     factor: Float  # (c, c) Cholesky factor of the information on these, with their priors
     uneven: Float  # (n, 5) gradient and curvature
+    eye: Float  # (3,) the camera's centre, metres, marker frame
+    gloss: Gloss | None = None  # of the ground under a sun: what it mirrors of one may be part of its light, or not
 
     @staticmethod
     def of(view: View, ground: LitGround, free: Mask) -> "FallOff | None":
@@ -67,7 +76,9 @@ class FallOff:
         view: the one that `ground` was fitted to.
         """
         exposed = view.image_bgr.max(axis=2) < CLIPPED
-        lit = np.flatnonzero(free & exposed & view.is_ground & (ground.squared_distance < LIT))
+        seen = free & view.is_ground
+        parts = surfaces(view.image_bgr, seen) if ground.divided else seen.astype(np.int32)
+        lit = np.flatnonzero((parts > 0) & exposed & (ground.squared_distance < LIT))
         if len(lit) < FEWEST:
             return None
         chosen = lit if len(lit) <= SAMPLES else np.sort(np.random.default_rng(0).choice(lit, SAMPLES, replace=False))
@@ -75,20 +86,37 @@ class FallOff:
         rows, columns = np.divmod(chosen, view.size[0])
         places = _on_ground(view, columns, rows)
         uneven = _uneven(places - places.mean(axis=0))
-        fitted = np.column_stack([np.ones(len(chosen)), _vignetting(view, columns, rows), uneven])
+        part = parts.ravel()[chosen]
+        levels = part[:, None] == np.arange(2, part.max() + 1)
+        fitted = np.column_stack([np.ones(len(chosen)), levels, _vignetting(view, columns, rows), uneven])
         cells = rows * CELLS[1] // view.size[1] * CELLS[0] + columns * CELLS[0] // view.size[0]
         weights = _robust_weights(brightness, fitted, cells, uneven.shape[1] + 1)
-        prior: Float = np.array([1e-6, 1 / VIGNETTING**2, *[1 / GRADIENT**2] * 2, *[1 / CURVATURE**2] * 3])
-        information = (fitted * weights[:, None]).T @ fitted + np.diag(prior)
+        sigmas = np.array([1e3, *[LEVEL] * levels.shape[1], VIGNETTING, *[GRADIENT] * 2, *[CURVATURE] * 3])
+        information = (fitted * weights[:, None]).T @ fitted + np.diag(1 / sigmas**2)
         factor = np.asarray(np.linalg.cholesky(information), dtype=np.float64)
-        return FallOff(places, brightness, weights, fitted, factor, uneven)
+        gloss = None if ground.fall is None else ground.fall.gloss
+        return FallOff(places, brightness, weights, fitted, factor, uneven, eye_of(view), gloss)
+
+    def every(self, step: int) -> "FallOff":
+        """Every `step`-th sample, which counts as much more: for a first look at many lights."""
+        some = slice(None, None, step)
+        weights, fitted = self.weights[some] * step, self.fitted[some]
+        prior = self.factor @ self.factor.T - (self.fitted * self.weights[:, None]).T @ self.fitted
+        factor = np.asarray(np.linalg.cholesky((fitted * weights[:, None]).T @ fitted + prior), dtype=np.float64)
+        places, brightness, uneven = self.places[some], self.brightness[some], self.uneven[some]
+        return FallOff(places, brightness, weights, fitted, factor, uneven, self.eye, self.gloss)
 
     def pull(self, parameters: Float, shares: Sequence[float], reference: Float, number: int = 0) -> Pull:
         """The pull on light `number` of l lights whose displacements and nearness are `parameters` (l, 3).
 
         shares: each light's share of all light on the plane at `reference` (2,), as its shadow there tells.
         """
-        log_light, slopes = log_irradiance(self.places, parameters, shares, reference, number)
+        lit = partial(log_irradiance, self.places, parameters, shares, reference, number)
+        with_gloss = [] if self.gloss is None else [lit(self._mirrored(parameters, self.gloss))]
+        return min((self._pull(*each) for each in (lit(), *with_gloss)), key=attrgetter("worst_cost"))
+
+    def _pull(self, log_light: Float, slopes: Float) -> Pull:
+        """As `pull`, by the log of all light (n,) and its slopes (n, 3)."""
         rest = self.brightness - log_light
         gram = self._gram(np.column_stack([slopes, self.uneven, log_light, rest]))
         tone, told = -2, -1
@@ -113,13 +141,15 @@ class FallOff:
     def worst_costs(self, parameters: Float, share: float, reference: Float) -> Float:
         """(n,) `Pull.worst_cost` of n single lights with parameters (n, 3), all of one share, as in `pull`."""
         relative = irradiances(self.places, parameters) / irradiances(reference[None], parameters)
+        if self.gloss is not None:
+            relative = np.column_stack([relative, relative * (1 + self._mirrored(parameters, self.gloss))])
         lights = np.log(np.maximum(1 - share + share * relative, 1e-3))
         known = np.column_stack([self.uneven, self.brightness])
         both = self._gram(np.column_stack([known, lights]))
         uneven, told, of_light = slice(0, 5), 5, slice(6, None)
         square, with_told = np.diag(both)[of_light], both[told, of_light]
         # As in `pull`: inner products of unevenness and contrast with one another, and with what the light leaves.
-        columns = np.empty((len(parameters), 6, 7))
+        columns = np.empty((lights.shape[1], 6, 7))
         columns[:, :5, :5] = both[uneven, uneven]
         columns[:, :5, 5] = columns[:, 5, :5] = both[uneven, of_light].T
         columns[:, 5, 5] = square
@@ -131,7 +161,15 @@ class FallOff:
         columns = columns - columns[:, :, 5:6] * columns[:, 5:6] / stiff[:, None, None]
         worst = np.array([WORST_GRADIENT] * 2 + [WORST_CURVATURE] * 3 + [WORST_CONTRAST])
         explained = np.linalg.solve(columns[:, :, :6] + np.diag(1 / worst**2), columns[:, :, 6:])
-        return np.asarray(cost - (columns[:, :, 6:] * explained).sum(axis=(1, 2)))
+        cost -= (columns[:, :, 6:] * explained).sum(axis=(1, 2))
+        return np.asarray(cost.reshape(-1, len(parameters)).min(axis=0))
+
+    def _mirrored(self, parameters: Float, gloss: Gloss) -> Float:
+        """(n, l) what the ground mirrors of each light (l, 3), over what it scatters; 0 of lamps."""
+        found = np.zeros((len(self.places), len(parameters)))
+        suns = parameters[:, 2] <= FAR
+        found[:, suns] = mirrored(self.places, self.eye, parameters[suns], gloss)
+        return found
 
     def _gram(self, columns: Float) -> Float:
         """(k, k) weighted inner products of columns (n, k), without what can be fitted along."""
@@ -143,34 +181,6 @@ class FallOff:
 def clear_of(taken: Mask) -> Mask:
     """(h, w) the ground that is lit as the rest, away from objects and shadows (h, w)."""
     return ~grown(taken, BESIDE_PX)
-
-
-def log_irradiance(
-    places: Float, parameters: Float, shares: Sequence[float], reference: Float, number: int
-) -> tuple[Float, Float]:
-    """(n,) log of all light at places (n, 2) over that at `reference` (2,); (n, 3) its slopes by light `number`.
-
-    Arguments as in `FallOff.pull`; what is no light's share is the same everywhere.
-    """
-    total = np.full(len(places), 1.0 - sum(shares))
-    slopes = np.zeros((len(places), 3))
-    for i, (light, share) in enumerate(zip(parameters, shares, strict=True)):
-        here, by_light = _log_fall(places, light)
-        there, by_light_there = _log_fall(reference[None], light)
-        part = share * np.exp(here - there)
-        total += part
-        if i == number:
-            slopes = part[:, None] * (by_light - by_light_there)
-    total = np.maximum(total, 1e-3)
-    return np.log(total), slopes / total[:, None]
-
-
-def _log_fall(places: Float, light: Float) -> tuple[Float, Float]:
-    """(n,) log of (1 + |s - p w / z|^2)^(-3/2) at places (n, 2), and (n, 3) its slopes by s and w / z (3,)."""
-    aside = light[:2] - light[2] * places
-    squared = 1 + (aside**2).sum(axis=1)
-    by_displacement = -3 * aside / squared[:, None]
-    return -1.5 * np.log(squared), np.column_stack([by_displacement, -(by_displacement * places).sum(axis=1)])
 
 
 def _on_ground(view: View, columns: NDArray[np.intp], rows: NDArray[np.intp]) -> Float:

@@ -102,11 +102,11 @@ class LampHypotheses:
         return None if self.fall_off is None else FallDirections(self.fall_off)
 
     def agreement(self, explanation: Explanation) -> float:
-        """Log of how much likelier a direction is than any by the fall of light; 0 where that tells of no lamp."""
+        """Log of how much likelier a direction is than any by how the ground is lit; 0 where that is alike all over."""
         if self._directions is None:
             return 0.0
         lit = explanation.alignment.placed.lit
-        near = [lit.with_first_light_near(each).lights for each in agreement.NEARNESSES]
+        near = [lit.with_first_light_near(each).lights for each in (0.0, *agreement.NEARNESSES)]
         return self._directions.log_ratio(np.array([light_parameters(lights)[0] for lights in near]))
 
     def decided(self, explanation: Explanation, fit: NearFit, sharpener: Sharpener) -> Explanation:

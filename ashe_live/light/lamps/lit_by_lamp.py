@@ -2,39 +2,48 @@
 
 Without that the palette takes the steps of a plain ground's brightness for its colours. It is then wide enough to hold
 shadows where the lamp's light is faint, and too narrow for the corners of the picture, which stand out as objects do.
+What glossy ground mirrors of a sun is told and taken out in the same way.
 """
 
+from dataclasses import replace
+
+from ashe_live.core.arrays import Mask
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground, unlit_mask
 from ashe_live.light.ground.slow_shading import LightFall
 from ashe_live.light.ground.steps import GroundSteps
-from ashe_live.light.lamps.agreement import SHARE, FallDirections
+from ashe_live.light.lamps.agreement import SHARE, UNEVEN_DEVIANCE, FallDirections, with_gloss
 from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.pixels.view import View
 
-# Deviance of a sun from which on a lamp's fall is fitted: chance exceeds it once in a thousand, with the lamp's three
-# parameters. Where it does, what is fitted along is one more smooth function, with a small coefficient.
-UNEVEN_DEVIANCE = 16.3
 LEAST_PX = 40  # of what stands out from the ground: specks are texture
 
 
 def lit_ground_of(view: View, steps: GroundSteps, kind: str) -> LitGround | None:
-    """The lit ground of a view, as `fit_lit_ground`, in the light of a lamp where the fall of light asks for one.
+    """The lit ground of a view, as `fit_lit_ground`, in the light of a lamp, or of gloss where it asks for one.
 
     kind: one of KINDS.
     """
     ground = fit_lit_ground(view.image_bgr, view.is_ground, steps)
     if ground is None or kind == SUN:
         return ground
-    fall = _fall_of_light(view, ground)
-    return ground if fall is None else fit_lit_ground(view.image_bgr, view.is_ground, steps, fall) or ground
+    free = clear_of(unlit_mask(ground, view.is_ground, LEAST_PX))
+    fall = _fall_of_light(view, ground, free)
+    if fall is None:
+        return ground
+    divided = replace(ground, divided=True)
+    if fall.light[2] > 0 and _fall_of_light(view, divided, free) is None:
+        return divided
+    return fit_lit_ground(view.image_bgr, view.is_ground, steps, fall) or ground
 
 
-def _fall_of_light(view: View, ground: LitGround) -> LightFall | None:
-    """That of the lamp which explains the brightness of the lit ground best; None where a sun may have caused it."""
-    fall_off = FallOff.of(view, ground, clear_of(unlit_mask(ground, view.is_ground, LEAST_PX)))
+def _fall_of_light(view: View, ground: LitGround, free: Mask) -> LightFall | None:
+    """That of the light that explains the lit ground's brightness best; None where that may be lit alike all over."""
+    fall_off = FallOff.of(view, ground, free)
     if fall_off is None:
         return None
-    directions = FallDirections(fall_off)
-    lamp, deviance = directions.likeliest
-    return LightFall.of(view, lamp, SHARE, directions.reference) if deviance > UNEVEN_DEVIANCE else None
+    directions = FallDirections(with_gloss(fall_off))
+    light, deviance = directions.likeliest
+    if deviance < UNEVEN_DEVIANCE:
+        return None
+    return LightFall.of(view, light, SHARE, directions.reference, directions.fall_off.gloss)

@@ -8,8 +8,9 @@ import pytest
 from ashe_live.core.arrays import Float
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import fit_lit_ground
+from ashe_live.light.ground.slow_shading import log_irradiance
 from ashe_live.light.lamps.agreement import NEARNESSES, FallDirections
-from ashe_live.light.lamps.fall_off import FallOff, log_irradiance
+from ashe_live.light.lamps.fall_off import FallOff
 from ashe_live.light.pixels.view import View
 from tests.light.painted_scenes import SHADOW_RATIO, paint
 
@@ -110,9 +111,9 @@ def test_many_lights_cost_together_what_each_costs_alone() -> None:
 
 
 def displacements(towards_m: tuple[float, ...]) -> Float:
-    """Of lamps in the direction that the object sees."""
+    """Of a sun and lamps in the direction that the object sees."""
     at_foot = (np.array(towards_m[:2]) - FOOT) / towards_m[2]
-    return np.array([at_foot + k * FOOT for k in NEARNESSES])
+    return np.array([at_foot + k * FOOT for k in (0.0, *NEARNESSES)])
 
 
 @pytest.mark.parametrize("ground", ["plain", "bricks"])

@@ -1,10 +1,15 @@
-"""The lit ground under a painted lamp is even once its light's fall is taken out of it; under a sun nothing is."""
+"""The lit ground under a lamp is even once its light's fall is taken out of it; a sun's needs it on gloss alone."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
+from ashe_live.core.transforms import image_from_plane
 from ashe_live.light.estimators.steps import BALANCED
+from ashe_live.light.ground.gloss import Gloss, eye_of, mirrored
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_of
@@ -44,3 +49,42 @@ def test_no_fall_is_taken_out_under_a_sun(lamp_m: Float | None, kind: str) -> No
     view, by_quadratic, found = grounds(lamp_m, kind)
     assert found.fall is None
     np.testing.assert_array_equal(found.colours[view.is_ground], by_quadratic.colours[view.is_ground])
+
+
+def as_seen(view: View, light: Float) -> View:
+    """The view with its linear light multiplied by `light` (h, w)."""
+    linear = LINEAR_FROM_SRGB_8BIT[view.image_bgr] * light[..., None]
+    return replace(view, image_bgr=(255 * srgb_from_linear(linear.clip(0, 1)) + 0.5).astype(np.uint8))
+
+
+def places_in(view: View) -> Float:
+    """(h, w, 2) metres on the plane."""
+    rows, columns = np.indices(view.is_ground.shape)
+    pixels = np.stack([columns.ravel(), rows.ravel(), np.ones(rows.size)])
+    on_plane = np.linalg.solve(image_from_plane(view.camera, view.T_cam_marker), pixels)
+    return np.asarray((on_plane[:2] / on_plane[2]).T.reshape(*rows.shape, 2))
+
+
+def test_on_gloss_a_suns_ground_becomes_more_even_and_is_no_lamps() -> None:
+    """It mirrors a low sun that stands opposite the camera."""
+    view = View.of(paint(FAR_AWAY).tracked, BALANCED.coarse_width_px)
+    to_eye = eye_of(view)
+    sun = np.array([[-2 * to_eye[0] / to_eye[2], -2 * to_eye[1] / to_eye[2], 0.0]])
+    shine = mirrored(places_in(view).reshape(-1, 2), to_eye, sun, Gloss(0.4, 0.1)).reshape(view.is_ground.shape)
+    glossy = as_seen(view, 0.5 * (1 + 0.8 * shine))
+    by_quadratic = fit_lit_ground(glossy.image_bgr, glossy.is_ground, BALANCED.ground)
+    found = lit_ground_of(glossy, BALANCED.ground, AUTO)
+    assert by_quadratic is not None
+    assert found is not None
+    assert found.fall is not None
+    assert found.fall.light[2] == 0
+    assert unevenness(found, glossy) < unevenness(by_quadratic, glossy)
+
+
+@pytest.mark.parametrize("brighter", [0.4, 1.5])
+def test_behind_a_tables_end_the_light_does_not_fall(brighter: float) -> None:
+    view = View.of(paint(FAR_AWAY).tracked, BALANCED.coarse_width_px)
+    beyond = np.linspace(0, 1, view.size[1])[:, None] < np.linspace(0.1, 0.4, view.size[0])
+    found = lit_ground_of(as_seen(view, np.where(beyond, brighter, 1.0) / 1.5), BALANCED.ground, AUTO)
+    assert found is not None
+    assert found.fall is None

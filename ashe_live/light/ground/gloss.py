@@ -1,0 +1,50 @@
+"""Gloss: the light that rough ground mirrors, beside what it scatters. It makes a sunlit ground uneven.
+
+By the microfacets of GGX (Walter et al., 2007) with Smith's shadowing as Schlick approximates it, and a dielectric's
+Fresnel reflection: a rough table is brightest where it would mirror the light, and low against the light all over.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.pixels.view import View
+
+NORMAL_REFLECTANCE = 0.04  # of a dielectric with an index of refraction of 1.5
+LEAST_COSINE = 0.02  # of the eye's ray on the plane: beyond that it grazes the horizon
+
+
+@dataclass(frozen=True, slots=True)
+class Gloss:
+    """How a ground mirrors."""
+
+    roughness: float  # GGX's alpha: standard deviation of the facets' slopes, times the square root of 2
+    albedo: float  # of what it scatters
+
+
+def eye_of(view: View) -> Float:
+    """(3,) the camera's centre, metres, marker frame."""
+    return np.asarray(-view.T_cam_marker[:3, :3].T @ view.T_cam_marker[:3, 3])
+
+
+def mirrored(places: Float, eye: Float, lights: Float, gloss: Gloss) -> Float:
+    """(p, n) light that the ground at places (p, 2) mirrors towards `eye` (3,), over what it scatters of the same.
+
+    lights: (n, 3) displacement and nearness of each.
+    """
+    to_eye = eye - np.column_stack([places, np.zeros(len(places))])
+    to_eye /= np.linalg.norm(to_eye, axis=1, keepdims=True)
+    eye_z = np.maximum(to_eye[:, 2:], LEAST_COSINE)
+    aside_x, aside_y = (lights[:, i] - places[:, i : i + 1] * lights[:, 2] for i in (0, 1))
+    light_z = 1 / np.sqrt(1 + aside_x**2 + aside_y**2)
+    # Half way between light and eye, both unit vectors.
+    cosine = light_z * (to_eye[:, :1] * aside_x + to_eye[:, 1:2] * aside_y + to_eye[:, 2:])
+    length = np.sqrt(np.maximum(2 + 2 * cosine, 1e-12))
+    half_z = (light_z + to_eye[:, 2:]) / length
+    alpha_squared = gloss.roughness**2
+    facets = alpha_squared / (half_z**2 * (alpha_squared - 1) + 1) ** 2
+    fresnel = NORMAL_REFLECTANCE + (1 - NORMAL_REFLECTANCE) * (1 - 0.5 * length) ** 5
+    k = 0.5 * gloss.roughness
+    seen = 1 / ((eye_z * (1 - k) + k) * (light_z * (1 - k) + k))
+    return np.asarray(0.25 * facets * fresnel * seen / gloss.albedo)
