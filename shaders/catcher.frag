@@ -13,6 +13,7 @@ uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video
 const float RIM_PX = 2.5;  // error of the real shadow's outline
 const float MATTERS = 0.02;  // share of the sky or of a light that the model takes
 const float BORDER_PX = 2.0;  // from within a border to lit ground
+const float NEAR_SHADOW = 1.0 / 16.0;  // of a light, that the real object takes near what may be its shadow's border
 const float FAR_RIM = 0.012;  // its error where the proxy is a poor one: a fraction of the picture's width
 #endif
 uniform sampler2D contact;  // fraction of the sky that the model hides, and its mean direction's x and y times that; ends in 0
@@ -82,7 +83,7 @@ float lit_past_real(int light, float covered, bool matters) {
     // What is hardly darker than lit ground is lit ground of another colour.
     float is_border = smoothstep(0.1, 0.35, gone) * (1.0 - smoothstep(0.4, 0.7, (level - brightest) / max(share, 1e-3)));
     float in_shadow = min(measured, 1.0 - smoothstep(0.4, 0.8, gone) * (most - far));
-    return mix(in_shadow, 1.0 - gone, is_border * min(16.0 * (most - far), 1.0));
+    return mix(in_shadow, 1.0 - gone, is_border * min((most - far) / NEAR_SHADOW, 1.0));
 #else
     // Beside an object that a lamp lights, hidden sky is as dark as a shadow.
     return measured;

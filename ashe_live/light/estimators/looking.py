@@ -11,7 +11,7 @@ from ashe_live.light.estimators.proposals import proposals_of, selected_for_fit
 from ashe_live.light.estimators.refining import refined_and_others
 from ashe_live.light.estimators.scene_views import fine_and_coarse, scene_views
 from ashe_live.light.estimators.steps import FAST, ProxySteps
-from ashe_live.light.estimators.together import different_ones, explained_together
+from ashe_live.light.estimators.together import explained_together, without_alike
 from ashe_live.light.estimators.trace import Look, Trace
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
@@ -20,7 +20,7 @@ from ashe_live.light.explanation.judgement.judge import Judge, best_direction, e
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
-from ashe_live.light.ground.regions import compared, unlit_regions
+from ashe_live.light.ground.regions import region_with_on_plane, unlit_regions
 from ashe_live.light.ground.shadow_shift import FINE, shadow_shifts
 from ashe_live.light.lamps.hypotheses import LampHypotheses
 from ashe_live.light.views.evidence import no_less_sure
@@ -93,7 +93,7 @@ def _explained_together(
         if _is_settled(together):
             return together
     alone = [(view, _found_alone(view, steps, judge, clock)) for view in views[:SEARCHED_ALONE]]
-    return different_ones([*together, *explained_together(alone, views, steps, judge, lamps)])
+    return without_alike([*together, *explained_together(alone, views, steps, judge, lamps)])
 
 
 def _is_settled(together: Sequence[tuple[JointExplanation, float]]) -> bool:
@@ -108,8 +108,9 @@ def _is_settled(together: Sequence[tuple[JointExplanation, float]]) -> bool:
 def _found_alone(view: SceneView, steps: ProxySteps, judge: Judge, clock: StageClock) -> list[Explanation]:
     """What a view shows where no other is known, with what the others tell of its pixels, by which it is judged."""
     found, *_ = _explanations(without_plane(view), Trace(view.coarse), steps, judge, clock)
-    regions = {id(each.region): compared(each.region, view.ground) for each in found}
-    return [replace(each, region=regions[id(each.region)]) for each in found]
+    own = {id(each.region): each.region for each in found}
+    compared = {key: region_with_on_plane(region, view.ground) for key, region in own.items()}
+    return [replace(each, region=compared[id(each.region)]) for each in found]
 
 
 def _directions(several: Sequence[Explanation]) -> list[Float]:

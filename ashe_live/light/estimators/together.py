@@ -89,7 +89,7 @@ def explained_together(
     return sorted(((each, log_odds(each)) for each in likely), key=itemgetter(1), reverse=True)
 
 
-def different_ones(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
+def without_alike(several: Sequence[tuple[JointExplanation, float]]) -> list[tuple[JointExplanation, float]]:
     """Explanations with their log odds, the likeliest first, without those that are like a likelier one."""
     ranked = sorted(several, key=itemgetter(1), reverse=True)
     kept = distinct_explanations([each for each, _ in ranked])

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.pixels.view import View
 
 NORMAL_REFLECTANCE = 0.04  # of a dielectric with an index of refraction of 1.5
 LEAST_COSINE = 0.02  # of the eye's ray on the plane: beyond that it grazes the horizon
@@ -23,15 +22,11 @@ class Gloss:
     albedo: float  # of what it scatters
 
 
-def eye_of(view: View) -> Float:
-    """(3,) the camera's centre, metres, marker frame."""
-    return np.asarray(-view.T_cam_marker[:3, :3].T @ view.T_cam_marker[:3, 3])
-
-
 def mirrored(places: Float, eye: Float, lights: Float, gloss: Gloss) -> Float:
     """(p, n) light that the ground at places (p, 2) mirrors towards `eye` (3,), over what it scatters of the same.
 
-    lights: (n, 3) displacement and nearness of each.
+    Places and eye in metres, marker frame. lights: (n, 3) of each the displacement at the marker's centre, x / z and
+    y / z of the direction towards it, and its nearness, one over its height (1/m).
     """
     to_eye = eye - np.column_stack([places, np.zeros(len(places))])
     to_eye /= np.linalg.norm(to_eye, axis=1, keepdims=True)

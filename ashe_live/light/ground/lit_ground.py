@@ -54,7 +54,7 @@ class LitGround:
     rare: Mask  # (h, w) where the pixel's colour has a small spread over the frame
     squared_distance: Float32  # (h, w) squared Mahalanobis distance to the palette, smoothed; 0 far from rare colours
     sheen: Mask  # (h, w) ground that is brighter than the palette by specular or reflected light
-    fall: LightFall | None = None  # of a lamp's light, one of these functions; None: they are a quadratic
+    fall: LightFall | None = None  # a lamp's, or gloss under a sun, one of these functions; None: they are a quadratic
     divided: bool = False  # by edges into surfaces that are lit alike, where a lamp's fall would explain it as one
     on_plane: Float32 | None = None  # (h, w) log odds by other views that a pixel lies on the plane; None: one view
 

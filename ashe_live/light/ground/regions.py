@@ -108,7 +108,7 @@ def region_of(fine: View, area: Mask, ground: LitGround, size_px: int) -> Region
     return Region(cut, colours, unlit, window, shape, _on_plane(ground, shape, window), faint)
 
 
-def compared(region: Region, ground: LitGround) -> Region:
+def region_with_on_plane(region: Region, ground: LitGround) -> Region:
     """A region that was cut out of one view alone, with what other views tell of `ground`, that view's lit ground."""
     return replace(region, on_plane=_on_plane(ground, region.frame_shape, region.window))
 

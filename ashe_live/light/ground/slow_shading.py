@@ -2,6 +2,7 @@
 
 A quadratic in the image's coordinates follows vignetting, a wall near by, and what a lamp far away does. Near below a
 lamp the light falls by a factor of ten within a metre, which no quadratic follows: there its fall is one function more.
+So is what glossy ground mirrors of a sun.
 """
 
 from collections.abc import Sequence
@@ -10,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
-from ashe_live.core.transforms import image_from_plane
-from ashe_live.light.ground.gloss import Gloss, eye_of, mirrored
+from ashe_live.core.transforms import camera_centre, image_from_plane
+from ashe_live.light.ground.gloss import Gloss, mirrored
 from ashe_live.light.pixels.view import View, Window
 
 LEAST_LIGHT = 1e-3  # of that at the reference, so that the log is finite
@@ -34,7 +35,7 @@ class LightFall:
         width, height = view.size
         to_picture = np.array([[2 / width, 0, 1 / width - 1], [0, 2 / height, 1 / height - 1], [0, 0, 1]])
         plane = np.linalg.inv(to_picture @ image_from_plane(view.camera, view.T_cam_marker))
-        return LightFall(np.asarray(plane), light, share, reference, eye_of(view), gloss)
+        return LightFall(np.asarray(plane), light, share, reference, camera_centre(view.T_cam_marker), gloss)
 
     def log_light(self, u: Float32, v: Float32) -> Float32:
         """(n,) log of all light over that at the reference, at picture coordinates (n,) each."""

@@ -11,7 +11,7 @@ lamp away. Surfaces that an edge divides have one.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from operator import attrgetter
 
@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Mask
-from ashe_live.core.transforms import image_from_plane
-from ashe_live.light.ground.gloss import Gloss, eye_of, mirrored
+from ashe_live.core.transforms import camera_centre, image_from_plane
+from ashe_live.light.ground.gloss import Gloss, mirrored
 from ashe_live.light.ground.lit_ground import LitGround
 from ashe_live.light.ground.slow_shading import irradiances, log_irradiance
 from ashe_live.light.ground.surfaces import surfaces
@@ -37,6 +37,7 @@ CELLS = (12, 9)  # in which samples' errors may be correlated: texture is larger
 # a gradient (1/m) and a curvature (1/m^2) of log irradiance, and the camera's contrast beside that of sRGB.
 VIGNETTING, GRADIENT, CURVATURE, CONTRAST = 0.2, 0.03, 0.05, 0.1
 LEVEL = 0.5  # the same of a surface's log albedo, beside that of the largest
+LARGEST_LEVEL = 1e3  # and of that one's: any
 # The same of what a picture in a hundred shows and no lamp causes: sheen towards the light, the bumps of a rough
 # ground in low light, a shadow's soft rim, tone mapping that differs from place to place.
 WORST_GRADIENT, WORST_CURVATURE, WORST_CONTRAST = 0.25, 0.4, 0.3
@@ -91,20 +92,23 @@ class FallOff:
         fitted = np.column_stack([np.ones(len(chosen)), levels, _vignetting(view, columns, rows), uneven])
         cells = rows * CELLS[1] // view.size[1] * CELLS[0] + columns * CELLS[0] // view.size[0]
         weights = _robust_weights(brightness, fitted, cells, uneven.shape[1] + 1)
-        sigmas = np.array([1e3, *[LEVEL] * levels.shape[1], VIGNETTING, *[GRADIENT] * 2, *[CURVATURE] * 3])
-        information = (fitted * weights[:, None]).T @ fitted + np.diag(1 / sigmas**2)
-        factor = np.asarray(np.linalg.cholesky(information), dtype=np.float64)
+        factor = _factor(fitted, weights)
         gloss = None if ground.fall is None else ground.fall.gloss
-        return FallOff(places, brightness, weights, fitted, factor, uneven, eye_of(view), gloss)
+        return FallOff(places, brightness, weights, fitted, factor, uneven, camera_centre(view.T_cam_marker), gloss)
 
     def every(self, step: int) -> "FallOff":
         """Every `step`-th sample, which counts as much more: for a first look at many lights."""
         some = slice(None, None, step)
         weights, fitted = self.weights[some] * step, self.fitted[some]
-        prior = self.factor @ self.factor.T - (self.fitted * self.weights[:, None]).T @ self.fitted
-        factor = np.asarray(np.linalg.cholesky((fitted * weights[:, None]).T @ fitted + prior), dtype=np.float64)
-        places, brightness, uneven = self.places[some], self.brightness[some], self.uneven[some]
-        return FallOff(places, brightness, weights, fitted, factor, uneven, self.eye, self.gloss)
+        return replace(
+            self,
+            places=self.places[some],
+            brightness=self.brightness[some],
+            weights=weights,
+            fitted=fitted,
+            factor=_factor(fitted, weights),
+            uneven=self.uneven[some],
+        )
 
     def pull(self, parameters: Float, shares: Sequence[float], reference: Float, number: int = 0) -> Pull:
         """The pull on light `number` of l lights whose displacements and nearness are `parameters` (l, 3).
@@ -181,6 +185,15 @@ class FallOff:
 def clear_of(taken: Mask) -> Mask:
     """(h, w) the ground that is lit as the rest, away from objects and shadows (h, w)."""
     return ~grown(taken, BESIDE_PX)
+
+
+def _factor(fitted: Float, weights: Float) -> Float:
+    """(c, c) Cholesky factor of the information by samples with weights (n,) on what is fitted, and of its priors."""
+    others = (VIGNETTING, *[GRADIENT] * 2, *[CURVATURE] * 3)
+    further_levels = fitted.shape[1] - 1 - len(others)
+    sigmas = np.array([LARGEST_LEVEL, *[LEVEL] * further_levels, *others])
+    information = (fitted * weights[:, None]).T @ fitted + np.diag(1 / sigmas**2)
+    return np.asarray(np.linalg.cholesky(information), dtype=np.float64)
 
 
 def _on_ground(view: View, columns: NDArray[np.intp], rows: NDArray[np.intp]) -> Float:

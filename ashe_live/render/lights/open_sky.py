@@ -12,7 +12,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, directions_on_spiral
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
 from ashe_live.core.proxy import Proxy
-from ashe_live.core.transforms import project
+from ashe_live.core.transforms import camera_centre, project
 from ashe_live.core.types import TrackedFrame
 from ashe_live.render.lights.cast_shadows import is_inside, shadow_hull_of_point
 from ashe_live.render.lights.lighting import LEAST_LAMP_DISTANCE, MAX_ALBEDO, Lighting
@@ -61,7 +61,7 @@ def open_sky(seen_in: TrackedFrame, body: Proxy, lighting: Lighting, white_rgb: 
     shadow = shadow_hull_of_point(hull.points, lighting.suns[0].homogeneous)
     assert seen_in.marker is not None
     T = seen_in.marker.T_cam_marker
-    eye = -T[:3, :3].T @ T[:3, 3]
+    eye = camera_centre(T)
     ground = _seen_shadow(hull, shadow, eye)
     albedo = _albedo_of(seen_in, hull, shadow, eye, lighting, white_rgb)
     if len(ground) < FEWEST or albedo is None:

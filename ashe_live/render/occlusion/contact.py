@@ -16,16 +16,13 @@ from ashe_live.render.lights.shadow_maps import ShadowMaps
 from ashe_live.render.occlusion.adding import draw_added
 
 PATCH_SIZE = 104  # texels a side
-BLUR_TEXELS = 1.5  # standard deviation of a Gaussian that merges the single directions' shadows beside the model,
-SPREAD = (
-    0.2  # and of one farther away, over the distance: half of what lies between neighbouring directions, in radians
-)
+# Standard deviation of a Gaussian that merges the single directions' shadows beside the model, and of one farther away
+# over the distance: half of what lies between neighbouring directions, in radians.
+BLUR_TEXELS, SPREAD = 1.5, 0.2
 LEAST_BLUR_TEXELS = 0.1  # which changes nothing: OpenCV chooses a blur of its own for none
 REACH_HEIGHTS = 1.0  # how far the patch goes beyond the model's bounds, in heights of the model
 MIN_HEIGHT_RATIO = 0.1  # of the model's width: a flat model still has a patch
-FADES_FROM = (
-    0.5  # share of that reach from which on the darkening ends, so that the video beyond the patch is unchanged
-)
+FADES_FROM = 0.5  # share of that reach from which on the darkening ends: beyond the patch the video is unchanged
 
 
 class ContactPatch:

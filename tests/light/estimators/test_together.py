@@ -14,7 +14,7 @@ from ashe_live.light.estimators.looking import looked
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.scene_views import without_confirming
 from ashe_live.light.estimators.steps import BALANCED, FAST
-from ashe_live.light.estimators.together import different_ones
+from ashe_live.light.estimators.together import without_alike
 from ashe_live.light.explanation.judgement.judge import fitted_judge
 from ashe_live.light.views.joint import in_each_view
 from tests.light.painted_scenes import BOX, CYLINDER, Caster, paint
@@ -96,7 +96,7 @@ def test_of_two_searches_each_explanation_counts_once() -> None:
         for views in (views_of(BOX), views_of(moved))
     )
     again = in_each_view(one.joint)
-    assert different_ones([(one, 0.5), (other, 1.0), (again, 2.0)]) == [(again, 2.0), (other, 1.0)]
+    assert without_alike([(one, 0.5), (other, 1.0), (again, 2.0)]) == [(again, 2.0), (other, 1.0)]
 
 
 def test_views_without_a_marker_count_for_nothing() -> None:

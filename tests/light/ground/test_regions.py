@@ -8,7 +8,7 @@ import pytest
 
 from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.ground.lit_ground import ground_colours, with_on_plane, with_unlit_on_average
-from ashe_live.light.ground.regions import compared, unlit_regions
+from ashe_live.light.ground.regions import region_with_on_plane, unlit_regions
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
 from tests.light.painted_regions import in_region, painted_region
@@ -163,7 +163,7 @@ def test_what_other_views_tell_is_the_same_for_a_region_that_was_found_without_t
     (alone,), (beside,) = (unlit_regions(fine, here.unlit, each, 130, 1) for each in (here.ground, ground))
     assert alone.on_plane is None
     assert beside.on_plane is not None
-    np.testing.assert_array_equal(compared(alone, ground).on_plane, beside.on_plane)
+    np.testing.assert_array_equal(region_with_on_plane(alone, ground).on_plane, beside.on_plane)
     # Odds of the whole frame, at the region's scale: on average they are those of its window.
     rows, columns = (
         slice(each.start * len(told) // alone.frame_shape[0], each.stop * len(told) // alone.frame_shape[0] + 1)
