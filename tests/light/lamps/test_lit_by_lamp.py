@@ -7,9 +7,9 @@ import pytest
 
 from ashe_live.core.arrays import Float
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, srgb_from_linear
-from ashe_live.core.transforms import image_from_plane
+from ashe_live.core.transforms import camera_centre, image_from_plane
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.ground.gloss import Gloss, eye_of, mirrored
+from ashe_live.light.ground.gloss import Gloss, mirrored
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.lamps.kinds import AUTO, SUN
 from ashe_live.light.lamps.lit_by_lamp import lit_ground_of
@@ -68,7 +68,7 @@ def places_in(view: View) -> Float:
 def test_on_gloss_a_suns_ground_becomes_more_even_and_is_no_lamps() -> None:
     """It mirrors a low sun that stands opposite the camera."""
     view = View.of(paint(FAR_AWAY).tracked, BALANCED.coarse_width_px)
-    to_eye = eye_of(view)
+    to_eye = camera_centre(view.T_cam_marker)
     sun = np.array([[-2 * to_eye[0] / to_eye[2], -2 * to_eye[1] / to_eye[2], 0.0]])
     shine = mirrored(places_in(view).reshape(-1, 2), to_eye, sun, Gloss(0.4, 0.1)).reshape(view.is_ground.shape)
     glossy = as_seen(view, 0.5 * (1 + 0.8 * shine))
