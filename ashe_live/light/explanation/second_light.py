@@ -28,7 +28,9 @@ from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
 TRIED = 2  # candidates for the second light
-PALEST = math.log(0.9)  # brightness of a shift: a light that contributes less than a tenth of all light is left out
+# Brightness of a shadow less that of the ground around it: a light that contributes less than a tenth of all light is
+# left out. (The shift is from the palette, of which one side of a table may be brighter.)
+PALEST = math.log(0.9)
 # How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders.
 LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18
 NEAR_RAD = math.radians(10)
@@ -53,8 +55,10 @@ def with_lights_counted(
     singles = [each for each in [*explanations, *rough] if len(each.lights) == 1]
     kept = [each for each in explanations if len(each.lights) == 1 or _shows_both(each, singles)]
     one = max(kept, key=log_odds, default=None)
-    if one is None or len(one.lights) > 1:
+    if one is None:
         return kept
+    if len(one.lights) > 1:
+        return [each for each in kept if not is_part_of(one, each)]
     found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights[0], coarse, ground, TRIED)
     tried = [_tried(one, candidate, fine, coarse, ground, region_px) for candidate in found]
     gain, both = max((pair for pair in tried if pair is not None), key=itemgetter(0), default=(0.0, one))
@@ -87,7 +91,7 @@ def _tried(
 ) -> tuple[float, Explanation] | None:
     """By how much a second light lowers the unary costs, and the explanation with it; None if it is rejected."""
     shift = shift_near(ground.colours[candidate.area], ground, candidate.difference)
-    if shift is None or shift[0] > PALEST:
+    if shift is None or candidate.difference[0] > PALEST:
         return None
     lit = one.alignment.placed.lit
     seen = predicted(one.proxy, lit.lights, coarse).whole & coarse.is_ground

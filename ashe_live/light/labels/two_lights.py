@@ -26,9 +26,14 @@ MOST_ASKED = 1000
 
 
 def shifts_of_both(ground: LitGround, first: Float, second: Float) -> Float | None:
-    """(3,) the shift where both lights are blocked, as their contributions add up; None if that leaves no light."""
-    ratio = shadow_ratio(ground, first) + shadow_ratio(ground, second) - 1
-    return shift_of_ratio(ground, ratio) if ratio.min() > LEAST_AMBIENT else None
+    """(3,) the shift where both lights are blocked, as their contributions add up; None if that leaves no light.
+
+    Contributions that leave none by less than the noise of their shifts leave the least.
+    """
+    ratios = shadow_ratio(ground, first), shadow_ratio(ground, second)
+    left = ratios[0] + ratios[1] - 1
+    noise = SHIFT_NOISE[0] * np.hypot(*ratios)
+    return shift_of_ratio(ground, np.maximum(left, LEAST_AMBIENT)) if (left > -2 * noise).all() else None
 
 
 def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], count: int) -> list[tuple[int, int]]:
