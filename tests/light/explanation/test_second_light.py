@@ -14,7 +14,8 @@ from ashe_live.light.estimators.steps import BALANCED
 from ashe_live.light.explanation.second_shadow import DIRECTIONS, _MatchedFilter, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
-from ashe_live.light.labels.two_lights import likeliest_pairs, shifts_of_both
+from ashe_live.light.labels.materials import materials_of
+from ashe_live.light.labels.two_lights import likeliest_pairs, materials_of_two
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outlines, predicted
@@ -147,5 +148,18 @@ def test_two_true_shifts_explain_a_region_better_than_any_wrong_one_with_them(gr
 def test_shifts_that_leave_no_light_are_no_pair() -> None:
     painted = painted_region(CYLINDER)
     dark, darker = (shift_of_ratio(painted.ground, np.full(3, left)) for left in (0.45, 0.5))
-    assert shifts_of_both(painted.ground, dark, darker) is None
     assert likeliest_pairs(painted.region, painted.ground, [dark, darker], 3) == []
+
+
+@pytest.mark.parametrize(("left", "are_two"), [(0.6, True), (0.45, True), (0.3, False)])
+def test_contributions_may_exceed_all_light_by_their_noise_only(left: float, are_two: bool) -> None:
+    painted = painted_region(CYLINDER)
+    one, other = (
+        materials_of(painted.region, painted.ground, shift_of_ratio(painted.ground, np.full(3, each)))
+        for each in (left, left + 0.05)
+    )
+    both = materials_of_two(painted.region, painted.ground, one, other)
+    assert (both is not None) == are_two
+    if both is not None:
+        deeper, paler, together = both.shifts
+        assert together[0] < deeper[0] < paler[0]
