@@ -110,15 +110,19 @@ class LampHypotheses:
         return self._directions.log_ratio(np.array([light_parameters(lights)[0] for lights in near]))
 
     def decided(self, explanation: Explanation, fit: NearFit, sharpener: Sharpener) -> Explanation:
-        """The explanation, moved onto steps of light, by a lamp if that is sure, else by a sun."""
-        sun = explanation
-        if is_held_near(explanation):
-            fitted = fitted_near(explanation, 0.0, fit, sharpener)
-            if fitted is None:
-                return explanation
-            sun = fitted
-        evidence = self.evidence(sun, fit, sharpener)
-        return evidence.lamp if evidence.lamp is not None and evidence.is_lamp else sun
+        """The explanation, moved onto steps of light, by a lamp if that is sure, else by a sun.
+
+        A lamp's own nearness is tried beside that which the fall of light asks for in the sun's direction: a sun's
+        direction is not the lamp's, and the fall of light changes with it.
+        """
+        if not is_held_near(explanation):
+            return _decided(explanation, self.evidence(explanation, fit, sharpener))
+        nearness = float(nearness_of(explanation.lights[0].light))
+        sun, lamp = (fitted_near(explanation, each, fit, sharpener) for each in (0.0, nearness))
+        if sun is None:
+            return explanation
+        several = [self.evidence(sun, fit, sharpener), *([] if lamp is None else [self._compared(sun, lamp)])]
+        return _decided(sun, max(several, key=lambda each: each.deviance))
 
     def likelier(self, suns: Sequence[Explanation], fit: NearFit) -> list[Explanation]:
         """Each rough explanation, or in its place a lamp's where the fall of light asks for one and outlines agree."""
@@ -152,6 +156,10 @@ class LampHypotheses:
         share = share_of(shadow_ratio(self.ground, np.asarray(explanation.materials.shift)))
         parameters = np.array([parameters_of(light) for light in lights])
         return self.fall_off.worst_costs(parameters, share, shadow_middle(explanation))
+
+
+def _decided(sun: Explanation, evidence: LampEvidence) -> Explanation:
+    return evidence.lamp if evidence.lamp is not None and evidence.is_lamp else sun
 
 
 def is_held_near(explanation: Explanation) -> bool:
