@@ -24,7 +24,7 @@ from ashe_live.light.lamps.agreement import FallDirections
 from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.lamps.near_fits import fitted_near, in_all_views, nearness_prior
-from ashe_live.light.lamps.sources import parameters_of, shadow_middle, share_of
+from ashe_live.light.lamps.sources import shadow_middle, share_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 
@@ -106,8 +106,7 @@ class LampHypotheses:
         if self._directions is None:
             return 0.0
         lit = explanation.alignment.placed.lit
-        near = [lit.with_first_light_near(each).lights for each in (0.0, *agreement.NEARNESSES)]
-        return self._directions.log_ratio(np.array([light_parameters(lights)[0] for lights in near]))
+        return self._directions.log_ratio(light_parameters(lit.first_light_near((0.0, *agreement.NEARNESSES))))
 
     def decided(self, explanation: Explanation, fit: NearFit, sharpener: Sharpener) -> Explanation:
         """The explanation, moved onto steps of light, by a lamp if that is sure, else by a sun.
@@ -141,20 +140,19 @@ class LampHypotheses:
         """The nearness of a lamp in the direction that the body sees, by the fall of light, and a sun's deviance."""
         if self.fall_off is None or len(sun.lights) > 1:
             return 0.0, 0.0
-        lit = sun.alignment.placed.lit
-        costs = self._costs(sun, [lit.with_first_light_near(each).lights[0] for each in (0.0, *NEARNESSES)])
+        costs = self._costs(sun, sun.alignment.placed.lit.first_light_near((0.0, *NEARNESSES)))
         best = int(np.argmin(costs[1:]))
         return NEARNESSES[best], float(costs[0] - costs[1 + best])
 
     def _compared(self, sun: Explanation, lamp: Explanation) -> LampEvidence:
-        (as_sun,), (as_lamp,) = (self._costs(each, [each.lights[0].light]) for each in (sun, lamp))
+        (as_sun,), (as_lamp,) = (self._costs(each, each.lights[0].light[None]) for each in (sun, lamp))
         return LampEvidence(lamp, float(as_sun - as_lamp), _by_outlines(sun, lamp), _is_in_views(lamp))
 
-    def _costs(self, explanation: Explanation, lights: Sequence[Float]) -> Float:
-        """(n,) of the fall of light in each of n lights (4,) in the place of the explanation's first one."""
+    def _costs(self, explanation: Explanation, lights: Float) -> Float:
+        """(n,) of the fall of light in each of the lights (n, 4) in the place of the explanation's first one."""
         assert self.fall_off is not None
         share = share_of(shadow_ratio(self.ground, np.asarray(explanation.materials.shift)))
-        parameters = np.array([parameters_of(light) for light in lights])
+        parameters = np.column_stack([light_parameters(lights), nearness_of(lights)])
         return self.fall_off.worst_costs(parameters, share, shadow_middle(explanation))
 
 
