@@ -14,10 +14,8 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.second_shadow import ShadowCandidate, shadow_candidates
+from ashe_live.light.explanation.shadow_search import ShadowCandidate, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.ground.regions import region_of
-from ashe_live.light.ground.shadow_shift import shift_near
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
@@ -27,7 +25,6 @@ from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
 TRIED = 2  # candidates for the second light
-PALEST = math.log(0.9)  # brightness of a shift: a light that contributes less than a tenth of all light is left out
 # How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders.
 LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18
 NEAR_RAD = math.radians(10)
@@ -56,7 +53,7 @@ def with_lights_counted(
         return kept
     if len(one.lights) > 1:
         return [each for each in kept if not is_part_of(one, each)]
-    found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights[0], coarse, ground, TRIED)
+    found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights, coarse, ground, TRIED)
     tried = [_tried(one, candidate, fine, coarse, ground, region_px) for candidate in found]
     several = [both for both in tried if both is not None]
     return [*several, *(other for other in kept if not any(is_part_of(both, other) for both in several))]
@@ -85,12 +82,10 @@ def _tried(
     one: Explanation, candidate: ShadowCandidate, fine: View, coarse: View, ground: LitGround, region_px: int
 ) -> Explanation | None:
     """The explanation with a second light; None if that is rejected."""
-    shift = shift_near(ground.colours[candidate.area], ground, candidate.difference)
-    if shift is None or shift[0] > PALEST:
+    lit, shift = one.alignment.placed.lit, candidate.shift(ground)
+    if shift is None:
         return None
-    lit = one.alignment.placed.lit
-    seen = predicted(one.proxy, lit.lights, coarse).whole & coarse.is_ground
-    region = region_of(fine, seen | candidate.area, ground, region_px)
+    region = candidate.region(lit, fine, coarse, ground, region_px)
     known, new = (materials_of(region, ground, each) for each in (one.materials.shift, shift))
     materials = materials_of_two(region, ground, known, new)
     if materials is None:
