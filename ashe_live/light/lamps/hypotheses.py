@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 
 import numpy as np
 
@@ -95,7 +96,7 @@ class LampHypotheses:
                 lamp = in_all_views(sun, again, held, prior, sharpener)
                 if lamp is not None:
                     found.append(self._compared(sun, lamp))
-        return max(found, key=lambda each: each.deviance, default=LampEvidence(None, 0.0, 0.0))
+        return max(found, key=attrgetter("deviance"), default=LampEvidence(None, 0.0, 0.0))
 
     @cached_property
     def _directions(self) -> FallDirections | None:
@@ -120,8 +121,10 @@ class LampHypotheses:
         sun, lamp = (fitted_near(explanation, each, fit, sharpener) for each in (0.0, nearness))
         if sun is None:
             return explanation
-        several = [self.evidence(sun, fit, sharpener), *([] if lamp is None else [self._compared(sun, lamp)])]
-        return _decided(sun, max(several, key=lambda each: each.deviance))
+        several = [self.evidence(sun, fit, sharpener)]
+        if lamp is not None and self.fall_off is not None:
+            several.append(self._compared(sun, lamp))
+        return _decided(sun, max(several, key=attrgetter("deviance")))
 
     def likelier(self, suns: Sequence[Explanation], fit: NearFit) -> list[Explanation]:
         """Each rough explanation, or in its place a lamp's where the fall of light asks for one and outlines agree."""
