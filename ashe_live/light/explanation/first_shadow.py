@@ -9,7 +9,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from ashe_live.core.transforms import angle_between
-from ashe_live.light.edges.step_costs import MISSED
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.second_light import LEAST_CLARITY, NEAR_RAD
@@ -83,7 +82,7 @@ def _explained(
 
 def _shows_shadow(found: Explanation) -> bool:
     """Whether the shadow that was looked for shows its border, by colours and by steps of light."""
-    return found.alignment.clear_shadow >= LEAST_CLARITY and found.steps.shadow < MISSED
+    return found.alignment.clear_shadow >= LEAST_CLARITY and found.steps.show_shadow
 
 
 def _near(one: Explanation, other: Explanation) -> bool:
