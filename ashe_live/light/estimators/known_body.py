@@ -26,6 +26,7 @@ BLOCKED = (
 )
 # Probability that a light is right, below which it is none: of painted pictures below it as many are wrong as right.
 LEAST_CONFIDENCE = 0.4
+LEAST_HIDDEN = 0.5  # of a light none of whose edges is seen: likelier right than wrong
 # Of an answer that may be wrong; an error of the folded paper is among the systematic ones.
 CALIBRATION = Calibration(1.0, np.radians(10.0).item(), 1.0)
 # The table beside the cube over the open table, below which something else keeps the light away.
@@ -65,7 +66,9 @@ def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
 
     One that there is is stated beside others for its share of the light, be its direction uncertain.
     """
-    is_likely = [each.confidence >= LEAST_CONFIDENCE for each in found]
+    is_likely = [
+        max(each.confidence, each.around) >= (LEAST_CONFIDENCE if each.fit is not None else LEAST_HIDDEN) for each in found
+    ]
     if not any(is_likely):
         return []
     exist = [(each.exists or 0.0) >= LEAST_CONFIDENCE for each in found]

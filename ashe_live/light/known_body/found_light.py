@@ -8,10 +8,12 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask, upper_quantile
 from ashe_live.core.transforms import normalised, raycast_to_plane
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
-from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit
+from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit, height_px
 from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.rims import BESIDE_CELLS, Rims
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.shading import fall_off
+from ashe_live.light.known_body.table import CELLS_A_HEIGHT
 from ashe_live.light.shape.directions import FittedLight, fitted_lights
 from ashe_live.light.shape.predicted import predicted
 
@@ -32,6 +34,7 @@ class FoundLight:
     fit: EdgeFit | None  # None where the shadow's edges are hidden: the direction is then that which map and sides say
     darkening: float  # part of the table's light that it gives
     confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
+    around: float = 0.0  # that it is within twice as much, where there surely is a light
     may_be_lamp: bool = False  # whether it likelier is a lamp than a sun, whose distance is not told well enough
     exists: float | None = None  # probability that there is one, of a hidden light, and of others once that is asked
 
@@ -97,6 +100,17 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight]) -> Float:
         return np.array(steps)
     overall = seen.darkenings_rgb(np.array([each.casting for each in found]))
     return np.array([by_all if step is None else step for step, by_all in zip(steps, overall, strict=True)])
+
+
+def hidden_step(seen: Seen, one: FoundLight) -> float:
+    """How much more of the sky the body hides where a light's shadow is found dark than where it is found lit."""
+    edges = shadow_edges(seen.body, one.casting, seen.view)
+    if edges is None:
+        return 0.0
+    away_px = BEYOND_PX + BEYOND_PENUMBRA * one.size_rad * float(np.median(edges.by_size))
+    cell_px = height_px(seen.body, seen.view) / CELLS_A_HEIGHT
+    by_rim = Rims.of(seen.body, one.casting[None]).hidden_step(seen.templates.hidden_sky, seen.is_table)
+    return by_rim * min(away_px / (BESIDE_CELLS * cell_px), 1.0)
 
 
 def _step_rgb(seen: Seen, one: FoundLight, own: ShadowEdges, others: Sequence[ShadowEdges | None]) -> Float | None:

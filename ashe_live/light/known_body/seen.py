@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
-from ashe_live.light.known_body.evidence import Evidence
+from ashe_live.light.known_body.evidence import Evidence, Scan
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.shadows import shadows_of
@@ -33,6 +33,7 @@ from ashe_live.light.pixels.view import View
 MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B
 BESIDE_CELL = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 LEAST_EDGE = 0.05  # part of a cell in shadow by which neighbours differ at its edge
+DEEP = 0.1  # part of the table's light: what is no third as deep as this is no step
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
 
 
@@ -134,6 +135,15 @@ class Seen:
                 observed = self.measured.observed(MEAN, self.templates, everywhere, _away_from_edges(lit))
             self._beside[key] = Evidence(observed, lit)
         return self._beside[key]
+
+    def rims(self, known: Float, scan: Scan) -> tuple[Float, Float]:
+        """Of the shadow of each light that is looked for, beside `known` ones (l, 4): the part of its outline both sides
+        of which are seen, (m,), and the log odds of there being one by steps of light there, (m,).
+        """
+        is_told = self.is_table & _away_from_edges(self.lit(known)) if len(known) else self.is_table
+        values = self.measured.relative.mean(axis=2)
+        hidden, sky = self.templates.hidden_sky, 1 - scan.darkenings.sum(axis=1)
+        return self.templates.rims.seen(values, is_told, hidden, scan.darkenings[:, -1], sky, DEEP)
 
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""
