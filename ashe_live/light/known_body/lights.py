@@ -23,7 +23,7 @@ from ashe_live.light.known_body.templates import Templates
 NEAR_RAD = math.radians(10)  # of an answer, within which it counts as right
 # What is as likely as an answer has to be within twice as much is stated as well, with its large uncertainty, where
 # there surely is a light: probability that there is none.
-AROUND_RAD, MOST_NONE = 2 * NEAR_RAD, 0.1
+AROUND_RAD, MOST_NONE = 2 * NEAR_RAD, 0.05
 # Weight before the picture is seen of "no light casts a shadow", where all directions together have 1.
 LOG_NONE = math.log(0.5)
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table

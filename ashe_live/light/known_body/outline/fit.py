@@ -130,10 +130,13 @@ def _prior(light: Float, height: float, with_nearness: bool) -> tuple[Float, Flo
     if not with_nearness:
         return light[:2], unit / sigma**2 * np.eye(2)
     by_parameters = np.column_stack([np.eye(2), height * end])
-    # The nearness w / z of a low lamp is larger than one over its distance.
-    nearness_sigma = NEARNESS_SIGMA * math.sqrt(1 + float(light[:2] @ light[:2]))
-    information = by_parameters.T @ by_parameters / sigma**2 + np.diag([0.0, 0.0, nearness_sigma**-2])
+    information = by_parameters.T @ by_parameters / sigma**2 + np.diag([0.0, 0.0, nearness_sigma(light) ** -2])
     return np.append(end, 0.0), unit * information
+
+
+def nearness_sigma(light: Float) -> float:
+    """Of the nearness w / z near a light (4,), z = 1, before the picture is seen: a low lamp's is over its distance."""
+    return NEARNESS_SIGMA * math.sqrt(1 + float(light[:2] @ light[:2]))
 
 
 def _moved(light: Float, step: Float, height: float) -> Float:
@@ -172,11 +175,13 @@ def _edge_fit(
         shown &= profiles.are_edges(darkening) | ~profiles.are_cut_off()
     told = weight * shown[edges.side]
     inverse = np.linalg.inv((J.T * told) @ J + prior)
+    # What the edges leave open is as open as before, however well they fit.
+    by_prior = max(EDGE_SIGMA_PX**2 - variance, 0.0) * inverse @ prior @ inverse
     # Neighbouring points err alike, and a whole side does where stains, folds or the hidden sky's gradient shift it.
     by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(count)[:, None]) * told) @ J @ inverse
     return EdgeFit(
         light,
-        np.asarray(variance * POINTS_A_SAMPLE * inverse + by_sides.T @ by_sides),
+        np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),
         size_rad,
         math.sqrt(variance),
         math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),
