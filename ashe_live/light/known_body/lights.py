@@ -53,7 +53,7 @@ def lights_of(seen: Seen) -> Found | None:
     """None where nothing says that there is a light."""
     alone = seen.beside(np.zeros((0, 4)))
     ruled_out: list[Float] = []
-    _, steps = seen.rims(np.zeros((0, 4)), alone.everywhere)
+    _, steps = seen.rims(np.zeros((0, 4)))
     candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room, steps, ruled_out=ruled_out)
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     if not scored:
@@ -124,7 +124,7 @@ def _with_confidence(
     own = beside.scanned(seen.lit(one.casting[None]))
     lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
     to_sun = one.sun_alike(height_of(seen.body))
-    _, steps = seen.rims(known, beside.everywhere)
+    _, steps = seen.rims(known)
     near, around, none = _posterior(seen.templates, beside.everywhere, steps, to_sun, lamp, log_none, ruled_out)
     # Beside the foot the hidden sky's gradient looks like a step.
     step = float(dark_rgb.mean()) - (1 - float(dark_rgb.mean())) * hidden_step(seen, one)
@@ -190,7 +190,7 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    in_view, steps = seen.rims(_points(known), beside.everywhere)
+    in_view, steps = seen.rims(_points(known))
     for one in refined(seen, score, beside, room_beside(seen, known), steps, LEAST_MORE - WORTH, AGAINST):
         if one.fit is None:
             continue

@@ -50,9 +50,10 @@ class Rims:
             inside[number], outside[number] = (_cells(places + sign * BESIDE_CELLS * across) for sign in (-1, 1))
         return Rims(inside, outside)
 
-    def joined(self, others: "Rims") -> "Rims":
-        """These and the others after them."""
-        return Rims(*(np.concatenate(pair) for pair in ((self.inside, others.inside), (self.outside, others.outside))))
+    def and_unseen(self, count: int) -> "Rims":
+        """These and so many after them of which nothing is seen."""
+        unseen = np.full((count, PLACES), BEYOND)
+        return Rims(*(np.concatenate([each, unseen]) for each in (self.inside, self.outside)))
 
     def seen(
         self, values: Float32, seen: Mask, hidden_sky: Float32, darkenings: Float, sky: Float, least: float

@@ -8,7 +8,7 @@ import numpy as np
 from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import camera_centre
-from ashe_live.light.known_body.evidence import Evidence, Scan
+from ashe_live.light.known_body.evidence import Evidence
 from ashe_live.light.known_body.observed import Lit, Observed
 from ashe_live.light.known_body.outline.room import Room
 from ashe_live.light.known_body.shadows import shadows_of
@@ -71,7 +71,9 @@ class Seen:
     templates: Templates  # everywhere that a light is looked for
     measured: Measured
     observed: Observed  # by the mean of the channels
-    _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)  # what was asked for, by the known lights
+    # What was asked for, by the known lights.
+    _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
+    _rims: dict[bytes, tuple[Float, Float]] = field(default_factory=dict, init=False)
 
     @staticmethod
     def of(view: View, body: Proxy) -> "Seen | None":
@@ -136,14 +138,17 @@ class Seen:
             self._beside[key] = Evidence(observed, lit)
         return self._beside[key]
 
-    def rims(self, known: Float, scan: Scan) -> tuple[Float, Float]:
+    def rims(self, known: Float) -> tuple[Float, Float]:
         """Of the shadow of each light that is looked for, beside `known` ones (l, 4): the part of its outline both sides
         of which are seen, (m,), and the log odds of there being one by steps of light there, (m,).
         """
-        is_told = self.is_table & _away_from_edges(self.lit(known)) if len(known) else self.is_table
-        values = self.measured.relative.mean(axis=2)
-        hidden, sky = self.templates.hidden_sky, 1 - scan.darkenings.sum(axis=1)
-        return self.templates.rims.seen(values, is_told, hidden, scan.darkenings[:, -1], sky, DEEP)
+        key = np.ascontiguousarray(known).tobytes()
+        if key not in self._rims:
+            is_told = self.is_table & _away_from_edges(self.lit(known)) if len(known) else self.is_table
+            values, darkenings = self.measured.relative.mean(axis=2), self.beside(known).everywhere.darkenings
+            hidden, sky = self.templates.hidden_sky, 1 - darkenings.sum(axis=1)
+            self._rims[key] = self.templates.rims.seen(values, is_told, hidden, darkenings[:, -1], sky, DEEP)
+        return self._rims[key]
 
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""

@@ -58,7 +58,7 @@ class Templates:
             np.concatenate([self.lights, further]),
             np.concatenate([self.solid_angle, cell / lengths**3 / (2 * np.pi)]),
             self.shadows.joined(shadows_of(body, further)),
-            self.rims.joined(Rims.of(body, further)),
+            self.rims.and_unseen(len(further)),
             self.hidden_sky,
             self.hidden_slope,
             self.from_sides,
