@@ -12,7 +12,7 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
-from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, masks_of
+from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, masks_of
 from ashe_live.light.known_body.lights import Found, lights_of
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.ambient import open_sky_rgb, sky_slope_rgb
@@ -54,7 +54,10 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     likely = _likely(found.lights) if found is not None else []
     if found is None or not likely:
         return none(_why_none(seen, found))
-    dark = found.dark_rgb if len(likely) == len(found.lights) else darkenings_rgb(found.seen, likely)
+    if len(likely) == 1:
+        dark = darkenings_rgb(found.seen, likely, SOFT_RAD)
+    else:  # of one light's shadow the other's takes the middle
+        dark = found.dark_rgb if len(likely) == len(found.lights) else darkenings_rgb(found.seen, likely)
     illumination = _illumination(found.seen, likely, dark, tracked)
     masks = masks_of(seen, likely)
     clock.end("judge")

@@ -1,5 +1,6 @@
 """A light that was found, and how much of the table's light it gives: what its shadow lacks."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ from ashe_live.core.arrays import Float, Mask, upper_quantile
 from ashe_live.core.transforms import normalised, raycast_to_plane
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
 from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit, height_px
-from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.outline.room import Outline, Room
 from ashe_live.light.known_body.rims import BESIDE_CELLS, Rims
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.shading import fall_off
@@ -20,6 +21,8 @@ from ashe_live.light.shape.predicted import predicted
 # From a shadow's edge to where it is dark, or lit: pixels, and of the light's angular diameter times the penumbra's
 # standard deviation for a light of 1 rad.
 BEYOND_PX, BEYOND_PENUMBRA = 3.0, 2.2
+SOFT_RAD = math.radians(10)  # diameter of the softest sun whose shadow's middle is told
+LEAST_WITHIN = 0.9  # of that way, how far from all edges of the shadow it is dark
 LEAST_LEFT = 0.2  # of a lamp's height, above the body
 # Beside another light's edges the table is not clear: pixels, and of that light's penumbra for a light of 1 rad.
 OTHER_EDGE_PX, OTHER_PENUMBRA = 3.0, 2.0
@@ -86,14 +89,15 @@ def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:
     return room
 
 
-def darkenings_rgb(seen: Seen, found: Sequence[FoundLight]) -> Float:
+def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: float = 0.0) -> Float:
     """(l, 3) part of the table's light, R, G, B, that each light gives: its shadow beside the lit table, at its edges.
 
-    Where too little of a shadow's edges is seen, as map and sides say.
+    Where too little of a shadow's edges is seen, as map and sides say. least_size_rad: diameter of a light whose whole
+    penumbra is left out where the shadow is as broad, as it may be wider than is told.
     """
     edges = [shadow_edges(seen.body, each.casting, seen.view) for each in found]
     steps = [
-        None if own is None else _step_rgb(seen, one, own, [*edges[:number], *edges[number + 1 :]])
+        None if own is None else _step_rgb(seen, one, own, [*edges[:number], *edges[number + 1 :]], least_size_rad)
         for number, (one, own) in enumerate(zip(found, edges, strict=True))
     ]
     if all(step is not None for step in steps):
@@ -113,20 +117,28 @@ def hidden_step(seen: Seen, one: FoundLight) -> float:
     return by_rim * min(away_px / (BESIDE_CELLS * cell_px), 1.0)
 
 
-def _step_rgb(seen: Seen, one: FoundLight, own: ShadowEdges, others: Sequence[ShadowEdges | None]) -> Float | None:
+def _step_rgb(
+    seen: Seen, one: FoundLight, own: ShadowEdges, others: Sequence[ShadowEdges | None], least_size_rad: float
+) -> Float | None:
     """(3,) R, G, B: the light that is lost across the shadow's edges, over that beyond them; None where few are seen.
 
-    own: the light's edges, others: those of other lights, whose shadows are not lit.
+    own: the light's edges, others: those of other lights, whose shadows are not lit. least_size_rad: as by
+    `darkenings_rgb`.
     """
     if one.fit is None:
         return None
-    away = BEYOND_PX + BEYOND_PENUMBRA * one.size_rad * own.by_size
-    ends = np.array([own.points_px + sign * away[:, None] * own.normals_px for sign in (-1, 1)])
     room = seen.room
     for other in others:
         room = room if other is None else room.outside(other.corners_px)
-    kept = (room.around(ends.reshape(-1, 2)) > 0).reshape(2, -1).all(axis=0)
-    if np.count_nonzero(kept) < FEWEST:
+    for size_rad in (max(one.size_rad, least_size_rad), one.size_rad):
+        away = BEYOND_PX + BEYOND_PENUMBRA * size_rad * own.by_size
+        ends = np.array([own.points_px + sign * away[:, None] * own.normals_px for sign in (-1, 1)])
+        kept = (room.around(ends.reshape(-1, 2)) > 0).reshape(2, -1).all(axis=0)
+        if size_rad > one.size_rad:
+            kept &= Outline.of(own.corners_px).distances(ends[0]) < -LEAST_WITHIN * away
+        if np.count_nonzero(kept) >= FEWEST:
+            break
+    else:
         return None
     columns, rows = np.moveaxis(np.round(ends[:, kept]).astype(int), 2, 0)
     dark, bright = seen.picture[rows, columns].astype(np.float64)[..., ::-1]
