@@ -69,9 +69,8 @@ def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
 
     One that there is is stated beside others for its share of the light, be its direction uncertain.
     """
-    is_likely = [
-        max(each.confidence, each.around) >= (LEAST_CONFIDENCE if each.fit is not None else LEAST_HIDDEN) for each in found
-    ]
+    least = [LEAST_HIDDEN if each.fit is None else LEAST_CONFIDENCE for each in found]
+    is_likely = [max(each.confidence, each.around) >= one for each, one in zip(found, least, strict=True)]
     if not any(is_likely):
         return []
     exist = [(each.exists or 0.0) >= LEAST_CONFIDENCE for each in found]

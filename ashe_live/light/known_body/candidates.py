@@ -50,9 +50,9 @@ def refined(
     """The likeliest different directions, each moved onto its shadow's edges where these are seen.
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
-    lights that are known. room: table on which edges may be seen. steps: (m,) log odds of each shadow by steps of light in the map,
-    which say with the score what is tried first. least: likelihood below which edges must be seen, as
-    the scan has it; told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights
+    lights that are known. room: table on which edges may be seen. steps: (m,) log odds of each shadow by steps of light
+    in the map, which say with the score what is tried first. least: likelihood below which edges must be seen, as the
+    scan has it; told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights
     (4,) whose shadow should be seen, and is not: some other thing is dark.
     """
     lights, order = seen.templates.lights, score + np.where(steps > 0, STEPS_COUNT * steps, steps)

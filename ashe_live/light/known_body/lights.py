@@ -21,8 +21,8 @@ from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 
 NEAR_RAD = math.radians(10)  # of an answer, within which it counts as right
-# What is as likely as an answer has to be within twice as much is stated as well, with its large uncertainty, where
-# there surely is a light: probability that there is none.
+# Where there surely is a light, by the probability that there is none, it is stated with its large uncertainty if it
+# is as likely within twice as much as an answer has to be.
 AROUND_RAD, MOST_NONE = 2 * NEAR_RAD, 0.05
 # Weight before the picture is seen of "no light casts a shadow", where all directions together have 1.
 LOG_NONE = math.log(0.5)
@@ -133,7 +133,8 @@ def _with_confidence(
         confidence, around = (with_edges(each, None, step, palest, pale) for each in (near, around))
         return replace(one, confidence=confidence, around=around if none < MOST_NONE else confidence)
     exists = with_edges(near, one.fit, step, palest, pale)
-    return replace(one, exists=exists, confidence=exists * _share(one, NEAR_RAD), around=exists * _share(one, AROUND_RAD))
+    confidence, around = (exists * _share(one, within) for within in (NEAR_RAD, AROUND_RAD))
+    return replace(one, exists=exists, confidence=confidence, around=around if 1 - exists < MOST_NONE else confidence)
 
 
 def _share(one: FoundLight, within_rad: float) -> float:

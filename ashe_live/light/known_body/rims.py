@@ -24,9 +24,9 @@ BEYOND = SIDE * SIDE  # number of a cell that is none of the map's
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rims:
-    """Of m shadows' outlines the cells at both sides; numbers of cells, row by row, BEYOND for what is not in the map."""
+    """The cells at both sides of m shadows' outlines."""
 
-    inside: Integers  # (m, PLACES)
+    inside: Integers  # (m, PLACES) numbers of cells, row by row; BEYOND for what is not in the map
     outside: Integers  # (m, PLACES)
 
     @staticmethod

@@ -139,8 +139,9 @@ class Seen:
         return self._beside[key]
 
     def rims(self, known: Float) -> tuple[Float, Float]:
-        """Of the shadow of each light that is looked for, beside `known` ones (l, 4): the part of its outline both sides
-        of which are seen, (m,), and the log odds of there being one by steps of light there, (m,).
+        """Of the shadow of each light that is looked for, beside `known` ones (l, 4).
+
+        (m,) part of its outline both sides of which are seen, and (m,) log odds of there being one by the steps there.
         """
         key = np.ascontiguousarray(known).tobytes()
         if key not in self._rims:

@@ -21,8 +21,8 @@ ENOUGH = 2000  # pixels of a facet, by which the limits are told to less than a 
 CLIPPED = 0.95  # linear light, from which on it may be any
 INK = 0.1  # quantile of a facet's brightness: print is a good third of it
 # Ink is as dark beside white on every facet, but for the light that it mirrors, glare and what a camera does to dark
-# tones: standard deviation of the logarithm of two facets' inks over their light. Of path-traced pictures with a clipped
-# level facet it is 0.11 by a plain camera, 0.13 to 0.23 by others, and some are off by 1, where it mirrors the sky.
+# tones: standard deviation of the logarithm of two facets' inks over their light. Of path-traced pictures with a
+# clipped level facet it is 0.11 by a plain camera, 0.13 to 0.23 by others; where it mirrors the sky it is off by 1.
 INK_SIGMA = 0.3
 # Of the logarithm of a clipped facet's light over what is shown, before its ink is seen: cameras expose for less.
 OVER_SIGMA = 0.3
@@ -41,7 +41,7 @@ class Facets:
     centres: Float  # (n, 3) metres
     is_clipped: Mask  # (n,) brighter than the picture shows
     width_px: Float  # (n,) of the narrowest strip of the picture that holds it
-    level_sigma: float  # standard deviation of the logarithm of the level facet's light; inf where nothing tells it
+    level_sigma: float = 0.0  # standard deviation of the logarithm of the level facet's light; inf: nothing tells it
 
 
 def facets_of(view: View, body: Proxy, picture: Float32) -> Facets:
