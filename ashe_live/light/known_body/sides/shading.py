@@ -59,7 +59,11 @@ class Sides:
         noise = np.sqrt(NOISE**2 + mixed[sides] ** 2 + (relative * of_level) ** 2)
         level_centre = facets.centres[level].mean(axis=0) if len(level) else np.zeros(3)
         clipped = facets.is_clipped[sides]
-        by_level = np.where(clipped, 0.0, relative * facets.level_sigma) if len(level) else np.zeros(0)
+        by_level = relative * (facets.level_sigma if len(level) else 0.0)
+        noise = np.hypot(
+            noise, np.where(clipped, by_level, 0.0)
+        )  # what is a bound only tells nothing of what is shared
+        by_level = np.where(clipped, 0.0, by_level)
         normals, centres = facets.normals[sides], facets.centres[sides]
         return Sides(normals, centres, level_centre, relative, residual, noise, clipped, by_level)
 
