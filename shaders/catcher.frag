@@ -8,6 +8,7 @@
 uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform vec3 sky;  // its fraction of the light on level ground at the marker, linear RGB; the lights' are the rest
+uniform vec3 sky_slope[2];  // what surfaces that face x and y get of it beyond that of an even one
 #if LIGHTS > 0 && CASTERS > 1
 uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video, linear; 0 if it is not known
 const float RIM_PX = 2.5;  // error of the real shadow's outline
@@ -157,7 +158,11 @@ void main() {
     vec3 from_ground = ground_bounce * after / max(before, 1e-3);
     vec3 on_wall = 0.5 * (sky + from_ground_on_wall(outward_placed, hidden.x * is_wall)) + on_walls;
     vec3 facing = model_albedo * mix(from_ground, on_wall, is_wall);
-    after += hidden.x * (facing - sky);
+    // A sky whose radiance leans by k times a direction's x gives a wall that faces x a third of k more.
+    vec2 hidden_from = (marker_from_placed * vec4(hidden.yz, 0.0, 0.0)).xy;
+    hidden_from *= length(hidden.yz) / max(length(hidden_from), 1e-6);
+    vec3 gone = hidden.x * sky + 3.0 * (sky_slope[0] * hidden_from.x + sky_slope[1] * hidden_from.y);
+    after += hidden.x * facing - max(gone, 0.0);
     vec3 ratio = mix(vec3(1.0), after / max(before, 1e-3), strength);
     vec3 change = abs(1.0 - ratio);
     if (covered == 0.0 && max(change.r, max(change.g, change.b)) < 0.0005) discard;
