@@ -33,6 +33,9 @@ uniform sampler2D cover;  // of the marker's sheet: the ground that it hides; st
 uniform float cover_half_m;
 uniform vec3 cover_gain;  // exposure of this frame over that of the cover's
 #endif
+// Of a pixel's side: texels of that width, interpolated between, blur as much as the pixel's own area does (1/12 + 1/6 of
+// their square), and leaves' shadows that are finer than a pixel do not break up.
+const float TEXEL_SIDES = 0.577;
 uniform float strength;  // 0: the model darkens nothing
 #ifdef SOFT_BORDER
 uniform float border_px;  // standard deviation of the real shadow's border beyond what lens and sun explain
@@ -127,6 +130,8 @@ void main() {
     vec3 before = sky;
     vec3 after = sky;
 #if LIGHTS > 0
+    vec2 columns = dFdx(ground), rows = dFdy(ground);
+    float texel_m = TEXEL_SIDES * sqrt(abs(columns.x * rows.y - columns.y * rows.x));
     for (int light = 0; light < LIGHTS; ++light) {
         float falloff;
         vec3 towards = towards_light(light, vec3(ground, 0.0), falloff);
@@ -136,7 +141,7 @@ void main() {
         float lit = 0.25 * (lit_on_ground(0, light, ground + across + along) + lit_on_ground(0, light, ground + across - along)
             + lit_on_ground(0, light, ground - across + along) + lit_on_ground(0, light, ground - across - along));
 #else
-        float lit = lit_on_ground(0, light, ground);
+        float lit = lit_around(0, light, ground, texel_m);
 #endif
         vec3 seen = sun_on_ground[light] * ground_falloff(light, ground);
         float share = 1.0;
