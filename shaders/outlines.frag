@@ -48,6 +48,9 @@ float length_of_step(ivec2 at, ivec2 across, ivec2 along, vec2 own, vec2 other, 
         }
         steps += 1.0;
     }
+    // Where the turn goes on for more than a pixel it is a corner, and no step of a line.
+    bool is_corner = rises < 0.0 ? differ(seen(at - across), own) : differ(seen(at + 2 * across), other);
+    if (is_corner) rises = 0.0;
     return steps;
 }
 
