@@ -33,9 +33,9 @@ uniform sampler2D cover;  // of the marker's sheet: the ground that it hides; st
 uniform float cover_half_m;
 uniform vec3 cover_gain;  // exposure of this frame over that of the cover's
 #endif
-// Of a pixel's side: texels of that width, interpolated between, blur as much as the pixel's own area does (1/12 + 1/6 of
-// their square), and leaves' shadows that are finer than a pixel do not break up.
-const float TEXEL_SIDES = 0.577;
+// Of a pixel's side, the width of the texels looked at, lest leaves' shadows that are finer than a pixel break up. Their
+// interpolation blurs by 0.6 of a pixel's own area, which the composite adds: with more, borders are too wide for the lens.
+const float TEXEL_SIDES = 0.45;
 uniform float strength;  // 0: the model darkens nothing
 #ifdef SOFT_BORDER
 uniform float border_px;  // standard deviation of the real shadow's border beyond what lens and sun explain
