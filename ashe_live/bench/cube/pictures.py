@@ -10,9 +10,10 @@ import numpy as np
 
 from ashe_live.bench.cases import EXACT_PX, GROUND_TRUTH, MOST_TRUTH_BYTES, decoded
 from ashe_live.bench.cube.ambient import NORMALS, painted_sky
+from ashe_live.bench.cube.painted_scene import CubeScene
 from ashe_live.bench.cube.painter import painted
 from ashe_live.bench.cube.scenes import CubeSet
-from ashe_live.bench.cube.shadow_in_view import SEEN, is_seen
+from ashe_live.bench.cube.shadow_in_view import is_seen
 from ashe_live.core.arrays import Float, Image, directions_on_spiral
 from ashe_live.core.camera import Camera
 from ashe_live.core.transforms import rigid
@@ -46,7 +47,7 @@ def painted_pictures(one: CubeSet, count: int, seed: int) -> Iterator[CubePictur
             scene.T_cam_cube,
             scene.edge_m,
             np.array([each.point for each in scene.lights]).reshape(-1, 4),
-            all(is_seen(scene, light) for light in scene.lights),
+            all(is_seen(scene, light.point) for light in scene.lights),
             painted_sky(scene),
             scene.table_rgb,
         )
@@ -85,16 +86,20 @@ def traced_picture(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
     lights = entry["lights"]
     level = np.array(entry["ambient"]["irradiance_ground"]) + sum(np.array(one["irradiance_ground"]) for one in lights)
     sky = np.maximum(_quadratic(directions_on_spiral(NORMALS)) @ np.array(entry["ambient"]["on_ball"]), 0.0) / level
-    seen = entry["visibility"]
-    shadows = [seen["shadow_px" if number == 0 else f"shadow{number + 1}_px"] for number in range(len(lights))]
+    camera, T_cam_cube = (
+        Camera(size, np.array(entry["K"]), np.zeros(5), "file", EXACT_PX),
+        rigid(entry["R"], entry["t"]),
+    )
+    points, edge_m = np.array([_point(each) for each in lights]).reshape(-1, 4), entry["marker"]["side_m"]
+    perfect = CubeScene(camera, T_cam_cube, [], edge_m=edge_m)  # without its folds, for what is seen of its shadows
     return CubePicture(
         entry["id"],
         image,
-        Camera(size, np.array(entry["K"]), np.zeros(5), "file", EXACT_PX),
-        rigid(entry["R"], entry["t"]),
-        entry["marker"]["side_m"],
-        np.array([_point(each) for each in lights]).reshape(-1, 4),
-        all(each > SEEN * seen["object_px"] for each in shadows),
+        camera,
+        T_cam_cube,
+        edge_m,
+        points,
+        all(is_seen(perfect, point) for point in points),
         sky,
         np.array(entry["ground"]["albedo"], dtype=np.float64),
     )

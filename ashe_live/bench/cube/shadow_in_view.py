@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from ashe_live.bench.cube.painted_scene import CubeScene, PaintedLight, hull_of
+from ashe_live.bench.cube.painted_scene import CubeScene, hull_of
 from ashe_live.bench.cube.painter import cast_on_table, projected
 from ashe_live.core.arrays import Float
 
@@ -11,10 +11,10 @@ from ashe_live.core.arrays import Float
 SEEN = 0.05
 
 
-def is_seen(scene: CubeScene, light: PaintedLight) -> bool:
-    """Whether enough of the shadow on the table lies in the picture and not behind the cube."""
+def is_seen(scene: CubeScene, light: Float) -> bool:
+    """Whether enough of the shadow on the table in a light (4,) lies in the picture and not behind the cube."""
     body = hull_of(scene)
-    cube, shadow = (_painted(scene, points) for points in (body, cast_on_table(body, light.point)))
+    cube, shadow = (_painted(scene, points) for points in (body, cast_on_table(body, light)))
     return int(np.count_nonzero(shadow & ~cube)) > SEEN * int(np.count_nonzero(cube))
 
 

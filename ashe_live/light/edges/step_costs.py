@@ -15,6 +15,11 @@ class StepCosts:
     body: float
     shadow: float  # of all lights' shadows; MISSED where one is hidden, which misses no steps, but tells nothing either
 
+    @property
+    def show_shadow(self) -> bool:
+        """Whether there are steps of light beside the shadows of all lights."""
+        return self.shadow < MISSED
+
 
 NO_STEPS = StepCosts(MISSED, MISSED)
 

@@ -12,7 +12,7 @@ from ashe_live.core.transforms import radius_of_68_percent
 from ashe_live.core.types import Illumination, Light, LightEstimate, TrackedFrame
 from ashe_live.light.explanation.judgement.uncertainty import Calibration
 from ashe_live.light.explanation.no_answer import NO_SHADOW, TOO_LITTLE_GROUND, fault_of_exposure
-from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, masks_of
+from ashe_live.light.known_body.found_light import SOFT_RAD, FoundLight, darkenings_rgb, masks_of
 from ashe_live.light.known_body.lights import Found, lights_of
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.ambient import open_sky_rgb, sky_slope_rgb
@@ -26,6 +26,7 @@ BLOCKED = (
 )
 # Probability that a light is right, below which it is none: of painted pictures below it as many are wrong as right.
 LEAST_CONFIDENCE = 0.4
+LEAST_HIDDEN = 0.5  # of a light none of whose edges is seen: likelier right than wrong
 # Of an answer that may be wrong; an error of the folded paper is among the systematic ones.
 CALIBRATION = Calibration(1.0, np.radians(10.0).item(), 1.0)
 # The table beside the cube over the open table, below which something else keeps the light away.
@@ -53,7 +54,10 @@ def estimate_by_body(tracked: TrackedFrame, body: Proxy, width_px: int, name: st
     likely = _likely(found.lights) if found is not None else []
     if found is None or not likely:
         return none(_why_none(seen, found))
-    dark = found.dark_rgb if len(likely) == len(found.lights) else darkenings_rgb(found.seen, likely)
+    if len(likely) == 1:
+        dark = darkenings_rgb(found.seen, likely, SOFT_RAD)
+    else:  # of one light's shadow the other's takes the middle
+        dark = found.dark_rgb if len(likely) == len(found.lights) else darkenings_rgb(found.seen, likely)
     illumination = _illumination(found.seen, likely, dark, tracked)
     masks = masks_of(seen, likely)
     clock.end("judge")
@@ -65,7 +69,8 @@ def _likely(found: Sequence[FoundLight]) -> list[FoundLight]:
 
     One that there is is stated beside others for its share of the light, be its direction uncertain.
     """
-    is_likely = [each.confidence >= LEAST_CONFIDENCE for each in found]
+    least = [LEAST_HIDDEN if each.fit is None else LEAST_CONFIDENCE for each in found]
+    is_likely = [max(each.confidence, each.around) >= one for each, one in zip(found, least, strict=True)]
     if not any(is_likely):
         return []
     exist = [(each.exists or 0.0) >= LEAST_CONFIDENCE for each in found]

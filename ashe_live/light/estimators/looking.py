@@ -16,7 +16,7 @@ from ashe_live.light.estimators.trace import Look, Trace
 from ashe_live.light.explanation.explain import Proposal, explained, explained_near
 from ashe_live.light.explanation.explanation import Explanation
 from ashe_live.light.explanation.judgement.company import Company, company_features
-from ashe_live.light.explanation.judgement.judge import Judge, best_direction, explanation_features, probabilities_of
+from ashe_live.light.explanation.judgement.judge import Judge, explanation_features, is_settled, probabilities_of
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.glint import glint_in
 from ashe_live.light.ground.lit_ground import unlit_mask, with_unlit_on_average
@@ -32,9 +32,6 @@ LEAST_SHARE = 0.0005
 # What is tried at most in a view beside the first: as in a single picture by the preset `fast`.
 MOST_BESIDE = {"regions": FAST.regions, "shifts": FAST.shifts, "tried": FAST.tried}
 FIRST_COMPANIONS = 1  # number of views beside the first that are searched in any case
-# Probability of a direction from which explanations are not looked for in more views: what hides the shadow in one view
-# does not in another, but where nothing hides it, more views find the same.
-SETTLED = 0.7
 SEARCHED_ALONE = 4  # number of views that are searched as single pictures are, where all of them together leave doubt
 
 # The log odds of an explanation, judged beside these several.
@@ -86,23 +83,22 @@ def _explained_together(
     companions = views[1 : 1 + steps.companions]
     found = [first, *searched(companions[:FIRST_COMPANIONS])]
     together = explained_together(found, views, steps, judge, lamps)
-    if _is_settled(together) or not companions:
+    if _leaves_no_doubt(together) or not companions:
         return together
     if more := companions[FIRST_COMPANIONS:]:
         together = explained_together([*found, *searched(more)], views, steps, judge, lamps)
-        if _is_settled(together):
+        if _leaves_no_doubt(together):
             return together
     alone = [(view, _found_alone(view, steps, judge, clock)) for view in views[:SEARCHED_ALONE]]
     return without_alike([*together, *explained_together(alone, views, steps, judge, lamps)])
 
 
-def _is_settled(together: Sequence[tuple[JointExplanation, float]]) -> bool:
-    """Whether one direction is so likely that more views need not be searched."""
-    if not together:
-        return False
-    several, log_odds = zip(*together, strict=True)
-    directions = _directions([each.joint for each in several])
-    return best_direction(probabilities_of(log_odds), directions)[1] > SETTLED
+def _leaves_no_doubt(together: Sequence[tuple[JointExplanation, float]]) -> bool:
+    """Whether one direction is so likely that more views need not be searched.
+
+    What hides the shadow in one view does not in another, but where nothing hides it, more views find the same.
+    """
+    return is_settled([odds for _, odds in together], _directions([each.joint for each, _ in together]))
 
 
 def _found_alone(view: SceneView, steps: ProxySteps, judge: Judge, clock: StageClock) -> list[Explanation]:

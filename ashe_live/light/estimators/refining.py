@@ -7,7 +7,8 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.estimators.steps import ProxySteps
 from ashe_live.light.explanation.explain import are_alike, different, explained_near, refined, refined_by_tangents
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.judgement.judge import GOOD_RAD
+from ashe_live.light.explanation.first_shadow import with_shadows_searched
+from ashe_live.light.explanation.judgement.judge import GOOD_RAD, is_settled
 from ashe_live.light.explanation.second_light import is_part_of, with_lights_counted
 from ashe_live.light.explanation.sharpen import Sharpener
 from ashe_live.light.ground.lit_ground import LitGround
@@ -28,7 +29,7 @@ def refined_and_others(
     """The likeliest different explanations, refined, with their lights counted and near ones told; then the others.
 
     Those are judged as well, as they are what else the picture may show; so is what refinement has turned into another
-    answer, or could not fit.
+    answer, or could not fit. Where all of them leave doubt, shadows are searched for by the objects' shapes.
     """
     ranked = sorted(rough, key=log_odds, reverse=True)
     chosen = different(ranked, steps.refined)
@@ -41,7 +42,18 @@ def refined_and_others(
     others = turned + [each for each in others if not any(are_alike(each, one) for one in [*chosen, *found])]
     others = [each for each in others if not any(is_part_of(one, each) for one in found)]
     fit = partial(explained_near, preset=steps.fine_fit)
-    return [lamps.decided(sharpener.sharpened(each), fit, sharpener) for each in found] + others
+
+    def sharp_and_decided(each: Explanation) -> Explanation:
+        return lamps.decided(sharpener.sharpened(each), fit, sharpener)
+
+    def refined_alone(each: Explanation) -> Explanation:
+        (fine_fit,) = refined([each], steps.fine_fit)
+        return sharp_and_decided(each if fine_fit is None else refined_by_tangents(fine_fit))
+
+    judged = [*map(sharp_and_decided, found), *others]
+    if is_settled(list(map(log_odds, judged)), [each.lights[0].to_light_marker for each in judged]):
+        return judged
+    return with_shadows_searched(judged, fine, coarse, ground, steps.region_px, refined_alone, log_odds)
 
 
 def _differ(one: Explanation, other: Explanation) -> bool:

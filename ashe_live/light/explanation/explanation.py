@@ -54,8 +54,8 @@ class Explanation:
 
         This is what a shadow tells: a sun's and a lamp's fit to the same labels agree there, if nowhere else.
         """
-        foot, top = self.alignment.placed.lit.body.frame.origin_marker, self.proxy.points_marker()[:, 2].max()
-        return towards(self.lights[0].light, np.array([*foot, 0.5 * top]))
+        body = self.alignment.placed.lit.body
+        return towards(self.lights[0].light, np.array([*body.frame.origin_marker, body.middle_m]))
 
     @property
     def real_object(self) -> Proxy:

@@ -7,7 +7,6 @@ its shadow coincides with visible borders (docs/maths.md, "A second light of a k
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from operator import itemgetter
 
 import numpy as np
 
@@ -15,10 +14,8 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.light.explanation.alignment import COST_PER_PARAMETER
 from ashe_live.light.explanation.explain import Proposal, aligned_explanations, explanation_criterion
 from ashe_live.light.explanation.explanation import Explanation
-from ashe_live.light.explanation.second_shadow import ShadowCandidate, shadow_candidates
+from ashe_live.light.explanation.shadow_search import ShadowCandidate, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround
-from ashe_live.light.ground.regions import region_of
-from ashe_live.light.ground.shadow_shift import shift_near
 from ashe_live.light.labels.costs import Costs
 from ashe_live.light.labels.materials import materials_of, object_cost
 from ashe_live.light.labels.relabel import relabelled
@@ -28,7 +25,6 @@ from ashe_live.light.shape.predicted import Predicted, predicted
 from ashe_live.light.shape.sight import Sight
 
 TRIED = 2  # candidates for the second light
-PALEST = math.log(0.9)  # brightness of a shift: a light that contributes less than a tenth of all light is left out
 # How much a second light must lower the unary costs, and the least mean clarity of its shadow's borders.
 LEAST_GAIN, LEAST_CLARITY = 2 * COST_PER_PARAMETER, 0.18
 NEAR_RAD = math.radians(10)
@@ -45,22 +41,22 @@ def with_lights_counted(
 ) -> list[Explanation]:
     """Settles the number of lights: drops explanations by two lights where the picture shows one, and tries a second.
 
-    Returns the explanations kept; if a second light is found for the likeliest of them, it comes first and replaces
-    those by one of its two lights. rough: the explanations before refinement, and others. coarse: the view that
+    Returns the explanations kept; those with a second light of the likeliest of them come first and replace those by
+    one of their two lights. rough: the explanations before refinement, and others. coarse: the view that
     `ground` was fitted to. fine: the view at the largest scale to use. region_px: size in pixels to which a region is
     scaled. log_odds: by which explanations are judged.
     """
     singles = [each for each in [*explanations, *rough] if len(each.lights) == 1]
     kept = [each for each in explanations if len(each.lights) == 1 or _shows_both(each, singles)]
     one = max(kept, key=log_odds, default=None)
-    if one is None or len(one.lights) > 1:
+    if one is None:
         return kept
-    found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights[0], coarse, ground, TRIED)
+    if len(one.lights) > 1:
+        return [each for each in kept if not is_part_of(one, each)]
+    found = shadow_candidates(one.proxy, one.alignment.placed.lit.lights, coarse, ground, TRIED)
     tried = [_tried(one, candidate, fine, coarse, ground, region_px) for candidate in found]
-    gain, both = max((pair for pair in tried if pair is not None), key=itemgetter(0), default=(0.0, one))
-    if gain < LEAST_GAIN:
-        return kept
-    return [both, *(other for other in kept if not is_part_of(both, other))]
+    several = [both for both in tried if both is not None]
+    return [*several, *(other for other in kept if not any(is_part_of(both, other) for both in several))]
 
 
 def _shows_both(both: Explanation, singles: Sequence[Explanation]) -> bool:
@@ -84,14 +80,12 @@ def is_part_of(both: Explanation, other: Explanation) -> bool:
 
 def _tried(
     one: Explanation, candidate: ShadowCandidate, fine: View, coarse: View, ground: LitGround, region_px: int
-) -> tuple[float, Explanation] | None:
-    """By how much a second light lowers the unary costs, and the explanation with it; None if it is rejected."""
-    shift = shift_near(ground.colours[candidate.area], ground, candidate.difference)
-    if shift is None or shift[0] > PALEST:
+) -> Explanation | None:
+    """The explanation with a second light; None if that is rejected."""
+    lit, shift = one.alignment.placed.lit, candidate.shift(ground)
+    if shift is None:
         return None
-    lit = one.alignment.placed.lit
-    seen = predicted(one.proxy, lit.lights, coarse).whole & coarse.is_ground
-    region = region_of(fine, seen | candidate.area, ground, region_px)
+    region = candidate.region(lit, fine, coarse, ground, region_px)
     known, new = (materials_of(region, ground, each) for each in (one.materials.shift, shift))
     materials = materials_of_two(region, ground, known, new)
     if materials is None:
@@ -110,7 +104,7 @@ def _tried(
         return None
     costs = Costs(region, materials, as_object)
     alone = min(costs.of(_without(second, each)) for each in (masks, both.predicted))
-    return alone - costs.of(both.predicted), both
+    return both if alone - costs.of(both.predicted) > LEAST_GAIN else None
 
 
 def _without(light: int, masks: Predicted) -> Predicted:

@@ -14,7 +14,7 @@ from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, widest_reach
 from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import Profiles
 from ashe_live.light.known_body.outline.room import Room
-from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.known_body.seen import DEEP, Seen
 from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 from ashe_live.light.shape.light_points import at_infinity
@@ -23,13 +23,13 @@ from ashe_live.light.shape.light_points import at_infinity
 # much log likelihood of the best.
 TRIED, MOST_TRIED, APART_RAD, TRIED_WITHIN = 3, 8, math.radians(12), 12.0
 MOST_MOVED_RAD = math.radians(15)  # by a fit: what moves farther has found other edges
+STEPS_COUNT = 0.5  # of log odds that steps in the map give, as other things have edges, too
 LAMP_NEARNESS = 3.0  # 1/m, w / z of a lamp from which a fit starts
 # Of the edges that can be seen, the part with a step: a fit with less has found others, one with more needs no rival.
 LEAST_CLEAR, CLEAR = 0.5, 0.8
 # Part of a shadow's outline that is in view, from which on it is not hidden: its edges would tell it.
 MOST_IN_VIEW = 0.25
-# Part of the table's light: what takes less is no light; and what is no third as deep as this is no step.
-LEAST_DARKENING, DEEP = 0.06, 0.1
+LEAST_DARKENING = 0.06  # part of the table's light: what takes less is no light
 # Displacements around a template's, along it and across, over 1/2 + |s|: within the distance of the next one; then
 # along it alone and finer, as the scan hardly tells the lengths of shadows that leave the picture.
 AROUND = 0.05 * np.array([(along, across) for along in (-2, -1, 0, 1, 2) for across in (-1, 0, 1)])
@@ -42,6 +42,7 @@ def refined(
     score: Float,
     beside: Evidence,
     room: Room,
+    steps: Float,
     least: float = -math.inf,
     told: float = -math.inf,
     ruled_out: list[Float] | None = None,
@@ -49,11 +50,13 @@ def refined(
     """The likeliest different directions, each moved onto its shadow's edges where these are seen.
 
     score: (m,) log likelihood of each of the directions; -inf where none is looked for. beside: the picture, beside the
-    lights that are known. room: table on which edges may be seen. least: likelihood below which edges must be seen, as
-    the scan has it; told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights
+    lights that are known. room: table on which edges may be seen. steps: (m,) log odds of each shadow by steps of light
+    in the map, which say with the score what is tried first. least: likelihood below which edges must be seen, as the
+    scan has it; told: that below which no edge is looked for, of the likeliest around. ruled_out: takes the lights
     (4,) whose shadow should be seen, and is not: some other thing is dark.
     """
-    lights, left, worst = seen.templates.lights, score.copy(), -np.inf
+    lights, order = seen.templates.lights, score + np.where(steps > 0, STEPS_COUNT * steps, steps)
+    left, worst = order.copy(), -np.inf
     clear: list[FoundLight] = []
     tried = 0
     for _ in range(MOST_TRIED):
@@ -75,11 +78,13 @@ def refined(
         fit = _moved_onto_edges(seen, start, darkening, room)
         if fit is not None:
             one = FoundLight(fit.light, fit.covariance[:2, :2], fit, darkening)
-            clear += [one] if fit.clear > CLEAR else []
-            tried, worst = tried + 1, max(worst, score[index] - TRIED_WITHIN)
+            tried += 1
+            if fit.clear > CLEAR:  # else map and score were another thing's
+                clear.append(one)
+                worst = max(worst, order[index] - TRIED_WITHIN)
             yield one
         elif _edges_in_view(seen, template, darkening, room)[0] <= MOST_IN_VIEW:
-            tried, worst = tried + 1, max(worst, score[index] - TRIED_WITHIN)
+            tried, worst = tried + 1, max(worst, order[index] - TRIED_WITHIN)
             mean, spread, darkening = mean_near(seen.templates, score, beside.everywhere.darkenings[:, -1], template)
             yield FoundLight(mean, spread, None, darkening)
         elif ruled_out is not None:

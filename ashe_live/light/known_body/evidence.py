@@ -124,9 +124,15 @@ class Evidence:
         pull_of_map = normal.pull / (self._cells_a_sample * self._variance) + prior * DARKENING
         darkenings = np.full(normal.pull.shape, DARKENING)
         for _ in range(ROUNDS):
-            told = reached * (~sides.is_clipped[:, None] / sides.variance(normal.spread, darkenings))
+            variance = sides.variance(normal.spread, darkenings)
+            told = reached * (~sides.is_clipped[:, None] / variance)
             information = by_map + (told[:, None] * reached).sum(axis=2)
             pull = pull_of_map + (told * sides.residual[:, None]).sum(axis=1)
+            if sides.by_level.any():  # what all sides share tells of the level facet's light as well
+                shared = (told * sides.by_level[:, None]).sum(axis=1) / sides.level_information(variance)
+                by_level = sides.by_level[:, None] * ~sides.is_clipped[:, None] / variance
+                information -= shared[:, None] * (told * sides.by_level[:, None]).sum(axis=1)
+                pull -= shared * (by_level * sides.residual[:, None]).sum(axis=0)
             darkenings, log_determinant = _solved(information, pull)
             darkenings = darkenings.clip(0.0, MOST_DARKENING)
             darkenings /= np.maximum(darkenings.sum(axis=0) / MOST_DARKENING, 1.0)

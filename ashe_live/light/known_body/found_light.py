@@ -1,5 +1,6 @@
 """A light that was found, and how much of the table's light it gives: what its shadow lacks."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,16 +9,20 @@ import numpy as np
 from ashe_live.core.arrays import Float, Mask, upper_quantile
 from ashe_live.core.transforms import normalised, raycast_to_plane
 from ashe_live.light.known_body.outline.edges import ShadowEdges, shadow_edges
-from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit
-from ashe_live.light.known_body.outline.room import Room
+from ashe_live.light.known_body.outline.fit import FEWEST, EdgeFit, height_px
+from ashe_live.light.known_body.outline.room import Outline, Room
+from ashe_live.light.known_body.rims import BESIDE_CELLS, Rims
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.sides.shading import fall_off
+from ashe_live.light.known_body.table import CELLS_A_HEIGHT
 from ashe_live.light.shape.directions import FittedLight, fitted_lights
 from ashe_live.light.shape.predicted import predicted
 
 # From a shadow's edge to where it is dark, or lit: pixels, and of the light's angular diameter times the penumbra's
 # standard deviation for a light of 1 rad.
 BEYOND_PX, BEYOND_PENUMBRA = 3.0, 2.2
+SOFT_RAD = math.radians(10)  # diameter of the softest sun whose shadow's middle is told
+LEAST_WITHIN = 0.9  # of that way, how far from all edges of the shadow it is dark
 LEAST_LEFT = 0.2  # of a lamp's height, above the body
 # Beside another light's edges the table is not clear: pixels, and of that light's penumbra for a light of 1 rad.
 OTHER_EDGE_PX, OTHER_PENUMBRA = 3.0, 2.0
@@ -32,6 +37,7 @@ class FoundLight:
     fit: EdgeFit | None  # None where the shadow's edges are hidden: the direction is then that which map and sides say
     darkening: float  # part of the table's light that it gives
     confidence: float = 0.0  # probability that it is within NEAR_RAD of a true light; 0 as long as nobody has asked
+    around: float = 0.0  # that it is within twice as much, where there surely is a light
     may_be_lamp: bool = False  # whether it likelier is a lamp than a sun, whose distance is not told well enough
     exists: float | None = None  # probability that there is one, of a hidden light, and of others once that is asked
 
@@ -83,14 +89,15 @@ def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:
     return room
 
 
-def darkenings_rgb(seen: Seen, found: Sequence[FoundLight]) -> Float:
+def darkenings_rgb(seen: Seen, found: Sequence[FoundLight], least_size_rad: float = 0.0) -> Float:
     """(l, 3) part of the table's light, R, G, B, that each light gives: its shadow beside the lit table, at its edges.
 
-    Where too little of a shadow's edges is seen, as map and sides say.
+    Where too little of a shadow's edges is seen, as map and sides say. least_size_rad: diameter of a light whose whole
+    penumbra is left out where the shadow is as broad, as it may be wider than is told.
     """
     edges = [shadow_edges(seen.body, each.casting, seen.view) for each in found]
     steps = [
-        None if own is None else _step_rgb(seen, one, own, [*edges[:number], *edges[number + 1 :]])
+        None if own is None else _step_rgb(seen, one, own, [*edges[:number], *edges[number + 1 :]], least_size_rad)
         for number, (one, own) in enumerate(zip(found, edges, strict=True))
     ]
     if all(step is not None for step in steps):
@@ -99,20 +106,39 @@ def darkenings_rgb(seen: Seen, found: Sequence[FoundLight]) -> Float:
     return np.array([by_all if step is None else step for step, by_all in zip(steps, overall, strict=True)])
 
 
-def _step_rgb(seen: Seen, one: FoundLight, own: ShadowEdges, others: Sequence[ShadowEdges | None]) -> Float | None:
+def hidden_step(seen: Seen, one: FoundLight) -> float:
+    """How much more of the sky the body hides where a light's shadow is found dark than where it is found lit."""
+    edges = shadow_edges(seen.body, one.casting, seen.view)
+    if edges is None:
+        return 0.0
+    away_px = BEYOND_PX + BEYOND_PENUMBRA * one.size_rad * float(np.median(edges.by_size))
+    cell_px = height_px(seen.body, seen.view) / CELLS_A_HEIGHT
+    by_rim = Rims.of(seen.body, one.casting[None]).hidden_step(seen.templates.hidden_sky, seen.is_table)
+    return by_rim * min(away_px / (BESIDE_CELLS * cell_px), 1.0)
+
+
+def _step_rgb(
+    seen: Seen, one: FoundLight, own: ShadowEdges, others: Sequence[ShadowEdges | None], least_size_rad: float
+) -> Float | None:
     """(3,) R, G, B: the light that is lost across the shadow's edges, over that beyond them; None where few are seen.
 
-    own: the light's edges, others: those of other lights, whose shadows are not lit.
+    own: the light's edges, others: those of other lights, whose shadows are not lit. least_size_rad: as by
+    `darkenings_rgb`.
     """
     if one.fit is None:
         return None
-    away = BEYOND_PX + BEYOND_PENUMBRA * one.size_rad * own.by_size
-    ends = np.array([own.points_px + sign * away[:, None] * own.normals_px for sign in (-1, 1)])
     room = seen.room
     for other in others:
         room = room if other is None else room.outside(other.corners_px)
-    kept = (room.around(ends.reshape(-1, 2)) > 0).reshape(2, -1).all(axis=0)
-    if np.count_nonzero(kept) < FEWEST:
+    for size_rad in (max(one.size_rad, least_size_rad), one.size_rad):
+        away = BEYOND_PX + BEYOND_PENUMBRA * size_rad * own.by_size
+        ends = np.array([own.points_px + sign * away[:, None] * own.normals_px for sign in (-1, 1)])
+        kept = (room.around(ends.reshape(-1, 2)) > 0).reshape(2, -1).all(axis=0)
+        if size_rad > one.size_rad:
+            kept &= Outline.of(own.corners_px).distances(ends[0]) < -LEAST_WITHIN * away
+        if np.count_nonzero(kept) >= FEWEST:
+            break
+    else:
         return None
     columns, rows = np.moveaxis(np.round(ends[:, kept]).astype(int), 2, 0)
     dark, bright = seen.picture[rows, columns].astype(np.float64)[..., ::-1]

@@ -8,13 +8,14 @@ import numpy as np
 
 from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.found_light import FoundLight, room_beside
-from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted
+from ashe_live.light.known_body.outline.fit import NEAREST, EdgeFit, fitted, nearness_sigma
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
 
 # Standard deviation of the body's width over its height, as paper is folded by hand: a body wider by a hundredth
 # throws the shadow of a lamp whose w / z is larger by a hundredth over that height.
 FOLDED = 0.017
+LAMP_ODDS = 0.5  # of a lamp near by over a sun, or what is as far as one, before the picture is seen
 LEAST_SIGMAS = 4.0  # standard errors by which the nearness of a lamp must differ from that of a sun, 0
 LEAST_INVERSE_DISTANCE = 0.4  # 1/m: a lamp farther away is as good as a sun
 # The nearness is looked for so many standard deviations of the edges' about theirs, on grids of so many values, each
@@ -23,6 +24,7 @@ WITHIN_SIGMAS, GRID, GRIDS, LEAST_NEARNESS = 4.0, 9, 2, 1e-3
 # Of a lamp's edges, or over how far they were looked for, as a penumbra is wide; and the part of the edges that a lamp
 # may explain less than a sun.
 MOST_MISFIT_PX, MOST_MISFIT_SHARE, LESS_CLEAR = 0.7, 0.08, 0.05
+MUCH_NEARER = 0.5  # of a sun's misfit: no sun's straight edges come that near to a lamp's fan
 
 
 def as_lamps(seen: Seen, found: Sequence[FoundLight], told: int = 0) -> list[FoundLight]:
@@ -40,7 +42,7 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told:
     room = room_beside(seen, others)
     near = one.size_rad if is_told else None
     fit = fitted(seen.body, one.light, one.darkening, seen.light, room, seen.view, with_nearness=True, size_rad=near)
-    if fit is None or fit.clear < one.fit.clear - LESS_CLEAR or not _is_near(fit, one.fit):
+    if fit is None or not _is_as_good(fit, one.fit):
         # What was fitted as a lamp from the beginning is no sun with the same displacement.
         if len(one.fit.covariance) < 3:
             return one
@@ -65,14 +67,14 @@ def _as_lamp(seen: Seen, one: FoundLight, others: Sequence[FoundLight], is_told:
     return replace(one, light=light * (1, 1, 1, 0), covariance=covariance[:2, :2], may_be_lamp=True)
 
 
-def _is_near(fit: EdgeFit, other: EdgeFit) -> bool:
-    """Whether a fit's edges lie near to where it predicts them, or at least as near as another's."""
-    is_good = fit.misfit_px < MOST_MISFIT_PX or fit.misfit_share < MOST_MISFIT_SHARE
-    return is_good or fit.misfit_px <= other.misfit_px
+def _is_as_good(fit: EdgeFit, other: EdgeFit) -> bool:
+    """Whether a fit has as many edges as another, and near to where it predicts them; or all of them much nearer."""
+    is_near = fit.misfit_px < MOST_MISFIT_PX or fit.misfit_share < MOST_MISFIT_SHARE or fit.misfit_px <= other.misfit_px
+    return is_near and (fit.clear >= other.clear - LESS_CLEAR or fit.misfit_px < MUCH_NEARER * other.misfit_px)
 
 
 def _nearness(seen: Seen, light: Float, covariance: Float, others: Sequence[FoundLight]) -> tuple[float, float, float]:
-    """The probability of a sun, and mean and variance of w / z with those of a lamp, of which any is as likely before.
+    """The probability of a sun, and mean and variance of w / z with those of a lamp.
 
     By the edges' fit (4,) with its (3, 3) covariance, the map, and the sides.
 
@@ -95,7 +97,9 @@ def _nearness(seen: Seen, light: Float, covariance: Float, others: Sequence[Foun
         mean = float(weight @ grid[:-1])
         variance = float(weight @ (grid[:-1] - mean) ** 2) + (grid[1] - grid[0]) ** 2 / 12
         if number == 0:
-            lamp = float(likelihood[:-1].mean()) * (high - low) / most
+            # The edges' fit has the prior of a lamp's nearness in it, so that at 0 a sun's has to be taken out.
+            density = LAMP_ODDS * math.sqrt(2 / math.pi) / nearness_sigma(light)
+            lamp = float(likelihood[:-1].mean()) * (high - low) * density
             sun = float(likelihood[-1]) / (float(likelihood[-1]) + lamp)
         if variance > (grid[1] - grid[0]) ** 2:
             break

@@ -10,7 +10,7 @@ from ashe_live.core.arrays import Float
 from ashe_live.core.transforms import normalised
 from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING, MOST_IN_VIEW, mean_near, refined
 from ashe_live.light.known_body.evidence import Evidence, Scan
-from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, room_beside
+from ashe_live.light.known_body.found_light import FoundLight, darkenings_rgb, hidden_step, room_beside
 from ashe_live.light.known_body.lamps import as_lamps
 from ashe_live.light.known_body.outline.edges import shadow_edges
 from ashe_live.light.known_body.outline.fit import EdgeFit, fitted, looked_at_again
@@ -21,6 +21,9 @@ from ashe_live.light.known_body.table import height_of
 from ashe_live.light.known_body.templates import Templates
 
 NEAR_RAD = math.radians(10)  # of an answer, within which it counts as right
+# Where there surely is a light, by the probability that there is none, it is stated with its large uncertainty if it
+# is as likely within twice as much as an answer has to be.
+AROUND_RAD, MOST_NONE = 2 * NEAR_RAD, 0.05
 # Weight before the picture is seen of "no light casts a shadow", where all directions together have 1.
 LOG_NONE = math.log(0.5)
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
@@ -50,7 +53,8 @@ def lights_of(seen: Seen) -> Found | None:
     """None where nothing says that there is a light."""
     alone = seen.beside(np.zeros((0, 4)))
     ruled_out: list[Float] = []
-    candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room, ruled_out=ruled_out)
+    _, steps = seen.rims(np.zeros((0, 4)))
+    candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room, steps, ruled_out=ruled_out)
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     if not scored:
         return None
@@ -68,8 +72,8 @@ def lights_of(seen: Seen) -> Found | None:
             seen = _in_light_of(seen, found)
             continue
         both = as_lamps(seen, _refitted(seen, [*found, further]), len(found))
-        if not are_apart(both, height_of(seen.body)):
-            break  # what was taken for another shadow is the rest of one that is known
+        if not are_apart(both, height_of(seen.body)) or _is_unseen(both[-1]):
+            break  # what was taken for another shadow is the rest of one that is known, or another thing's
         found, seen = both, _in_light_of(seen, both)
     found.sort(key=lambda each: (each.exists is not None, -each.darkening))
     dark = darkenings_rgb(seen, found)
@@ -109,8 +113,9 @@ def _with_confidence(
     """
     others = [other for other in among if other is not one]
     beside, palest, pale, log_none = alone, PALEST, PALE, LOG_NONE
+    known = _points(others) if others else np.zeros((0, 4))
     if others:
-        beside = seen.beside(_points(others))
+        beside = seen.beside(known)
         palest = pale = LEAST_DARKENING
         log_none = LOG_NONE if one.exists is None else LOG_NONE_FURTHER
         if one.fit is not None:
@@ -119,40 +124,55 @@ def _with_confidence(
     own = beside.scanned(seen.lit(one.casting[None]))
     lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
     to_sun = one.sun_alike(height_of(seen.body))
-    near = _posterior_near(seen.templates, beside.everywhere, to_sun, lamp, log_none, ruled_out)
-    # Beside the foot the hidden sky's gradient looks like a step, and map and sides know better.
-    by_all = float(own.darkenings[0, -1])
-    step = min(by_all, float(dark_rgb.mean()))
-    exists = with_edges(near, one.fit, step, palest, pale)
+    _, steps = seen.rims(known)
+    near, around, none = _posterior(seen.templates, beside.everywhere, steps, to_sun, lamp, log_none, ruled_out)
+    # Beside the foot the hidden sky's gradient looks like a step.
+    step = float(dark_rgb.mean()) - (1 - float(dark_rgb.mean())) * hidden_step(seen, one)
     if one.fit is None:
-        return replace(one, confidence=exists)
-    return replace(one, exists=exists, confidence=exists * _share_near(one))
+        step = min(step, float(own.darkenings[0, -1]))
+        confidence, around = (with_edges(each, None, step, palest, pale) for each in (near, around))
+        return replace(one, confidence=confidence, around=around if none < MOST_NONE else confidence)
+    exists = with_edges(near, one.fit, step, palest, pale)
+    confidence, around = (exists * _share(one, within) for within in (NEAR_RAD, AROUND_RAD))
+    return replace(one, exists=exists, confidence=confidence, around=around if 1 - exists < MOST_NONE else confidence)
 
 
-def _share_near(one: FoundLight) -> float:
-    """Probability that the light is within NEAR_RAD which casts the shadow, by what its edges leave open of it."""
+def _share(one: FoundLight, within_rad: float) -> float:
+    """Probability that the light is so near which casts the shadow, by what its edges leave open of it."""
     sigmas = np.sqrt(np.maximum(np.linalg.eigvalsh(one.fitted.covariance_rad2), 1e-12))
-    return math.prod(math.erf(NEAR_RAD / (math.sqrt(2) * sigma)) for sigma in sigmas.tolist())
+    return math.prod(math.erf(within_rad / (math.sqrt(2) * sigma)) for sigma in sigmas.tolist())
 
 
-def _posterior_near(
-    templates: Templates, scan: Scan, to_sun: Float, lamp: float, log_none: float, ruled_out: Sequence[Float]
-) -> float:
-    """Posterior probability, before its edges are looked at, of the directions within NEAR_RAD of one (3,).
+def _posterior(
+    templates: Templates,
+    scan: Scan,
+    steps: Float,
+    to_sun: Float,
+    lamp: float,
+    log_none: float,
+    ruled_out: Sequence[Float],
+) -> tuple[float, float, float]:
+    """Posterior probabilities, before its edges are looked at: of the directions within NEAR_RAD of one (3,), of those
+    within AROUND_RAD, and of no light.
 
-    lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none. log_none:
-    weight of no light before the picture is seen. ruled_out: lights (4,) about which there is none.
+    steps: (m,) log odds by steps of light in the map, which speak against directions elsewhere whose shadows would be
+    seen. lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none.
+    log_none: weight of no light before the picture is seen. ruled_out: lights (4,) about which there is none.
     """
     by_light = scan.log_likelihood + np.log(templates.solid_angle)
     by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
-    is_near = templates.lights[:, :3] @ to_sun > math.cos(NEAR_RAD)
+    cosines = templates.lights[:, :3] @ to_sun
+    is_near, is_around = cosines > math.cos(NEAR_RAD), cosines > math.cos(AROUND_RAD)
+    by_light = by_light + np.where(is_around, 0.0, np.minimum(steps, 0.0))
     for rival in ruled_out:
         by_light[~is_near & (templates.lights[:, :3] @ rival[:3] > math.cos(APART_RAD))] = -np.inf
     most = max(float(by_light.max()), by_lamp, log_none)
     posterior = np.exp(by_light - most)
-    near, elsewhere = float(posterior[is_near].sum()), float(posterior[~is_near].sum())
+    near, around = float(posterior[is_near].sum()), float(posterior[is_around & ~is_near].sum())
+    elsewhere, none = float(posterior[~is_around].sum()), math.exp(log_none - most)
     near = max(near, math.exp(by_lamp - most))
-    return near / (near + elsewhere + math.exp(log_none - most))
+    whole = near + around + elsewhere + none
+    return near / whole, (near + around) / whole, none / whole
 
 
 def are_apart(found: Sequence[FoundLight], height: float) -> bool:
@@ -171,20 +191,22 @@ def _further(seen: Seen, known: Sequence[FoundLight]) -> FoundLight | None:
     if not score.max() > LEAST_SCORE:
         return None
     best, likeliest = LEAST_MORE, None
-    for one in refined(seen, score, beside, room_beside(seen, known), LEAST_MORE - WORTH, AGAINST):
+    in_view, steps = seen.rims(_points(known))
+    for one in refined(seen, score, beside, room_beside(seen, known), steps, LEAST_MORE - WORTH, AGAINST):
         if one.fit is None:
             continue
         more = _log_likelihood(seen, one, beside)
         by_table = more - edge_log_odds(one.fit)
         # Edges alone do not do against map and sides: beside the foot the hidden sky's gradient looks like a step.
         # Nor do map and sides against edges that are in view: some other thing is dark, or throws a shadow.
-        is_told = by_table > LEAST_MORE and (one.fit.seen <= MOST_IN_VIEW or one.fit.clear > LEAST_CLEAR)
+        is_edged = one.fit.clear > LEAST_CLEAR or (more > by_table and one.fit.misfit_px < MOST_MISFIT_PX)
+        is_told = by_table > LEAST_MORE and (one.fit.seen <= MOST_IN_VIEW or is_edged)
         is_told |= by_table > AGAINST and more > LEAST_BY_EDGES and _is_clear(one.fit)
         if is_told and more > best:
             best, likeliest = more, one
     # The fall of a lamp's light over table and sides, which is known less well, looks like more light from elsewhere.
     if likeliest is None and len(known) == 1 and _is_surely_sun(known[0]):
-        return _hidden(seen, score, beside)
+        return _hidden(seen, np.where(in_view > MOST_IN_VIEW, -np.inf, score), beside)
     return likeliest
 
 
@@ -201,6 +223,11 @@ def _is_surely_sun(one: FoundLight) -> bool:
 def _is_clear(fit: EdgeFit) -> bool:
     """Whether its edges are steps, and where they are predicted."""
     return fit.clear > LEAST_CLEAR and fit.misfit_px < MOST_MISFIT_PX
+
+
+def _is_unseen(one: FoundLight) -> bool:
+    """Whether its shadow should be seen, and its edges speak against it."""
+    return one.fit is not None and one.fit.seen > MOST_IN_VIEW and edge_log_odds(one.fit) < 0
 
 
 def _hidden(seen: Seen, score: Float, beside: Evidence) -> FoundLight | None:

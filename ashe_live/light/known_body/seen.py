@@ -33,6 +33,7 @@ from ashe_live.light.pixels.view import View
 MEAN: Float = np.full(3, 1 / 3)  # weights of R, G, B
 BESIDE_CELL = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 LEAST_EDGE = 0.05  # part of a cell in shadow by which neighbours differ at its edge
+DEEP = 0.1  # part of the table's light: what is no third as deep as this is no step
 BESIDE_HEIGHTS = 1.2  # how far from the body's foot the table counts as beside it
 
 
@@ -70,7 +71,9 @@ class Seen:
     templates: Templates  # everywhere that a light is looked for
     measured: Measured
     observed: Observed  # by the mean of the channels
-    _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)  # what was asked for, by the known lights
+    # What was asked for, by the known lights.
+    _beside: dict[bytes, Evidence] = field(default_factory=dict, init=False)
+    _rims: dict[bytes, tuple[Float, Float]] = field(default_factory=dict, init=False)
 
     @staticmethod
     def of(view: View, body: Proxy) -> "Seen | None":
@@ -134,6 +137,19 @@ class Seen:
                 observed = self.measured.observed(MEAN, self.templates, everywhere, _away_from_edges(lit))
             self._beside[key] = Evidence(observed, lit)
         return self._beside[key]
+
+    def rims(self, known: Float) -> tuple[Float, Float]:
+        """Of the shadow of each light that is looked for, beside `known` ones (l, 4).
+
+        (m,) part of its outline both sides of which are seen, and (m,) log odds of there being one by the steps there.
+        """
+        key = np.ascontiguousarray(known).tobytes()
+        if key not in self._rims:
+            is_told = self.is_table & _away_from_edges(self.lit(known)) if len(known) else self.is_table
+            values, darkenings = self.measured.relative.mean(axis=2), self.beside(known).everywhere.darkenings
+            hidden, sky = self.templates.hidden_sky, 1 - darkenings.sum(axis=1)
+            self._rims[key] = self.templates.rims.seen(values, is_told, hidden, darkenings[:, -1], sky, DEEP)
+        return self._rims[key]
 
     def darkenings_rgb(self, lights: Float) -> Float:
         """(l, 3) part of the table's light, R, G, B, that each of lights (l, 4) gives, by the map and the sides."""

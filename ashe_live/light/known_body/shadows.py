@@ -75,7 +75,7 @@ class Shadows:
 
 def shadows_of(body: Proxy, lights: Float, groups: Integers | None = None) -> Shadows:
     """The body's shadows in lights (m, 4); those of one of the `groups` (m,) share a window of the map."""
-    corners, is_finite = _corners(body, lights)
+    corners, is_finite = corners_of(body, lights)
     members = [is_finite] if groups is None else [is_finite & (groups == group) for group in np.unique(groups)]
     blocks = []
     for is_member in members:
@@ -108,7 +108,7 @@ def _window(corners: NDArray[np.int32]) -> slice:
     return slice(min(max(first, 0), SIDE - 1), max(min(last + 1, SIDE), 1))
 
 
-def _corners(body: Proxy, lights: Float) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
+def corners_of(body: Proxy, lights: Float) -> tuple[NDArray[np.int32], NDArray[np.bool_]]:
     """(m, k, 2) the body's points cast by each light, in units of 1 / FIXED of a cell, and (m,) where it is finite."""
     points = body.points_marker(12)
     is_above = lights[:, 2] > LOWEST_Z * np.linalg.norm(lights[:, :3], axis=1)

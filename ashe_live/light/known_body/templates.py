@@ -10,6 +10,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Float, Float32
 from ashe_live.core.proxy import Proxy
+from ashe_live.light.known_body.rims import Rims
 from ashe_live.light.known_body.shadows import Shadows, shadows_of
 from ashe_live.light.known_body.sides.bounce import form_factors
 from ashe_live.light.known_body.table import SIDE, height_of
@@ -34,6 +35,7 @@ class Templates:
     lights: Float  # (m, 4) at infinity, unit (x, y, z)
     solid_angle: Float  # (m,) share of the upper hemisphere that each stands for
     shadows: Shadows
+    rims: Rims
     hidden_sky: Float32  # (n * n,) fraction of an even sky's light that the body keeps from the table
     # (2, n * n) what it hides more of a sky that is brighter along x, and along y: one that gives 1 more to a facet
     # that faces that way, in units of what it gives to a level one.
@@ -56,6 +58,7 @@ class Templates:
             np.concatenate([self.lights, further]),
             np.concatenate([self.solid_angle, cell / lengths**3 / (2 * np.pi)]),
             self.shadows.joined(shadows_of(body, further)),
+            self.rims.and_unseen(len(further)),
             self.hidden_sky,
             self.hidden_slope,
             self.from_sides,
@@ -95,4 +98,4 @@ def _templates(family: str, spheroids: bytes) -> Templates:
     # A sky with the radiance 1 + 3 g·w towards w gives 1/2 + g·n to an upright facet, over that of level ground.
     hidden = np.einsum("cm,mij->cij", share * np.vstack([np.ones(len(s)), 3 * lights[:, :2].T]), shadows.whole())
     hidden = hidden.reshape(3, SIDE * SIDE).astype(np.float32)
-    return Templates(lights, solid_angle, shadows, hidden[0], hidden[1:], form_factors(body))
+    return Templates(lights, solid_angle, shadows, Rims.of(body, lights), hidden[0], hidden[1:], form_factors(body))

@@ -18,6 +18,7 @@ from ashe_live.light.shape.predicted import Predicted
 
 # Least shadow ratio where both lights are blocked: the sky leaves more light than that.
 LEAST_AMBIENT = 0.01
+NOISE_SIGMAS = 2.0  # by which contributions that add up to more than all light may do so by noise
 # Each light's shadow alone must hold at least this fraction of the region's unlit pixels, and this many of them.
 LEAST_ALONE, LEAST_ALONE_PX = 0.04, 30
 COST_OF_DISTANCE, FARTHEST_PX = 1.0, 10.0  # extra cost per pixel outside of a predicted shadow, and its limit
@@ -25,10 +26,11 @@ CLEARLY, NOT_SHADED = 6.0, 12.0  # squared distances, in units of the shift's no
 MOST_ASKED = 1000
 
 
-def shifts_of_both(ground: LitGround, first: Float, second: Float) -> Float | None:
-    """(3,) the shift where both lights are blocked, as their contributions add up; None if that leaves no light."""
-    ratio = shadow_ratio(ground, first) + shadow_ratio(ground, second) - 1
-    return shift_of_ratio(ground, ratio) if ratio.min() > LEAST_AMBIENT else None
+def ratio_of_both(ground: LitGround, first: Float, second: Float) -> Float:
+    """(3,) the shadow ratio where both lights are blocked, linear RGB, as contributions add up; none is below 0 where
+    shifts are exact.
+    """
+    return shadow_ratio(ground, first) + shadow_ratio(ground, second) - 1
 
 
 def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], count: int) -> list[tuple[int, int]]:
@@ -51,19 +53,25 @@ def likeliest_pairs(region: Region, ground: LitGround, shifts: Sequence[Float], 
     found = []
     for i, j in combinations(range(len(shifts)), 2):
         exclusive = (np.count_nonzero((a < CLEARLY) & (a < b)) for a, b in ((alone[i], alone[j]), (alone[j], alone[i])))
-        both = shifts_of_both(ground, shifts[i], shifts[j])
-        if both is not None and min(exclusive) >= LEAST_ALONE * len(colours):
-            found.append((float(np.minimum(np.minimum(alone[i], alone[j]), missed(both)).mean()), (i, j)))
+        ratio = ratio_of_both(ground, shifts[i], shifts[j])
+        if ratio.min() > LEAST_AMBIENT and min(exclusive) >= LEAST_ALONE * len(colours):
+            together = missed(shift_of_ratio(ground, ratio))
+            found.append((float(np.minimum(np.minimum(alone[i], alone[j]), together).mean()), (i, j)))
     return [pair for _, pair in sorted(found)[:count]]
 
 
 def materials_of_two(region: Region, ground: LitGround, first: Materials, second: Materials) -> Materials | None:
-    """The materials of two lights' shadows, the deeper one first; None where both together would leave no light."""
+    """The materials of two lights' shadows, the deeper one first; None where both together would leave no light.
+
+    Where they leave none by less than their shifts' noise, the least is left: a camera's tone curve deepens shadows.
+    """
     if first.shift[0] > second.shift[0]:
         first, second = second, first
-    both = shifts_of_both(ground, first.shift, second.shift)
-    if both is None:
+    ratio = ratio_of_both(ground, first.shift, second.shift)
+    noise = SHIFT_NOISE[0] * np.hypot(*(shadow_ratio(ground, each.shift) for each in (first, second)))
+    if (ratio < -NOISE_SIGMAS * noise).any():
         return None
+    both = shift_of_ratio(ground, np.maximum(ratio, LEAST_AMBIENT))
     cost_of_both = cost_of_shift(region, ground, both, SHADED_SHARES)
     layers = np.stack([first.shaded, second.shaded, cost_of_both])
     shares = np.stack([first.light_lost, second.light_lost, share_of_light_lost(region, ground, both)])

@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from operator import attrgetter
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from ashe_live.light.lamps.agreement import FallDirections
 from ashe_live.light.lamps.fall_off import FallOff, clear_of
 from ashe_live.light.lamps.kinds import SUN
 from ashe_live.light.lamps.near_fits import fitted_near, in_all_views, nearness_prior
-from ashe_live.light.lamps.sources import parameters_of, shadow_middle, share_of
+from ashe_live.light.lamps.sources import shadow_middle, share_of
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 
@@ -95,7 +96,7 @@ class LampHypotheses:
                 lamp = in_all_views(sun, again, held, prior, sharpener)
                 if lamp is not None:
                     found.append(self._compared(sun, lamp))
-        return max(found, key=lambda each: each.deviance, default=LampEvidence(None, 0.0, 0.0))
+        return max(found, key=attrgetter("deviance"), default=LampEvidence(None, 0.0, 0.0))
 
     @cached_property
     def _directions(self) -> FallDirections | None:
@@ -106,19 +107,24 @@ class LampHypotheses:
         if self._directions is None:
             return 0.0
         lit = explanation.alignment.placed.lit
-        near = [lit.with_first_light_near(each).lights for each in (0.0, *agreement.NEARNESSES)]
-        return self._directions.log_ratio(np.array([light_parameters(lights)[0] for lights in near]))
+        return self._directions.log_ratio(light_parameters(lit.first_light_near((0.0, *agreement.NEARNESSES))))
 
     def decided(self, explanation: Explanation, fit: NearFit, sharpener: Sharpener) -> Explanation:
-        """The explanation, moved onto steps of light, by a lamp if that is sure, else by a sun."""
-        sun = explanation
-        if is_held_near(explanation):
-            fitted = fitted_near(explanation, 0.0, fit, sharpener)
-            if fitted is None:
-                return explanation
-            sun = fitted
-        evidence = self.evidence(sun, fit, sharpener)
-        return evidence.lamp if evidence.lamp is not None and evidence.is_lamp else sun
+        """The explanation, moved onto steps of light, by a lamp if that is sure, else by a sun.
+
+        A lamp's own nearness is tried beside that which the fall of light asks for in the sun's direction: a sun's
+        direction is not the lamp's, and the fall of light changes with it.
+        """
+        if not is_held_near(explanation):
+            return _decided(explanation, self.evidence(explanation, fit, sharpener))
+        nearness = float(nearness_of(explanation.lights[0].light))
+        sun, lamp = (fitted_near(explanation, each, fit, sharpener) for each in (0.0, nearness))
+        if sun is None:
+            return explanation
+        several = [self.evidence(sun, fit, sharpener)]
+        if lamp is not None and self.fall_off is not None:
+            several.append(self._compared(sun, lamp))
+        return _decided(sun, max(several, key=attrgetter("deviance")))
 
     def likelier(self, suns: Sequence[Explanation], fit: NearFit) -> list[Explanation]:
         """Each rough explanation, or in its place a lamp's where the fall of light asks for one and outlines agree."""
@@ -137,21 +143,24 @@ class LampHypotheses:
         """The nearness of a lamp in the direction that the body sees, by the fall of light, and a sun's deviance."""
         if self.fall_off is None or len(sun.lights) > 1:
             return 0.0, 0.0
-        lit = sun.alignment.placed.lit
-        costs = self._costs(sun, [lit.with_first_light_near(each).lights[0] for each in (0.0, *NEARNESSES)])
+        costs = self._costs(sun, sun.alignment.placed.lit.first_light_near((0.0, *NEARNESSES)))
         best = int(np.argmin(costs[1:]))
         return NEARNESSES[best], float(costs[0] - costs[1 + best])
 
     def _compared(self, sun: Explanation, lamp: Explanation) -> LampEvidence:
-        (as_sun,), (as_lamp,) = (self._costs(each, [each.lights[0].light]) for each in (sun, lamp))
+        (as_sun,), (as_lamp,) = (self._costs(each, each.lights[0].light[None]) for each in (sun, lamp))
         return LampEvidence(lamp, float(as_sun - as_lamp), _by_outlines(sun, lamp), _is_in_views(lamp))
 
-    def _costs(self, explanation: Explanation, lights: Sequence[Float]) -> Float:
-        """(n,) of the fall of light in each of n lights (4,) in the place of the explanation's first one."""
+    def _costs(self, explanation: Explanation, lights: Float) -> Float:
+        """(n,) of the fall of light in each of the lights (n, 4) in the place of the explanation's first one."""
         assert self.fall_off is not None
         share = share_of(shadow_ratio(self.ground, np.asarray(explanation.materials.shift)))
-        parameters = np.array([parameters_of(light) for light in lights])
+        parameters = np.column_stack([light_parameters(lights), nearness_of(lights)])
         return self.fall_off.worst_costs(parameters, share, shadow_middle(explanation))
+
+
+def _decided(sun: Explanation, evidence: LampEvidence) -> Explanation:
+    return evidence.lamp if evidence.lamp is not None and evidence.is_lamp else sun
 
 
 def is_held_near(explanation: Explanation) -> bool:

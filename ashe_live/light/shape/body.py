@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class BodyFrame:
         return in_marker_frame
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Body:
     """A member of a family, somewhere on the ground."""
 
@@ -51,19 +52,24 @@ class Body:
     family: Family
     shape: Float  # (q,) the family's parameters
 
-    @property
+    @cached_property
     def spheroids(self) -> Float:
         """(k, 5) centre x, y, z, horizontal radius, half height, in the body frame."""
         spheroids: Float = self.family.parts(self.shape[None])[0][0]
         spheroids[:, 3:] = np.abs(spheroids[:, 3:])  # radii enter squared, so their signs have no meaning
         return spheroids
 
-    @property
+    @cached_property
     def proxy(self) -> Proxy:
         """The body as a proxy in the marker frame, metres."""
         spheroids = self.spheroids * self.frame.unit_m
         spheroids[:, :2] += self.frame.origin_marker
         return Proxy(self.family.name, spheroids)
+
+    @cached_property
+    def middle_m(self) -> float:
+        """Half of the body's height."""
+        return 0.5 * float(self.proxy.points_marker()[:, 2].max())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,12 +99,17 @@ class LitBody:
 
         A lamp not well above the body's top would cast no finite shadow; it is moved up.
         """
-        foot, middle = self.body.frame.origin_marker, 0.5 * float(self.body.proxy.points_marker()[:, 2].max())
-        nearness = min(nearness, HIGHEST_NEARNESS / max(middle, 1e-9))
         lights = self.lights / self.lights[:, 2:3]
-        seen = (lights[0, :2] - lights[0, 3] * foot) / (1 - lights[0, 3] * middle)
-        lights[0] = (*(seen * (1 - nearness * middle) + nearness * foot), 1.0, nearness)
+        lights[0] = self.first_light_near([nearness])[0]
         return replace(self, lights=lights)
+
+    def first_light_near(self, nearnesses: Sequence[float]) -> Float:
+        """(k, 4) the first light, z = 1, at each of k nearnesses, as by `with_first_light_near`."""
+        foot, middle = self.body.frame.origin_marker, self.body.middle_m
+        near = np.minimum(nearnesses, HIGHEST_NEARNESS / max(middle, 1e-9))[:, None]
+        x, y, z, w = self.lights[0]
+        seen = (np.array([x, y]) / z - w / z * foot) / (1 - w / z * middle)
+        return np.hstack([seen * (1 - near * middle) + near * foot, np.ones_like(near), near])
 
     def moved(self, step: Float, with_nearness: bool = False) -> "LitBody":
         """After a step in theta; a step longer than (split + q,) is padded for others of its batch, and cut.

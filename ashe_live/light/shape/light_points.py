@@ -21,6 +21,9 @@ def at_infinity(to_lights: Float) -> Float:
     return lights
 
 
+NO_LIGHTS = at_infinity(np.empty((0, 3)))
+
+
 def shadow_projection(lights: Float) -> Float:
     """(..., 4, 4) the projections of homogeneous points onto the plane z = 0 by lights (..., 4) with positive z."""
     projection = np.zeros((*lights.shape[:-1], 4, 4))

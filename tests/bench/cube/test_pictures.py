@@ -24,7 +24,7 @@ def entry(**more: object) -> dict[str, object]:
         "id": "one", "category": "lamp", "image": "one.png", "size": [8, 6], "K": np.eye(3).tolist(),
         "R": np.eye(3).tolist(), "t": [0.0, 0.0, 0.4], "marker": {"dictionary": "cube", "side_m": 0.06},
         "lights": [lamp], "ambient": {"irradiance_ground": list(SKY), "on_ball": EVEN},
-        "ground": {"albedo": [0.3, 0.2, 0.1]}, "visibility": {"object_px": 100, "shadow_px": 4},
+        "ground": {"albedo": [0.3, 0.2, 0.1]},
     } | more  # fmt: skip
 
 
@@ -41,8 +41,21 @@ def test_truth_is_in_units_of_all_light_on_level_ground(tmp_path: Path) -> None:
     up = directions_on_spiral(NORMALS)[:, 2]
     level = np.add(SKY, (0.8, 0.6, 0.2))
     assert picture.sky_on_ball == pytest.approx((1 + up[:, None]) / 2 * np.array(SKY) / level, abs=1e-9)
-    assert not picture.shows_shadows  # a twenty-fifth of the cube
     assert math.isclose(picture.T_cam_cube[2, 3], 0.4)
+
+
+@pytest.mark.parametrize(("place", "is_seen"), [((0.0, 0.3, 0.4), True), ((0.0, 0.0, 0.5), False)])
+def test_a_cube_hides_its_shadow_from_a_camera_beside_the_lamp(
+    tmp_path: Path, place: tuple[float, ...], is_seen: bool
+) -> None:
+    """Whatever else casts shadows in the picture."""
+    lamp = {"dir_to_light": [0.0, 0.0, 1.0], "irradiance_ground": [1.0] * 3, "lamp": {"position_m": list(place)}}
+    from_above = {"size": [640, 480], "K": [[500.0, 0, 320], [0, 500.0, 240], [0, 0, 1]], "t": [0.0, 0.0, 0.4],
+                  "R": np.diag([1.0, -1.0, -1.0]).tolist()}  # fmt: skip
+    seen = {"object_px": 9000, "shadow_px": 9000}
+    folder = folder_of(tmp_path, entry(lights=[lamp], visibility=seen, **from_above))
+    (found,) = traced_pictures([folder])["lamp"]
+    assert traced_picture(*found).shows_shadows == is_seen
 
 
 def test_pictures_without_a_cube_are_another_bench_s(tmp_path: Path) -> None:

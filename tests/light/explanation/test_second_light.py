@@ -11,10 +11,11 @@ from ashe_live.core.transforms import angle_between
 from ashe_live.core.types import LightEstimate
 from ashe_live.light.estimators.proxy import ProxyEstimator
 from ashe_live.light.estimators.steps import BALANCED
-from ashe_live.light.explanation.second_shadow import DIRECTIONS, _MatchedFilter, shadow_candidates
+from ashe_live.light.explanation.shadow_search import DIRECTIONS, _MatchedFilter, shadow_candidates
 from ashe_live.light.ground.lit_ground import LitGround, fit_lit_ground
 from ashe_live.light.ground.shadow_shift import shift_of_ratio
-from ashe_live.light.labels.two_lights import likeliest_pairs, shifts_of_both
+from ashe_live.light.labels.materials import materials_of
+from ashe_live.light.labels.two_lights import likeliest_pairs, materials_of_two
 from ashe_live.light.pixels.view import View
 from ashe_live.light.shape.light_points import at_infinity
 from ashe_live.light.shape.predicted import outlines, predicted
@@ -53,7 +54,7 @@ def errors_deg(estimate: LightEstimate, *truths: Float) -> list[float]:
 )
 def test_a_shadow_candidate_tells_direction_and_strength_of_the_second_light(ground: str, other: OtherLight) -> None:
     painted = paint(CYLINDER, ground=ground, other=other)
-    found = shadow_candidates(BODY, at_infinity(painted.to_light), *seen(painted), 1)
+    found = shadow_candidates(BODY, at_infinity(painted.to_light)[None], *seen(painted), 1)
     assert len(found) == 1
     assert math.degrees(angle_between(found[0].light[:3], other.to_light)) < 8
     darker = math.log(1 - np.mean(other.blocked_rgb))
@@ -64,7 +65,7 @@ def test_a_known_lamp_far_away_leaves_what_a_known_sun_does() -> None:
     painted = paint(CYLINDER, other=STRONG)
     lamp = np.append(1e6 * painted.to_light, 1.0)
     (by_sun,), (by_lamp,) = (
-        shadow_candidates(BODY, light, *seen(painted), 1) for light in (at_infinity(painted.to_light), lamp)
+        shadow_candidates(BODY, light[None], *seen(painted), 1) for light in (at_infinity(painted.to_light), lamp)
     )
     np.testing.assert_array_equal(by_sun.area, by_lamp.area)
     assert by_lamp.signal_to_noise == pytest.approx(by_sun.signal_to_noise, rel=1e-3)
@@ -75,11 +76,11 @@ def test_the_shadow_of_a_known_lamp_is_no_candidate() -> None:
     to_light, foot = painted.to_light, np.array([*CYLINDER.at, 0.0])
     view, ground = seen(painted)
     aside = np.append(foot + 0.25 * direction(80.0, 45.0), 1.0)
-    (candidate,) = shadow_candidates(BODY, aside, view, ground, 1)
+    (candidate,) = shadow_candidates(BODY, aside[None], view, ground, 1)
     assert not (candidate.area & predicted(BODY, aside[None], view).whole).any()
     assert math.degrees(angle_between(candidate.light[:3], to_light)) < 8
     in_line = np.append(foot + 0.5 * to_light, 1.0)
-    assert shadow_candidates(BODY, in_line, view, ground, 1) == []
+    assert shadow_candidates(BODY, in_line[None], view, ground, 1) == []
 
 
 def test_shadows_are_tried_where_suns_and_lamps_cast_them() -> None:
@@ -97,13 +98,13 @@ def test_shadows_are_tried_where_suns_and_lamps_cast_them() -> None:
 
 def test_one_light_leaves_no_further_candidate_on_an_even_ground() -> None:
     painted = paint(CYLINDER)
-    assert shadow_candidates(BODY, at_infinity(painted.to_light), *seen(painted), 2) == []
+    assert shadow_candidates(BODY, at_infinity(painted.to_light)[None], *seen(painted), 2) == []
 
 
 def test_what_lies_out_of_view_is_no_candidate() -> None:
     coarse, ground = seen(paint(CYLINDER, other=PALE))
     far = Proxy("frustum", BODY.spheroids_marker + np.array([50.0, 0, 0, 0, 0]))
-    assert shadow_candidates(far, at_infinity(np.array([0.0, 0, 1])), coarse, ground, 2) == []
+    assert shadow_candidates(far, at_infinity(np.array([[0.0, 0, 1]])), coarse, ground, 2) == []
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=["box", "cylinder"])
@@ -147,5 +148,18 @@ def test_two_true_shifts_explain_a_region_better_than_any_wrong_one_with_them(gr
 def test_shifts_that_leave_no_light_are_no_pair() -> None:
     painted = painted_region(CYLINDER)
     dark, darker = (shift_of_ratio(painted.ground, np.full(3, left)) for left in (0.45, 0.5))
-    assert shifts_of_both(painted.ground, dark, darker) is None
     assert likeliest_pairs(painted.region, painted.ground, [dark, darker], 3) == []
+
+
+@pytest.mark.parametrize(("left", "are_two"), [(0.6, True), (0.45, True), (0.3, False)])
+def test_contributions_may_exceed_all_light_by_their_noise_only(left: float, are_two: bool) -> None:
+    painted = painted_region(CYLINDER)
+    one, other = (
+        materials_of(painted.region, painted.ground, shift_of_ratio(painted.ground, np.full(3, each)))
+        for each in (left, left + 0.05)
+    )
+    both = materials_of_two(painted.region, painted.ground, one, other)
+    assert (both is not None) == are_two
+    if both is not None:
+        deeper, paler, together = both.shifts
+        assert together[0] < deeper[0] < paler[0]

@@ -48,6 +48,21 @@ def test_a_lamp_is_found_from_a_suns_explanation(ground: str, caster: Caster) ->
 
 
 @pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
+def test_a_lamp_that_is_known_stays_where_it_is(caster: Caster) -> None:
+    """Its own nearness is tried, not only that which the fall of light asks for in the direction that a sun has."""
+    here = painted_region(caster, ground="bricks", lamp_m=LAMP_M)
+    sun, sharpener = by_a_sun(here)
+    tried = hypotheses(here)
+    lamp = tried.decided(sun, FIT, sharpener)
+    again = tried.decided(lamp, FIT, sharpener)
+    assert is_held_near(again)
+    assert again.criterion <= lamp.criterion + 1
+    assert np.degrees(angle_between(again.lights[0].to_light_marker, np.array(LAMP_M))) < 2.5
+    without_ground = hypotheses(here, SUN).decided(lamp, FIT, sharpener)
+    assert not is_held_near(without_ground)
+
+
+@pytest.mark.parametrize("caster", [BOX, CYLINDER], ids=lambda caster: caster.shape)
 def test_a_sun_stays_one(caster: Caster) -> None:
     here = painted_region(caster, ground="bricks")
     sun, sharpener = by_a_sun(here)

@@ -32,6 +32,7 @@ GOOD_RAD = math.radians(10)
 RAYLEIGH_68 = math.log(1 - 0.68)
 LEAST_GOOD = 1e-6
 LEAST_PROBABILITY = 1e-9
+SETTLED = 0.7  # probability of a direction from which on nothing more is looked for
 # Log odds beyond which nothing changes: products of odds must not overflow.
 MOST_LOG_ODDS = 50.0
 
@@ -123,6 +124,11 @@ def best_direction(
         group = group & (np.asarray(counts) == shares.argmax())
     index = int(np.where(group, probabilities, -1.0).argmax())
     return index, float(min(around[index], 1.0))
+
+
+def is_settled(log_odds: Sequence[float], to_lights_marker: Sequence[Float]) -> bool:
+    """Whether n explanations leave no doubt about the direction; to_lights_marker: n unit vectors (3,)."""
+    return bool(log_odds) and best_direction(probabilities_of(log_odds), to_lights_marker)[1] > SETTLED
 
 
 def split_features(region: Region, materials: Materials, split: Split) -> Mapping[str, float]:

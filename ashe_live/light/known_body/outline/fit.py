@@ -64,16 +64,16 @@ def fitted(
     reaches = REACHES if size_rad is None else ()
     parameters = [0, 1, 3] if with_nearness else [0, 1]
     start, prior = _prior(here, height_of(body), with_nearness)
-    height_px = _height_px(body, view)
+    tall_px = height_px(body, view)
     for number in range(MOST_ROUNDS):
         edges = shadow_edges(body, here, view)
         if edges is None:
             return None
         is_first = number < len(reaches)
         if is_first:
-            wanted_px = np.full(len(edges.points_px), max(reaches[number] * height_px, 2 * LEAST_PX))
+            wanted_px = np.full(len(edges.points_px), max(reaches[number] * tall_px, 2 * LEAST_PX))
         else:
-            wanted_px = _windows_px(edges, blur, size, height_px)
+            wanted_px = _windows_px(edges, blur, size, tall_px)
         profiles = Profiles.of(edges, wanted_px, picture, room)
         weight = profiles.weights(darkening, EARLY_LOSS if is_first else 1.0)
         if np.count_nonzero(weight) < FEWEST:
@@ -96,7 +96,7 @@ def looked_at_again(fit: EdgeFit, body: Proxy, darkening: float, picture: Float3
     edges = shadow_edges(body, fit.light, view)
     if edges is None:
         return fit
-    wanted_px = _windows_px(edges, BLUR_PX**2, fit.size_rad or 0.0, _height_px(body, view))
+    wanted_px = _windows_px(edges, BLUR_PX**2, fit.size_rad or 0.0, height_px(body, view))
     profiles = Profiles.of(edges, wanted_px, picture, room)
     clear = profiles.clear(darkening) if profiles.visible.any() else 0.0
     return replace(fit, clear=clear, seen=float(profiles.visible.mean()))
@@ -110,10 +110,11 @@ def _windows_px(edges: ShadowEdges, blur_px2: float, size_rad: float, height_px:
 
 def widest_reach_px(body: Proxy, view: View) -> float:
     """How far from where a fit predicts edges at first it looks for them."""
-    return max(REACHES[0] * _height_px(body, view), 2 * LEAST_PX)
+    return max(REACHES[0] * height_px(body, view), 2 * LEAST_PX)
 
 
-def _height_px(body: Proxy, view: View) -> float:
+def height_px(body: Proxy, view: View) -> float:
+    """Of the body in the picture, as if seen from the side."""
     return float(view.camera.K[0, 0]) * height_of(body) / float(np.linalg.norm(view.T_cam_marker[:3, 3]))
 
 
@@ -129,10 +130,13 @@ def _prior(light: Float, height: float, with_nearness: bool) -> tuple[Float, Flo
     if not with_nearness:
         return light[:2], unit / sigma**2 * np.eye(2)
     by_parameters = np.column_stack([np.eye(2), height * end])
-    # The nearness w / z of a low lamp is larger than one over its distance.
-    nearness_sigma = NEARNESS_SIGMA * math.sqrt(1 + float(light[:2] @ light[:2]))
-    information = by_parameters.T @ by_parameters / sigma**2 + np.diag([0.0, 0.0, nearness_sigma**-2])
+    information = by_parameters.T @ by_parameters / sigma**2 + np.diag([0.0, 0.0, nearness_sigma(light) ** -2])
     return np.append(end, 0.0), unit * information
+
+
+def nearness_sigma(light: Float) -> float:
+    """Of the nearness w / z near a light (4,), z = 1, before the picture is seen: a low lamp's is over its distance."""
+    return NEARNESS_SIGMA * math.sqrt(1 + float(light[:2] @ light[:2]))
 
 
 def _moved(light: Float, step: Float, height: float) -> Float:
@@ -171,11 +175,13 @@ def _edge_fit(
         shown &= profiles.are_edges(darkening) | ~profiles.are_cut_off()
     told = weight * shown[edges.side]
     inverse = np.linalg.inv((J.T * told) @ J + prior)
+    # What the edges leave open is as open as before, however well they fit.
+    by_prior = max(EDGE_SIGMA_PX**2 - variance, 0.0) * inverse @ prior @ inverse
     # Neighbouring points err alike, and a whole side does where stains, folds or the hidden sky's gradient shift it.
     by_sides = EDGE_SIGMA_PX * ((edges.side == np.arange(count)[:, None]) * told) @ J @ inverse
     return EdgeFit(
         light,
-        np.asarray(variance * POINTS_A_SAMPLE * inverse + by_sides.T @ by_sides),
+        np.asarray(POINTS_A_SAMPLE * (variance * inverse + by_prior) + by_sides.T @ by_sides),
         size_rad,
         math.sqrt(variance),
         math.sqrt(float((weight * (left_px / profiles.reach_px) ** 2).sum() / weight.sum())),

@@ -1,5 +1,6 @@
 """What lights, the sky and the table give to a known body's sides, beside what they give to its level facet."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,17 +38,18 @@ class Sides:
     residual: Float  # (k,) without what the table sends, and an even sky that gave all light
     noise: Float  # (k,) standard deviation of how that is measured
     is_clipped: Mask  # (k,) brighter than the picture shows
+    by_level: Float  # (k,) what all change together by a standard deviation of the level facet's light
 
     @staticmethod
     def of(facets: Facets, from_table: Float, channels: Float) -> "Sides":
-        """No sides where the level facet is not seen or clipped, which all others are compared with.
+        """No sides where the level facet's light is not told, which all others are compared with.
 
         from_table: (n, 3) what the table sends to each facet, in the picture's linear light. channels: (3,) weights of
         R, G, B.
         """
         light, bounced = facets.light_rgb @ channels, from_table @ channels
         is_level = facets.normals[:, 2] > 0.99
-        level = np.flatnonzero(is_level & ~facets.is_clipped)
+        level = np.flatnonzero(is_level & math.isfinite(facets.level_sigma))
         sides = np.flatnonzero(~is_level) if len(level) else level
         white = max(float(light[level].mean()), 1e-4) if len(level) else 1.0
         relative = light[sides] / white
@@ -57,7 +59,13 @@ class Sides:
         noise = np.sqrt(NOISE**2 + mixed[sides] ** 2 + (relative * of_level) ** 2)
         level_centre = facets.centres[level].mean(axis=0) if len(level) else np.zeros(3)
         clipped = facets.is_clipped[sides]
-        return Sides(facets.normals[sides], facets.centres[sides], level_centre, relative, residual, noise, clipped)
+        by_level = relative * (facets.level_sigma if len(level) else 0.0)
+        noise = np.hypot(
+            noise, np.where(clipped, by_level, 0.0)
+        )  # what is a bound only tells nothing of what is shared
+        by_level = np.where(clipped, 0.0, by_level)
+        normals, centres = facets.normals[sides], facets.centres[sides]
+        return Sides(normals, centres, level_centre, relative, residual, noise, clipped, by_level)
 
     def reached(self, lights: Float) -> Float:
         """(..., k) by how much each side gets more of lights (..., 4) than of an even sky.
@@ -101,8 +109,18 @@ class Sides:
         away = self.residual[:, None] - (reached * darkenings[:, None]).sum(axis=0)
         if self.is_clipped.any():  # it may be brighter than it looks
             away = np.where(self.is_clipped[:, None], np.maximum(away, 0.0), away)
+        by_sides = np.log(variance).sum(axis=0)
+        if self.by_level.any():
+            weighed, most = self.by_level[:, None] / variance, self.level_information(variance)
+            together = (weighed * away).sum(axis=0) / most
+            away = away - self.by_level[:, None] * together
+            by_sides = by_sides + together**2 + np.log(most)
         sigmas_squared = np.minimum(away**2 / variance, MOST_SIGMAS**2)
-        return np.asarray(-0.5 * (sigmas_squared + np.log(variance)).sum(axis=0))
+        return np.asarray(-0.5 * (sigmas_squared.sum(axis=0) + by_sides))
+
+    def level_information(self, variance: Float) -> Float:
+        """(m,) of the level facet's light, in standard deviations, by sides of `variance` (k, m) and before."""
+        return np.asarray(1 + (self.by_level[:, None] ** 2 / variance).sum(axis=0))
 
 
 def direct_light(lights: Float, normals: Float, centres: Float) -> Float:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from ashe_live.core.arrays import Float
 from ashe_live.light.known_body.sides.facets import facets_of
 from ashe_live.light.known_body.table import linear_picture
 from ashe_live.light.pixels.view import View
@@ -41,3 +42,31 @@ def test_a_dark_side_is_not_taken_for_its_bright_neighbour(azimuth_deg: float, s
     direct = float(light.irradiance_rgb.mean() * light.point[2])
     assert np.count_nonzero(~level) == 2
     assert relative[~level] == pytest.approx(np.full(2, 0.5 * SKY / (SKY + direct)), abs=0.04)
+
+
+def relative_light(exposure: float) -> tuple[Float, bool, float]:
+    """(2,) of a cube's two sides in view over its top's; whether that is overexposed; and how well it is told."""
+    scene = CubeScene(
+        CAMERA, looking(0.4, 45, 30), [sun(240, 50, on_table=DIRECT)], sky_rgb=np.full(3, SKY), exposure=exposure
+    )
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    assert tracked.marker is not None
+    assert tracked.marker.body is not None
+    view = View.of(tracked, 640)
+    facets = facets_of(view, tracked.marker.body, linear_picture(view))
+    level = facets.normals[:, 2] > 0.99
+    relative = facets.light_rgb[~level].mean(axis=1) / facets.light_rgb[level].mean()
+    return relative, bool(facets.is_clipped[level].all()), facets.level_sigma
+
+
+@pytest.mark.parametrize("exposure", [1.7, 2.0])
+def test_an_overexposed_top_is_told_by_its_ink(exposure: float) -> None:
+    truth, is_clipped, sigma = relative_light(0.8)
+    assert not is_clipped
+    assert sigma == 0
+    relative, is_clipped, sigma = relative_light(exposure)
+    assert is_clipped
+    as_shown = truth * exposure * 0.78  # over a top no brighter than the picture shows, of paper
+    assert (np.abs(np.log(relative / truth)) < np.abs(np.log(as_shown / truth))).all()
+    assert np.abs(np.log(relative / truth)).max() < 2 * sigma
+    assert 0.1 < sigma < 0.4

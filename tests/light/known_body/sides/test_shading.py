@@ -61,3 +61,25 @@ def test_lamps_leave_more_open_than_suns() -> None:
     sun = unit * (1, 1, 1, 0)
     reached = sides.reached(sun)
     assert (sides.spread(unit, reached) > sides.spread(sun, reached)).all()
+
+
+def test_a_level_facet_that_nobody_can_tell_leaves_what_the_sides_say_of_each_other() -> None:
+    """All sides brighter by the same share are as likely as none, and one that is brighter than the other is not."""
+    light_rgb = np.repeat(np.array([(1.0,), (0.5,), (0.5,)]), 3, axis=1)
+    clipped, wide = np.array([True, False, False]), np.full(3, 90.0)
+
+    def likelihood(light_rgb: Float, sigma: float) -> float:
+        sides = Sides.of(Facets(NORMALS, light_rgb, CENTRES, clipped, wide, sigma), np.zeros((3, 3)), WHITE)
+        none = np.zeros((0, 2, 1))
+        return float(sides.log_likelihood(none, np.zeros((0, 1)), sides.variance(none, np.zeros((0, 1))))[0])
+
+    brighter, lopsided = light_rgb * np.array([(1.0,), (1.4,), (1.4,)]), light_rgb * np.array([(1.0,), (1.8,), (1.0,)])
+    known, open_ = 0.0, 0.5
+    assert likelihood(light_rgb, known) - likelihood(brighter, known) > 1.5
+    assert likelihood(light_rgb, open_) - likelihood(brighter, open_) < 1
+    assert likelihood(brighter, open_) - likelihood(lopsided, open_) > 0.5
+
+
+def test_sides_say_nothing_beside_a_level_facet_of_which_nothing_is_told() -> None:
+    seen = Facets(NORMALS, np.ones((3, 3)), CENTRES, np.array([True, False, False]), np.full(3, 90.0), np.inf)
+    assert len(Sides.of(seen, np.zeros((3, 3)), WHITE).relative) == 0

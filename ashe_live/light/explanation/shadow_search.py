@@ -1,6 +1,6 @@
-"""Search for a further shadow of a known body: places on the ground that are darker than their surroundings.
+"""Search for shadows of a known body: places on the ground that are darker than their surroundings.
 
-The body is given, so a further shadow has two unknowns only. One that is too pale to win votes or to stand out pixel by
+The body is given, so each shadow has two unknowns only. One that is too pale to win votes or to stand out pixel by
 pixel is found by the mean colour of all its pixels: a matched filter with the predicted shadow as template.
 """
 
@@ -14,8 +14,11 @@ from ashe_live.core.arrays import Float, Float32, Mask
 from ashe_live.core.proxy import Proxy
 from ashe_live.core.transforms import angle_between, image_from_plane
 from ashe_live.light.ground.lit_ground import LitGround
+from ashe_live.light.ground.regions import Region, region_of
+from ashe_live.light.ground.shadow_shift import shift_near
 from ashe_live.light.pixels.areas import grown
 from ashe_live.light.pixels.view import View
+from ashe_live.light.shape.body import LitBody
 from ashe_live.light.shape.layout import light_parameters, nearness_of
 from ashe_live.light.shape.light_points import at_infinity, towards
 from ashe_live.light.shape.predicted import predicted
@@ -35,26 +38,38 @@ LIT = 6.0  # largest squared distance of a lit pixel's colour from the ground's 
 SURROUNDINGS = 2.0  # radius of the surroundings, in units of the body's size
 LEAST_DARKENING, LEAST_SIGNAL_TO_NOISE = 0.07, 20.0
 APART_RAD = math.radians(12)
+PALEST = math.log(0.9)  # brightness of a shift: a light that contributes less than a tenth of all light is left out
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShadowCandidate:
-    """A candidate for a further shadow."""
+    """A candidate for a shadow."""
 
     light: Float  # (4,) homogeneous point at infinity, marker frame, with z = 1
-    area: Mask  # (h, w) its visible part in the coarse picture, outside of the body and of the first shadow
+    area: Mask  # (h, w) its visible part in the coarse picture, outside of the body and of known shadows
     difference: Float  # (3,) mean log-opponent colour of the area less that of the ground around it
     signal_to_noise: float  # of that difference, the noise being the ground's own unevenness
 
+    def shift(self, ground: LitGround) -> Float | None:
+        """(3,) the shift of the ground's colours in it; None where too little is seen or it is too pale."""
+        shift = shift_near(ground.colours[self.area], ground, self.difference)
+        return None if shift is None or shift[0] > PALEST else shift
+
+    def region(self, lit: LitBody, fine: View, coarse: View, ground: LitGround, region_px: int) -> Region:
+        """The part of `fine` that holds the candidate and the body with its shadows, scaled to `region_px`."""
+        seen = predicted(lit.body.proxy, lit.lights, coarse).whole & coarse.is_ground
+        return region_of(fine, seen | self.area, ground, region_px)
+
 
 def shadow_candidates(
-    proxy: Proxy, known_light: Float, coarse: View, ground: LitGround, count: int
+    proxy: Proxy, known_lights: Float, coarse: View, ground: LitGround, count: int
 ) -> list[ShadowCandidate]:
-    """Up to `count` candidates for a further shadow of a body with one known light, by falling signal-to-noise ratio.
+    """Up to `count` candidates for a shadow of a body beside those in known lights, by falling signal-to-noise ratio.
 
-    known_light: (4,) homogeneous point, marker frame. coarse: the view that `ground` was fitted to.
+    known_lights: (l, 4) homogeneous points, marker frame; (0, 4) where none is known. coarse: the view that `ground`
+    was fitted to.
     """
-    known = predicted(proxy, known_light[None], coarse)
+    known = predicted(proxy, known_lights, coarse)
     free = coarse.is_ground & ~grown(known.whole, BESIDE_PX)
     if np.count_nonzero(free) < LEAST_PX:
         return []
@@ -63,7 +78,7 @@ def shadow_candidates(
     azimuths, lengths = (each.ravel() for each in np.meshgrid(np.radians(AZIMUTHS), LENGTHS))
     ratios, _ = matched_filter.responses(_lights(azimuths, lengths))
     found: list[ShadowCandidate] = []
-    directions = [towards(known_light, proxy.foot_marker)]
+    directions = [towards(light, proxy.foot_marker) for light in known_lights]
     for index in np.argsort(-ratios, kind="stable"):
         if ratios[index] < LEAST_SIGNAL_TO_NOISE or len(found) == count:
             break
