@@ -8,6 +8,7 @@
 uniform sampler2D video;
 uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform vec3 sky;  // its fraction of the light on level ground at the marker, linear RGB; the lights' are the rest
+uniform vec3 sky_slope[2];  // what surfaces that face x and y get of it beyond that of an even one
 #if LIGHTS > 0 && CASTERS > 1
 uniform vec3 ground_rgb;  // colour of the lit ground at the marker in the video, linear; 0 if it is not known
 const float RIM_PX = 2.5;  // error of the real shadow's outline
@@ -32,6 +33,9 @@ uniform sampler2D cover;  // of the marker's sheet: the ground that it hides; st
 uniform float cover_half_m;
 uniform vec3 cover_gain;  // exposure of this frame over that of the cover's
 #endif
+// Of a pixel's side, the width of the texels looked at, lest leaves' shadows that are finer than a pixel break up. Their
+// interpolation blurs by 0.6 of a pixel's own area, which the composite adds: with more, borders are too wide for the lens.
+const float TEXEL_SIDES = 0.45;
 uniform float strength;  // 0: the model darkens nothing
 #ifdef SOFT_BORDER
 uniform float border_px;  // standard deviation of the real shadow's border beyond what lens and sun explain
@@ -126,6 +130,8 @@ void main() {
     vec3 before = sky;
     vec3 after = sky;
 #if LIGHTS > 0
+    vec2 columns = dFdx(ground), rows = dFdy(ground);
+    float texel_m = TEXEL_SIDES * sqrt(abs(columns.x * rows.y - columns.y * rows.x));
     for (int light = 0; light < LIGHTS; ++light) {
         float falloff;
         vec3 towards = towards_light(light, vec3(ground, 0.0), falloff);
@@ -135,7 +141,7 @@ void main() {
         float lit = 0.25 * (lit_on_ground(0, light, ground + across + along) + lit_on_ground(0, light, ground + across - along)
             + lit_on_ground(0, light, ground - across + along) + lit_on_ground(0, light, ground - across - along));
 #else
-        float lit = lit_on_ground(0, light, ground);
+        float lit = lit_around(0, light, ground, texel_m);
 #endif
         vec3 seen = sun_on_ground[light] * ground_falloff(light, ground);
         float share = 1.0;
@@ -157,7 +163,11 @@ void main() {
     vec3 from_ground = ground_bounce * after / max(before, 1e-3);
     vec3 on_wall = 0.5 * (sky + from_ground_on_wall(outward_placed, hidden.x * is_wall)) + on_walls;
     vec3 facing = model_albedo * mix(from_ground, on_wall, is_wall);
-    after += hidden.x * (facing - sky);
+    // A sky whose radiance leans by k times a direction's x gives a wall that faces x a third of k more.
+    vec2 hidden_from = (marker_from_placed * vec4(hidden.yz, 0.0, 0.0)).xy;
+    hidden_from *= length(hidden.yz) / max(length(hidden_from), 1e-6);
+    vec3 gone = hidden.x * sky + 3.0 * (sky_slope[0] * hidden_from.x + sky_slope[1] * hidden_from.y);
+    after += hidden.x * facing - max(gone, 0.0);
     vec3 ratio = mix(vec3(1.0), after / max(before, 1e-3), strength);
     vec3 change = abs(1.0 - ratio);
     if (covered == 0.0 && max(change.r, max(change.g, change.b)) < 0.0005) discard;

@@ -24,6 +24,7 @@ from ashe_live.render.passes.composite import Composite
 from ashe_live.render.passes.lens import Lens
 from ashe_live.render.passes.light_sign import LightSign, light_sign
 from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
+from ashe_live.render.passes.outlines import Outlines
 from ashe_live.render.passes.overlays import OverlayPass
 from ashe_live.render.passes.prepared import ModelSwitches
 from ashe_live.render.passes.standing import StandingGroup
@@ -59,6 +60,7 @@ class SceneRenderer:
         self._lens = Lens(ctx)
         self._mirror = Mirror(ctx)
         self._programs = Programs(ctx)
+        self._outlines = Outlines(ctx, self._programs)
         self._composite = Composite(ctx, self._programs)
         self._environment = Environment(ctx, preset.environment_size)
         self._layers = LayerPasses(ctx, self._programs)
@@ -190,6 +192,7 @@ class SceneRenderer:
             self.overlays,
             self._layers,
             self._straight_video,
+            self._outlines,
             self._composite,
             self._lens,
             self._mirror,
@@ -230,6 +233,10 @@ class SceneRenderer:
         with self._surface.drawing(grown(frame.region, 2 * reach + 1, self.size)):
             inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
             self._layers.draw(models, inputs, signs, scene, straight, hidden, self._photometry)
+        if scene.shows_model and not self._surface.samples:
+            model = framing(camera, T_cam_marker, models.corners, viewport)
+            if model is not None:
+                self._outlines.smooth(self._surface, grown(model.region, 1, self.size))
         lens = self._lens if bends else None
         self._composite.draw(
             self._surface, frame.region, viewport, self.video, tracked, look, lens, scene.is_split, scene.is_cut_out

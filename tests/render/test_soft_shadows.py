@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from ashe_live.core.transforms import direction_from_angles
+from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT
+from ashe_live.core.transforms import direction_from_angles, project
 from ashe_live.core.types import Illumination, Light
 from ashe_live.models.primitives import box
 from ashe_live.quality import QUALITIES
@@ -92,3 +93,25 @@ def test_shadows_edge_stands_still_while_the_camera_turns(make_renderer, stage, 
     texel = 0.06 / preset.ground_shadow_size / math.sin(math.radians(35))
     assert np.ptp(edges) < max(texel, 0.0002)
     assert np.mean(edges) == pytest.approx(reach, abs=2 * texel)
+
+
+@pytest.mark.parametrize("quality", list(QUALITIES))
+@pytest.mark.parametrize("size_deg", [0.5, 8.0])
+def test_models_shadow_on_itself_is_as_soft_as_its_light(make_renderer, stage, quality: str, size_deg: float) -> None:
+    """A roof over a table top: where its edge's shadow lies on that, light goes over from none to all."""
+    top, roof = box((0.2, 0.1, 0.01)), box((0.1, 0.1, 0.004)).moved(1.0, np.array([-0.05, 0.0, HEIGHT + 0.006]))
+    tracked = stage.tracked(255, stage.pose(0, 25, 0.35, target=(0.08, 0, 0)))
+    renderer = make_renderer(QUALITIES[quality].render)
+    renderer.render(Scene(tracked, stage.placed(top, roof), Illumination((_light(180, 60, size_deg),))))
+    xs = np.linspace(0.01, 0.08, 141)
+    points = np.column_stack([xs, np.zeros(141), np.full(141, 0.01)])
+    columns, rows = project(tracked.camera, tracked.marker.T_cam_marker, points).round().astype(int).T
+    seen = LINEAR_FROM_SRGB_8BIT[renderer.read_bgr()[rows, columns, 1]]
+    dark, bright = np.median(seen[:10]), np.median(seen[-10:])
+    share = (seen - dark) / (bright - dark)
+    # Half of the disc is hidden where the ray from its middle meets the edge.
+    assert xs[np.flatnonzero(share > 0.5)[0]] == pytest.approx(HEIGHT / math.tan(math.radians(60)), abs=0.003)
+    width = xs[np.flatnonzero(share > 0.9)[0]] - xs[np.flatnonzero(share > 0.1)[0]]
+    # Of a disc's share the 10 and 90 % are 0.69 of its diameter apart, which is the light's angle times the ray.
+    expected = 0.69 * math.radians(size_deg) * HEIGHT / math.sin(math.radians(60)) ** 2
+    assert width == pytest.approx(expected, abs=0.25 * expected + 0.0012)

@@ -103,6 +103,9 @@ def budget(ctx: Context, pair: Pair, preset: RenderPreset) -> Iterator[tuple[str
     yield "as photographed", figures_of(pair, ours)
     yield "true white", figures_of(pair, drawn_at(ctx, pair.scene, preset, white))
     yield "true white and sky", figures_of(pair, drawn_at(ctx, under(pair.scene, truth.sky), preset, white))
+    if pair.sky_slope is not None:
+        leaning = under(pair.scene, truth.sky, pair.sky_slope)
+        yield "true white, sky and its lean", figures_of(pair, drawn_at(ctx, leaning, preset, white))
     yield "true light and shading", figures_of(pair, composed(ctx, pair.scene, preset, truth, pair.is_model))
     yield (
         "without tone curve and colour: the same",
@@ -112,6 +115,11 @@ def budget(ctx: Context, pair: Pair, preset: RenderPreset) -> Iterator[tuple[str
         "linear camera: true white and sky",
         figures_of(linear, drawn_at(ctx, under(linear.scene, truth.sky), preset, white)),
     )
+    if pair.sky_slope is not None:
+        yield (
+            "linear camera: true white, sky and its lean",
+            figures_of(linear, drawn_at(ctx, under(linear.scene, truth.sky, pair.sky_slope), preset, white)),
+        )
     yield (
         "linear camera: true light and shading",
         figures_of(linear, composed(ctx, linear.scene, preset, truth, pair.is_model)),
@@ -155,11 +163,14 @@ def rendition(pair: Pair, name: str) -> Pair:
     return replace(pair, scene=replace(pair.scene, tracked=tracked, illumination=illumination), expected=expected)
 
 
-def under(scene: Scene, sky: Float) -> Scene:
-    """The scene in the light of its sun and a sky with such a share (3,) in the light on level ground."""
+def under(scene: Scene, sky: Float, slope: Float | None = None) -> Scene:
+    """The scene in the light of its sun and a sky with such a share (3,) in the light on level ground.
+
+    `slope`: (2, 3) by which that sky leans, if not evenly bright.
+    """
     (light,) = scene.illumination.lights
     known = replace(light, shadow_rgb_ratio=None, intensity_rgb_ratio=1 / np.maximum(sky, 1e-3) - 1)
-    return replace(scene, illumination=replace(scene.illumination, lights=(known,)))
+    return replace(scene, illumination=replace(scene.illumination, lights=(known,), sky_slope_rgb=slope))
 
 
 class InTrueWhite(Photometry):

@@ -57,6 +57,7 @@ class Pair:
     angular_diameter_deg: float
     white_rgb: Float | None  # (3,) what white of radiance 1 was exposed to, linear RGB; None: not stated, as
     sky: Float | None  # (3,) share of the sky in the light on level ground
+    sky_slope: Float | None  # (2, 3) how that sky leans, as `Illumination.sky_slope_rgb`
 
     @property
     def tracked(self) -> TrackedFrame:
@@ -244,5 +245,5 @@ def _pair(folder: Path, entry: Json, model: str) -> Pair:
         is_model,
         is_sheet > 0,
         entry["angular_diameter_deg"],
-        *(np.array(entry[key]) if key in entry else None for key in ("white_rgb", "sky")),
+        *(np.array(entry[key]) if key in entry else None for key in ("white_rgb", "sky", "sky_slope")),
     )

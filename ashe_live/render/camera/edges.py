@@ -1,19 +1,15 @@
-"""How sharp a picture is, at edges of which one knows where they are: the marker's square, and a shadow's border."""
+"""How sharp a picture is, at edges of which one knows where they are, as those of the marker's square."""
 
 import math
 from typing import NamedTuple
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from ashe_live.core.arrays import Float, Image
 from ashe_live.core.colour import LINEAR_FROM_SRGB_8BIT, linear_from_srgb, srgb_from_linear
-from ashe_live.core.proxy import Proxy
-from ashe_live.core.square import along_sides, mean_side_px, side_lengths_px
-from ashe_live.core.transforms import project
-from ashe_live.core.types import TrackedFrame
-from ashe_live.render.lights.cast_shadows import shadow_hull
-from ashe_live.render.lights.lighting import Sun
+from ashe_live.core.square import along_sides, side_lengths_px
 
 AROUND = 12  # places along each of a polygon's edges
 REACH_PX, STEP_PX = 7.0, 0.25  # of a profile across an edge, to both sides
@@ -24,20 +20,19 @@ BLUR_RANGE_PX = (0.0, 3.0)
 BOX_VARIANCE_PX2 = 1 / 12  # of a pixel, which the model's own pixels have too
 INTERPOLATION_VARIANCE_PX2 = 1 / 6  # of bilinear sampling, on average
 LEAST_HEIGHT = 0.05  # of an edge, linear
+RATIO_ERROR = 0.35  # by which the logarithm of an edge's ratio may be off
 BLURS_PX = np.arange(0.0, 2.6, 0.1)  # that are tried on a sharpened edge
 SHARPENING_SIGMA_PX = 1.0  # of the blur that is taken away: cameras have about this one
 MOST_SHARPENING = 2.0
 # Of an edge's height, how far it must over- and undershoot together: a soft edge that was sharpened a little looks like
 # a less soft one, but for that. Noise and uneven paper make up to half of it.
 LEAST_OVERSHOOT = 0.05
-MOST_BORDER_PX = 1.5  # in a picture 640 pixels wide
-LEAST_SINE = 0.1  # of a light's elevation, for how long its shadows are
 
 
 def edge_blur_px(grey: Image, corners_px: Float) -> float:
     """Sigma of the blur, in pixels, of (h, w) uint8 at the border of a dark convex polygon (k, 2); 0 where untold."""
     profile = _profile(grey, corners_px, REACH_PX)
-    return 0.0 if profile is None else _blur_px(profile.step)
+    return 0.0 if profile is None else blur_of_step_px(profile.step)
 
 
 def blur_and_sharpening(grey: Image, corners_px: Float) -> tuple[float, float]:
@@ -50,7 +45,7 @@ def blur_and_sharpening(grey: Image, corners_px: Float) -> tuple[float, float]:
     profile = _profile(grey, corners_px, reach_px)
     if profile is None:
         return 0.0, 0.0
-    sigma_px = _blur_px(profile.step)
+    sigma_px = blur_of_step_px(profile.step)
     seen = profile.encoded
     if np.ptp(seen) - (profile.light - profile.dark) < LEAST_OVERSHOOT * (profile.light - profile.dark):
         return sigma_px, 0.0
@@ -63,59 +58,46 @@ def blur_and_sharpening(grey: Image, corners_px: Float) -> tuple[float, float]:
     return float(BLURS_PX[best]), float(amount[best])
 
 
-def unexplained_border_px(tracked: TrackedFrame, proxy: Proxy, sun: Sun) -> float:
-    """Standard deviation (px) by which the real shadow's border is softer than lens and sun make it; 0 if by none.
-
-    A camera's sharpening makes the marker's strong edges steeper than the weak ones of shadows, its denoising makes
-    those softer, and a sun of unknown size counts as a bare one.
-    """
-    assert tracked.marker is not None
-    T = tracked.marker.T_cam_marker
-    body = proxy.points_marker()
-    hull = shadow_hull(body, sun)
-    points = np.column_stack([hull, np.zeros(len(hull))])
-    if len(points) < 3 or (points @ T[2, :3] + T[2, 3]).min() <= 1e-3:
-        return 0.0
-    grey = np.asarray(cv2.cvtColor(tracked.frame.image_bgr, cv2.COLOR_BGR2GRAY), np.uint8)
-    corners = tracked.marker.corners_px
-    border = edge_blur_px(grey, project(tracked.camera, T, points))
-    # A disc's standard deviation is half its radius; heights are spread evenly along the border, the root of whose mean
-    # square is 1 / sqrt(3) of the whole.
-    sine = max(float(sun.to_light[2]), LEAST_SINE)
-    penumbra_m = sun.tan_half_size * float(body[:, 2].max()) / math.sqrt(3) / sine / 2
-    penumbra = penumbra_m * mean_side_px(corners) / tracked.marker.side_m
-    # The shadow maps' own texels blur about as much as a pixel does.
-    rest = border**2 - edge_blur_px(grey, corners) ** 2 - penumbra**2 - BOX_VARIANCE_PX2
-    return min(math.sqrt(max(rest, 0.0)), MOST_BORDER_PX * tracked.frame.size[0] / 640)
-
-
-class _Profile(NamedTuple):
+class Profile(NamedTuple):
     """Across an edge, which is in the middle, from dark to light."""
 
     step: Float  # (k,) linear, dark 0 and light 1; mean of many
     encoded: Float  # (k,) as in the picture, in [0, 1]; their median, as shadows may cross some
     dark: float  # encoded, and so
     light: float
+    used: NDArray[np.intp]  # (m,) which places it is of
 
 
-def _profile(grey: Image, corners_px: Float, reach_px: float) -> _Profile | None:
-    """None where no edge can be told."""
+def _profile(grey: Image, corners_px: Float, reach_px: float) -> Profile | None:
+    points, outwards = along_sides(corners_px, np.linspace(0.15, 0.85, AROUND))
+    return profile_at(grey, points.reshape(-1, 2), np.repeat(outwards, AROUND, axis=0), reach_px)
+
+
+def profile_at(
+    grey: Image, points: Float, outwards: Float, reach_px: float, ratio: float | None = None
+) -> Profile | None:
+    """Of places (n, 2) with unit normals (n, 2), from dark to light; None where no edge can be told.
+
+    `ratio`: only of those where dark over light is about that, linear; else of those as high as most.
+    """
     reach_px = round(reach_px / STEP_PX) * STEP_PX
     offsets = np.arange(-reach_px, reach_px + STEP_PX / 2, STEP_PX)
-    points, outwards = along_sides(corners_px, np.linspace(0.15, 0.85, AROUND))
-    at = points[:, :, None] + offsets[:, None] * outwards[:, None, None]
-    at = at.reshape(-1, len(offsets), 2)
-    whole = ((at > 0) & (at < np.array(grey.shape[::-1]) - 1)).all(axis=(1, 2))
+    farthest = points[:, None] + np.array([-reach_px, reach_px])[:, None] * outwards[:, None]
+    whole = ((farthest > 0) & (farthest < np.array(grey.shape[::-1]) - 1)).all(axis=(1, 2))
     if whole.sum() < AROUND:
         return None
-    x, y = np.moveaxis(at[whole].astype(np.float32), 2, 0)
-    encoded = cv2.remap(grey.astype(np.float32), x, y, cv2.INTER_LINEAR)
+    encoded = across(grey, points[whole], outwards[whole], offsets)
     profiles = LINEAR_FROM_SRGB_8BIT[np.round(encoded).astype(np.uint8)]
     black, white = np.median(profiles[:, :4], axis=1), np.median(profiles[:, -4:], axis=1)
     height = white - black
-    good = height > 0.5 * np.median(height)
-    if np.median(height) < LEAST_HEIGHT or good.sum() < AROUND:
+    if ratio is None:
+        good = height > 0.5 * np.median(height)
+    else:
+        off = np.log(np.maximum(black, 1e-3) / np.maximum(white, 1e-3)) - math.log(max(ratio, 1e-3))
+        good = (height > LEAST_HEIGHT) & (np.abs(off) < RATIO_ERROR)
+    if good.sum() < AROUND or np.median(height[good]) < LEAST_HEIGHT:
         return None
+    used = np.flatnonzero(whole)[good]
     steps = (profiles[good] - black[good, None]) / height[good, None]
     middles = np.abs(steps - 0.5).argmin(axis=1)
     reach = round((reach_px - MIDDLE_PX) / STEP_PX)
@@ -123,13 +105,21 @@ def _profile(grey: Image, corners_px: Float, reach_px: float) -> _Profile | None
     if near.sum() < AROUND:
         return None
     columns = middles[near, None] + np.arange(-reach, reach + 1)
-    step = np.take_along_axis(steps[near], columns, axis=1).mean(axis=0)
+    aligned_steps = np.take_along_axis(steps[near], columns, axis=1)
+    step = aligned_steps.mean(axis=0) if ratio is None else np.median(aligned_steps, axis=0)
     aligned = np.take_along_axis(encoded[good][near], columns, axis=1) / 255
     dark, light = (float(np.median(encoded[good][near][:, ends])) / 255 for ends in (slice(4), slice(-4, None)))
-    return _Profile(step, np.median(aligned, axis=0), dark, light)
+    return Profile(step, np.median(aligned, axis=0), dark, light, used[near])
 
 
-def _blur_px(step: Float) -> float:
+def across(grey: Image, points: Float, outwards: Float, offsets: Float) -> Float:
+    """(n, k) values of (h, w) uint8 at `offsets` (k,) from points (n, 2) along unit vectors (n, 2)."""
+    at = points[:, None] + offsets[:, None] * outwards[:, None]
+    x, y = np.moveaxis(at.astype(np.float32), 2, 0)
+    return np.asarray(cv2.remap(grey.astype(np.float32), x, y, cv2.INTER_LINEAR), np.float64)
+
+
+def blur_of_step_px(step: Float) -> float:
     """Sigma of the Gaussian that has blurred a step (k,), 0 and 1 at its ends, every STEP_PX.
 
     Height over steepest slope is sqrt(2 pi) sigma; sharpening makes it less.
@@ -142,7 +132,7 @@ def _blur_px(step: Float) -> float:
     return float(np.clip(math.sqrt(max(variance, 0.0)), *BLUR_RANGE_PX))
 
 
-def _blurred_steps(profile: _Profile, count: int) -> Float:
+def _blurred_steps(profile: Profile, count: int) -> Float:
     """(m, count) encoded profiles of a step by each of BLURS_PX, as pixels see it and bilinear sampling reads it."""
     at = (np.arange(count) - count // 2) * STEP_PX
     sigmas = np.sqrt(BLURS_PX**2 + BOX_VARIANCE_PX2)

@@ -29,6 +29,11 @@ def shadow_hull_of_point(points: Float, light: Float) -> Float:
     return _hull(_cast(points, light[None]))
 
 
+def cast_by_point(points: Float, light: Float) -> Float:
+    """(n, 2) where a light without size, (4,) homogeneous above the horizon, casts the shadows of points (n, 3)."""
+    return np.asarray(_cast(points, light[None])[0])
+
+
 def lit_past(body: Proxy, sun: Sun, ground: Float) -> Float:
     """(n,) 1 where all of a light reaches points (n, 2) of the ground past a body, 0 where none does, NaN between."""
     points = body.points_marker()

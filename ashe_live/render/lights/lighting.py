@@ -126,7 +126,7 @@ def lighting_of(
     albedo = np.full(3, GROUND_ALBEDO) if ground_albedo is None else np.clip(ground_albedo, 0.0, MAX_ALBEDO)
     lights = tuple(light for light in lights if light.to_light_marker[2] > 0)[:MAX_LIGHTS]
     if not lights:
-        return Lighting((), (1.0, 1.0, 1.0), _rgb(albedo))
+        return Lighting((), (1.0, 1.0, 1.0), _rgb(albedo), _slope_within(sky_slope_rgb, np.ones(3)))
     shares = np.array([1 - ground_ratio(light, len(lights)) for light in lights])
     if any(light.intensity_rgb_ratio is not None for light in lights):
         ambient_rgb_ratio = None
@@ -142,10 +142,15 @@ def lighting_of(
         Sun(light.to_light_marker, _rgb(share), _rgb(irradiance), angular_size(light), light.inverse_distance)
         for light, share, irradiance in zip(lights, shares, across, strict=True)
     )
-    # A wall that faces away from all of an even sky's slope still gets half of that sky.
-    slope = np.zeros((2, 3)) if sky_slope_rgb is None else sky_slope_rgb
+    return Lighting(suns, _rgb(sky), _rgb(albedo * level), _slope_within(sky_slope_rgb, sky))
+
+
+def _slope_within(slope: Float | None, sky: Float) -> Float:
+    """(2, 3) by which no wall gets less than nothing of the sky (3,)."""
+    if slope is None:
+        return np.zeros((2, 3))
     steepest = np.maximum(np.linalg.norm(slope, axis=0), 1e-9)
-    return Lighting(suns, _rgb(sky), _rgb(albedo * level), slope * np.minimum(1.0, 0.5 * sky / steepest))
+    return np.asarray(slope * np.minimum(1.0, 0.5 * sky / steepest))
 
 
 def ground_ratio(light: Light, count: int = 1) -> Float:

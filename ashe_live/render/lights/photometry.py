@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from ashe_live.core.types import Illumination, TrackedFrame
-from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2, unexplained_border_px
+from ashe_live.render.camera.edges import INTERPOLATION_VARIANCE_PX2
+from ashe_live.render.camera.shadow_border import unexplained_border_px
 from ashe_live.render.camera.video_look import VideoLook, look_of
 from ashe_live.render.camera.white import white_of
 from ashe_live.render.gl.preset import RenderPreset

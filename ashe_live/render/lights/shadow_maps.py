@@ -22,6 +22,8 @@ from ashe_live.render.lights.lighting import Lighting, Sun
 
 # No side is shorter than this share of the longest: a flat model seen edge on still has a map.
 MIN_EXTENT_RATIO = 1e-3
+# Of a model's width: a wider penumbra on it is seen as one (5 pixels of 150; the fixed filter's is 2 to 3 wide).
+SEEN_PENUMBRA = 0.03
 CLIP_FROM_UNIT: Float = translated_and_scaled((-0.5, -0.5, -0.5), (2, 2, 2))
 UNIT_FROM_CLIP: Float = translated_and_scaled((1, 1, 1), (0.5, 0.5, 0.5))
 
@@ -60,6 +62,7 @@ class ShadowMaps:
         self.caster_count = 0
         # Conservative, by the bounding boxes of model and real object.
         self.shadows_meet = self.real_shades_model = self.model_shades_real = False
+        self._is_soft_on_model = False
         self._ctx = ctx
         self._preset = preset
         # Empty texels at a tile's border: what lies outside it is lit.
@@ -80,7 +83,7 @@ class ShadowMaps:
             **self._lights,
             "casters": 2 if self.real_shades_model else 1,
             "pcf_radius": preset.pcf_radius,
-            "blocker_taps": preset.blocker_taps if preset.soft_on_model else 0,
+            "blocker_taps": preset.blocker_taps if preset.soft_on_model or self._is_soft_on_model else 0,
             "soft_taps": preset.soft_taps,
         }
 
@@ -101,6 +104,8 @@ class ShadowMaps:
         pairs = [(_overlaps(other, model, sun), _overlaps(model, other, sun)) for other in real for sun in suns]
         self.shadows_meet = any(onto_model[0] for onto_model, _ in pairs)
         self.real_shades_model = any(onto_model[1] for onto_model, _ in pairs)
+        shading = casters if self.real_shades_model else (model,)
+        self._is_soft_on_model = any(_is_seen_soft(caster, model, sun) for caster in shading for sun in suns)
         self.model_shades_real = any(onto_real[1] for _, onto_real in pairs)
         self.renders += 1
         if not suns:
@@ -186,6 +191,16 @@ def _overlaps(caster: Caster, receiver: Caster, sun: Sun) -> tuple[bool, bool]:
     wider = max(view.penumbra_m(points), view.tan_half_size * (high[2] - receiver_low[2]))
     meets = not ((low - 2 * wider > receiver_high) | (high + 2 * wider < receiver_low))[:2].any()
     return bool(meets), bool(meets and high[2] > receiver_low[2])
+
+
+def _is_seen_soft(caster: Caster, receiver: Caster, sun: Sun) -> bool:
+    """Whether the caster's shadow on the receiver, which may be itself, has a penumbra that is seen as one."""
+    view = view_of(sun, np.concatenate([caster.points, receiver.points]))
+    if view is None:
+        return False
+    shaded = view.seen(receiver.points)
+    deep = view.seen(caster.points)[:, 2].max() - shaded[:, 2].min()
+    return bool(2 * view.tan_half_size * deep > SEEN_PENUMBRA * np.ptp(shaded[:, :2], axis=0).max())
 
 
 def same_objects(some: Sequence[object], others: Sequence[object]) -> bool:

@@ -81,6 +81,7 @@ class ShadowCatcher:
             "viewport": tuple(float(value) for value in framing.viewport),
             "ground_rgb": (0.0, 0.0, 0.0) if ground_rgb is None else tuple(float(value) for value in ground_rgb),
             "sky": lighting.sky,
+            "sky_slope": lighting.sky_slope,
             "strength": 1.0 if darkens else 0.0,
             "sun_on_ground": lighting.ground_shares,
             "sun": lighting.irradiances,

@@ -57,6 +57,11 @@ class Surface:
                 self._ctx.copy_framebuffer(self._resolved, self._many)
             self.colour.use()
 
+    @property
+    def layered(self) -> moderngl.Framebuffer:
+        """The layers as they are once `drawing` has ended, without depth."""
+        return self._resolved
+
     def bind_layers(self) -> None:
         """For programs that read them as `added_light` and `removed`."""
         for texture, name in zip(self.layers, ("added_light", "removed"), strict=True):

@@ -144,7 +144,7 @@ def develop(out: Path) -> None:
 
     from scenes.develop import mixed
     from scenes.geometry.poses import direction
-    from scenes.geometry.surroundings import LUMINANCE, irradiance, radiance
+    from scenes.geometry.surroundings import LUMINANCE, irradiance, radiance, slope
     from scenes.photo.camera import photographed
     from scenes.photo.masks import masks
     from scenes.photo.renditions import renditions
@@ -179,7 +179,8 @@ def develop(out: Path) -> None:
         light = spec["lights"][number]
         colour = np.asarray(light["colour"])
         sun = picture["gains"][0] * light["strength"] * colour / (colour @ LUMINANCE)
-        sky = np.asarray(irradiance(radiance(spec["surroundings"])))
+        around = radiance(spec["surroundings"])
+        sky = np.asarray(irradiance(around))
         entries.append({
             "id": spec["id"], "ground": spec["ground"]["family"], "camera": settings["family"], "size": spec["size"],
             "K": spec["camera"]["K"], "R": spec["camera"]["R"], "t": spec["camera"]["t"],
@@ -188,7 +189,7 @@ def develop(out: Path) -> None:
             "angular_diameter_deg": light["angular_diameter_deg"],
             "shadow_ratio": np.round(sky / (sky + sun) if seen_ratio is None else seen_ratio, 4).tolist(),
             "body_m": body, "white_rgb": (np.asarray(gains) * on_ground / math.pi).tolist(),
-            "sky": (sky / on_ground).tolist(),
+            "sky": (sky / on_ground).tolist(), "sky_slope": (slope(around) / on_ground).tolist(),
         })  # fmt: skip
         assert math.isclose(float(np.linalg.norm(entries[-1]["to_light"])), 1, abs_tol=1e-6)
     (out / "pairs.json").write_text(json.dumps({"model": content["model"], "pairs": entries}, indent=1) + "\n")

@@ -207,3 +207,23 @@ def test_the_foot_of_a_wall_over_its_own_shadow_is_darker_than_over_lit_ground(m
         renderer.render(Scene(tracked, stage.placed(box((0.02, 0.2, 0.1))), bright))
         feet.append(LINEAR_FROM_SRGB_8BIT[int(_pixel(renderer.read_bgr(), tracked, (0.01, 0, 0.008))[0])])
     assert feet[0] < 0.8 * feet[1]
+
+
+def test_ground_in_the_lee_of_the_brighter_sky_is_darker(make_renderer, stage) -> None:
+    """A sky that leans by k times a direction's x: what a wall's foot loses by it is three slopes of the wall's own."""
+    tracked = stage.tracked(200, stage.pose(-90, 70, 0.5))
+    wall = stage.placed(stage.glowing_green(box((0.01, 0.3, 0.15))))
+    renderer = make_renderer()
+    away = 0.05
+    lit = []
+    for slope in (0.0, 0.15):
+        leaning = np.array([np.full(3, slope), np.zeros(3)])
+        renderer.render(Scene(tracked, wall, Illumination((), sky_slope_rgb=leaning)))
+        lit.append(stage.along(renderer.read_bgr(), tracked, np.array([-away, away])) / LINEAR_FROM_SRGB_8BIT[200])
+    (even_west, even_east), (west, east) = lit
+    assert even_west == pytest.approx(even_east, abs=0.01)
+    # Over pi, cosines times k x of all directions below that to the wall's top: 2 k / (3 pi) times the sine's cube.
+    top = np.arctan2(0.15, away)
+    change = 3 * 0.15 * 2 / (3 * np.pi) * np.sin(top) ** 3
+    assert even_west - west == pytest.approx(change, rel=0.2)
+    assert east - even_east == pytest.approx(change, rel=0.2)

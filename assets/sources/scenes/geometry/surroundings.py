@@ -65,6 +65,11 @@ def on_ball(light: Floats) -> Floats:
     return np.asarray(np.linalg.lstsq(quadratic(normals) * share, falls * share, rcond=None)[0])
 
 
+def slope(light: Floats) -> Floats:
+    """(2, 3) what facets that face x and y get beyond the mean of all that are upright."""
+    return on_ball(light)[1:3]
+
+
 def quadratic(normals: Floats) -> Floats:
     """(n, 9) for normals (n, 3)."""
     x, y, z = normals.T
