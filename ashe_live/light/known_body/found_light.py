@@ -77,6 +77,11 @@ def masks_of(seen: Seen, found: Sequence[FoundLight]) -> tuple[Mask, Mask]:
     return silhouettes.body, silhouettes.shadow
 
 
+def points_of(found: Sequence[FoundLight]) -> Float:
+    """(l, 4) the points that cast the lights' shadows."""
+    return np.array([each.casting for each in found])
+
+
 def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:
     """The bare table without what lies near the edges of other lights' shadows."""
     room = seen.room

@@ -1,0 +1,103 @@
+"""The probability that a light is where it was found: by map and sides among all directions, and by its edges."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ashe_live.core.arrays import Float
+from ashe_live.light.known_body.candidates import APART_RAD, LEAST_DARKENING
+from ashe_live.light.known_body.evidence import Evidence, Scan
+from ashe_live.light.known_body.found_light import FoundLight, hidden_step, points_of, room_beside
+from ashe_live.light.known_body.outline.fit import looked_at_again
+from ashe_live.light.known_body.outline.odds import PALE, PALEST, with_edges
+from ashe_live.light.known_body.seen import Seen
+from ashe_live.light.known_body.table import height_of
+from ashe_live.light.known_body.templates import Templates
+
+NEAR_RAD = math.radians(10)  # of an answer, within which it counts as right
+# Where there surely is a light, by the probability that there is none, it is stated with its large uncertainty if it
+# is as likely within twice as much as an answer has to be.
+AROUND_RAD, MOST_NONE = 2 * NEAR_RAD, 0.05
+# Weight before the picture is seen of "no light casts a shadow", where all directions together have 1.
+LOG_NONE = math.log(0.5)
+# The same of a light whose shadow the body may hide, beside one sun whose edges are seen.
+LOG_NONE_FURTHER = 0.0
+
+
+def with_confidence(
+    seen: Seen,
+    one: FoundLight,
+    dark_rgb: Float,
+    among: Sequence[FoundLight],
+    alone: Evidence,
+    ruled_out: Sequence[Float],
+) -> FoundLight:
+    """`one` of the lights `among` which it is, with the posterior of the directions near it, and what its edges say.
+
+    dark_rgb: (3,) part of the table's light that it gives. alone: the picture without lights that are known.
+    ruled_out: lights (4,) that there are not.
+    """
+    others = [other for other in among if other is not one]
+    beside, palest, pale, log_none = alone, PALEST, PALE, LOG_NONE
+    known = points_of(others) if others else np.zeros((0, 4))
+    if others:
+        beside = seen.beside(known)
+        palest = pale = LEAST_DARKENING
+        log_none = LOG_NONE if one.exists is None else LOG_NONE_FURTHER
+        if one.fit is not None:
+            room, darkening = room_beside(seen, others), float(dark_rgb.mean())
+            one = replace(one, fit=looked_at_again(one.fit, seen.body, darkening, seen.light, room, seen.view))
+    own = beside.scanned(seen.lit(one.casting[None]))
+    lamp = float(own.log_likelihood[0]) if one.is_lamp else -math.inf
+    to_sun = one.sun_alike(height_of(seen.body))
+    _, steps = seen.rims(known)
+    near, around, none = _posterior(seen.templates, beside.everywhere, steps, to_sun, lamp, log_none, ruled_out)
+    # Beside the foot the hidden sky's gradient looks like a step.
+    step = float(dark_rgb.mean()) - (1 - float(dark_rgb.mean())) * hidden_step(seen, one)
+    if one.fit is None:
+        step = min(step, float(own.darkenings[0, -1]))
+        confidence, around = (with_edges(each, None, step, palest, pale) for each in (near, around))
+        return replace(one, confidence=confidence, around=around if none < MOST_NONE else confidence)
+    exists = with_edges(near, one.fit, step, palest, pale)
+    confidence, around = (exists * _share(one, within) for within in (NEAR_RAD, AROUND_RAD))
+    return replace(one, exists=exists, confidence=confidence, around=around if 1 - exists < MOST_NONE else confidence)
+
+
+def _share(one: FoundLight, within_rad: float) -> float:
+    """Probability that the light is so near which casts the shadow, by what its edges leave open of it."""
+    sigmas = np.sqrt(np.maximum(np.linalg.eigvalsh(one.fitted.covariance_rad2), 1e-12))
+    return math.prod(math.erf(within_rad / (math.sqrt(2) * sigma)) for sigma in sigmas.tolist())
+
+
+def _posterior(
+    templates: Templates,
+    scan: Scan,
+    steps: Float,
+    to_sun: Float,
+    lamp: float,
+    log_none: float,
+    ruled_out: Sequence[Float],
+) -> tuple[float, float, float]:
+    """Posterior probabilities, before its edges are looked at: of the directions within NEAR_RAD of one (3,), of those
+    within AROUND_RAD, and of no light.
+
+    steps: (m,) log odds by steps of light in the map, which speak against directions elsewhere whose shadows would be
+    seen. lamp: log likelihood of a lamp there, whose light falls off as that of no sun; -inf where it is none.
+    log_none: weight of no light before the picture is seen. ruled_out: lights (4,) about which there is none.
+    """
+    by_light = scan.log_likelihood + np.log(templates.solid_angle)
+    by_lamp = lamp + math.log(1 - math.cos(NEAR_RAD))
+    cosines = templates.lights[:, :3] @ to_sun
+    is_near, is_around = cosines > math.cos(NEAR_RAD), cosines > math.cos(AROUND_RAD)
+    by_light = by_light + np.where(is_around, 0.0, np.minimum(steps, 0.0))
+    for rival in ruled_out:
+        by_light[~is_near & (templates.lights[:, :3] @ rival[:3] > math.cos(APART_RAD))] = -np.inf
+    most = max(float(by_light.max()), by_lamp, log_none)
+    posterior = np.exp(by_light - most)
+    near, around = float(posterior[is_near].sum()), float(posterior[is_around & ~is_near].sum())
+    elsewhere, none = float(posterior[~is_around].sum()), math.exp(log_none - most)
+    near = max(near, math.exp(by_lamp - most))
+    whole = near + around + elsewhere + none
+    return near / whole, (near + around) / whole, none / whole
