@@ -1,10 +1,11 @@
 """The base of all benches: each measures, prints, and writes one record with the machine and versions it ran on."""
 
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from rich.console import Console
 
@@ -40,7 +41,7 @@ class Bench(ABC):
         self.console.print(measured_with(record), highlight=False)
         written: Path | None = None
         for part in self.parts():
-            record |= part
+            record |= _with_nulls(part)
             if out is not None:  # each part at once, as the next may take as long again
                 written = write_json(written or out / RESULTS, record, overwrite or written is not None, beside=True)
         if out is not None:
@@ -57,3 +58,12 @@ class Bench(ABC):
 
     def draw(self, record: Json, out: Path, overwrite: bool) -> None:  # noqa: B027 - a bench without plots draws nothing
         """Writes the plots of the record into the folder `out`; keeps existing files unless `overwrite`."""
+
+
+def _with_nulls(value: Any) -> Any:
+    """What JSON can say of `value`: null for numbers that could not be measured."""
+    if isinstance(value, Mapping):
+        return {key: _with_nulls(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_with_nulls(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
