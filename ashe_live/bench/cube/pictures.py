@@ -86,10 +86,8 @@ def traced_picture(folder: Path, entry: Mapping[str, Any]) -> CubePicture:
     lights = entry["lights"]
     level = np.array(entry["ambient"]["irradiance_ground"]) + sum(np.array(one["irradiance_ground"]) for one in lights)
     sky = np.maximum(_quadratic(directions_on_spiral(NORMALS)) @ np.array(entry["ambient"]["on_ball"]), 0.0) / level
-    camera, T_cam_cube = (
-        Camera(size, np.array(entry["K"]), np.zeros(5), "file", EXACT_PX),
-        rigid(entry["R"], entry["t"]),
-    )
+    camera = Camera(size, np.array(entry["K"]), np.zeros(5), "file", EXACT_PX)
+    T_cam_cube = rigid(entry["R"], entry["t"])
     points, edge_m = np.array([_point(each) for each in lights]).reshape(-1, 4), entry["marker"]["side_m"]
     perfect = CubeScene(camera, T_cam_cube, [], edge_m=edge_m)  # without its folds, for what is seen of its shadows
     return CubePicture(

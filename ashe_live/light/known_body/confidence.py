@@ -41,7 +41,7 @@ def with_confidence(
     """
     others = [other for other in among if other is not one]
     beside, palest, pale, log_none = alone, PALEST, PALE, LOG_NONE
-    known = points_of(others) if others else np.zeros((0, 4))
+    known = points_of(others)
     if others:
         beside = seen.beside(known)
         palest = pale = LEAST_DARKENING

@@ -79,7 +79,7 @@ def masks_of(seen: Seen, found: Sequence[FoundLight]) -> tuple[Mask, Mask]:
 
 def points_of(found: Sequence[FoundLight]) -> Float:
     """(l, 4) the points that cast the lights' shadows."""
-    return np.array([each.casting for each in found])
+    return np.array([each.casting for each in found]).reshape(-1, 4)
 
 
 def room_beside(seen: Seen, others: Sequence[FoundLight]) -> Room:

@@ -19,6 +19,7 @@ from ashe_live.light.known_body.outline.odds import edge_log_odds
 from ashe_live.light.known_body.outline.profiles import LEAST_PX
 from ashe_live.light.known_body.seen import Seen
 from ashe_live.light.known_body.table import height_of
+from ashe_live.light.shape.light_points import NO_LIGHTS
 
 DARK_ELSEWHERE = 6.0  # log likelihood of a shadow, from which on something does darken the table
 MOST_LIGHTS = 3
@@ -43,9 +44,9 @@ class Found:
 
 def lights_of(seen: Seen) -> Found | None:
     """None where nothing says that there is a light."""
-    alone = seen.beside(np.zeros((0, 4)))
+    alone = seen.beside(NO_LIGHTS)
     ruled_out: list[Float] = []
-    _, steps = seen.rims(np.zeros((0, 4)))
+    _, steps = seen.rims(NO_LIGHTS)
     candidates = refined(seen, alone.everywhere.log_likelihood, alone, seen.room, steps, ruled_out=ruled_out)
     scored = [(_log_likelihood(seen, each, alone), each) for each in candidates]
     if not scored:

@@ -1,6 +1,6 @@
 """Smooths the model's outlines in layers that were drawn with one sample a pixel.
 
-Several samples a pixel double the price of a picture on a software rasteriser; this costs a tenth of it.
+Several samples a pixel double the price of a picture on a software rasteriser; this adds a quarter.
 """
 
 import moderngl
@@ -12,7 +12,7 @@ from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.passes.surface import Surface
 
-UNTOUCHED = (0.0, 0.0, 0.0, -1.0)  # what the shader knows pixels by that it has left alone
+UNTOUCHED = (0.0, 0.0, 0.0, -1.0)  # by which the shader knows the pixels that it has left alone
 
 
 class Outlines:

@@ -60,9 +60,8 @@ class Sides:
         level_centre = facets.centres[level].mean(axis=0) if len(level) else np.zeros(3)
         clipped = facets.is_clipped[sides]
         by_level = relative * (facets.level_sigma if len(level) else 0.0)
-        noise = np.hypot(
-            noise, np.where(clipped, by_level, 0.0)
-        )  # what is a bound only tells nothing of what is shared
+        # What is a bound only tells nothing of what is shared.
+        noise = np.hypot(noise, np.where(clipped, by_level, 0.0))
         by_level = np.where(clipped, 0.0, by_level)
         normals, centres = facets.normals[sides], facets.centres[sides]
         return Sides(normals, centres, level_centre, relative, residual, noise, clipped, by_level)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ashe_live.core.arrays import Float
-from ashe_live.light.known_body.sides.facets import facets_of
+from ashe_live.light.known_body.sides.facets import Facets, facets_of
 from ashe_live.light.known_body.table import linear_picture
 from ashe_live.light.pixels.view import View
 from ashe_live.quality import BALANCED
@@ -13,6 +13,15 @@ from ashe_live.tracking.tracker import MarkerTracker
 from tests.painted_cubes import CAMERA, EDGE_M, CubeScene, Folds, frame_of, looking, sun
 
 DIRECT, SKY = 0.6, 0.3  # of level ground
+
+
+def seen_facets(scene: CubeScene) -> Facets:
+    """Those of the cube where the tracker finds it."""
+    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
+    assert tracked.marker is not None
+    assert tracked.marker.body is not None
+    view = View.of(tracked, 640)
+    return facets_of(view, tracked.marker.body, linear_picture(view))
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -32,11 +41,7 @@ def test_a_dark_side_is_not_taken_for_its_bright_neighbour(azimuth_deg: float, s
         exposure=0.7,
         seed=seed,
     )
-    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
-    assert tracked.marker is not None
-    assert tracked.marker.body is not None
-    view = View.of(tracked, 640)
-    facets = facets_of(view, tracked.marker.body, linear_picture(view))
+    facets = seen_facets(scene)
     level = facets.normals[:, 2] > 0.99
     relative = facets.light_rgb.mean(axis=1) / facets.light_rgb[level].mean()
     direct = float(light.irradiance_rgb.mean() * light.point[2])
@@ -49,11 +54,7 @@ def relative_light(exposure: float) -> tuple[Float, bool, float]:
     scene = CubeScene(
         CAMERA, looking(0.4, 45, 30), [sun(240, 50, on_table=DIRECT)], sky_rgb=np.full(3, SKY), exposure=exposure
     )
-    tracked = MarkerTracker(cube_layout(), CAMERA, EDGE_M, BALANCED.tracking).track(frame_of(scene))
-    assert tracked.marker is not None
-    assert tracked.marker.body is not None
-    view = View.of(tracked, 640)
-    facets = facets_of(view, tracked.marker.body, linear_picture(view))
+    facets = seen_facets(scene)
     level = facets.normals[:, 2] > 0.99
     relative = facets.light_rgb[~level].mean(axis=1) / facets.light_rgb[level].mean()
     return relative, bool(facets.is_clipped[level].all()), facets.level_sigma
