@@ -54,7 +54,7 @@ uniform sampler2D occlusion_map;
 uniform sampler2D emissive_map;
 #endif
 layout(location = 0) out vec4 added_light;  // premultiplied by the coverage, which is its alpha
-layout(location = 1) out vec4 removed;  // fraction of the light behind it
+layout(location = 1) out vec4 removed;  // fraction of the light behind it; alpha: see number_of_plane
 
 vec3 smooth_normal() {
     return normalize(gl_FrontFacing ? normal : -normal);
@@ -131,6 +131,12 @@ float open_lobe(vec2 open, vec3 mirror, float rough, float n_v) {
     return clamp(pow(n_v + ahead, exp2(-16.0 * rough - 1.0)) - 1.0 + ahead, 0.0, 1.0);
 }
 #endif
+
+// The same all over the plane of a triangle that faces `facing`, and hardly ever that of another plane: by which steps between
+// surfaces are told from what is painted on one.
+float number_of_plane(vec3 facing) {
+    return dot(facing, vec3(0.32, 0.44, 0.27)) + dot(facing, position - eye) * inversesqrt(dot(eye, eye));
+}
 
 const float GLASS = 0.04;  // what plastic, glass and clear coats mirror straight on
 const float ANYHOW = 0.25;  // mean over all directions of a cosine where it is positive
@@ -258,8 +264,9 @@ void main() {
     cover += (1.0 - cover) * coat * coat_reflectance;
 #endif
     added_light = vec4((albedo * diffuse * base.a + glow) * exposure, cover);
+    removed = vec4(cover);
 #else
     added_light = vec4((albedo * diffuse + glow) * exposure, 1.0);
+    removed = vec4(vec3(1.0), number_of_plane(facing));
 #endif
-    removed = vec4(added_light.a);
 }

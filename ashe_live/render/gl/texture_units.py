@@ -31,4 +31,5 @@ UNIT_OF = {
     "straight_from_bent": 15,
     "coarse_light": 12,
     "coarse_gone": 10,
+    "outline_steps": 12,
 }

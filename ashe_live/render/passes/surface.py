@@ -10,6 +10,7 @@ import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
+from ashe_live.render.gl.chosen import ChosenPixels
 from ashe_live.render.gl.framing import Rectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 
@@ -19,7 +20,8 @@ class Surface:
 
     The layers hold linear light, so that they can be blurred: `added_light` is the light that the model sends to the
     camera (alpha: the fraction of the pixel that it covers), `removed` the fraction of the video's light that it takes
-    away, by covering it or by its shadow. What is drawn blends into both alike, premultiplied.
+    away, by covering it or by its shadow. What is drawn blends into both alike, premultiplied. `chosen_colour` and
+    `chosen_layers` are the picture and the finished layers, drawn into where pixels are `chosen`; `choice` is for choosing.
     """
 
     def __init__(self, ctx: moderngl.Context, size: Size, samples: int) -> None:
@@ -37,7 +39,12 @@ class Surface:
         # Framebuffers without depth, for copies: OpenGL refuses to copy between depth buffers of different kinds.
         self._resolved = ctx.framebuffer(self.layers)
         self._many = ctx.framebuffer(many) if many else None
+        self.chosen = ChosenPixels(ctx, size)
+        self.choice = self.chosen.framebuffer([])
+        self.chosen_colour = self.chosen.framebuffer([self._colour])
+        self.chosen_layers = self.chosen.framebuffer(self.layers)
         self._held: list[Any] = [self.colour, self._drawn, self._resolved, *([self._many] if self._many else [])]
+        self._held += [self.choice, self.chosen_colour, self.chosen_layers, self.chosen]
         self._held += [self._colour, *self.layers, *many, self._depth]
         self._rgba = np.empty((size[1], size[0], 4), np.uint8)
         self._bgr = np.empty((size[1], size[0], 3), np.uint8)
@@ -56,11 +63,6 @@ class Surface:
                 # Still within the scissor.
                 self._ctx.copy_framebuffer(self._resolved, self._many)
             self.colour.use()
-
-    @property
-    def layered(self) -> moderngl.Framebuffer:
-        """The layers as they are once `drawing` has ended, without depth."""
-        return self._resolved
 
     def bind_layers(self) -> None:
         """For programs that read them as `added_light` and `removed`."""
