@@ -33,7 +33,7 @@ class GroundShadows:
         self._preset = preset
         self._size = preset.ground_shadow_size
         self._levels = round(math.log2(self._size / COARSEST))
-        self._canvas = Canvas(ctx, 1, "f2")
+        self._canvas = Canvas(ctx, 1, "f4")  # which a software rasteriser interpolates twice as fast as half precision
         self._texture: moderngl.Texture | None = None
         self._rectangle = WholeRectangle(ctx)
         self._drawn = 0
