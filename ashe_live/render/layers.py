@@ -54,15 +54,20 @@ class LayerPasses:
         video: Video,
         hidden: HiddenMarker | None,
         photometry: Photometry,
+        ground_alone: bool = False,
     ) -> None:
-        """`video`: as the framing's pinhole camera sees it. `hidden`: what covers the marker's sheet."""
+        """`video`: as the framing's pinhole camera sees it. `hidden`: what covers the marker's sheet.
+
+        `ground_alone`: neither models nor signs, where these will be drawn over it.
+        """
         frame, lighting, shadows = inputs.framing, inputs.lighting, inputs.looked_up.shadows
         self._ctx.viewport = frame.viewport
         if self.real is not None:
             self.real.draw(frame, lighting, shadows)
-        if scene.shows_model:
+        shows_model = scene.shows_model and not ground_alone
+        if shows_model:
             self.model_pass.draw_opaque(models, inputs)
-        for sign in signs:
+        for sign in () if ground_alone else signs:
             self._light_signs.draw(frame, sign)
         if scene.casts_shadow or hidden is not None:
             self.catcher.draw(
@@ -77,7 +82,7 @@ class LayerPasses:
                 scene.casts_shadow,
                 photometry.border_share(scene.illumination) * frame.viewport[2],
             )
-        if scene.shows_model:
+        if shows_model:
             self.model_pass.draw_blended(models, inputs)
 
     def release(self) -> None:

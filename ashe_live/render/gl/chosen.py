@@ -1,8 +1,8 @@
 """Pixels that one pass chooses for others: a cheap shader tells which are worth a dear one.
 
-Within a shader nothing is saved by deciding that a pixel needs no more work: a software rasteriser computes both sides of
-a branch, all of it after a `discard`, and a loop at least once. What fails the test of depth is not shaded at all, four by
-two pixels together.
+Within a shader nothing is saved by deciding that a pixel needs no more work: a software rasteriser computes both sides
+of a branch, all that comes after a `discard`, and a loop at least once. What fails the test of depth is not shaded at
+all, four by two pixels together.
 """
 
 from collections.abc import Iterator, Sequence

@@ -55,8 +55,10 @@ class Outlines:
 
     def _release_found(self) -> None:
         if self._found is not None:
-            for held in (self._found.framebuffer, self._found.step_framebuffer, self._found.steps, *self._found.layers):
-                held.release()
+            for framebuffer in (self._found.framebuffer, self._found.step_framebuffer):
+                framebuffer.release()
+            for texture in (self._found.steps, *self._found.layers):
+                texture.release()
         self._found = self._surface = None
 
 
