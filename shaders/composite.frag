@@ -93,14 +93,18 @@ void main() {
     for (int row = -REACH; row <= rows; ++row) {
         // A diamond has half of the square's pixels, and nearly all of its weight.
         int columns = min(REACH, ACROSS - abs(row));
+        float row_weight = weights[abs(row)];
+#ifdef WIDE
+        float wide_row_weight = wide_weights[abs(row)];
+#endif
         for (int column = -columns; column <= columns; ++column) {
-            float weight = weights[abs(row)] * weights[abs(column)];
+            float weight = row_weight * weights[abs(column)];
             vec4 light_there = READ(added_light, middle, column, row);
             vec3 gone_there = READ(removed, middle, column, row).rgb;
             light += weight * light_there;
             gone += weight * gone_there;
 #ifdef WIDE
-            float wide_weight = wide_weights[abs(row)] * wide_weights[abs(column)];
+            float wide_weight = wide_row_weight * wide_weights[abs(column)];
             wide_light += wide_weight * light_there;
             wide_gone += wide_weight * gone_there;
 #endif

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import moderngl
 
 from ashe_live.core.camera import Size
+from ashe_live.render.gl.clearing import clear_part
 from ashe_live.render.gl.framing import Rectangle
 
 NOT_CHOSEN = 0.0  # a depth in front of which nothing can be drawn; `whole.vert` is in the middle
@@ -29,9 +30,9 @@ class ChosenPixels:
 
     @contextmanager
     def choosing(self, framebuffer: moderngl.Framebuffer, region: Rectangle) -> Iterator[None]:
-        """Within, what `whole.vert` draws without discarding it is chosen; else `region` is empty and not chosen."""
+        """Within, what `whole.vert` draws and keeps is chosen; else `region` is empty and nothing in it is."""
         framebuffer.depth_mask = True
-        framebuffer.clear(depth=NOT_CHOSEN, viewport=region)
+        clear_part(framebuffer, region, NOT_CHOSEN)
         with self._drawing(framebuffer, region, ">"):
             yield
 

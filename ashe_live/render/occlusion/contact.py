@@ -3,6 +3,8 @@
 It is a shadow even without any sun, and where the model's sides are lit it is where their light falls.
 """
 
+import math
+
 import cv2
 import moderngl
 import numpy as np
@@ -44,6 +46,14 @@ class ContactPatch:
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = ctx.framebuffer([self._texture])
         self._framebuffer.clear()
+
+    @property
+    def corners(self) -> Float:
+        """(8, 2) metres, marker frame: an octagon around all that is within reach of the model's bounds."""
+        (x0, y0), (x1, y1) = self.bounds
+        cut = (2 - math.sqrt(2)) * self._reach
+        sides = [(x0 + cut, y0), (x1 - cut, y0), (x1, y0 + cut), (x1, y1 - cut)]
+        return np.array([*sides, *((x0 + x1 - x, y0 + y1 - y) for x, y in sides)])
 
     def add(self, depth_map: ShadowMaps, weight: float) -> None:
         """Adds what the model hides of the directions, above the horizon, from which `depth_map` shows it.

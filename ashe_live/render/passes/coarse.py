@@ -64,8 +64,8 @@ class CoarseLayers:
     def draw(self, surface: Surface, region: Rectangle, blur: CoarseBlur, spread: int) -> None:
         """Blurs `surface`'s layers where they are looked up in `region`, beside which they must be empty.
 
-        As far as `blur.reach_px` beyond it. Their alpha says besides where the layers are even as far as `spread` pixels
-        of half the resolution around. Leaves another framebuffer bound.
+        As far as `blur.reach_px` beyond it. Their alpha says where the layers are even besides, as far as `spread`
+        pixels of half the resolution around. Leaves another framebuffer bound.
         """
         width, height = surface.size
         size = (width + 1) // 2, (height + 1) // 2

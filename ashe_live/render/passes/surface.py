@@ -11,6 +11,7 @@ import numpy as np
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.render.gl.chosen import ChosenPixels
+from ashe_live.render.gl.clearing import clear_part
 from ashe_live.render.gl.framing import Rectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 
@@ -59,7 +60,7 @@ class Surface:
         many = self._many if several_samples else None
         drawn = self.chosen_layers if many is None else many[0]
         drawn.depth_mask = True
-        drawn.clear(viewport=region)
+        clear_part(drawn, region)
         # moderngl tells OpenGL of a scissor only when the framebuffer is bound after it was set.
         drawn.scissor = region
         drawn.use()
