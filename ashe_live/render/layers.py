@@ -86,6 +86,6 @@ class LayerPasses:
             self.model_pass.draw_blended(models, inputs)
 
     def release(self) -> None:
-        self.catcher.forget()
+        self.catcher.release()
         self.hidden_marker.release()
         self._light_signs.release()

@@ -76,6 +76,7 @@ class ModelsOnVideo:
         hidden = self.layers.follow_sheet(scene, at_once)
         covered = np.zeros((0, 2)) if hidden is None else hidden.corners
         self.layers.catcher.fit(models, lighting, self.shadows, covered)
+        self.layers.catcher.follow(models, lighting, self._ground_shadows)
         viewport = letterbox(tracked.frame.size, surface.size)
         camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
         T_cam_marker = tracked.marker.T_cam_marker

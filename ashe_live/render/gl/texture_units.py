@@ -20,6 +20,7 @@ UNIT_OF = {
     "sky_map": 9,
     "mirrored_shares": 14,
     "contact": 10,
+    "walls": 12,
     "video": 11,
     "cover": 15,
     # Full-screen passes.

@@ -83,6 +83,11 @@ class GroundShadows:
             "light_point": lighting.light_points,
         }
 
+    @property
+    def content(self) -> object:
+        """Another object whenever they were drawn again."""
+        return self._uniforms
+
     def bind(self, program: moderngl.Program) -> None:
         if self._texture is not None:
             self._texture.use(UNIT_OF["ground_shadows"])

@@ -38,7 +38,7 @@ class ContactPatch:
         self._texel = float((self.bounds[1] - self.bounds[0]).max()) / PATCH_SIZE
         # No wider than the model is high: beside what is flat nothing is hidden.
         self._blur_texels = float(np.clip(upper[2] / self._texel, LEAST_BLUR_TEXELS, BLUR_TEXELS))
-        self._model_bounds = np.array([lower[:2], upper[:2]])
+        self.model_bounds: Float = np.array([lower, upper])  # (2, 3) likewise
         self._ctx = ctx
         self._programs = programs
         self._rectangle: moderngl.VertexArray | None = None
@@ -86,7 +86,7 @@ class ContactPatch:
         """(PATCH_SIZE, PATCH_SIZE) metres from the model's bounds; rows along y."""
         shares = (np.arange(PATCH_SIZE)[:, None] + 0.5) / PATCH_SIZE
         places = self.bounds[0] + shares * (self.bounds[1] - self.bounds[0])
-        beyond = np.maximum(np.maximum(self._model_bounds[0] - places, places - self._model_bounds[1]), 0.0)
+        beyond = np.maximum(np.maximum(self.model_bounds[0, :2] - places, places - self.model_bounds[1, :2]), 0.0)
         return np.asarray(np.hypot(beyond[None, :, 0], beyond[:, None, 1]))
 
     def fill(self, smooth: NDArray[np.float16]) -> None:
