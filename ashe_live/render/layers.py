@@ -54,22 +54,23 @@ class LayerPasses:
         video: Video,
         hidden: HiddenMarker | None,
         photometry: Photometry,
-        ground_alone: bool = False,
+        has_models: bool = True,
+        has_ground: bool = False,
     ) -> None:
         """`video`: as the framing's pinhole camera sees it. `hidden`: what covers the marker's sheet.
 
-        `ground_alone`: neither models nor signs, where these will be drawn over it.
+        `has_models`: with them and the signs, which else will be drawn over it. `has_ground`: that was drawn before.
         """
         frame, lighting, shadows = inputs.framing, inputs.lighting, inputs.looked_up.shadows
         self._ctx.viewport = frame.viewport
         if self.real is not None:
             self.real.draw(frame, lighting, shadows)
-        shows_model = scene.shows_model and not ground_alone
+        shows_model = scene.shows_model and has_models
         if shows_model:
             self.model_pass.draw_opaque(models, inputs)
-        for sign in () if ground_alone else signs:
+        for sign in signs if has_models else ():
             self._light_signs.draw(frame, sign)
-        if scene.casts_shadow or hidden is not None:
+        if (scene.casts_shadow or hidden is not None) and not has_ground:
             self.catcher.draw(
                 frame,
                 video,

@@ -97,15 +97,17 @@ class ModelsOnVideo:
         inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
         draw = partial(self.layers.draw, models, inputs, signs, scene, straight, hidden, self._photometry)
         with surface.drawing(grown(frame.region, 2 * reach + 1, surface.size)):
-            draw(ground_alone=surface.samples > 0)
+            draw(has_models=surface.samples == 0)
         if surface.samples:
             # The ground is as smooth with one sample, and several are dear: they are for where the edges are.
             real = [] if self.layers.real is None else [self.layers.real.points]
             edged = framing(camera, T_cam_marker, np.concatenate([standing, *real]), viewport)
             within = (0, 0, 0, 0) if edged is None else _common(grown(edged.region, 1, surface.size), frame.region)
             if min(within[2:]) > 0:
-                with surface.drawing(within, several_samples=True):
-                    draw()
+                # But for the border of the real object, before which the ground ends.
+                has_ground = self.layers.real is None
+                with surface.drawing(within, several_samples=True, over_drawn=has_ground):
+                    draw(has_ground=has_ground)
         elif scene.shows_model:
             model = framing(camera, T_cam_marker, models.corners, viewport)
             if model is not None:

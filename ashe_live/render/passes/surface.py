@@ -42,28 +42,31 @@ class Surface:
         self._resolved = ctx.framebuffer(self.layers)
         self._held: list[Any] = [self.colour, self.choice, self.chosen_colour, self.chosen_layers, self._resolved]
         self._held += [self.chosen, self._colour, *self.layers]
-        self._many: tuple[moderngl.Framebuffer, moderngl.Framebuffer] | None = None
+        self._many: tuple[moderngl.Framebuffer, moderngl.Framebuffer, moderngl.Framebuffer] | None = None
         if self.samples:
             many = [ctx.renderbuffer(size, samples=self.samples, dtype="f2") for _ in range(2)]
             depth = ctx.depth_renderbuffer(size, samples=self.samples)
-            self._many = ctx.framebuffer(many, depth), ctx.framebuffer(many)
+            self._many = ctx.framebuffer(many, depth), ctx.framebuffer(many), ctx.framebuffer(depth_attachment=depth)
             self._held += [*self._many, *many, depth]
         self._rgba = np.empty((size[1], size[0], 4), np.uint8)
         self._bgr = np.empty((size[1], size[0], 3), np.uint8)
 
     @contextmanager
-    def drawing(self, region: Rectangle, several_samples: bool = False) -> Iterator[None]:
+    def drawing(self, region: Rectangle, several_samples: bool = False, over_drawn: bool = False) -> Iterator[None]:
         """Binds the layers, `region` of which is empty and has fresh depth, and has that region ready at the end.
 
-        `several_samples`: with as many a pixel as the surface has.
+        `several_samples`: with as many a pixel as the surface has. `over_drawn`: these are not empty then, but have what
+        was drawn with one.
         """
         many = self._many if several_samples else None
         drawn = self.chosen_layers if many is None else many[0]
         drawn.depth_mask = True
-        clear_part(drawn, region)
+        clear_part(many[2] if many is not None and over_drawn else drawn, region)
         # moderngl tells OpenGL of a scissor only when the framebuffer is bound after it was set.
         drawn.scissor = region
         drawn.use()
+        if many is not None and over_drawn:
+            self._ctx.copy_framebuffer(many[1], self._resolved)
         try:
             yield
         finally:
