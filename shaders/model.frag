@@ -54,7 +54,7 @@ uniform sampler2D occlusion_map;
 uniform sampler2D emissive_map;
 #endif
 layout(location = 0) out vec4 added_light;  // premultiplied by the coverage, which is its alpha
-layout(location = 1) out vec4 removed;  // fraction of the light behind it; alpha: see number_of_plane
+layout(location = 1) out vec4 removed;  // fraction of the light behind it; alpha: see number_of_surface
 
 vec3 smooth_normal() {
     return normalize(gl_FrontFacing ? normal : -normal);
@@ -137,10 +137,11 @@ float open_lobe(vec2 open, vec3 mirror, float rough, float n_v) {
 }
 #endif
 
-// The same all over the plane of a triangle that faces `facing`, and hardly ever that of another plane: by which steps between
-// surfaces are told from what is painted on one.
-float number_of_plane(vec3 facing) {
-    return dot(facing, vec3(0.32, 0.44, 0.27)) + dot(facing, position - eye) * inversesqrt(dot(eye, eye));
+// By which steps between surfaces, and at the borders of shadows, are told from what is painted on one: the same all over the
+// plane of a triangle that faces `facing`, where as much of the lights comes `through`, and hardly ever elsewhere.
+float number_of_surface(vec3 facing, float through) {
+    float plane = dot(facing, vec3(0.32, 0.44, 0.27)) + dot(facing, position - eye) * inversesqrt(dot(eye, eye));
+    return plane + 0.04 * through;
 }
 
 const float GLASS = 0.04;  // what plastic, glass and clear coats mirror straight on
@@ -171,6 +172,7 @@ void main() {
     vec3 ground = from_ground(n);
     vec3 from_around = ambient(n, open, ground) * (0.5 + 0.5 * dot(n, facing));
     vec3 from_suns = vec3(0.0);
+    float through = 0.0;  // of all lights
     vec3 diffuse = from_around;
     vec3 mirrored = vec3(0.0);
     vec3 albedo = base.rgb;
@@ -218,7 +220,9 @@ void main() {
         if (cosine <= 0.0) continue;
 #endif
         if (dot(facing, to_light) <= 0.0) continue;
-        vec3 arrives = sun[light] * (falloff * shadow(light, position, n, to_light));
+        float lit = shadow(light, position, n, to_light);
+        through += lit;
+        vec3 arrives = sun[light] * (falloff * lit);
         vec3 direct = arrives * cosine;
         diffuse += direct;
 #ifdef GLOSSY
@@ -273,6 +277,6 @@ void main() {
     removed = vec4(cover);
 #else
     added_light = vec4((albedo * diffuse + glow) * exposure, 1.0);
-    removed = vec4(vec3(1.0), number_of_plane(facing));
+    removed = vec4(vec3(1.0), number_of_surface(facing, through));
 #endif
 }

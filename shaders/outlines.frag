@@ -13,19 +13,19 @@ out vec4 steps;  // whether there is one to the right, above, to the left and be
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 const float SEEN = 0.35;  // of the brighter one's light, that pixels differ by where there is a step between them
 const float LEAST_SEEN = 0.03;  // linear
-const float OTHER_PLANE = 0.004;  // four steps of a half-precision number, which tell planes apart (model.frag)
+const float OTHER_SURFACE = 0.004;  // four steps of a half-precision number, which tell surfaces apart (model.frag)
 
-// Brightness, how much is covered by what is drawn, and a number of the plane that is seen.
+// Brightness, how much is covered by what is drawn, and the number of the surface that is seen.
 vec3 seen(ivec2 at) {
     ivec2 within = clamp(at, ivec2(0), textureSize(added_light, 0) - 1);
     vec4 light = texelFetch(added_light, within, 0);
     return vec3(dot(light.rgb, LUMINANCE), light.a, texelFetch(removed, within, 0).a);
 }
 
-// What is painted onto a plane, and shadows on it, have been filtered and have no steps.
+// What is painted onto a surface has been filtered, and has no steps.
 float differs(vec3 one, vec3 other) {
     bool is_seen = abs(one.x - other.x) > max(SEEN * max(one.x, other.x), LEAST_SEEN);
-    return (is_seen && abs(one.z - other.z) > OTHER_PLANE) || abs(one.y - other.y) > 0.5 ? 1.0 : 0.0;
+    return (is_seen && abs(one.z - other.z) > OTHER_SURFACE) || abs(one.y - other.y) > 0.5 ? 1.0 : 0.0;
 }
 
 void main() {
