@@ -91,15 +91,17 @@ vec3 triangle_normal(vec3 n) {
 const float NEARER = 1.2;  // the middle of the nearer two THIRDS, in heights of the wall,
 const float NEARER_WIDTH = 1.5;  // and about how far they reach to both sides of it
 
-// Light of the ground, over pi, on a wall that faces `direction`, with the model's shadow on it.
-vec3 from_ground(vec3 direction) {
+// Light of the ground, over pi, on a wall that faces `direction`, with the model's shadow on it. `unshaded`: without.
+vec3 from_ground(vec3 direction, out vec3 unshaded) {
     float height = max(position.z, 0.0);
     vec2 away = height * direction.xy;
     // Near by it has the colours of the picture there: the marker's paper is brighter than what it lies on.
-    vec3 ground = left_on_ground(position.xy + THIRDS[0] * away, WIDTHS[0] * height);
-    ground += left_on_ground(position.xy + THIRDS[1] * away, WIDTHS[1] * height);
-    ground *= ground_seen(position.xy + NEARER * away, NEARER_WIDTH * height) / 3.0;
-    return ground + ground_bounce * light_on_ground(position.xy + THIRDS[2] * away, WIDTHS[2] * height) / 3.0;
+    vec3 near = ground_seen(position.xy + NEARER * away, NEARER_WIDTH * height) / 3.0;
+    vec3 far = ground_bounce / 3.0;
+    unshaded = 2.0 * near + far;
+    vec3 left = left_on_ground(position.xy + THIRDS[0] * away, WIDTHS[0] * height);
+    left += left_on_ground(position.xy + THIRDS[1] * away, WIDTHS[1] * height);
+    return near * left + far * light_on_ground(position.xy + THIRDS[2] * away, WIDTHS[2] * height);
 }
 
 // Light from all around, over pi, on a surface or from a direction: the sky above and `ground` below, as far as they are
@@ -114,8 +116,13 @@ vec3 ambient(vec3 direction, vec2 open, vec3 ground) {
 #ifdef MIRRORS
 #define AROUND(towards, rough) surrounding_radiance(position, towards, (rough) * (rough))
 #else
-// Of what mirrors so little and so roughly it makes no odds that the ground is looked up where the surface faces.
-#define AROUND(towards, rough) ambient(towards, vec2(1.0), ground)
+#define AROUND(towards, rough) ambient(towards, vec2(1.0), unshaded * left_towards(towards))
+
+// Of what mirrors little and roughly one look at the shadow is enough, at the middle of the nearer two THIRDS.
+vec3 left_towards(vec3 towards) {
+    float height = max(position.z, 0.0);
+    return left_on_ground(position.xy + NEARER * height * towards.xy, NEARER_WIDTH * height);
+}
 #endif
 
 // The direction that is mirrored. Where an interpolated or mapped normal would mirror what is below the surface, whose
@@ -169,7 +176,8 @@ void main() {
 #endif
     // Where an interpolated or mapped normal leans away from the triangle, light from below this is none: of the cosines
     // around n a half and half of n.facing are above both planes.
-    vec3 ground = from_ground(n);
+    vec3 unshaded;
+    vec3 ground = from_ground(n, unshaded);
     vec3 from_around = ambient(n, open, ground) * (0.5 + 0.5 * dot(n, facing));
     vec3 from_suns = vec3(0.0);
     float through = 0.0;  // of all lights
