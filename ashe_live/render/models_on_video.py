@@ -70,7 +70,7 @@ class ModelsOnVideo:
         tracked = scene.tracked
         assert tracked is not None
         assert tracked.marker is not None
-        lighting = self._photometry.lighting(scene.illumination)
+        lighting = self.photometry.lighting(scene.illumination)
         self.shadows.render((models,) if self.layers.real is None else (models, self.layers.real), lighting)
         self._ground_shadows.render(self.shadows, lighting)
         hidden = self.layers.follow_sheet(scene, at_once)
@@ -87,7 +87,7 @@ class ModelsOnVideo:
         frame = framing(camera, T_cam_marker, drawn, viewport)
         if frame is None:
             return
-        look = self._photometry.look(tracked, scene.illumination)
+        look = self.photometry.look(tracked, scene.illumination)
         self._environment.show(scene.illumination, look.white_rgb, covered)
         straight = self._video
         if bends and self.shadows.shadows_meet:
@@ -95,7 +95,7 @@ class ModelsOnVideo:
             straight.show(tracked, viewport, camera)
         reach = self._composite.reach_px(viewport, tracked.frame, look)
         inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
-        draw = partial(self.layers.draw, models, inputs, signs, scene, straight, hidden, self._photometry)
+        draw = partial(self.layers.draw, models, inputs, signs, scene, straight, hidden, self.photometry)
         with surface.drawing(grown(frame.region, 2 * reach + 1, surface.size)):
             draw(has_models=surface.samples == 0)
         if surface.samples:
@@ -127,7 +127,7 @@ class ModelsOnVideo:
         self._environment = Environment(self._ctx, self._preset.environment_size)
         self.shadows = ShadowMaps(self._ctx, self._preset)
         self._ground_shadows = GroundShadows(self._ctx, self._programs, self._preset)
-        self._photometry = Photometry(self._preset)
+        self.photometry = Photometry(self._preset)
 
     def _release_for_preset(self) -> None:
         self.shadows.release()

@@ -55,8 +55,8 @@ class Surface:
     def drawing(self, region: Rectangle, several_samples: bool = False, over_drawn: bool = False) -> Iterator[None]:
         """Binds the layers, `region` of which is empty and has fresh depth, and has that region ready at the end.
 
-        `several_samples`: with as many a pixel as the surface has. `over_drawn`: these are not empty then, but have what
-        was drawn with one.
+        `several_samples`: with as many a pixel as the surface has. `over_drawn`: these are not empty, but have what was
+        drawn with one.
         """
         many = self._many if several_samples else None
         drawn = self.chosen_layers if many is None else many[0]
