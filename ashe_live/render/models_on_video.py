@@ -98,9 +98,9 @@ class ModelsOnVideo:
         draw = partial(self.layers.draw, models, inputs, signs, scene, straight, hidden, self.photometry)
         with surface.drawing(grown(frame.region, 2 * reach + 1, surface.size)):
             draw(has_models=surface.samples == 0)
-        if surface.samples:
+        real = [] if self.layers.real is None else [self.layers.real.points]
+        if surface.samples and (scene.shows_model or signs or real):
             # The ground is as smooth with one sample, and several are dear: they are for where the edges are.
-            real = [] if self.layers.real is None else [self.layers.real.points]
             edged = framing(camera, T_cam_marker, np.concatenate([standing, *real]), viewport)
             within = (0, 0, 0, 0) if edged is None else _common(grown(edged.region, 1, surface.size), frame.region)
             if min(within[2:]) > 0:
@@ -108,7 +108,7 @@ class ModelsOnVideo:
                 has_ground = self.layers.real is None
                 with surface.drawing(within, several_samples=True, over_drawn=has_ground):
                     draw(has_ground=has_ground)
-        elif scene.shows_model:
+        elif scene.shows_model and not surface.samples:
             model = framing(camera, T_cam_marker, models.corners, viewport)
             if model is not None:
                 self._outlines.smooth(surface, grown(model.region, 1, surface.size))
