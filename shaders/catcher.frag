@@ -19,8 +19,7 @@ const float FAR_RIM = 0.012;  // its error where the proxy is a poor one: a frac
 #endif
 uniform sampler2D contact;  // fraction of the sky that the model hides, and its mean direction's x and y times that; ends in 0
 uniform vec4 patch_bounds;  // lower x, y and upper x, y of `contact`; metres, the model's own frame
-uniform vec4 model_bounds;  // the same of the model itself
-uniform float model_height;
+uniform sampler2D walls;  // light of the ground on what is seen of the nearest wall, over pi; the same places
 uniform mat4 marker_from_placed;
 uniform vec3 model_albedo;  // its mean, linear RGB
 uniform vec3 ground_bounce;
@@ -95,22 +94,6 @@ float lit_past_real(int light, float covered, bool matters) {
 }
 #endif
 
-// The light that the ground throws onto what is seen from here of the nearest wall, which faces `outward`, in the model's
-// own frame: at its foot the model's shadow, farther up what lies beyond.
-vec3 from_ground_on_wall(vec2 outward, float share) {
-    vec2 foot = clamp(ground_placed, model_bounds.xy, model_bounds.zw);
-    // Half of what a wall hides of the sky is below the direction whose cosine is the mean of 1 and that of its top.
-    float away = distance(ground_placed, foot);
-    float cosine = 0.5 + 0.5 * away * inversesqrt(max(away * away + model_height * model_height, 1e-12));
-    float height = away * sqrt(1.0 - cosine * cosine) / cosine;
-    vec3 light = vec3(0.0);
-    for (int third = 0; third < (share > 0.01 ? 3 : 0); ++third) {
-        vec2 at = foot + THIRDS[third] * height * outward;
-        light += light_on_ground((marker_from_placed * vec4(at, 0.0, 1.0)).xy, WIDTHS[third] * height);
-    }
-    return ground_bounce * light / 3.0;
-}
-
 // Horizontal part of the mean direction to half of the sky, by cosine: that which a wall hides at its foot.
 const float WALL = 0.4244;  // 4 / (3 pi)
 
@@ -161,7 +144,7 @@ void main() {
 #endif
     // In the place of the hidden sky the ground sees the model, lit by the ground before it, and if a wall by half the sky.
     vec3 from_ground = ground_bounce * after / max(before, 1e-3);
-    vec3 on_wall = 0.5 * (sky + from_ground_on_wall(outward_placed, hidden.x * is_wall)) + on_walls;
+    vec3 on_wall = 0.5 * (sky + texture(walls, at).rgb) + on_walls;
     vec3 facing = model_albedo * mix(from_ground, on_wall, is_wall);
     // A sky whose radiance leans by k times a direction's x gives a wall that faces x a third of k more.
     vec2 hidden_from = (marker_from_placed * vec4(hidden.yz, 0.0, 0.0)).xy;

@@ -1,37 +1,33 @@
-// Both layers blurred along one axis, into pixels of half the resolution.
+// Both layers at half the resolution, blurred along one axis.
 #version 330 core
 
 uniform sampler2D added_light;
-uniform sampler2D removed;
-uniform vec2 texel;  // of what is drawn, in coordinates of what is read
-uniform vec2 along;  // from one tap to the next, in the same; between four pixels the first time, so that a tap is their mean
+uniform sampler2D removed;  // alpha as in halved.frag
+uniform ivec2 along;  // from one tap to the next
 uniform float weights[TAPS + 1];  // of the middle, and of its neighbours on either side
 
 layout(location = 0) out vec4 coarse_light;
-layout(location = 1) out vec4 coarse_gone;
-
-#if HALVES
-// The mean of the four pixels around a corner, none brighter than a picture shows: a camera's colours are blurred after that.
-vec4 clipped_around(vec2 corner) {
-    ivec2 last = textureSize(added_light, 0) - 1, upper = ivec2(round(corner * vec2(last + 1)));
-    vec4 sum = vec4(0.0);
-    for (int k = 0; k < 4; ++k) {
-        sum += min(texelFetch(added_light, clamp(upper - ivec2(k & 1, k >> 1), ivec2(0), last), 0), vec4(1.0));
-    }
-    return 0.25 * sum;
-}
-#define LIGHT_AT(there) clipped_around(there)
-#else
-#define LIGHT_AT(there) textureLod(added_light, there, 0.0)
-#endif
+layout(location = 1) out vec4 coarse_gone;  // alpha: 0 where nothing is within the taps' reach, else 1 and the most that the
+                                           // layers differ by within SPREAD of a pixel and its neighbours
 
 void main() {
-    vec2 at = gl_FragCoord.xy * texel;
-    coarse_light = coarse_gone = vec4(0.0);
-    for (int tap = -TAPS; tap <= TAPS; ++tap) {
-        float weight = weights[abs(tap)];
-        vec2 there = at + float(tap) * along;
-        coarse_light += weight * LIGHT_AT(there);
-        coarse_gone += weight * textureLod(removed, there, 0.0);
+    ivec2 at = ivec2(gl_FragCoord.xy), last = textureSize(added_light, 0) - 1;
+    vec4 light = texelFetch(added_light, at, 0), gone = texelFetch(removed, at, 0);
+    coarse_light = weights[0] * light;
+    coarse_gone = weights[0] * gone;
+    float unlike = gone.a, touched = gone.a;
+    vec4 differs = vec4(0.0);
+    for (int tap = 1; tap <= TAPS; ++tap) {
+        for (int side = -1; side <= 1; side += 2) {
+            ivec2 there = clamp(at + side * tap * along, ivec2(0), last);
+            vec4 light_there = texelFetch(added_light, there, 0), gone_there = texelFetch(removed, there, 0);
+            coarse_light += weights[tap] * light_there;
+            coarse_gone += weights[tap] * gone_there;
+            touched = max(touched, gone_there.a);
+            if (tap <= SPREAD) unlike = max(unlike, gone_there.a);
+            if (tap == 1) differs = max(differs, max(abs(light_there - light), vec4(abs(gone_there.rgb - gone.rgb), 0.0)));
+        }
     }
+    float most = max(max(differs.r, differs.g), max(differs.b, differs.a));
+    coarse_gone.a = touched > 0.0 ? max(unlike, 1.0 + most) : 0.0;
 }

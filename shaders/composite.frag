@@ -2,11 +2,11 @@
 // colours as coarse and the noise that the video's own pixels have lost or never had. Elsewhere the video is left alone.
 #version 330 core
 #include "srgb.glsl"
+#include "middle.glsl"
 
 uniform sampler2D added_light;  // linear RGB; alpha: fraction of the pixel that the model covers
 uniform sampler2D removed;  // fraction of the video's light that is gone, linear RGB
 uniform sampler2D video;
-uniform vec4 viewport;  // left, bottom, width, height in pixels
 uniform float weights[REACH + 1];  // of a row's middle, and of its neighbours on either side
 #ifdef WIDE
 uniform float wide_weights[REACH + 1];  // of a blur a pixel wider, which sharpening takes away
@@ -14,8 +14,8 @@ uniform float sharpening;
 #endif
 #ifdef COARSE
 uniform sampler2D coarse_light;  // both layers as blurred as colours are, at half the resolution
-uniform sampler2D coarse_gone;
 #endif
+uniform sampler2D coarse_gone;  // alpha: 1 and what the layers differ by around, as in coarse.frag
 #ifdef OVEREXPOSED
 uniform vec3 paper;  // what the picture shows as white, linear RGB as the picture would have it if it could
 const vec2 WHITE = vec2(0.88, 0.94);  // linear brightness from which, and from which fully (as in camera/white.py)
@@ -23,16 +23,12 @@ const vec2 WHITE = vec2(0.88, 0.94);  // linear brightness from which, and from 
 uniform float noise_sigmas[4];  // standard deviations of encoded values, at the middles of four ranges of brightness
 uniform vec2 grain_px;  // size of a pixel of the video, in pixels of the viewport
 uniform int seed;
-#ifdef BENDS
-uniform sampler2D straight_from_bent;  // undistorted coordinates by those of the video; a coarse grid
-uniform vec4 region;  // of the pinhole picture, in which something was drawn
-#endif
 
 out vec4 encoded;
 
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 const int ACROSS = max(REACH, 2);  // rows and columns together; of the smallest kernel all
-const float EVEN = 0.006;  // linear difference over a kernel's width that no blur shows
+const float EVEN = 0.006;  // linear difference within a kernel's reach that no blur shows
 
 // Jarzynski, Olano, "Hash functions for GPU rendering", JCGT 2020: PCG.
 uint scrambled(uint value) {
@@ -54,23 +50,13 @@ float noise_sigma(float brightness) {
     return mix(noise_sigmas[below], noise_sigmas[below + 1], at - float(below));
 }
 
-// Layers at a whole number of pixels from `middle`, which is a pixel or, where the lens bends, between pixels.
+// Layers at a whole number of pixels from `middle`, which is between pixels where the lens bends.
 #ifdef BENDS
-#define MIDDLE_OF_PIXEL 0.0
 #define READ(layer, middle, column, row) textureLod(layer, (middle + vec2(column, row)) / vec2(textureSize(layer, 0)), 0.0)
 #else
-#define MIDDLE_OF_PIXEL 0.5
 #define READ(layer, middle, column, row) \
-    texelFetch(layer, clamp(middle + ivec2(column, row), ivec2(0), textureSize(layer, 0) - 1), 0)
+    texelFetch(layer, clamp(ivec2(middle) + ivec2(column, row), ivec2(0), textureSize(layer, 0) - 1), 0)
 #endif
-
-// Raises `most` to the largest difference of either layer between `middle` and the places diagonally `away` from it.
-#define DIFFERS(light, gone, middle, away, most) \
-    for (int corner = 0; corner < 4; ++corner) { \
-        int across = away - 2 * away * (corner & 1), up = away - away * (corner & 2); \
-        most = max(most, abs(READ(added_light, middle, across, up) - light)); \
-        most.rgb = max(most.rgb, abs(READ(removed, middle, across, up).rgb - gone)); \
-    }
 
 // What is left of the video's light.
 vec3 left_of(vec3 seen, vec3 gone) {
@@ -85,44 +71,40 @@ vec3 left_of(vec3 seen, vec3 gone) {
 
 void main() {
     vec2 at = (gl_FragCoord.xy - viewport.xy) / viewport.zw;
+    vec2 middle = middle_of_blurs();
 #ifdef BENDS
-    vec2 nodes = vec2(textureSize(straight_from_bent, 0));
-    vec2 middle = viewport.xy + texture(straight_from_bent, (at * (nodes - 1.0) + 0.5) / nodes).xy * viewport.zw;
     if (any(lessThan(middle, region.xy)) || any(greaterThan(middle, region.xy + region.zw))) discard;
-#else
-    ivec2 middle = ivec2(gl_FragCoord.xy);
 #endif
-    vec4 light = READ(added_light, middle, 0, 0);
-    vec3 gone = READ(removed, middle, 0, 0).rgb;
+    vec4 coarse_removed = textureLod(coarse_gone, in_coarse(middle, coarse_gone), 0.0);
     // Most of a picture is even or changes steadily over a kernel's width, and is not worth looking at more closely.
-    vec4 differs = vec4(0.0);
-    DIFFERS(light, gone, middle, REACH, differs)
-    bool is_even = all(lessThan(differs, vec4(EVEN)));
+    bool is_even = coarse_removed.a < 1.0 + EVEN;
 #ifdef COARSE
-    vec2 half_at = (vec2(middle) + MIDDLE_OF_PIXEL) / (2.0 * vec2(textureSize(coarse_light, 0)));
-    vec4 coarse_added = textureLod(coarse_light, half_at, 0.0);
-    vec3 coarse_removed = textureLod(coarse_gone, half_at, 0.0).rgb;
+    vec4 coarse_added = textureLod(coarse_light, in_coarse(middle, coarse_light), 0.0);
 #endif
-    float blurred = is_even ? 0.0 : 1.0;
-    light *= 1.0 - blurred;
-    gone *= 1.0 - blurred;
+    float as_it_is = is_even ? 1.0 : 0.0;
+    vec4 light = as_it_is * READ(added_light, middle, 0, 0);
+    vec3 gone = as_it_is * READ(removed, middle, 0, 0).rgb;
 #ifdef WIDE
     vec4 wide_light = light;
     vec3 wide_gone = gone;
 #endif
-    // Ending a loop early saves time on a software rasteriser too, which a branch does not.
+    // Ending a loop early saves time on a software rasteriser, which a branch does not.
     int rows = is_even ? -REACH - 1 : REACH;
     for (int row = -REACH; row <= rows; ++row) {
         // A diamond has half of the square's pixels, and nearly all of its weight.
         int columns = min(REACH, ACROSS - abs(row));
+        float row_weight = weights[abs(row)];
+#ifdef WIDE
+        float wide_row_weight = wide_weights[abs(row)];
+#endif
         for (int column = -columns; column <= columns; ++column) {
-            float weight = weights[abs(row)] * weights[abs(column)];
+            float weight = row_weight * weights[abs(column)];
             vec4 light_there = READ(added_light, middle, column, row);
             vec3 gone_there = READ(removed, middle, column, row).rgb;
             light += weight * light_there;
             gone += weight * gone_there;
 #ifdef WIDE
-            float wide_weight = wide_weights[abs(row)] * wide_weights[abs(column)];
+            float wide_weight = wide_row_weight * wide_weights[abs(column)];
             wide_light += wide_weight * light_there;
             wide_gone += wide_weight * gone_there;
 #endif
@@ -133,7 +115,7 @@ void main() {
     change = max(change, abs(wide_gone));
 #endif
 #ifdef COARSE
-    change = max(change, max(abs(coarse_removed), coarse_added.aaa));
+    change = max(change, max(abs(coarse_removed.rgb), coarse_added.aaa));
 #endif
     if (max(light.a, max(change.r, max(change.g, change.b))) < 0.0005) discard;
     vec3 seen = linear_from_srgb(texture(video, at).rgb);
@@ -146,7 +128,7 @@ void main() {
     float sharpened = 0.0;
 #endif
 #ifdef COARSE
-    vec3 coarse = srgb_from_linear(left_of(seen, coarse_removed) + coarse_added.rgb);
+    vec3 coarse = srgb_from_linear(left_of(seen, coarse_removed.rgb) + coarse_added.rgb);
     composed = luma + coarse - dot(coarse, LUMINANCE);
 #endif
     composed += sharpened;

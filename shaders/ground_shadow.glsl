@@ -40,13 +40,14 @@ float lit_around(int caster, int light, vec2 ground, float width_m) {
     int map = caster * LIGHTS + light;
     vec2 at;
     if (!is_on_map(map, ground, at)) return 1.0;
-    float level = clamp(log2(max(width_m * ground_shadow_texels_per_m[map], 1.0)), 0.0, ground_shadow_levels);
-    vec2 texel = exp2(level) / vec2(textureSize(ground_shadows, 0));
-    vec2 within = 0.5 * texel * (1.0 - exp2(-level));  // to the middle of a coarser texel at the tile's border
+    float texels = clamp(width_m * ground_shadow_texels_per_m[map], 1.0, exp2(ground_shadow_levels));
+    vec2 size = vec2(textureSize(ground_shadows, 0));
+    vec2 texel = texels / size;
+    vec2 within = 0.5 * (texel - 1.0 / size);  // to the middle of a coarser texel at the tile's border
     vec2 nearest = clamp(at, ground_shadow_lower[map] + within, ground_shadow_upper[map] - within);
     // Beyond the tile nothing is shaded.
     vec2 beyond = abs(at - nearest) / texel;
-    float lit = textureLod(ground_shadows, nearest, level).r;
+    float lit = textureLod(ground_shadows, nearest, log2(texels)).r;
     return mix(lit, 1.0, min(max(beyond.x, beyond.y), 1.0));
 }
 

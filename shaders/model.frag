@@ -54,7 +54,7 @@ uniform sampler2D occlusion_map;
 uniform sampler2D emissive_map;
 #endif
 layout(location = 0) out vec4 added_light;  // premultiplied by the coverage, which is its alpha
-layout(location = 1) out vec4 removed;  // fraction of the light behind it
+layout(location = 1) out vec4 removed;  // fraction of the light behind it; alpha: see number_of_surface
 
 vec3 smooth_normal() {
     return normalize(gl_FrontFacing ? normal : -normal);
@@ -91,17 +91,23 @@ vec3 triangle_normal(vec3 n) {
 const float NEARER = 1.2;  // the middle of the nearer two THIRDS, in heights of the wall,
 const float NEARER_WIDTH = 1.5;  // and about how far they reach to both sides of it
 
-// Light from all around, over pi, on a surface or from a direction: the sky above, the ground below, with the model's
-// shadow on it, as far as they are `open`.
-vec3 ambient(vec3 direction, vec2 open) {
-    float upward = 0.5 + 0.5 * direction.z;
+// Light of the ground, over pi, on a wall that faces `direction`, with the model's shadow on it. `unshaded`: without.
+vec3 from_ground(vec3 direction, out vec3 unshaded) {
     float height = max(position.z, 0.0);
     vec2 away = height * direction.xy;
     // Near by it has the colours of the picture there: the marker's paper is brighter than what it lies on.
-    vec3 ground = left_on_ground(position.xy + THIRDS[0] * away, WIDTHS[0] * height);
-    ground += left_on_ground(position.xy + THIRDS[1] * away, WIDTHS[1] * height);
-    ground *= ground_seen(position.xy + NEARER * away, NEARER_WIDTH * height) / 3.0;
-    ground += ground_bounce * light_on_ground(position.xy + THIRDS[2] * away, WIDTHS[2] * height) / 3.0;
+    vec3 near = ground_seen(position.xy + NEARER * away, NEARER_WIDTH * height) / 3.0;
+    vec3 far = ground_bounce / 3.0;
+    unshaded = 2.0 * near + far;
+    vec3 left = left_on_ground(position.xy + THIRDS[0] * away, WIDTHS[0] * height);
+    left += left_on_ground(position.xy + THIRDS[1] * away, WIDTHS[1] * height);
+    return near * left + far * light_on_ground(position.xy + THIRDS[2] * away, WIDTHS[2] * height);
+}
+
+// Light from all around, over pi, on a surface or from a direction: the sky above and `ground` below, as far as they are
+// `open`.
+vec3 ambient(vec3 direction, vec2 open, vec3 ground) {
+    float upward = 0.5 + 0.5 * direction.z;
     vec3 from_sky = sky * upward + sky_slope[0] * direction.x + sky_slope[1] * direction.y;
     return max(from_sky, 0.0) * open.x + ground * ((1.0 - upward) * open.y);
 }
@@ -110,7 +116,13 @@ vec3 ambient(vec3 direction, vec2 open) {
 #ifdef MIRRORS
 #define AROUND(towards, rough) surrounding_radiance(position, towards, (rough) * (rough))
 #else
-#define AROUND(towards, rough) ambient(towards, vec2(1.0))
+#define AROUND(towards, rough) ambient(towards, vec2(1.0), unshaded * left_towards(towards))
+
+// Of what mirrors little and roughly one look at the shadow is enough, at the middle of the nearer two THIRDS.
+vec3 left_towards(vec3 towards) {
+    float height = max(position.z, 0.0);
+    return left_on_ground(position.xy + NEARER * height * towards.xy, NEARER_WIDTH * height);
+}
 #endif
 
 // The direction that is mirrored. Where an interpolated or mapped normal would mirror what is below the surface, whose
@@ -131,6 +143,13 @@ float open_lobe(vec2 open, vec3 mirror, float rough, float n_v) {
     return clamp(pow(n_v + ahead, exp2(-16.0 * rough - 1.0)) - 1.0 + ahead, 0.0, 1.0);
 }
 #endif
+
+// By which steps between surfaces, and at the borders of shadows, are told from what is painted on one: the same all over the
+// plane of a triangle that faces `facing`, where as much of the lights comes `through`, and hardly ever elsewhere.
+float number_of_surface(vec3 facing, float through) {
+    float plane = dot(facing, vec3(0.32, 0.44, 0.27)) + dot(facing, position - eye) * inversesqrt(dot(eye, eye));
+    return plane + 0.04 * through;
+}
 
 const float GLASS = 0.04;  // what plastic, glass and clear coats mirror straight on
 const float ANYHOW = 0.25;  // mean over all directions of a cosine where it is positive
@@ -157,8 +176,11 @@ void main() {
 #endif
     // Where an interpolated or mapped normal leans away from the triangle, light from below this is none: of the cosines
     // around n a half and half of n.facing are above both planes.
-    vec3 from_around = ambient(n, open) * (0.5 + 0.5 * dot(n, facing));
+    vec3 unshaded;
+    vec3 ground = from_ground(n, unshaded);
+    vec3 from_around = ambient(n, open, ground) * (0.5 + 0.5 * dot(n, facing));
     vec3 from_suns = vec3(0.0);
+    float through = 0.0;  // of all lights
     vec3 diffuse = from_around;
     vec3 mirrored = vec3(0.0);
     vec3 albedo = base.rgb;
@@ -206,7 +228,9 @@ void main() {
         if (cosine <= 0.0) continue;
 #endif
         if (dot(facing, to_light) <= 0.0) continue;
-        vec3 arrives = sun[light] * (falloff * shadow(light, position, n, to_light));
+        float lit = shadow(light, position, n, to_light);
+        through += lit;
+        vec3 arrives = sun[light] * (falloff * lit);
         vec3 direct = arrives * cosine;
         diffuse += direct;
 #ifdef GLOSSY
@@ -258,8 +282,9 @@ void main() {
     cover += (1.0 - cover) * coat * coat_reflectance;
 #endif
     added_light = vec4((albedo * diffuse * base.a + glow) * exposure, cover);
+    removed = vec4(cover);
 #else
     added_light = vec4((albedo * diffuse + glow) * exposure, 1.0);
+    removed = vec4(vec3(1.0), number_of_surface(facing, through));
 #endif
-    removed = vec4(added_light.a);
 }

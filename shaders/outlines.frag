@@ -1,89 +1,109 @@
 // Outlines of the model, and of its parts before one another, where pixels were drawn whole or not at all: from how the
 // steps of that staircase follow one another, what part of each pixel is beyond the line that they stand for (Reshetov,
-// "Morphological antialiasing", HPG 2009). That part becomes what the layers show beyond the step.
+// "Morphological antialiasing", HPG 2009). That part becomes what the layers show beyond the step. Three passes: FIND the
+// steps, what the layers become there, and PUT_BACK.
 #version 330 core
 
 uniform sampler2D added_light;
 uniform sampler2D removed;
 
-layout(location = 0) out vec4 smooth_light;
-layout(location = 1) out vec4 smooth_gone;
-
-#ifdef PUT_BACK
-void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy);
-    smooth_gone = texelFetch(removed, at, 0);
-    if (smooth_gone.a < 0.0) discard;  // nothing has been smoothed here
-    smooth_light = texelFetch(added_light, at, 0);
-}
-#else
-const int FARTHEST = 12;  // pixels along a step: a longer one counts as level
+#if defined(FIND)
+out vec4 steps;  // whether there is one to the right, above, to the left and below; all other pixels are not chosen
 
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 const float SEEN = 0.35;  // of the brighter one's light, that pixels differ by where there is a step between them
 const float LEAST_SEEN = 0.03;  // linear
+const float OTHER_SURFACE = 0.004;  // four steps of a half-precision number, which tell surfaces apart (model.frag)
 
-// Brightness, and how much is covered by what is drawn.
-vec2 seen(ivec2 at) {
-    vec4 light = texelFetch(added_light, clamp(at, ivec2(0), textureSize(added_light, 0) - 1), 0);
-    return vec2(dot(light.rgb, LUMINANCE), light.a);
+// Brightness, how much is covered by what is drawn, and the number of the surface that is seen.
+vec3 seen(ivec2 at) {
+    ivec2 within = clamp(at, ivec2(0), textureSize(added_light, 0) - 1);
+    vec4 light = texelFetch(added_light, within, 0);
+    return vec3(dot(light.rgb, LUMINANCE), light.a, texelFetch(removed, within, 0).a);
 }
 
-bool differ(vec2 one, vec2 other) {
-    return abs(one.x - other.x) > max(SEEN * max(one.x, other.x), LEAST_SEEN) || abs(one.y - other.y) > 0.5;
+// What is painted onto a surface has been filtered, and has no steps.
+float differs(vec3 one, vec3 other) {
+    bool is_seen = abs(one.x - other.x) > max(SEEN * max(one.x, other.x), LEAST_SEEN);
+    return (is_seen && abs(one.z - other.z) > OTHER_SURFACE) || abs(one.y - other.y) > 0.5 ? 1.0 : 0.0;
+}
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec3 own = seen(at);
+    steps = vec4(
+        differs(own, seen(at + ivec2(1, 0))),
+        differs(own, seen(at + ivec2(0, 1))),
+        differs(own, seen(at - ivec2(1, 0))),
+        differs(own, seen(at - ivec2(0, 1)))
+    );
+    if (steps == vec4(0.0)) discard;
+}
+#else
+layout(location = 0) out vec4 smooth_light;
+layout(location = 1) out vec4 smooth_gone;
+#endif
+
+#if defined(PUT_BACK)
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    smooth_light = texelFetch(added_light, at, 0);
+    smooth_gone = texelFetch(removed, at, 0);
+}
+#elif !defined(FIND)
+uniform sampler2D outline_steps;
+
+const int FARTHEST = 12;  // pixels along a step: a longer one counts as level
+
+// Whether there is a step between a pixel and the next one in a direction, one of four.
+bool is_step(ivec2 at, ivec2 towards) {
+    vec4 steps = texelFetch(outline_steps, clamp(at, ivec2(0), textureSize(outline_steps, 0) - 1), 0);
+    vec2 ahead = towards.x + towards.y > 0 ? steps.xy : steps.zw;
+    return (towards.x != 0 ? ahead.x : ahead.y) > 0.5;
 }
 
 // From the middle of a pixel to where its step towards `across` ends; `rises`: whether the line there is half a pixel
 // beyond the step (0.5) or before it, or the step is level.
-float length_of_step(ivec2 at, ivec2 across, ivec2 along, vec2 own, vec2 other, out float rises) {
-    float steps = 0.5;
-    rises = 0.0;
-    for (int step = 1; step <= FARTHEST; ++step) {
+float length_of_step(ivec2 at, ivec2 across, ivec2 along, out float rises) {
+    float length = 0.5;
+    bool turns = false, turns_beyond = false;
+    for (int pixel = 1; pixel <= FARTHEST; ++pixel) {
+        turns = is_step(at, along);
+        turns_beyond = is_step(at + across, along);
+        if (turns || turns_beyond || !is_step(at + along, across)) break;
         at += along;
-        vec2 here = seen(at), beyond = seen(at + across);
-        bool turns = differ(here, own), turns_beyond = differ(beyond, other);
-        if (turns || turns_beyond) {
-            rises = turns == turns_beyond ? 0.0 : turns ? -0.5 : 0.5;
-            break;
-        }
-        steps += 1.0;
+        length += 1.0;
     }
+    rises = turns == turns_beyond ? 0.0 : turns ? -0.5 : 0.5;
     // Where the turn goes on for more than a pixel it is a corner, and no step of a line.
-    bool is_corner = rises < 0.0 ? differ(seen(at - across), own) : differ(seen(at + 2 * across), other);
-    if (is_corner) rises = 0.0;
-    return steps;
+    if (is_step(turns ? at - across : at + 2 * across, along)) rises = 0.0;
+    return length;
 }
 
 // The part of a pixel beyond the line, which rises linearly from the middle of the step to its ends.
-float beyond(ivec2 at, ivec2 across, vec2 own) {
-    vec2 other = seen(at + across);
-    if (!differ(own, other)) return 0.0;
+float beyond(ivec2 at, ivec2 across) {
     ivec2 along = across.yx;
     float ahead, behind;
-    float end = length_of_step(at, across, along, own, other, ahead);
-    float start = -length_of_step(at, across, -along, own, other, behind);
+    float end = length_of_step(at, across, along, ahead);
+    float start = -length_of_step(at, across, -along, behind);
     float middle = 0.5 * (start + end), half_length = 0.5 * (end - start);
     float share = 0.0;
     for (int quarter = 0; quarter < 4; ++quarter) {
         float from_middle = (0.25 * float(quarter) - 0.375 - middle) / half_length;
         share += 0.25 * max(0.0, -abs(from_middle) * (from_middle > 0.0 ? ahead : behind));
     }
-    return share;
+    return is_step(at, across) ? share : 0.0;
 }
 
 void main() {
     const ivec2 RIGHT = ivec2(1, 0), UP = ivec2(0, 1);
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec2 own = seen(at);
-    bool is_aside = differ(own, seen(at + RIGHT)) || differ(own, seen(at - RIGHT));
-    if (!is_aside && !differ(own, seen(at + UP)) && !differ(own, seen(at - UP))) discard;
-    vec2 aside = vec2(beyond(at, RIGHT, own), beyond(at, -RIGHT, own));
-    vec2 upright = vec2(beyond(at, UP, own), beyond(at, -UP, own));
+    vec2 aside = vec2(beyond(at, RIGHT), beyond(at, -RIGHT));
+    vec2 upright = vec2(beyond(at, UP), beyond(at, -UP));
     // Steps that follow one another in both directions stand for one line.
     bool is_steep = aside.x + aside.y > upright.x + upright.y;
     vec2 shares = is_steep ? aside : upright;
     ivec2 across = is_steep ? RIGHT : UP;
-    if (shares.x + shares.y < 0.004) discard;
     ivec2 last = textureSize(removed, 0) - 1;
     ivec2 further = clamp(at + across, ivec2(0), last), nearer = clamp(at - across, ivec2(0), last);
     float left = 1.0 - shares.x - shares.y;

@@ -1,10 +1,17 @@
-// sRGB and linear light, IEC 61966-2-1; the same curves as ashe_live/core/colour.py.
+// sRGB and linear light, IEC 61966-2-1; the curves of ashe_live/core/colour.py within 0.00004, a hundredth of a level. Of
+// their powers these are the Chebyshev fits from 0.04045 and 0.0031308 to 1: a software rasteriser takes twice as long for pow.
 
 vec3 linear_from_srgb(vec3 encoded) {
-    return mix(encoded / 12.92, pow((encoded + 0.055) / 1.055, vec3(2.4)), step(0.04045, encoded));
+    vec3 power = 0.05624370 * encoded - 0.23194377;
+    power = ((power * encoded + 0.60277282) * encoded + 0.54229380) * encoded;
+    power = (power + 0.02961582) * encoded + 0.00103313;
+    return mix(encoded / 12.92, power, step(0.04045, encoded));
 }
 
 vec3 srgb_from_linear(vec3 linear) {
     vec3 value = clamp(linear, 0.0, 1.0);
-    return mix(value * 12.92, 1.055 * pow(value, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, value));
+    vec3 root = sqrt(sqrt(value));
+    vec3 power = ((0.07885704 * root - 0.32937618) * root + 1.11735202) * root;
+    power = (power + 0.19803844) * root - 0.06484341;
+    return mix(value * 12.92, power, step(0.0031308, value));
 }

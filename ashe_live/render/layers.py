@@ -54,17 +54,23 @@ class LayerPasses:
         video: Video,
         hidden: HiddenMarker | None,
         photometry: Photometry,
+        has_models: bool = True,
+        has_ground: bool = False,
     ) -> None:
-        """`video`: as the framing's pinhole camera sees it. `hidden`: what covers the marker's sheet."""
+        """`video`: as the framing's pinhole camera sees it. `hidden`: what covers the marker's sheet.
+
+        `has_models`: with them and the signs, which else will be drawn over it. `has_ground`: that was drawn before.
+        """
         frame, lighting, shadows = inputs.framing, inputs.lighting, inputs.looked_up.shadows
         self._ctx.viewport = frame.viewport
         if self.real is not None:
             self.real.draw(frame, lighting, shadows)
-        if scene.shows_model:
+        shows_model = scene.shows_model and has_models
+        if shows_model:
             self.model_pass.draw_opaque(models, inputs)
-        for sign in signs:
+        for sign in signs if has_models else ():
             self._light_signs.draw(frame, sign)
-        if scene.casts_shadow or hidden is not None:
+        if (scene.casts_shadow or hidden is not None) and not has_ground:
             self.catcher.draw(
                 frame,
                 video,
@@ -77,10 +83,10 @@ class LayerPasses:
                 scene.casts_shadow,
                 photometry.border_share(scene.illumination) * frame.viewport[2],
             )
-        if scene.shows_model:
+        if shows_model:
             self.model_pass.draw_blended(models, inputs)
 
     def release(self) -> None:
-        self.catcher.forget()
+        self.catcher.release()
         self.hidden_marker.release()
         self._light_signs.release()

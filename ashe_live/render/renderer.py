@@ -3,31 +3,20 @@
 from collections.abc import Iterator, Sequence
 
 import moderngl
-import numpy as np
 
-from ashe_live.core.arrays import Float, Image
+from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
 from ashe_live.models.placement import PlacedModel
-from ashe_live.render.gl.framing import framing, grown, letterbox
+from ashe_live.render.gl.framing import letterbox
 from ashe_live.render.gl.geometry import GpuModel
 from ashe_live.render.gl.mirror import Mirror
 from ashe_live.render.gl.offscreen import check_graphics
 from ashe_live.render.gl.preset import RenderPreset
 from ashe_live.render.gl.programs import Programs
-from ashe_live.render.layers import LayerPasses
-from ashe_live.render.lights.environment import Environment
-from ashe_live.render.lights.ground_shadows import GroundShadows
-from ashe_live.render.lights.photometry import Photometry
-from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.models_on_video import ModelsOnVideo
 from ashe_live.render.occlusion.occlusion import Known
-from ashe_live.render.passes.composite import Composite
-from ashe_live.render.passes.lens import Lens
-from ashe_live.render.passes.light_sign import LightSign, light_sign
-from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
-from ashe_live.render.passes.outlines import Outlines
 from ashe_live.render.passes.overlays import OverlayPass
 from ashe_live.render.passes.prepared import ModelSwitches
-from ashe_live.render.passes.standing import StandingGroup
 from ashe_live.render.passes.surface import Surface
 from ashe_live.render.passes.video import Video
 from ashe_live.render.scene import Scene
@@ -55,19 +44,11 @@ class SceneRenderer:
         self._ctx = ctx
         self._preset = preset
         self.video = Video(ctx)
-        self._straight_video = Video(ctx)
         self.overlays = OverlayPass(ctx)
-        self._lens = Lens(ctx)
         self._mirror = Mirror(ctx)
         self._programs = Programs(ctx)
-        self._outlines = Outlines(ctx, self._programs)
-        self._composite = Composite(ctx, self._programs)
-        self._environment = Environment(ctx, preset.environment_size)
-        self._layers = LayerPasses(ctx, self._programs)
-        self._shadows = ShadowMaps(ctx, preset)
-        self._ground_shadows = GroundShadows(ctx, self._programs, preset)
+        self._models_on_video = ModelsOnVideo(ctx, self._programs, preset, self.video)
         self._models = ModelSwitches(ctx, self._programs, self._build_shaders, switches_at_once, self._known)
-        self._photometry = Photometry(preset)
         self._surface = Surface(ctx, size, preset.msaa_samples)
 
     def beside(self, preset: RenderPreset, size: Size) -> "SceneRenderer":
@@ -95,7 +76,7 @@ class SceneRenderer:
     @property
     def shadow_map_renders(self) -> int:
         """How often the shadow maps were drawn since the preset was set."""
-        return self._shadows.renders
+        return self._models_on_video.shadows.renders
 
     @property
     def gl_renderer(self) -> str:
@@ -108,7 +89,7 @@ class SceneRenderer:
     @property
     def is_settled(self) -> bool:
         """Whether the same scene would be the same picture again: nothing is being prepared for the next ones."""
-        return self._models.is_settled and self._layers.hidden_marker.is_settled
+        return self._models.is_settled and self._models_on_video.layers.hidden_marker.is_settled
 
     @property
     def preset(self) -> RenderPreset:
@@ -120,14 +101,7 @@ class SceneRenderer:
         if preset == self._preset:
             return
         self._preset = preset
-        self._layers.catcher.forget()
-        self._shadows.release()
-        self._ground_shadows.release()
-        self._shadows = ShadowMaps(self._ctx, preset)
-        self._ground_shadows = GroundShadows(self._ctx, self._programs, preset)
-        self._photometry = Photometry(preset)
-        self._environment.release()
-        self._environment = Environment(self._ctx, preset.environment_size)
+        self._models_on_video.use_preset(preset)
         self.resize(self.size)
 
     def resize(self, size: Size) -> None:
@@ -141,8 +115,7 @@ class SceneRenderer:
     def render(self, scene: Scene) -> None:
         """Draws the scene into the renderer's own framebuffer."""
         self._follow_models([model for model, _ in scene.models])
-        if self._layers.follow_real_object(scene.real_object):
-            self._shadows.forget()
+        self._models_on_video.follow_real_object(scene.real_object)
         if scene.tracked is None:
             self._surface.colour.clear()
         else:
@@ -155,7 +128,7 @@ class SceneRenderer:
                 self.video.copy_or_draw(self._surface.colour, viewport)
             standing = self._models.standing([placement for _, placement in scene.models], scene.time_s)
             if standing is not None and scene.tracked.marker is not None:
-                self._draw_models(standing, scene, bends)
+                self._models_on_video.draw(self._surface, standing, scene, bends, self.switches_at_once)
             if scene.is_mirrored:
                 self._mirror.turn(self._surface.colour)
         self._surface.colour.use()
@@ -185,81 +158,27 @@ class SceneRenderer:
     def release(self) -> None:
         """Gives every object back to OpenGL; the renderer is of no use afterwards."""
         self._follow_models(())
-        self._layers.follow_real_object(None)
         self._ctx.detect_framebuffer(0).use()
         for held in (
             self.video,
             self.overlays,
-            self._layers,
-            self._straight_video,
-            self._outlines,
-            self._composite,
-            self._lens,
+            self._models_on_video,
             self._mirror,
-            self._shadows,
-            self._ground_shadows,
-            self._environment,
             self._surface,
             self._programs,
         ):
             held.release()
 
-    def _draw_models(self, models: StandingGroup, scene: Scene, bends: bool) -> None:
-        """`bends`: the picture is that of the camera's own lens; else that of a pinhole camera."""
-        tracked = scene.tracked
-        assert tracked is not None
-        assert tracked.marker is not None
-        lighting = self._photometry.lighting(scene.illumination)
-        self._shadows.render((models,) if self._layers.real is None else (models, self._layers.real), lighting)
-        self._ground_shadows.render(self._shadows, lighting)
-        hidden = self._layers.follow_sheet(scene, self.switches_at_once)
-        covered = np.zeros((0, 2)) if hidden is None else hidden.corners
-        self._layers.catcher.fit(models, lighting, self._shadows, covered)
-        viewport = letterbox(tracked.frame.size, self.size)
-        camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
-        T_cam_marker = tracked.marker.T_cam_marker
-        signed = scene.illumination.lights if scene.shows_light else ()
-        signs = [light_sign(models.members[0].corners, light, camera, T_cam_marker) for light in signed]
-        frame = framing(camera, T_cam_marker, self._drawn_points(models, signs), viewport)
-        if frame is None:
-            return
-        look = self._photometry.look(tracked, scene.illumination)
-        self._environment.show(scene.illumination, look.white_rgb, covered)
-        straight = self.video
-        if bends and self._shadows.shadows_meet:
-            straight = self._straight_video
-            straight.show(tracked, viewport, camera)
-        reach = self._composite.reach_px(viewport, tracked.frame, look)
-        with self._surface.drawing(grown(frame.region, 2 * reach + 1, self.size)):
-            inputs = ShadingInputs(frame, lighting, self._looked_up, look.white_rgb)
-            self._layers.draw(models, inputs, signs, scene, straight, hidden, self._photometry)
-        if scene.shows_model and not self._surface.samples:
-            model = framing(camera, T_cam_marker, models.corners, viewport)
-            if model is not None:
-                self._outlines.smooth(self._surface, grown(model.region, 1, self.size))
-        lens = self._lens if bends else None
-        self._composite.draw(
-            self._surface, frame.region, viewport, self.video, tracked, look, lens, scene.is_split, scene.is_cut_out
-        )
-
-    def _drawn_points(self, models: StandingGroup, signs: list[LightSign]) -> Float:
-        """(n, 3) points of the marker frame whose convex hull holds everything that is drawn."""
-        return np.concatenate([models.corners, self._layers.catcher.polygon, *(sign.corners for sign in signs)])
-
-    @property
-    def _looked_up(self) -> LookedUp:
-        return LookedUp(self._shadows, self._ground_shadows, self._environment)
-
     def _follow_models(self, placed: Sequence[PlacedModel]) -> None:
         if self._models.follow(placed):
-            for holder in (self._shadows, self._layers.catcher):
-                holder.forget()
+            self._models_on_video.forget_models()
 
     def _build_shaders(self, model: GpuModel) -> Iterator[None]:
         """In steps, with the variants that are known before the model is drawn."""
-        building = self._layers.model_pass.build_for(model, self._looked_up)
+        drawing = self._models_on_video
+        building = drawing.layers.model_pass.build_for(model, drawing.looked_up)
         while True:
-            with self._surface.drawing((0, 0, 1, 1)):
+            with self._surface.drawing((0, 0, 1, 1), several_samples=True):
                 if next(building, building) is building:
                     return
             yield

@@ -16,7 +16,7 @@ import pytest
 
 from ashe_live import render
 from ashe_live.render.gl import programs
-from ashe_live.render.gl.programs import shader_source
+from ashe_live.render.gl.programs import shader_source, shaders_of
 
 UNIFORM = re.compile(r"^uniform \w+ (\w+)", re.MULTILINE)
 
@@ -27,7 +27,7 @@ class UniformError(AssertionError):
 
 def declared_uniforms(name: str) -> set[str]:
     """Of the pass `name`, whichever of its variants have them."""
-    return set(UNIFORM.findall(shader_source(f"{name}.vert") + shader_source(f"{name}.frag")))
+    return set(UNIFORM.findall("".join(map(shader_source, shaders_of(name)))))
 
 
 class UniformAudit:

@@ -188,7 +188,7 @@ class InTrueWhite(Photometry):
 class RendererInTrueWhite(SceneRenderer):
     def __init__(self, ctx: Context, preset: RenderPreset, size: Size, white_rgb: Float) -> None:
         super().__init__(ctx, preset, size)
-        self._photometry = InTrueWhite(preset, white_rgb)
+        self._models_on_video.photometry = InTrueWhite(preset, white_rgb)
 
 
 def drawn_at(ctx: Context, scene: Scene, preset: RenderPreset, white_rgb: Float) -> Image:

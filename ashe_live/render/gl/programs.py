@@ -32,14 +32,20 @@ class Programs:
 
 
 def build_program(ctx: moderngl.Context, name: str, **constants: float) -> moderngl.Program:
-    """The program of `shaders/<name>.vert` and `.frag`, its samplers on their units; `constants` become macros."""
+    """The program of the pass `name`, its samplers on their units; `constants` become macros."""
     defines = "".join(f"#define {key.upper()} {value}\n" for key, value in constants.items())
-    vertex, fragment = (shader_source(f"{name}.{stage}", defines) for stage in ("vert", "frag"))
+    vertex, fragment = (shader_source(file_name, defines) for file_name in shaders_of(name))
     # moderngl 5.13 crashes when a signal's handler raises in the Python that it calls for each uniform.
     with signals_held():
         program = ctx.program(vertex_shader=vertex, fragment_shader=fragment)
     set_uniforms(program, **UNIT_OF)
     return program
+
+
+def shaders_of(name: str) -> tuple[str, str]:
+    """Names of a pass's vertex and fragment shader; one without a vertex shader of its own covers the framebuffer."""
+    own = f"{name}.vert"
+    return own if (resource("shaders") / own).exists() else "whole.vert", f"{name}.frag"
 
 
 def shader_source(file_name: str, defines: str = "") -> str:

@@ -20,6 +20,7 @@ UNIT_OF = {
     "sky_map": 9,
     "mirrored_shares": 14,
     "contact": 10,
+    "walls": 12,
     "video": 11,
     "cover": 15,
     # Full-screen passes.
@@ -31,4 +32,5 @@ UNIT_OF = {
     "straight_from_bent": 15,
     "coarse_light": 12,
     "coarse_gone": 10,
+    "outline_steps": 12,
 }

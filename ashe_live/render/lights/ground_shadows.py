@@ -33,7 +33,7 @@ class GroundShadows:
         self._preset = preset
         self._size = preset.ground_shadow_size
         self._levels = round(math.log2(self._size / COARSEST))
-        self._canvas = Canvas(ctx, 1, "f2")
+        self._canvas = Canvas(ctx, 1, "f4")  # which a software rasteriser interpolates twice as fast as half precision
         self._texture: moderngl.Texture | None = None
         self._rectangle = WholeRectangle(ctx)
         self._drawn = 0
@@ -82,6 +82,11 @@ class GroundShadows:
             "ground_shadow_upper": (corners + self._size - 0.5) / texture_size,
             "light_point": lighting.light_points,
         }
+
+    @property
+    def content(self) -> object:
+        """Another object whenever they were drawn again."""
+        return self._uniforms
 
     def bind(self, program: moderngl.Program) -> None:
         if self._texture is not None:

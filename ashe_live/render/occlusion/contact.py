@@ -3,6 +3,8 @@
 It is a shadow even without any sun, and where the model's sides are lit it is where their light falls.
 """
 
+import math
+
 import cv2
 import moderngl
 import numpy as np
@@ -36,7 +38,7 @@ class ContactPatch:
         self._texel = float((self.bounds[1] - self.bounds[0]).max()) / PATCH_SIZE
         # No wider than the model is high: beside what is flat nothing is hidden.
         self._blur_texels = float(np.clip(upper[2] / self._texel, LEAST_BLUR_TEXELS, BLUR_TEXELS))
-        self._model_bounds = np.array([lower[:2], upper[:2]])
+        self.model_bounds: Float = np.array([lower, upper])  # (2, 3) likewise
         self._ctx = ctx
         self._programs = programs
         self._rectangle: moderngl.VertexArray | None = None
@@ -44,6 +46,14 @@ class ContactPatch:
         self._texture.repeat_x = self._texture.repeat_y = False
         self._framebuffer = ctx.framebuffer([self._texture])
         self._framebuffer.clear()
+
+    @property
+    def corners(self) -> Float:
+        """(8, 2) metres, marker frame: an octagon around all that is within reach of the model's bounds."""
+        (x0, y0), (x1, y1) = self.bounds
+        cut = (2 - math.sqrt(2)) * self._reach
+        sides = [(x0 + cut, y0), (x1 - cut, y0), (x1, y0 + cut), (x1, y1 - cut)]
+        return np.array([*sides, *((x0 + x1 - x, y0 + y1 - y) for x, y in sides)])
 
     def add(self, depth_map: ShadowMaps, weight: float) -> None:
         """Adds what the model hides of the directions, above the horizon, from which `depth_map` shows it.
@@ -76,7 +86,7 @@ class ContactPatch:
         """(PATCH_SIZE, PATCH_SIZE) metres from the model's bounds; rows along y."""
         shares = (np.arange(PATCH_SIZE)[:, None] + 0.5) / PATCH_SIZE
         places = self.bounds[0] + shares * (self.bounds[1] - self.bounds[0])
-        beyond = np.maximum(np.maximum(self._model_bounds[0] - places, places - self._model_bounds[1]), 0.0)
+        beyond = np.maximum(np.maximum(self.model_bounds[0, :2] - places, places - self.model_bounds[1, :2]), 0.0)
         return np.asarray(np.hypot(beyond[None, :, 0], beyond[:, None, 1]))
 
     def fill(self, smooth: NDArray[np.float16]) -> None:

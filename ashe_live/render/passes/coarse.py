@@ -28,13 +28,13 @@ class CoarseBlur(NamedTuple):
     """A Gaussian at half the resolution."""
 
     variance: float  # of its kernel, in pixels of half the resolution
-    taps: int  # to each side of the middle one
+    taps: int  # to each side of the middle one, which it has at least one of
 
     @classmethod
     def of(cls, variance_px2: float) -> "CoarseBlur":
         """That whose result has the variance, in pixels of the framebuffer; at least LEAST_VARIANCE."""
         variance = max(variance_px2 - LEAST_VARIANCE, 0.0) / 4
-        return cls(variance, min(MOST_TAPS, math.ceil(KERNEL_SIGMAS * math.sqrt(variance))))
+        return cls(variance, min(MOST_TAPS, max(1, math.ceil(KERNEL_SIGMAS * math.sqrt(variance)))))
 
     @property
     def reach_px(self) -> int:
@@ -61,39 +61,44 @@ class CoarseLayers:
         self._targets: tuple[_Target, _Target] | None = None
         self._rectangles = WholeRectangle(ctx), WholeRectangle(ctx)
 
-    def draw(self, surface: Surface, region: Rectangle, blur: CoarseBlur) -> None:
+    def draw(self, surface: Surface, region: Rectangle, blur: CoarseBlur, spread: int) -> None:
         """Blurs `surface`'s layers where they are looked up in `region`, beside which they must be empty.
 
-        As far as `blur.reach_px` beyond it. Leaves another framebuffer bound.
+        As far as `blur.reach_px` beyond it. Their alpha says where the layers are even besides, as far as `spread`
+        pixels of half the resolution around. Leaves another framebuffer bound.
         """
         width, height = surface.size
         size = (width + 1) // 2, (height + 1) // 2
-        rows, both = self._targets_of(size)
-        wanted = _halved(grown(region, 2, surface.size))
+        first, second = self._targets_of(size)
         self._ctx.enable_only(moderngl.NOTHING)
+        wanted = _halved(grown(region, 2, surface.size))
+        in_rows = _above_and_below(wanted, blur.taps, size)
+        halving, blurring = self._rectangles
         surface.bind_layers()
-        halving, plain = self._rectangles
-        passes = (
-            (rows, 1, halving, _above_and_below(wanted, blur.taps, size), (2 / width, 2 / height), (2 / width, 0.0)),
-            (both, 0, plain, wanted, (1 / size[0], 1 / size[1]), (0.0, 1 / size[1])),
-        )
-        for target, halves, rectangle, within, texel, along in passes:
-            target.framebuffer.scissor = within
-            target.framebuffer.use()
-            self._ctx.viewport = (0, 0, *size)
-            program = self._programs.get("coarse", taps=blur.taps, halves=halves)
-            set_uniforms(program, weights=line_weights(*blur), texel=texel, along=along)
-            rectangle.draw(program)
-            target.bind(("added_light", "removed"))
+        self._draw_into(first, grown(wanted, blur.taps, size), halving, self._programs.get("halved"))
+        program = self._programs.get("coarse", taps=blur.taps, spread=min(spread, blur.taps))
+        set_uniforms(program, weights=line_weights(*blur))
+        for target, within, along in ((second, in_rows, (1, 0)), (first, wanted, (0, 1))):
+            set_uniforms(program, along=along)
+            self._draw_into(target, within, blurring, program)
 
     def bind(self) -> None:
         if self._targets is not None:
-            self._targets[1].bind(("coarse_light", "coarse_gone"))
+            self._targets[0].bind(("coarse_light", "coarse_gone"))
 
     def release(self) -> None:
         self._release_targets()
         for rectangle in self._rectangles:
             rectangle.release()
+
+    def _draw_into(
+        self, target: _Target, within: Rectangle, rectangle: WholeRectangle, program: moderngl.Program
+    ) -> None:
+        target.framebuffer.scissor = within
+        target.framebuffer.use()
+        self._ctx.viewport = (0, 0, *target.framebuffer.size)
+        rectangle.draw(program)
+        target.bind(("added_light", "removed"))
 
     def _targets_of(self, size: Size) -> tuple[_Target, _Target]:
         if self._targets is None or self._targets[0].light.size != size:

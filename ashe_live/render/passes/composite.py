@@ -35,7 +35,7 @@ class Composite:
         self._ctx = ctx
         self._programs = programs
         self._coarse = CoarseLayers(ctx, programs)
-        self._rectangle = WholeRectangle(ctx)
+        self._choosing, self._composing = WholeRectangle(ctx), WholeRectangle(ctx)
 
     def reach_px(self, viewport: Rectangle, frame: Frame, look: VideoLook) -> int:
         """How far beyond what was drawn the composite changes the picture, pixels of the framebuffer."""
@@ -61,24 +61,30 @@ class Composite:
         """
         frame = tracked.frame
         blurs = _blurs_of(viewport[2] / frame.size[0], look)
+        bends = {"bends": 1} if lens is not None else {}
         switches = {
             "wide": blurs.widest > blurs.variance,
-            "coarse": blurs.coarse is not None,
+            "coarse": look.chroma_blur_px > 0,
             "overexposed": look.is_overexposed,
-            "bends": lens is not None,
             "cut_out": is_cut_out,
         }
-        constants = {name: int(value) for name, value in switches.items() if value}
+        constants = bends | {name: int(value) for name, value in switches.items() if value}
+        choosing = self._programs.get("touched", **bends)
         program = self._programs.get("composite", reach=blurs.reach, **constants)
         within = grown(region, blurs.farthest, surface.size)
-        if blurs.coarse is not None:
-            self._coarse.draw(surface, within, blurs.coarse)
-            self._coarse.bind()
+        self._coarse.draw(surface, within, blurs.coarse, blurs.reach // 2)
+        self._coarse.bind()
         surface.bind_layers()
         video.bind()
+        where = {"viewport": tuple(map(float, viewport))}
+        if lens is not None:
+            lens.bind(tracked.camera)
+            where["region"] = tuple(map(float, within))
+            within = viewport
+        set_uniforms(choosing, **where)
         set_uniforms(
             program,
-            viewport=tuple(map(float, viewport)),
+            **where,
             weights=_weights(blurs.variance, blurs.reach),
             wide_weights=_weights(blurs.widest, blurs.reach),
             sharpening=look.sharpening,
@@ -87,21 +93,18 @@ class Composite:
             grain_px=(viewport[2] / frame.size[0], viewport[3] / frame.size[1]),
             seed=frame.index,
         )
-        if lens is not None:
-            lens.bind(tracked.camera)
-            set_uniforms(program, region=tuple(map(float, within)))
-            within = viewport
-        surface.colour.scissor = _right_of(viewport[0] + viewport[2] // 2, within) if is_split else within
-        surface.colour.use()
-        self._ctx.viewport = (0, 0, *surface.size)
-        self._ctx.enable_only(moderngl.NOTHING)
-        self._rectangle.draw(program)
-        surface.colour.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
+        if is_split:
+            within = _right_of(viewport[0] + viewport[2] // 2, within)
+        with surface.chosen.choosing(surface.choice, within):
+            self._choosing.draw(choosing)
+        with surface.chosen.restricted(surface.chosen_colour, within):
+            self._composing.draw(program)
         surface.colour.use()
 
     def release(self) -> None:
         self._coarse.release()
-        self._rectangle.release()
+        self._choosing.release()
+        self._composing.release()
 
 
 def _right_of(column: int, rectangle: Rectangle) -> Rectangle:
@@ -116,11 +119,11 @@ class _Blurs(NamedTuple):
     variance: float
     widest: float  # with which its brightness is compared; as `variance` where nothing is sharpened
     reach: int  # of both
-    coarse: CoarseBlur | None  # of its colours; None where they are as sharp as its brightness
+    coarse: CoarseBlur  # of its colours
 
     @property
     def farthest(self) -> int:
-        return self.reach if self.coarse is None else max(self.reach, self.coarse.reach_px)
+        return max(self.reach, self.coarse.reach_px)
 
 
 def _blurs_of(scale: float, look: VideoLook) -> _Blurs:
@@ -131,7 +134,7 @@ def _blurs_of(scale: float, look: VideoLook) -> _Blurs:
     """
     variance = 0.0 if look.blur_sigma_px is None else scale**2 * (look.blur_sigma_px**2 + BOX_VARIANCE_PX2)
     widest = variance + (scale**2 * SHARPENING_SIGMA_PX**2 if look.sharpening > 0 else 0.0)
-    coarse = CoarseBlur.of(variance + scale**2 * look.chroma_blur_px**2) if look.chroma_blur_px > 0 else None
+    coarse = CoarseBlur.of(variance + scale**2 * look.chroma_blur_px**2)
     return _Blurs(variance, widest, _reach(widest), coarse)
 
 

@@ -14,6 +14,7 @@ from ashe_live.render.lights.cast_shadows import LEAST_DISTANCE, MAX_SHADOW_HEIG
 from ashe_live.render.lights.ground_shadows import GroundShadows
 from ashe_live.render.lights.lighting import Lighting, Sun
 from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.occlusion.walls import WallLight
 from ashe_live.render.passes.standing import StandingGroup, StandingModel
 from ashe_live.render.passes.video import Video
 
@@ -29,6 +30,7 @@ class ShadowCatcher:
         self._outline: tuple[StandingGroup, Lighting, bytes] | None = None
         self._buffer: moderngl.Buffer | None = None
         self._fans: dict[moderngl.Program, moderngl.VertexArray] = {}
+        self._walls: list[WallLight] = []  # of each model
         self.polygon: Float = np.zeros((0, 3))  # (n, 3) convex, metres, marker frame
 
     def fit(self, models: StandingGroup, lighting: Lighting, shadows: ShadowMaps, covered: Float) -> None:
@@ -47,6 +49,13 @@ class ShadowCatcher:
         self.forget()
         self._buffer = self._ctx.buffer(np.ascontiguousarray(hull))
         self._outline = (models, lighting, key)
+
+    def follow(self, models: StandingGroup, lighting: Lighting, shadows: GroundShadows) -> None:
+        """Readies what depends on neither camera nor video. Leaves another framebuffer bound."""
+        while len(self._walls) < len(models.members):
+            self._walls.append(WallLight(self._ctx, self._programs))
+        for walls, model in zip(self._walls, models.members, strict=False):
+            walls.follow(model.contact, model.marker_from_placed, lighting, shadows)
 
     def draw(
         self,
@@ -94,7 +103,7 @@ class ShadowCatcher:
         program = self._programs.get("catcher", **constants)
         if hidden is not None:
             hidden.bind(program)
-        self._draw_fan(program, first, shadows, uniforms)
+        self._draw_fan(program, first, self._walls[0], shadows, uniforms)
         if others and darkens:
             # What each lets through multiplies: 1 - (1 - removed) (1 - drawn).
             self._ctx.enable_only(moderngl.DEPTH_TEST | moderngl.BLEND)
@@ -102,25 +111,29 @@ class ShadowCatcher:
             # On the polygon that has just been drawn.
             self._ctx.depth_func = "<="
             constants.pop("covers", None)
-            for model in others:
+            for model, walls in zip(others, self._walls[1:], strict=False):
                 program = self._programs.get("catcher", contact_alone=1, **constants)
-                self._draw_fan(program, model, shadows, uniforms)
+                self._draw_fan(program, model, walls, shadows, uniforms)
             self._ctx.depth_func = "<"
         self._ctx.polygon_offset = 0.0, 0.0
 
     def _draw_fan(
-        self, program: moderngl.Program, model: StandingModel, shadows: GroundShadows, uniforms: dict[str, Any]
+        self,
+        program: moderngl.Program,
+        model: StandingModel,
+        walls: WallLight,
+        shadows: GroundShadows,
+        uniforms: dict[str, Any],
     ) -> None:
         """Draws the polygon with the contact of one model."""
         shadows.bind(program)
         model.contact.bind(program)
+        walls.bind()
         set_uniforms(
             program,
             placed_from_marker=model.placed_from_marker,
             marker_from_placed=model.marker_from_placed,
             model_albedo=tuple(model.model.albedo),
-            model_bounds=tuple(model.model.placed.bounds[:, :2].ravel()),
-            model_height=float(model.model.placed.bounds[1, 2]),
             **uniforms,
         )
         if program not in self._fans:
@@ -128,14 +141,22 @@ class ShadowCatcher:
         self._fans[program].render(moderngl.TRIANGLE_FAN)
 
     def forget(self) -> None:
-        """Drops the polygon, and with it the reference to the models."""
+        """Drops the polygon, and the references to the models."""
         self._outline = None
+        for walls in self._walls:
+            walls.forget()
         for fan in self._fans.values():
             fan.release()
         self._fans.clear()
         if self._buffer is not None:
             self._buffer.release()
         self._buffer = None
+
+    def release(self) -> None:
+        self.forget()
+        for walls in self._walls:
+            walls.release()
+        self._walls.clear()
 
 
 def _shadow_points(points: Float, sun: Sun, blur_m: float) -> Float:

@@ -1,18 +1,17 @@
 """Smooths the model's outlines in layers that were drawn with one sample a pixel.
 
-Several samples a pixel double the price of a picture on a software rasteriser; this adds a quarter.
+Several samples a pixel double the price of a picture on a software rasteriser.
 """
+
+from typing import NamedTuple
 
 import moderngl
 
-from ashe_live.core.camera import Size
-from ashe_live.render.gl.framing import Rectangle
+from ashe_live.render.gl.framing import Rectangle, grown
 from ashe_live.render.gl.programs import Programs
 from ashe_live.render.gl.rectangle import WholeRectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 from ashe_live.render.passes.surface import Surface
-
-UNTOUCHED = (0.0, 0.0, 0.0, -1.0)  # by which the shader knows the pixels that it has left alone
 
 
 class Outlines:
@@ -21,50 +20,50 @@ class Outlines:
     def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
         self._ctx = ctx
         self._programs = programs
-        self._rectangles = WholeRectangle(ctx), WholeRectangle(ctx)
-        self._found: list[moderngl.Texture] = []
-        self._framebuffer: moderngl.Framebuffer | None = None
+        self._rectangles = WholeRectangle(ctx), WholeRectangle(ctx), WholeRectangle(ctx)
+        self._surface: Surface | None = None  # the one that the rest is for
+        self._found: _Found | None = None
 
     def smooth(self, surface: Surface, region: Rectangle) -> None:
-        """Within `region`, which holds the model. Leaves another framebuffer bound."""
-        framebuffer = self._framebuffer_of(surface.size)
-        self._ctx.enable_only(moderngl.NOTHING)
-        framebuffer.clear(*UNTOUCHED, viewport=region)
-        finding, putting_back = self._rectangles
+        """Within `region`, which holds the model and a pixel around it. Leaves another framebuffer bound."""
+        found = self._found_of(surface)
+        finding, smoothing, putting_back = self._rectangles
         surface.bind_layers()
-        self._draw(framebuffer, region, finding, self._programs.get("outlines"))
-        for texture, name in zip(self._found, ("added_light", "removed"), strict=True):
+        with surface.chosen.choosing(found.step_framebuffer, grown(region, 2, surface.size)):
+            finding.draw(self._programs.get("outlines", find=1))
+        found.steps.use(UNIT_OF["outline_steps"])
+        with surface.chosen.restricted(found.framebuffer, region):
+            smoothing.draw(self._programs.get("outlines"))
+        for texture, name in zip(found.layers, ("added_light", "removed"), strict=True):
             texture.use(UNIT_OF[name])
-        self._draw(surface.layered, region, putting_back, self._programs.get("outlines", put_back=1))
+        with surface.chosen.restricted(surface.chosen_layers, region):
+            putting_back.draw(self._programs.get("outlines", put_back=1))
 
     def release(self) -> None:
         for rectangle in self._rectangles:
             rectangle.release()
         self._release_found()
 
-    def _draw(
-        self,
-        target: moderngl.Framebuffer,
-        region: Rectangle,
-        rectangle: WholeRectangle,
-        program: moderngl.Program,
-    ) -> None:
-        target.scissor = region
-        target.use()
-        self._ctx.viewport = (0, 0, *target.size)
-        rectangle.draw(program)
-        target.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
-
-    def _framebuffer_of(self, size: Size) -> moderngl.Framebuffer:
-        if self._framebuffer is None or self._framebuffer.size != size:
+    def _found_of(self, surface: Surface) -> "_Found":
+        if self._found is None or self._surface is not surface:
             self._release_found()
-            self._found = [self._ctx.texture(size, 4, dtype="f2") for _ in range(2)]
-            self._framebuffer = self._ctx.framebuffer(self._found)
-        return self._framebuffer
+            steps = self._ctx.texture(surface.size, 4)
+            layers = [self._ctx.texture(surface.size, 4, dtype="f2") for _ in range(2)]
+            self._found = _Found(steps, surface.chosen.framebuffer([steps]), layers, surface.chosen.framebuffer(layers))
+            self._surface = surface
+        return self._found
 
     def _release_found(self) -> None:
-        if self._framebuffer is not None:
-            self._framebuffer.release()
-        for texture in self._found:
-            texture.release()
-        self._framebuffer, self._found = None, []
+        if self._found is not None:
+            for framebuffer in (self._found.framebuffer, self._found.step_framebuffer):
+                framebuffer.release()
+            for texture in (self._found.steps, *self._found.layers):
+                texture.release()
+        self._found = self._surface = None
+
+
+class _Found(NamedTuple):
+    steps: moderngl.Texture
+    step_framebuffer: moderngl.Framebuffer
+    layers: list[moderngl.Texture]  # as they will be where there are steps
+    framebuffer: moderngl.Framebuffer

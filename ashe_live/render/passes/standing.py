@@ -28,9 +28,8 @@ class StandingModel:
 
     @property
     def contact_corners(self) -> Float:
-        """(4, 2) metres, marker frame: where the contact patch ends."""
-        (x0, y0), (x1, y1) = self.contact.bounds
-        corners = np.array([(x0, y0, 0), (x1, y0, 0), (x1, y1, 0), (x0, y1, 0)])
+        """(8, 2) metres, marker frame: around where the contact ends."""
+        corners = np.column_stack([self.contact.corners, np.zeros(8)])
         return np.asarray(transform_points(self.marker_from_placed, corners)[:, :2])
 
     def render_depth(self, clip_from_marker: Float) -> None:

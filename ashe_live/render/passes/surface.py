@@ -10,6 +10,8 @@ import numpy as np
 
 from ashe_live.core.arrays import Image
 from ashe_live.core.camera import Size
+from ashe_live.render.gl.chosen import ChosenPixels
+from ashe_live.render.gl.clearing import clear_part
 from ashe_live.render.gl.framing import Rectangle
 from ashe_live.render.gl.texture_units import UNIT_OF
 
@@ -19,7 +21,8 @@ class Surface:
 
     The layers hold linear light, so that they can be blurred: `added_light` is the light that the model sends to the
     camera (alpha: the fraction of the pixel that it covers), `removed` the fraction of the video's light that it takes
-    away, by covering it or by its shadow. What is drawn blends into both alike, premultiplied.
+    away, by covering it or by its shadow. What is drawn blends into both alike, premultiplied. `chosen_colour` and
+    `chosen_layers` are picture and finished layers, drawn into where pixels are `chosen`; `choice` is for choosing.
     """
 
     def __init__(self, ctx: moderngl.Context, size: Size, samples: int) -> None:
@@ -31,36 +34,47 @@ class Surface:
         self.layers = [ctx.texture(size, 4, dtype="f2") for _ in range(2)]
         for layer in self.layers:  # what is at one border of the picture is not blurred into the other
             layer.repeat_x = layer.repeat_y = False
-        many = [ctx.renderbuffer(size, samples=self.samples, dtype="f2") for _ in range(2)] if self.samples else []
-        self._depth = ctx.depth_renderbuffer(size, samples=self.samples)
-        self._drawn = ctx.framebuffer(many or self.layers, self._depth)
-        # Framebuffers without depth, for copies: OpenGL refuses to copy between depth buffers of different kinds.
+        self.chosen = ChosenPixels(ctx, size)
+        self.choice = self.chosen.framebuffer([])
+        self.chosen_colour = self.chosen.framebuffer([self._colour])
+        self.chosen_layers = self.chosen.framebuffer(self.layers)  # its depth is also that of what is drawn
+        # Without depth, for copies: OpenGL refuses to copy between depth buffers of different kinds.
         self._resolved = ctx.framebuffer(self.layers)
-        self._many = ctx.framebuffer(many) if many else None
-        self._held: list[Any] = [self.colour, self._drawn, self._resolved, *([self._many] if self._many else [])]
-        self._held += [self._colour, *self.layers, *many, self._depth]
+        self._held: list[Any] = [self.colour, self.choice, self.chosen_colour, self.chosen_layers, self._resolved]
+        self._held += [self.chosen, self._colour, *self.layers]
+        self._many: tuple[moderngl.Framebuffer, moderngl.Framebuffer, moderngl.Framebuffer] | None = None
+        if self.samples:
+            many = [ctx.renderbuffer(size, samples=self.samples, dtype="f2") for _ in range(2)]
+            depth = ctx.depth_renderbuffer(size, samples=self.samples)
+            self._many = ctx.framebuffer(many, depth), ctx.framebuffer(many), ctx.framebuffer(depth_attachment=depth)
+            self._held += [*self._many, *many, depth]
         self._rgba = np.empty((size[1], size[0], 4), np.uint8)
         self._bgr = np.empty((size[1], size[0], 3), np.uint8)
 
     @contextmanager
-    def drawing(self, region: Rectangle) -> Iterator[None]:
-        """Binds the layers, `region` of which is empty and has fresh depth, and has that region ready at the end."""
-        self._drawn.clear(viewport=region)
+    def drawing(self, region: Rectangle, several_samples: bool = False, over_drawn: bool = False) -> Iterator[None]:
+        """Binds the layers, `region` of which is empty and has fresh depth, and has that region ready at the end.
+
+        `several_samples`: with as many a pixel as the surface has. `over_drawn`: these are not empty, but have what was
+        drawn with one.
+        """
+        many = self._many if several_samples else None
+        drawn = self.chosen_layers if many is None else many[0]
+        drawn.depth_mask = True
+        clear_part(many[2] if many is not None and over_drawn else drawn, region)
         # moderngl tells OpenGL of a scissor only when the framebuffer is bound after it was set.
-        self._drawn.scissor = region
-        self._drawn.use()
+        drawn.scissor = region
+        drawn.use()
+        if many is not None and over_drawn:
+            self._ctx.copy_framebuffer(many[1], self._resolved)
         try:
             yield
         finally:
-            if self._many is not None:
+            if many is not None:
                 # Still within the scissor.
-                self._ctx.copy_framebuffer(self._resolved, self._many)
+                self._ctx.copy_framebuffer(self._resolved, many[1])
+            drawn.scissor = None  # type: ignore[assignment]  # moderngl's stub knows no "none"
             self.colour.use()
-
-    @property
-    def layered(self) -> moderngl.Framebuffer:
-        """The layers as they are once `drawing` has ended, without depth."""
-        return self._resolved
 
     def bind_layers(self) -> None:
         """For programs that read them as `added_light` and `removed`."""

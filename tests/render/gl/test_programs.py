@@ -9,28 +9,29 @@ import pytest
 from ashe_live.errors import UserError
 from ashe_live.files.resources import resource
 from ashe_live.render.gl import offscreen, programs
-from ashe_live.render.gl.programs import shader_source
+from ashe_live.render.gl.programs import shader_source, shaders_of
 from ashe_live.render.gl.texture_units import UNIT_OF
 from tests.render.uniform_audit import UniformError
 
 LEAST_UNITS = 16  # that OpenGL 3.3 has for fragment shaders
-PASSES = sorted(path.stem for path in resource("shaders").glob("*.vert"))
+PASSES = sorted(path.stem for path in resource("shaders").glob("*.frag"))
 
 
-def test_every_pass_has_a_pair_of_shaders() -> None:
-    assert sorted(path.stem for path in resource("shaders").glob("*.frag")) == PASSES
+def test_every_vertex_shader_belongs_to_a_pass() -> None:
+    used = {shaders_of(name)[0] for name in PASSES}
+    assert used == {path.name for path in resource("shaders").glob("*.vert")}
 
 
 @pytest.mark.parametrize("name", PASSES)
 def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> None:
-    for suffix in (".vert", ".frag"):
-        assert shader_source(name + suffix).startswith("#version 330 core\n")
+    for file_name in shaders_of(name):
+        assert shader_source(file_name).startswith("#version 330 core\n")
     for lights, casters, blocker_taps in ((0, 1, 0), (1, 1, 0), (1, 2, 8), (4, 2, 16)):
         constants = {"lights": lights, "casters": casters, "blocker_taps": blocker_taps, "soft_taps": 16}
         constants |= {
             "reach": casters,
             "taps": casters,
-            "halves": casters - 1,
+            "spread": casters - 1,
             **({"bends": 1, "coarse": 1} if casters == 2 else {}),
         }
         if name not in ("contact", "ground_shadow", "self_occlusion") or lights:
@@ -39,7 +40,7 @@ def test_shaders_are_core_3_3_and_compile(ctx: moderngl.Context, name: str) -> N
 
 @pytest.mark.parametrize("name", PASSES)
 def test_what_a_pass_samples_has_units_of_its_own(name: str) -> None:
-    samplers = re.findall(r"uniform sampler\w+ (\w+)", shader_source(f"{name}.vert") + shader_source(f"{name}.frag"))
+    samplers = re.findall(r"uniform sampler\w+ (\w+)", "".join(map(shader_source, shaders_of(name))))
     units = [UNIT_OF[sampler] for sampler in samplers]
     assert len(set(units)) == len(units)
     assert all(0 <= unit < LEAST_UNITS for unit in units)

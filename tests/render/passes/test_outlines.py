@@ -72,3 +72,15 @@ def test_what_changes_steadily_is_left_as_it_is(smoothed) -> None:
     removed = np.ones((SIDE, SIDE, 4))
     for found, given in zip(smoothed(added, removed), (added, removed), strict=True):
         np.testing.assert_array_equal(found, given.astype(np.float16))
+
+
+@pytest.mark.parametrize("is_painted", [True, False])
+def test_only_steps_between_surfaces_are_smoothed(smoothed, is_painted: bool) -> None:
+    """A dark half beside a bright one, of one surface or of two, as `removed`'s alpha has it."""
+    inside = _below_line(0.3, 1)
+    added = np.where(inside[..., None], (0.6, 0.6, 0.6, 1.0), (0.1, 0.1, 0.1, 1.0))
+    removed = np.ones((SIDE, SIDE, 4))
+    removed[..., 3] = 0.7 if is_painted else np.where(inside, 0.7, -0.2)
+    light, _ = smoothed(added, removed)
+    changed = np.abs(light - added.astype(np.float16)).max(axis=2) > 0.01
+    assert changed.any() != is_painted

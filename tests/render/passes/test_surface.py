@@ -33,3 +33,19 @@ def test_only_the_region_is_emptied_and_drawn(ctx: moderngl.Context, samples: in
         held.release()
     ctx.detect_framebuffer(0).use()
     assert ctx.error == "GL_NO_ERROR"
+
+
+def test_several_samples_begin_with_what_one_has_drawn(ctx: moderngl.Context) -> None:
+    surface = Surface(ctx, (60, 40), 4)
+    with surface.drawing((0, 0, 60, 40)):
+        pass
+    values = np.random.default_rng(3).uniform(-0.5, 1.5, (2, 40, 60, 4)).astype(np.float16)
+    for layer, each in zip(surface.layers, values, strict=True):
+        layer.write(each.tobytes())
+    with surface.drawing(REGION, several_samples=True, over_drawn=True):
+        pass
+    for layer, each in zip(surface.layers, values, strict=True):
+        np.testing.assert_array_equal(np.frombuffer(layer.read(), np.float16).reshape(40, 60, 4), each)
+    surface.release()
+    ctx.detect_framebuffer(0).use()
+    assert ctx.error == "GL_NO_ERROR"

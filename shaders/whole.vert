@@ -1,4 +1,4 @@
-// The whole framebuffer; the scissor restricts it to the part of the picture that may change.
+// The whole framebuffer, of passes that have no vertex shader of their own; a scissor restricts them to a part of it.
 #version 330 core
 
 void main() {

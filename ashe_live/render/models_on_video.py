@@ -1,0 +1,142 @@
+"""Draws a scene's models onto the video, with all that this takes: light, shadows, layers and their composite."""
+
+from functools import partial
+
+import moderngl
+import numpy as np
+
+from ashe_live.core.proxy import Proxy
+from ashe_live.render.gl.framing import Rectangle, framing, grown, letterbox
+from ashe_live.render.gl.preset import RenderPreset
+from ashe_live.render.gl.programs import Programs
+from ashe_live.render.layers import LayerPasses
+from ashe_live.render.lights.environment import Environment
+from ashe_live.render.lights.ground_shadows import GroundShadows
+from ashe_live.render.lights.photometry import Photometry
+from ashe_live.render.lights.shadow_maps import ShadowMaps
+from ashe_live.render.passes.composite import Composite
+from ashe_live.render.passes.lens import Lens
+from ashe_live.render.passes.light_sign import light_sign
+from ashe_live.render.passes.model_pass import LookedUp, ShadingInputs
+from ashe_live.render.passes.outlines import Outlines
+from ashe_live.render.passes.standing import StandingGroup
+from ashe_live.render.passes.surface import Surface
+from ashe_live.render.passes.video import Video
+from ashe_live.render.scene import Scene
+
+
+class ModelsOnVideo:
+    """Everything between the bare video and the overlays, of one renderer."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs, preset: RenderPreset, video: Video) -> None:
+        """`video`: what is shown behind the models."""
+        self._ctx = ctx
+        self._programs = programs
+        self._preset = preset
+        self._video = video
+        self._straight_video = Video(ctx)
+        self._lens = Lens(ctx)
+        self._outlines = Outlines(ctx, programs)
+        self._composite = Composite(ctx, programs)
+        self.layers = LayerPasses(ctx, programs)
+        self._make_for_preset()
+
+    def use_preset(self, preset: RenderPreset) -> None:
+        """Changes the quality between two pictures."""
+        self.layers.catcher.forget()
+        self._release_for_preset()
+        self._preset = preset
+        self._make_for_preset()
+
+    @property
+    def looked_up(self) -> LookedUp:
+        return LookedUp(self.shadows, self._ground_shadows, self._environment)
+
+    def follow_real_object(self, proxy: Proxy | None) -> None:
+        if self.layers.follow_real_object(proxy):
+            self.shadows.forget()
+
+    def forget_models(self) -> None:
+        """Drops the references to what was drawn last."""
+        self.shadows.forget()
+        self.layers.catcher.forget()
+
+    def draw(self, surface: Surface, models: StandingGroup, scene: Scene, bends: bool, at_once: bool) -> None:
+        """Onto the video in `surface`, of a scene with a marker.
+
+        `bends`: the picture is that of the camera's own lens; else that of a pinhole camera. `at_once`: what hides the
+        marker is in the very next picture, however long that takes.
+        """
+        tracked = scene.tracked
+        assert tracked is not None
+        assert tracked.marker is not None
+        lighting = self.photometry.lighting(scene.illumination)
+        self.shadows.render((models,) if self.layers.real is None else (models, self.layers.real), lighting)
+        self._ground_shadows.render(self.shadows, lighting)
+        hidden = self.layers.follow_sheet(scene, at_once)
+        covered = np.zeros((0, 2)) if hidden is None else hidden.corners
+        self.layers.catcher.fit(models, lighting, self.shadows, covered)
+        self.layers.catcher.follow(models, lighting, self._ground_shadows)
+        viewport = letterbox(tracked.frame.size, surface.size)
+        camera = self._lens.pinhole_of(tracked.camera) if bends else tracked.camera
+        T_cam_marker = tracked.marker.T_cam_marker
+        signed = scene.illumination.lights if scene.shows_light else ()
+        signs = [light_sign(models.members[0].corners, light, camera, T_cam_marker) for light in signed]
+        standing = np.concatenate([models.corners, *(sign.corners for sign in signs)])
+        drawn = np.concatenate([standing, self.layers.catcher.polygon])
+        frame = framing(camera, T_cam_marker, drawn, viewport)
+        if frame is None:
+            return
+        look = self.photometry.look(tracked, scene.illumination)
+        self._environment.show(scene.illumination, look.white_rgb, covered)
+        straight = self._video
+        if bends and self.shadows.shadows_meet:
+            straight = self._straight_video
+            straight.show(tracked, viewport, camera)
+        reach = self._composite.reach_px(viewport, tracked.frame, look)
+        inputs = ShadingInputs(frame, lighting, self.looked_up, look.white_rgb)
+        draw = partial(self.layers.draw, models, inputs, signs, scene, straight, hidden, self.photometry)
+        with surface.drawing(grown(frame.region, 2 * reach + 1, surface.size)):
+            draw(has_models=surface.samples == 0)
+        real = [] if self.layers.real is None else [self.layers.real.points]
+        if surface.samples and (scene.shows_model or signs or real):
+            # The ground is as smooth with one sample, and several are dear: they are for where the edges are.
+            edged = framing(camera, T_cam_marker, np.concatenate([standing, *real]), viewport)
+            within = (0, 0, 0, 0) if edged is None else _common(grown(edged.region, 1, surface.size), frame.region)
+            if min(within[2:]) > 0:
+                # But for the border of the real object, before which the ground ends.
+                has_ground = self.layers.real is None
+                with surface.drawing(within, several_samples=True, over_drawn=has_ground):
+                    draw(has_ground=has_ground)
+        elif scene.shows_model and not surface.samples:
+            model = framing(camera, T_cam_marker, models.corners, viewport)
+            if model is not None:
+                self._outlines.smooth(surface, grown(model.region, 1, surface.size))
+        lens = self._lens if bends else None
+        self._composite.draw(
+            surface, frame.region, viewport, self._video, tracked, look, lens, scene.is_split, scene.is_cut_out
+        )
+
+    def release(self) -> None:
+        self.layers.follow_real_object(None)
+        for held in (self.layers, self._straight_video, self._outlines, self._composite, self._lens):
+            held.release()
+        self._release_for_preset()
+
+    def _make_for_preset(self) -> None:
+        self._environment = Environment(self._ctx, self._preset.environment_size)
+        self.shadows = ShadowMaps(self._ctx, self._preset)
+        self._ground_shadows = GroundShadows(self._ctx, self._programs, self._preset)
+        self.photometry = Photometry(self._preset)
+
+    def _release_for_preset(self) -> None:
+        self.shadows.release()
+        self._ground_shadows.release()
+        self._environment.release()
+
+
+def _common(some: Rectangle, other: Rectangle) -> Rectangle:
+    """What two rectangles share; without width or height where that is nothing."""
+    left, bottom = max(some[0], other[0]), max(some[1], other[1])
+    right, top = min(some[0] + some[2], other[0] + other[2]), min(some[1] + some[3], other[1] + other[3])
+    return left, bottom, max(0, right - left), max(0, top - bottom)

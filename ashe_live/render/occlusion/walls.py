@@ -1,0 +1,63 @@
+"""The light that the ground throws onto the sides of a model, as far as these are seen from the ground around it."""
+
+import moderngl
+
+from ashe_live.core.arrays import Float
+from ashe_live.render.gl.canvas import Canvas
+from ashe_live.render.gl.programs import Programs, set_uniforms
+from ashe_live.render.gl.rectangle import WholeRectangle
+from ashe_live.render.gl.texture_units import UNIT_OF
+from ashe_live.render.lights.ground_shadows import GroundShadows
+from ashe_live.render.lights.lighting import Lighting
+from ashe_live.render.lights.shadow_maps import same_objects
+from ashe_live.render.occlusion.contact import PATCH_SIZE, ContactPatch
+
+
+class WallLight:
+    """Of one model, in a texture over its contact patch; drawn again when model, shadow or light changes."""
+
+    def __init__(self, ctx: moderngl.Context, programs: Programs) -> None:
+        self._ctx = ctx
+        self._programs = programs
+        self._canvas = Canvas(ctx, 4, "f4")
+        self._rectangle = WholeRectangle(ctx)
+        self._drawn_for: tuple[object, ...] = ()
+
+    def follow(
+        self, contact: ContactPatch, marker_from_placed: Float, lighting: Lighting, shadows: GroundShadows
+    ) -> None:
+        """`marker_from_placed`: (4, 4), where the model stands. Leaves another framebuffer bound."""
+        wanted = contact, marker_from_placed, lighting, shadows.content
+        if same_objects(self._drawn_for, wanted):
+            return
+        self._drawn_for = wanted
+        program = self._programs.get("walls", casters=1, **lighting.constants)
+        shadows.bind(program)
+        contact.bind(program)
+        set_uniforms(
+            program,
+            marker_from_placed=marker_from_placed,
+            model_bounds=tuple(contact.model_bounds[:, :2].ravel()),
+            model_height=float(contact.model_bounds[1, 2]),
+            ground_bounce=lighting.bounce,
+            sun_on_ground=lighting.ground_shares,
+        )
+        _, framebuffer = self._canvas.of_size((PATCH_SIZE, PATCH_SIZE))
+        framebuffer.use()
+        self._ctx.viewport = (0, 0, PATCH_SIZE, PATCH_SIZE)
+        self._ctx.enable_only(moderngl.NOTHING)
+        self._rectangle.draw(program)
+
+    def bind(self) -> None:
+        """For programs that read it as `walls`."""
+        texture, _ = self._canvas.of_size((PATCH_SIZE, PATCH_SIZE))
+        texture.use(UNIT_OF["walls"])
+
+    def forget(self) -> None:
+        """Drops the reference to the model."""
+        self._drawn_for = ()
+
+    def release(self) -> None:
+        self.forget()
+        self._canvas.release()
+        self._rectangle.release()

@@ -1,0 +1,29 @@
+// Both layers at half the resolution: the means of two by two pixels.
+#version 330 core
+
+uniform sampler2D added_light;
+uniform sampler2D removed;
+
+layout(location = 0) out vec4 halved_light;  // none brighter than a picture shows: a camera's colours are blurred after that
+layout(location = 1) out vec4 halved_gone;  // alpha: 0 where nothing is, else 1 and by how much the four pixels differ
+
+void main() {
+    ivec2 last = textureSize(added_light, 0) - 1, lower = 2 * ivec2(gl_FragCoord.xy);
+    vec4 light = vec4(0.0), least_light = vec4(1e4), most_light = vec4(-1e4);
+    vec3 gone = vec3(0.0), least_gone = vec3(1e4), most_gone = vec3(-1e4);
+    for (int k = 0; k < 4; ++k) {
+        ivec2 at = min(lower + ivec2(k & 1, k >> 1), last);
+        vec4 light_there = texelFetch(added_light, at, 0);
+        vec3 gone_there = texelFetch(removed, at, 0).rgb;
+        light += 0.25 * min(light_there, 1.0);
+        gone += 0.25 * gone_there;
+        least_light = min(least_light, light_there);
+        most_light = max(most_light, light_there);
+        least_gone = min(least_gone, gone_there);
+        most_gone = max(most_gone, gone_there);
+    }
+    vec4 differs = max(most_light - least_light, vec4(most_gone - least_gone, 0.0));
+    bool is_empty = most_light == vec4(0.0) && least_gone == vec3(0.0) && most_gone == vec3(0.0);
+    halved_light = light;
+    halved_gone = vec4(gone, is_empty ? 0.0 : 1.0 + max(max(differs.r, differs.g), max(differs.b, differs.a)));
+}

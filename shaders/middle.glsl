@@ -1,0 +1,23 @@
+// Where in the layers a pixel of the picture is.
+
+uniform vec4 viewport;  // left, bottom, width, height in pixels
+#ifdef BENDS
+uniform sampler2D straight_from_bent;  // undistorted coordinates by those of the video; a coarse grid
+uniform vec4 region;  // of the pinhole picture, in which something was drawn
+#endif
+
+// In pixels of the layers.
+vec2 middle_of_blurs() {
+#ifdef BENDS
+    vec2 nodes = vec2(textureSize(straight_from_bent, 0));
+    vec2 at = (gl_FragCoord.xy - viewport.xy) / viewport.zw;
+    return viewport.xy + texture(straight_from_bent, (at * (nodes - 1.0) + 0.5) / nodes).xy * viewport.zw;
+#else
+    return gl_FragCoord.xy;
+#endif
+}
+
+// The same in the coordinates of a texture of half the resolution.
+vec2 in_coarse(vec2 middle, sampler2D coarse) {
+    return middle / (2.0 * vec2(textureSize(coarse, 0)));
+}
