@@ -1,6 +1,6 @@
 """Smooths the model's outlines in layers that were drawn with one sample a pixel.
 
-Several samples a pixel cost three times as much on a software rasteriser (docs/performance.md).
+Several samples a pixel cost nearly four times as much on a software rasteriser (docs/performance.md).
 """
 
 from typing import NamedTuple
