@@ -9,9 +9,10 @@ DIST ?= dist
 demo: $(VENV)/demo.stamp
 	$(BIN)/ashe-live demo
 
-# tests/conftest.py parts the tests between two processes.
+# tests/conftest.py parts the tests between two processes. As in the program itself, matrices are small: a second thread of
+# OpenBLAS doubles the processor time of the light's tests.
 test: $(VENV)/test.stamp check
-	$(BIN)/pytest -n 2 --dist loadgroup
+	OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n 2 --dist loadgroup
 
 check: $(VENV)/test.stamp
 	$(BIN)/ruff check .
